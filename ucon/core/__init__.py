@@ -1,0 +1,1 @@
+"""Ground floor: frames, seeded random streams, typed errors, atomic files with checksums."""

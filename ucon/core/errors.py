@@ -1,0 +1,47 @@
+"""Typed errors. Each says what was wrong, where, what was expected and what to do.
+
+Entry points catch :class:`UconError` and end in one line; anything else is a bug and keeps its traceback.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class UconError(Exception):
+    """Base of every error that a user can cause and mend."""
+
+
+class DataError(UconError):
+    """A file is missing, truncated, altered, or does not say what it should."""
+
+
+class ConfigError(UconError):
+    """An option, name or combination of options that does not exist."""
+
+
+class SceneError(UconError):
+    """A home that cannot be built, or a scene that does not exist."""
+
+
+class PlacementError(UconError):
+    """An object that cannot be put where it was asked to go."""
+
+
+class EpisodeError(UconError):
+    """An episode that cannot be sampled, loaded or replayed."""
+
+
+def unknown_name(kind: str, name: str, known: Iterable[str], *, remedy: str = "") -> str:
+    """One line for a name that does not exist, with the nearest ones that do."""
+    names = sorted(known)
+    close = difflib.get_close_matches(name, names, n=3)
+    hint = f"did you mean {', '.join(close)}?" if close else _sample(names)
+    return f"unknown {kind} '{name}': {hint}{' ' + remedy if remedy else ''}"
+
+
+def _sample(names: list[str]) -> str:
+    shown = ", ".join(names[:12])
+    more = f", ... ({len(names)} in all)" if len(names) > 12 else ""
+    return f"expected one of {shown}{more}"

@@ -1,0 +1,87 @@
+"""Atomic files and SHA-256 manifests: a file is either whole and verified, or it is an error."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from ucon.core.errors import DataError
+
+MANIFEST = "MANIFEST.json"
+
+
+def sha256_bytes(data: bytes) -> str:
+    """Hex SHA-256 of ``data``."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def sha256_file(path: Path) -> str:
+    """Hex SHA-256 of a file, read in pieces."""
+    digest = hashlib.sha256()
+    with path.open("rb") as file:
+        while chunk := file.read(1 << 20):
+            digest.update(chunk)
+    return digest.hexdigest()
+
+
+def write_atomic(path: Path, data: bytes | str) -> None:
+    """Write to a temporary name beside ``path``, sync, rename. Never leaves half a file."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    raw = data.encode() if isinstance(data, str) else data
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(raw)
+            file.flush()
+            os.fsync(file.fileno())
+        os.chmod(temporary, 0o644)  # noqa: PTH101 (mkstemp makes 0600)
+        os.replace(temporary, path)  # noqa: PTH105
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def canonical_json(value: Any) -> str:
+    """JSON with sorted keys and no spaces: the text that hashes are made of."""
+    return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+
+
+def write_manifest(folder: Path, names: Iterable[str]) -> None:
+    """Record size and SHA-256 of ``names`` in ``folder/MANIFEST.json``."""
+    entries = {
+        name: {"bytes": (folder / name).stat().st_size, "sha256": sha256_file(folder / name)}
+        for name in sorted(names)
+    }
+    write_atomic(folder / MANIFEST, json.dumps({"files": entries}, indent=1) + "\n")
+
+
+def read_verified(path: Path) -> bytes:
+    """Bytes of ``path``, checked against the manifest in its folder.
+
+    Raises:
+        DataError: the file or its manifest entry is missing, or size or checksum differ.
+    """
+    manifest = path.parent / MANIFEST
+    if not path.is_file():
+        raise DataError(f"{path}: no such file")
+    try:
+        entry = json.loads(manifest.read_text())["files"][path.name]
+        expected, size = entry["sha256"], entry["bytes"]
+    except FileNotFoundError:
+        raise DataError(
+            f"{manifest}: missing, so {path.name} cannot be verified; restore it from the release"
+        ) from None
+    except (ValueError, KeyError, TypeError):
+        raise DataError(f"{manifest}: no usable entry for {path.name}; restore it from the release") from None
+    data = path.read_bytes()
+    if len(data) != size or sha256_bytes(data) != expected:
+        raise DataError(
+            f"{path}: {len(data)} bytes with SHA-256 {sha256_bytes(data)[:12]}, expected {size} bytes with "
+            f"{expected[:12]}; the file is truncated or altered, restore it from the release"
+        )
+    return data

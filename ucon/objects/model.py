@@ -1,0 +1,142 @@
+"""What an object is made of: parts, joints, and the places where other things can be.
+
+Object frame: origin at the centre of the footprint on the floor plane (z = 0 is the bottom), +x is the
+front, +y its left, z up; metres. A model is a value: the same (category, size, tint) is the same model.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Literal
+
+Vec3 = tuple[float, float, float]
+Box3 = tuple[float, float, float, float, float, float]
+"""x0, y0, z0, x1, y1, z1 in metres."""
+
+Shape = Literal["box", "cylinder", "sphere", "wedge"]
+Relation = Literal["ontop", "inside", "under", "nextto"]
+RELATIONS: tuple[Relation, ...] = ("ontop", "inside", "under", "nextto")
+
+
+class Material(IntEnum):
+    """What a surface looks like; the renderer has one procedural texture for each."""
+
+    PLAIN = 0
+    WOOD = 1
+    FABRIC = 2
+    METAL = 3
+    GLASS = 4
+    TILE = 5
+    PLASTER = 6
+    PLANT = 7
+    PAPER = 8
+    PARQUET = 9
+    CONCRETE = 10
+    GRASS = 11
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One convex primitive.
+
+    ``size`` is the full extent of its box before rotation. A cylinder stands along its own z, its top scaled by
+    ``taper`` (0 = cone, 1 = cylinder); a sphere is an ellipsoid filling ``size``; a wedge is a box whose top
+    edge is at its own +x side (a ramp rising along x).
+    """
+
+    shape: Shape
+    size: Vec3
+    center: Vec3
+    color: tuple[int, int, int]
+    material: Material = Material.PLAIN
+    rpy_rad: Vec3 = (0.0, 0.0, 0.0)
+    link: int = -1
+    """Joint that carries this part; -1 for the fixed base. Given in the object frame with all joints closed."""
+    taper: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """One degree of freedom, closed at 0 and open at ``travel`` (radians or metres, always positive)."""
+
+    kind: Literal["revolute", "prismatic"]
+    origin: Vec3
+    axis: Vec3
+    travel: float
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """A level rectangle that things stand on, in the object frame."""
+
+    x0: float
+    y0: float
+    x1: float
+    y1: float
+    z: float
+    clearance_m: float
+    """Free height above it."""
+    link: int = -1
+
+
+@dataclass(frozen=True, slots=True)
+class Compartment:
+    """A free space that things can be inside of.
+
+    ``link`` is the joint whose part carries the floor (a drawer takes its content along; -1: the content stays).
+    ``opened_by`` lists the joints that must be open for the content to be seen; empty for open shelves and baskets.
+    """
+
+    box: Box3
+    link: int = -1
+    opened_by: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectModel:
+    """The shape of one kind of object at one size."""
+
+    category: str
+    size: Vec3
+    parts: tuple[Part, ...]
+    joints: tuple[Joint, ...] = ()
+    surfaces: tuple[Surface, ...] = ()
+    compartments: tuple[Compartment, ...] = ()
+    under: tuple[Box3, ...] = ()
+    """Free spaces below it (table, bed, chair, sink), reaching down to z = 0."""
+    mass_kg: float = 1.0
+    simple_collision: bool = False
+    """Collide as one box (small movable things); else part by part, which hollow things and furniture need."""
+
+    @property
+    def openable(self) -> bool:
+        """Whether Open does something to it."""
+        return bool(self.joints)
+
+
+@dataclass(frozen=True, slots=True)
+class Category:
+    """One row of the catalogue. Figures are credited in ``docs/DATA.md``."""
+
+    name: str
+    archetype: str
+    size: Vec3
+    mass_kg: float
+    color: tuple[int, int, int]
+    mount: Literal["surface", "floor", "wall", "ceiling", "structure"]
+    role: Literal["movable", "movable_furniture", "fixed", "fixed_furniture", "structure"]
+    semantic_group: str
+    openable: bool
+    container: bool
+    support: bool
+    bottom_z_m: float
+    rooms: tuple[str, ...]
+    official_target: bool
+    official_split: str
+    note: str = ""
+
+    @property
+    def phrase(self) -> str:
+        """The name as people write it: ``coffee_table`` is "coffee table"."""
+        return self.name.replace("_", " ")

@@ -1,0 +1,91 @@
+"""Specification of a home: rooms, openings, and every item with its pose. Plain data, one hash.
+
+World frame: metres, z up, floor at z = 0; room edges lie on the 0.25 m grid. Walls are 0.10 m thick, centred on
+the grid line between rooms, so a room's free floor is its rectangle shrunk by 0.05 m.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import Any, Literal
+
+from ucon.core.files import canonical_json, sha256_bytes
+from ucon.objects.model import Material, Vec3
+
+GRID_M = 0.25
+WALL_THICKNESS_M = 0.10
+LINTEL_M = 2.05
+
+
+@dataclass(frozen=True)
+class Room:
+    """One rectangular room. ``rect`` = (x0, y0, x1, y1) on the grid."""
+
+    name: str
+    type: str
+    rect: tuple[float, float, float, float]
+    floor_color: tuple[int, int, int]
+    floor_material: Material
+    wall_color: tuple[int, int, int]
+    outdoor: bool = False
+    """No ceiling; its walls are hedges of full height, so that nothing beyond them can be seen."""
+
+
+@dataclass(frozen=True)
+class Opening:
+    """A hole in the wall between two rooms.
+
+    ``axis`` 0: the wall lies in the plane x = ``coord`` and the hole spans y in [lo, hi]; 1: swapped.
+    ``height_m`` is the lintel; equal to the wall height for a full opening.
+    """
+
+    axis: Literal[0, 1]
+    coord: float
+    lo: float
+    hi: float
+    room_a: int
+    room_b: int
+    height_m: float = LINTEL_M
+
+
+@dataclass(frozen=True)
+class Item:
+    """One object of the base scene. ``position`` is the centre of its footprint, z its bottom."""
+
+    category: str
+    size: Vec3
+    position: Vec3
+    quarter_turns: int
+    """Rotation about z in steps of 90 degrees, counter-clockwise; the front looks along +x at 0."""
+    room: int
+    tint: int = 0
+    """Selects a colour variant of the category."""
+
+
+@dataclass(frozen=True)
+class HomeSpec:
+    """A whole home. Equal specs have equal hashes, in every process."""
+
+    name: str
+    """``Rs_int``; ``Rs_int~3`` (variant 3); ``procedural:house:17``."""
+    kind: str
+    wall_height_m: float
+    rooms: tuple[Room, ...]
+    openings: tuple[Opening, ...]
+    items: tuple[Item, ...]
+
+    @cached_property
+    def hash(self) -> str:
+        """SHA-256 of the canonical JSON, lengths rounded to 1e-6 m."""
+        return sha256_bytes(canonical_json(_rounded(asdict(self))).encode())
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, float):
+        return round(value, 6) + 0.0
+    if isinstance(value, dict):
+        return {key: _rounded(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_rounded(item) for item in value]
+    return value
