@@ -54,8 +54,7 @@ def canonical_json(value: Any) -> str:
 def write_manifest(folder: Path, names: Iterable[str]) -> None:
     """Record size and SHA-256 of ``names`` in ``folder/MANIFEST.json``."""
     entries = {
-        name: {"bytes": (folder / name).stat().st_size, "sha256": sha256_file(folder / name)}
-        for name in sorted(names)
+        name: {"bytes": (folder / name).stat().st_size, "sha256": sha256_file(folder / name)} for name in sorted(names)
     }
     write_atomic(folder / MANIFEST, json.dumps({"files": entries}, indent=1) + "\n")
 

@@ -72,7 +72,5 @@ class House:
     @cached_property
     def instance_room(self) -> NDArray[np.int16]:
         """Room of every instance."""
-        rooms = [i.room for i in self.spec.items] + [
-            r for r in range(len(self.spec.rooms)) for _ in STRUCTURE
-        ]
+        rooms = [i.room for i in self.spec.items] + [r for r in range(len(self.spec.rooms)) for _ in STRUCTURE]
         return np.asarray(rooms, np.int16)
