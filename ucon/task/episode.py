@@ -1,0 +1,127 @@
+"""An episode: plain data, made once, checked once, stored, and replayed by everybody."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields
+from functools import cached_property
+from typing import Any
+
+from ucon.core.errors import EpisodeError
+from ucon.core.files import canonical_json, sha256_bytes
+from ucon.sim.arrangement import Arrangement, PlacedObject
+
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where the agent stands at first: node (i, j) of the home's grid, heading in quarter turns, pitch 0."""
+
+    i: int
+    j: int
+    heading: int
+
+
+@dataclass(frozen=True)
+class Episode:
+    """One search: a home, what was moved in it, what its people are known to do, and what is to be found.
+
+    ``target`` indexes ``arrangement.objects``. ``solution`` holds the actions of a shortest solution as digits;
+    it, the arrangement and the entries' placements are privileged.
+    """
+
+    id: str
+    scene: str
+    home_hash: str
+    habits: str
+    """Name of the habit dataset."""
+    habits_hash: str
+    task: str
+    """Rule set under which it was checked."""
+    seed: int
+    split: str
+    arrangement: Arrangement
+    target: int
+    placed_by: tuple[tuple[int, int], ...]
+    """(entry, placement) behind every object of the arrangement; (-1, -1) where it was imported."""
+    entries: tuple[int, ...]
+    """Entries whose habits make the knowledge base (all entries of the sampled categories in this home)."""
+    task_entries: tuple[int, ...]
+    """One entry a category: the knowledge base of mode ``task``."""
+    start: Start
+    shortest_path_m: float
+    solution: str
+
+    @property
+    def target_object(self) -> PlacedObject:
+        """The object to be found."""
+        return self.arrangement.objects[self.target]
+
+    @property
+    def target_category(self) -> str:
+        """Category to be found, for example ``coffee_cup``."""
+        return self.target_object.category
+
+    @cached_property
+    def hash(self) -> str:
+        """SHA-256 of the canonical JSON."""
+        return sha256_bytes(canonical_json(self.to_json()).encode())
+
+    def to_json(self) -> dict[str, Any]:
+        """JSON-ready dictionary, compact: placed objects are lists in field order."""
+        data = asdict(self) | {"format": FORMAT}
+        data["arrangement"] = {
+            "removed": list(self.arrangement.removed),
+            "blocked": [list(cell) for cell in self.arrangement.blocked],
+            "objects": [[_plain(getattr(o, f.name)) for f in fields(o)] for o in self.arrangement.objects],
+        }
+        data["start"] = [self.start.i, self.start.j, self.start.heading]
+        return data
+
+    @classmethod
+    def from_json(cls, data: dict[str, Any], *, where: str = "episode") -> Episode:
+        """Rebuild an episode; ``where`` names the file and line in errors.
+
+        Raises:
+            EpisodeError: a field is missing, of the wrong type, or the format is another one.
+        """
+        try:
+            if data.get("format") != FORMAT:
+                raise EpisodeError(f"{where}: episode format {data.get('format')!r}, expected {FORMAT}; make it anew")
+            raw = dict(data)
+            del raw["format"]
+            change = raw.pop("arrangement")
+            objects = tuple(
+                PlacedObject(**dict(zip((f.name for f in fields(PlacedObject)), map(_frozen, row), strict=True)))
+                for row in change["objects"]
+            )
+            arrangement = Arrangement(
+                removed=tuple(int(i) for i in change["removed"]),
+                objects=objects,
+                blocked=tuple((int(i), int(j)) for i, j in change["blocked"]),
+            )
+            start = Start(*(int(v) for v in raw.pop("start")))
+            episode = cls(arrangement=arrangement, start=start, **{k: _frozen(v) for k, v in raw.items()})
+            episode._check(where)
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            raise EpisodeError(f"{where}: not a usable episode ({error}); restore or make the file anew") from None
+        return episode
+
+    def _check(self, where: str) -> None:
+        objects = self.arrangement.objects
+        if not 0 <= self.target < len(objects):
+            raise EpisodeError(f"{where}: target {self.target}, expected an index below {len(objects)}")
+        if len(self.placed_by) != len(objects):
+            raise EpisodeError(f"{where}: {len(self.placed_by)} origins for {len(objects)} objects")
+        if self.solution.strip("0123456"):
+            raise EpisodeError(f"{where}: solution holds {self.solution!r}, expected digits 0 to 6")
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, float):
+        return round(value, 6) + 0.0
+    return [_plain(v) for v in value] if isinstance(value, tuple) else value
+
+
+def _frozen(value: Any) -> Any:
+    return tuple(_frozen(v) for v in value) if isinstance(value, list) else value

@@ -1,0 +1,74 @@
+"""The two rule sets: ``paper`` (default) and ``released_code``, which keeps the released environment's differences.
+
+Where the released environment differs from the paper: LookUp and LookDown move the camera (0.5 / 1.0 / 1.5 m)
+and never pitch it, near is a rectangle of 0.7 m around the box, Open asks for no sight, and Done asks for one
+pixel of the target's category anywhere in view.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.errors import ConfigError, unknown_name
+
+
+@dataclass(frozen=True, slots=True)
+class TaskRules:
+    """Every number and switch that decides an episode's outcome."""
+
+    name: str
+    max_steps: int = 300
+    near_m: float = 1.0
+    near_is_rectangle: bool = False
+    """Near is the box grown by ``near_m`` in x and y; else the horizontal distance to its nearest point."""
+    open_needs_sight: bool = True
+    done_min_pixels: int = 4
+    """Pixels of the target in the canonical view: 128 x 128, 90 degrees."""
+    done_by_category: bool = False
+    open_min_pixels: int = 4
+    look_moves_camera: bool = False
+    camera_heights_m: tuple[float, ...] = (1.25,)
+    start_height: int = 0
+    max_pitch_deg: int = 60
+    pitch_step_deg: int = 30
+
+    def near(self, xy: NDArray[np.float64], boxes: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Which boxes (n, 6) are within reach of a robot at ``xy`` (2,), height ignored; (n,) bool."""
+        gap_x = np.maximum(np.maximum(boxes[:, 0] - xy[0], xy[0] - boxes[:, 3]), 0.0)
+        gap_y = np.maximum(np.maximum(boxes[:, 1] - xy[1], xy[1] - boxes[:, 4]), 0.0)
+        if self.near_is_rectangle:
+            return (gap_x <= self.near_m) & (gap_y <= self.near_m)
+        return gap_x * gap_x + gap_y * gap_y <= self.near_m * self.near_m + 1e-9
+
+    @property
+    def views(self) -> tuple[tuple[int, int], ...]:
+        """All (height index, pitch in degrees) the camera can take, the level ones first."""
+        if self.look_moves_camera:
+            return tuple((h, 0) for h in range(len(self.camera_heights_m)))
+        steps = range(0, self.max_pitch_deg + 1, self.pitch_step_deg)
+        return tuple((0, p) for step in steps for p in ((-step, step) if step else (0,)))
+
+
+PAPER = TaskRules("paper")
+RELEASED_CODE = TaskRules(
+    "released_code",
+    near_m=0.7,
+    near_is_rectangle=True,
+    open_needs_sight=False,
+    done_min_pixels=1,
+    done_by_category=True,
+    look_moves_camera=True,
+    camera_heights_m=(0.5, 1.0, 1.5),
+    start_height=1,
+)
+RULES = {rules.name: rules for rules in (PAPER, RELEASED_CODE)}
+
+
+def task_rules(name: str) -> TaskRules:
+    """The rule set of a name; raises :class:`ConfigError` for an unknown one."""
+    if name not in RULES:
+        raise ConfigError(unknown_name("task", name, RULES))
+    return RULES[name]
