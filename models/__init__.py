@@ -1,0 +1,1 @@
+"""Agents and policies that search homes for UcON."""

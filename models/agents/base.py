@@ -1,0 +1,70 @@
+"""What an agent is: batches of observations in, one action for each environment out.
+
+A slot is one environment of the batch. ``reset`` starts an episode in some slots, ``act`` answers for some slots; both
+default to slots 0..n-1, so a single environment needs no slot numbers. Batches let language models and networks answer
+for many environments in one call; agents without either drive one :class:`Controller` a slot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol, runtime_checkable
+
+Observation = Mapping[str, Any]
+Info = Mapping[str, Any]
+
+
+@runtime_checkable
+class Agent(Protocol):
+    """Chooses among the seven actions from observations and the non-privileged part of ``info``."""
+
+    name: str
+
+    def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
+        """Start an episode in each of ``slots``; ``infos`` are the environments' infos at reset."""
+        ...
+
+    def act(
+        self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
+    ) -> list[int]:
+        """One action (0..6) for each of ``slots``."""
+        ...
+
+
+class Controller(Protocol):
+    """Plays one episode in one environment."""
+
+    def act(self, observation: Observation, info: Info) -> int:
+        """The next action (0..6)."""
+        ...
+
+
+class ControllerAgent:
+    """An agent made of one independent controller a slot, which a subclass makes in :meth:`start`."""
+
+    name = "controllers"
+
+    def __init__(self) -> None:
+        self.controllers: dict[int, Controller] = {}
+
+    def start(self, info: Info) -> Controller:
+        """A fresh controller for the episode whose first ``info`` is given."""
+        raise NotImplementedError
+
+    def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
+        """See :class:`Agent`."""
+        for slot, info in zip(_slots(infos, slots), infos, strict=True):
+            self.controllers[slot] = self.start(info)
+
+    def act(
+        self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
+    ) -> list[int]:
+        """See :class:`Agent`."""
+        return [
+            self.controllers[slot].act(observation, info)
+            for slot, observation, info in zip(_slots(infos, slots), observations, infos, strict=True)
+        ]
+
+
+def _slots(infos: Sequence[Info], slots: Sequence[int] | None) -> Sequence[int]:
+    return range(len(infos)) if slots is None else slots
