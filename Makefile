@@ -1,0 +1,53 @@
+# Everything runs from two commands on a machine with Python 3.10 or 3.11: `make eval` and `make test`.
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+.DEFAULT_GOAL := help
+
+VENV   := .venv
+PY     := $(VENV)/bin/python
+STAMP  := $(VENV)/.installed
+WARM   := $(VENV)/.warm
+# The newest interpreter that PyBullet has wheels for and that really starts (a version manager's shim may not).
+PYTHON ?= $(shell for p in python3.11 python3.10 python3 python; do \
+	$$p -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 11))' >/dev/null 2>&1 && { echo $$p; break; }; done)
+
+.PHONY: help setup eval test test-slow lint format clean
+
+help: ## List the targets.
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
+
+setup: $(STAMP) $(WARM) ## Make .venv, install the pinned set, compile the kernels. Does nothing when done.
+
+$(STAMP): pyproject.toml constraints.txt
+	@if [ ! -x $(PY) ]; then \
+	  if [ -z "$(PYTHON)" ]; then echo "Python 3.10 or 3.11 is needed; install one, or name it: make setup PYTHON=/path/to/python3.11" >&2; exit 2; fi; \
+	  echo "making $(VENV) with $(PYTHON)"; $(PYTHON) -m venv $(VENV); \
+	fi
+	$(PY) -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	@touch $@
+
+$(WARM): $(STAMP)
+	$(PY) -m ucon doctor --warm
+	@touch $@
+
+eval: setup ## Evaluate the `belief` agent with retrieved habits on the mini episode set and print a table.
+	$(PY) eval.py agent=belief habit_level=retrieval episodes=mini
+
+test: setup ## Run the tests (at most 15 minutes).
+	$(PY) -m pytest
+
+test-slow: setup ## Run the long checks too.
+	$(PY) -m pytest -m 'slow or not slow'
+
+lint: setup ## ruff and mypy.
+	$(VENV)/bin/ruff check .
+	$(VENV)/bin/ruff format --check .
+	$(VENV)/bin/mypy ucon
+
+format: setup ## Let ruff mend what it can.
+	$(VENV)/bin/ruff check --fix .
+	$(VENV)/bin/ruff format .
+
+clean: ## Remove caches and build folders (not .venv, not runs/).
+	rm -rf build dist .pytest_cache .mypy_cache .ruff_cache
+	find . -name __pycache__ -not -path './$(VENV)/*' -prune -exec rm -rf {} +
