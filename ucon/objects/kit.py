@@ -1,0 +1,301 @@
+"""The bench that shapes are built on: parts in, one :class:`ObjectModel` out.
+
+A builder receives a :class:`Kit` for one category, size and colour and adds parts to it. Lengths are metres; after
+:meth:`Kit.unit` they are fractions of the size (x and y from -0.5 to 0.5, z from 0 to 1), and the finished parts are
+stretched to fill the size exactly. Thicknesses of rods are always metres.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import atan2, hypot, pi, sqrt
+
+from ucon.objects.bounds import fit
+from ucon.objects.catalogue import Hints
+from ucon.objects.model import Box3, Category, Compartment, Joint, Material, ObjectModel, Part, Surface, Vec3
+
+RGB = tuple[int, int, int]
+Builder = Callable[["Kit"], None]
+
+SHAPES: dict[str, Builder] = {}
+"""Builder of each archetype; a builder registered under a category's own name goes first."""
+
+BLACK: RGB = (28, 28, 30)
+DARK: RGB = (60, 60, 64)
+GREY: RGB = (140, 140, 142)
+SILVER: RGB = (190, 192, 196)
+WHITE: RGB = (240, 240, 238)
+CREAM: RGB = (238, 228, 200)
+PAPER: RGB = (246, 243, 232)
+RED: RGB = (196, 40, 36)
+ORANGE: RGB = (232, 130, 36)
+YELLOW: RGB = (236, 200, 50)
+GREEN: RGB = (62, 132, 56)
+DARKGREEN: RGB = (36, 86, 42)
+BLUE: RGB = (46, 92, 176)
+NAVY: RGB = (36, 44, 88)
+BROWN: RGB = (112, 74, 44)
+DARKBROWN: RGB = (66, 42, 28)
+WOOD: RGB = (168, 122, 76)
+TAN: RGB = (206, 176, 128)
+PINK: RGB = (228, 150, 172)
+GOLD: RGB = (208, 168, 62)
+COPPER: RGB = (184, 112, 68)
+TERRACOTTA: RGB = (190, 104, 70)
+GLASSY: RGB = (196, 220, 228)
+GAP = 0.002
+"""Play between neighbouring parts that must not touch."""
+
+
+def shape(*names: str) -> Callable[[Builder], Builder]:
+    """Register a builder for archetypes or single categories."""
+
+    def register(builder: Builder) -> Builder:
+        for name in names:
+            if name in SHAPES:
+                raise ValueError(f"two builders for shape '{name}'")
+            SHAPES[name] = builder
+        return builder
+
+    return register
+
+
+def shade(color: RGB, factor: float) -> RGB:
+    """Darker (below 1) or lighter (above 1, towards white)."""
+    if factor <= 1.0:
+        return (int(color[0] * factor), int(color[1] * factor), int(color[2] * factor))
+    gain = min(factor - 1.0, 1.0)
+    r, g, b = (int(v + (255 - v) * gain) for v in color)
+    return r, g, b
+
+
+class Kit:
+    """Collects the parts of one model."""
+
+    def __init__(self, category: Category, hints: Hints, size: Vec3, color: RGB, material: Material) -> None:
+        self.category = category
+        self.hints = hints
+        self.size = size
+        self.color = color
+        self.material = material
+        self.parts: list[Part] = []
+        self.joints: list[Joint] = []
+        self.surfaces: list[Surface] = []
+        self.compartments: list[Compartment] = []
+        self.under: list[Box3] = []
+        self.solid = False
+        self._scale: Vec3 = (1.0, 1.0, 1.0)
+        self._fit = False
+
+    @property
+    def name(self) -> str:
+        """Name of the category."""
+        return self.category.name
+
+    def has(self, *words: str) -> bool:
+        """Whether the category's name contains one of ``words``."""
+        return any(word in self.category.name for word in words)
+
+    def unit(self) -> Kit:
+        """From here on coordinates are fractions of the size, and the result is stretched to fill it."""
+        self._scale = self.size
+        self._fit = True
+        return self
+
+    # Parts ------------------------------------------------------------------------------------------------------
+
+    def box(
+        self,
+        x: tuple[float, float],
+        y: tuple[float, float],
+        z: tuple[float, float],
+        color: RGB | None = None,
+        material: Material | None = None,
+        link: int = -1,
+        rpy: Vec3 = (0.0, 0.0, 0.0),
+    ) -> None:
+        """An upright box, or one turned about its centre."""
+        self._add("box", x, y, z, color, material, link, rpy)
+
+    def ball(
+        self,
+        x: tuple[float, float],
+        y: tuple[float, float],
+        z: tuple[float, float],
+        color: RGB | None = None,
+        material: Material | None = None,
+        rpy: Vec3 = (0.0, 0.0, 0.0),
+    ) -> None:
+        """An ellipsoid filling the box."""
+        self._add("sphere", x, y, z, color, material, -1, rpy)
+
+    def wedge(
+        self,
+        x: tuple[float, float],
+        y: tuple[float, float],
+        z: tuple[float, float],
+        color: RGB | None = None,
+        material: Material | None = None,
+        flip: bool = False,
+        link: int = -1,
+    ) -> None:
+        """A ramp rising along +x, or along -x when ``flip``."""
+        self._add("wedge", x, y, z, color, material, link, (0.0, 0.0, pi if flip else 0.0))
+
+    def cyl(
+        self,
+        x: tuple[float, float],
+        y: tuple[float, float],
+        z: tuple[float, float],
+        color: RGB | None = None,
+        material: Material | None = None,
+        axis: str = "z",
+        taper: float = 1.0,
+        link: int = -1,
+    ) -> None:
+        """A cylinder or cone filling the box, along ``axis``; ``taper`` scales its end at the larger coordinate."""
+        sx, sy, sz = self._extent(x, y, z)
+        if axis == "x":
+            size, rpy = (sz, sy, sx), (0.0, pi / 2, 0.0)
+        elif axis == "y":
+            size, rpy = (sx, sz, sy), (-pi / 2, 0.0, 0.0)
+        else:
+            size, rpy = (sx, sy, sz), (0.0, 0.0, 0.0)
+        self._put("cylinder", size, self._middle(x, y, z), color, material, link, rpy, taper)
+
+    def rod(
+        self,
+        start: Vec3,
+        end: Vec3,
+        thickness: float | tuple[float, float],
+        color: RGB | None = None,
+        material: Material | None = None,
+        kind: str = "box",
+        taper: float = 1.0,
+    ) -> None:
+        """A straight bar (``box``), round bar (``cylinder``) or lens (``sphere``) from ``start`` to ``end``."""
+        p = [c * s for c, s in zip(start, self._scale, strict=True)]
+        q = [c * s for c, s in zip(end, self._scale, strict=True)]
+        dx, dy, dz = (b - a for a, b in zip(p, q, strict=True))
+        length = max(sqrt(dx * dx + dy * dy + dz * dz), 1e-6)
+        flat = hypot(dx, dy)
+        pitch, yaw = atan2(flat, dz), atan2(dy, dx) if flat > 1e-9 else 0.0
+        a, b = thickness if isinstance(thickness, tuple) else (thickness, thickness)
+        center = ((p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2)
+        self._put(kind, (a, b, length), center, color, material, -1, (0.0, pitch, yaw), taper)
+
+    def panel(
+        self,
+        start: tuple[float, float],
+        end: tuple[float, float],
+        thickness: float,
+        z: tuple[float, float],
+        color: RGB | None = None,
+        material: Material | None = None,
+    ) -> None:
+        """An upright board between two points of the floor plan, in metres, a little longer so that corners close."""
+        dx, dy = end[0] - start[0], end[1] - start[1]
+        size = (hypot(dx, dy) + 0.6 * thickness, thickness, z[1] - z[0])
+        center = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2, (z[0] + z[1]) / 2)
+        self._put("box", size, center, color, material, -1, (0.0, 0.0, atan2(dy, dx)))
+
+    def path(
+        self, points: list[Vec3], thickness: float, color: RGB | None = None, material: Material | None = None
+    ) -> None:
+        """Bars through ``points``: handles, frames, hoses."""
+        for start, end in zip(points, points[1:], strict=False):
+            self.rod(start, end, thickness, color, material)
+
+    # Meaning ----------------------------------------------------------------------------------------------------
+
+    def surface(
+        self, x: tuple[float, float], y: tuple[float, float], z: float, clearance: float = 1.0, link: int = -1
+    ) -> None:
+        """A level place to stand things on (metres, also in unit mode)."""
+        self.surfaces.append(Surface(x[0], y[0], x[1], y[1], z, clearance, link))
+
+    def top_surface(self, inset: float = 0.0, z: float | None = None, clearance: float = 1.0) -> None:
+        """The whole top as a surface, ``inset`` metres from its edges."""
+        hx, hy = self.size[0] / 2 - inset, self.size[1] / 2 - inset
+        self.surface((-hx, hx), (-hy, hy), self.size[2] if z is None else z, clearance)
+
+    def space(
+        self,
+        x: tuple[float, float],
+        y: tuple[float, float],
+        z: tuple[float, float],
+        link: int = -1,
+        opened_by: tuple[int, ...] = (),
+    ) -> None:
+        """A free space for content (metres, also in unit mode)."""
+        self.compartments.append(Compartment((x[0], y[0], z[0], x[1], y[1], z[1]), link, opened_by))
+
+    def below(self, x: tuple[float, float], y: tuple[float, float], z1: float, z0: float = 0.0) -> None:
+        """A free space below it (metres, also in unit mode)."""
+        self.under.append((x[0], y[0], z0, x[1], y[1], z1))
+
+    def hinge(self, origin: Vec3, axis: Vec3, travel_rad: float) -> int:
+        """Add a revolute joint; returns its number, the ``link`` of the parts it carries."""
+        self.joints.append(Joint("revolute", origin, axis, travel_rad))
+        return len(self.joints) - 1
+
+    def slide(self, origin: Vec3, travel_m: float) -> int:
+        """Add a drawer joint along +x; returns its number."""
+        self.joints.append(Joint("prismatic", origin, (1.0, 0.0, 0.0), travel_m))
+        return len(self.joints) - 1
+
+    def finish(self) -> ObjectModel:
+        """The model as a value."""
+        parts = fit(self.parts, self.size) if self._fit else self.parts
+        loose = self.category.role == "movable" and not (self.compartments or self.joints or self.under)
+        return ObjectModel(
+            category=self.name,
+            size=self.size,
+            parts=tuple(parts),
+            joints=tuple(self.joints),
+            surfaces=tuple(self.surfaces),
+            compartments=tuple(self.compartments),
+            under=tuple(self.under),
+            mass_kg=self.category.mass_kg,
+            simple_collision=self.solid or (loose and all(s.z >= self.size[2] - 1e-6 for s in self.surfaces)),
+        )
+
+    # Inside -----------------------------------------------------------------------------------------------------
+
+    def _extent(self, x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Vec3:
+        s = self._scale
+        return ((x[1] - x[0]) * s[0], (y[1] - y[0]) * s[1], (z[1] - z[0]) * s[2])
+
+    def _middle(self, x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Vec3:
+        s = self._scale
+        return ((x[0] + x[1]) / 2 * s[0], (y[0] + y[1]) / 2 * s[1], (z[0] + z[1]) / 2 * s[2])
+
+    def _add(
+        self,
+        kind: str,
+        x: tuple[float, float],
+        y: tuple[float, float],
+        z: tuple[float, float],
+        color: RGB | None,
+        material: Material | None,
+        link: int,
+        rpy: Vec3,
+    ) -> None:
+        self._put(kind, self._extent(x, y, z), self._middle(x, y, z), color, material, link, rpy)
+
+    def _put(
+        self,
+        kind: str,
+        size: Vec3,
+        center: Vec3,
+        color: RGB | None,
+        material: Material | None,
+        link: int,
+        rpy: Vec3,
+        taper: float = 1.0,
+    ) -> None:
+        if material is None:
+            material = self.material if color is None else Material.PLAIN
+        self.parts.append(
+            Part(kind, size, center, color or self.color, material, rpy, link, taper)  # type: ignore[arg-type]
+        )
