@@ -1,0 +1,30 @@
+"""What people do at home: habits, the placements they imply, households, knowledge bases, datasets."""
+
+from ucon.habits.book import BOOK_FOLDER, book, parse_book, read_anchors
+from ucon.habits.hosting import Hosted, hosted, household
+from ucon.habits.knowledge import KnowledgeBase
+from ucon.habits.official import ImportReport, Problem, official
+from ucon.habits.splits import category_split, split_categories
+from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
+
+__all__ = [
+    "BOOK_FOLDER",
+    "RELATIONS",
+    "Entry",
+    "Habit",
+    "HabitDataset",
+    "Hosted",
+    "ImportReport",
+    "KnowledgeBase",
+    "Placement",
+    "Problem",
+    "Relation",
+    "book",
+    "category_split",
+    "hosted",
+    "household",
+    "official",
+    "parse_book",
+    "read_anchors",
+    "split_categories",
+]

@@ -1,0 +1,245 @@
+r"""The habit book and its format: households described sentence by sentence in plain text files.
+
+    # watering_can | retired schoolteacher living alone     category | household
+    @ nextto pot_plant                                      placement 1: relation anchor
+    @ ontop bench {summer}                                  placement 2, only in that context
+    1: After the morning radio news, ...                    a habit that supports placement 1 (`1,2:` both)
+    -: Crosswords come out once the dishes are dry.         a habit that supports none
+
+Blank lines separate nothing by themselves: a `#` line starts an entry. ``anchors.txt`` lists the anchors with the
+relations they allow. A file ends with a line break, which tells a whole file from one that was cut off.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Final, cast
+
+from ucon.core.errors import DataError, unknown_name
+from ucon.core.files import read_verified
+from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
+
+BOOK_FOLDER: Final = Path(__file__).parent / "book"
+ANCHORS: Final = "anchors.txt"
+MAX_LINE: Final = 400
+PLACEMENTS: Final = (3, 6)
+HABITS: Final = (8, 13)
+WORDS: Final = (5, 26)
+
+_HEADER = re.compile(r"# (\w+) \| (\S.*)")
+_PLACEMENT = re.compile(r"@ (\w+) (\w+)(?: \{([^{}]+)\})?")
+_HABIT = re.compile(r"(-|[1-9](?:,[1-9])*): (\S.*)")
+
+Anchors = Mapping[str, frozenset[str]]
+"""Relations that each anchor category allows."""
+
+
+@dataclass
+class _Draft:
+    """An entry being read, with the lines that errors point at."""
+
+    category: str
+    household: str
+    line: int
+    placements: list[Placement] = field(default_factory=list)
+    habits: list[Habit] = field(default_factory=list)
+
+
+def read_lines(path: Path) -> list[str]:
+    """Lines of a UTF-8 text file.
+
+    Raises:
+        DataError: no such file, invalid UTF-8, a line over 400 characters, a control character, or a file that does
+            not end with a line break.
+    """
+    try:
+        raw = path.read_bytes()
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read ({error.strerror}); expected a habit file") from None
+    return _lines(path, raw)
+
+
+def _lines(path: Path, raw: bytes) -> list[str]:
+    try:
+        text = raw.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise DataError(f"{path}:{line}: not UTF-8 ({error.reason}); save the file as UTF-8") from None
+    if not text.strip():
+        raise DataError(f"{path}:1: empty; expected entries that start with '# category | household'")
+    if not text.endswith("\n"):
+        count = text.count("\n") + 1
+        raise DataError(f"{path}:{count}: the last line has no end, so the file is cut off; restore or complete it")
+    lines = text.replace("\r\n", "\n").split("\n")[:-1]
+    for number, line in enumerate(lines, 1):
+        if len(line) > MAX_LINE:
+            raise DataError(f"{path}:{number}: {len(line)} characters, at most {MAX_LINE} are allowed; shorten it")
+        if not line.isprintable():
+            raise DataError(f"{path}:{number}: a control character; expected plain text, remove it")
+    return lines
+
+
+def read_anchors(path: Path) -> dict[str, frozenset[str]]:
+    """Anchors of a file like ``anchors.txt``: lines ``class name: relation ...``."""
+    return _anchors(path, read_lines(path))
+
+
+def _anchors(path: Path, lines: Sequence[str]) -> dict[str, frozenset[str]]:
+    anchors: dict[str, frozenset[str]] = {}
+    for number, line in enumerate(lines, 1):
+        if not line.strip() or line.startswith("#"):
+            continue
+        match = re.fullmatch(r"[ABM] (\w+):((?: \w+)+)", line)
+        if match is None:
+            raise DataError(f"{path}:{number}: '{line[:60]}', expected 'A|B|M anchor: relation ...'")
+        relations = frozenset(match[2].split())
+        for relation in sorted(relations - set(RELATIONS)):
+            raise DataError(f"{path}:{number}: {unknown_name('relation', relation, RELATIONS)}")
+        if match[1] in anchors:
+            raise DataError(f"{path}:{number}: anchor '{match[1]}' is listed twice; keep one line")
+        anchors[match[1]] = relations
+    return anchors
+
+
+def parse_book(path: Path, anchors: Anchors, categories: Collection[str] | None = None) -> list[Entry]:
+    """Entries of one file.
+
+    Args:
+        path: the file; entry ids are ``category/number`` within it.
+        anchors: allowed relations of each anchor.
+        categories: target categories that exist; None accepts any name.
+
+    Raises:
+        DataError: naming file and line of the first thing that is wrong.
+    """
+    return _entries(path, read_lines(path), anchors, categories)
+
+
+def _entries(path: Path, lines: Sequence[str], anchors: Anchors, categories: Collection[str] | None) -> list[Entry]:
+    entries: list[Entry] = []
+    count: dict[str, int] = {}
+    draft: _Draft | None = None
+    for number, line in enumerate(lines, 1):
+        if not line or line.isspace():
+            continue
+        where = f"{path}:{number}"
+        if line[0] == "#":
+            if draft is not None:
+                entries.append(_finish(path, draft, count))
+            draft = _header(where, line, number, categories)
+        elif draft is None:
+            raise DataError(f"{where}: '{line[:60]}' before the first entry; expected '# category | household'")
+        elif line[0] == "@":
+            draft.placements.append(_placement(where, line, draft, anchors))
+        else:
+            draft.habits.append(_habit(where, line, draft))
+    if draft is None:
+        raise DataError(f"{path}:{len(lines)}: no entry; expected '# category | household'")
+    entries.append(_finish(path, draft, count))
+    return entries
+
+
+def _header(where: str, line: str, number: int, categories: Collection[str] | None) -> _Draft:
+    match = _HEADER.fullmatch(line)
+    if match is None:
+        raise DataError(f"{where}: bad header '{line[:60]}', expected '# category | household'")
+    if categories is not None and match[1] not in categories:
+        raise DataError(f"{where}: {unknown_name('category', match[1], categories)}")
+    return _Draft(match[1], match[2], number)
+
+
+def _placement(where: str, line: str, draft: _Draft, anchors: Anchors) -> Placement:
+    match = _PLACEMENT.fullmatch(line)
+    if match is None:
+        raise DataError(f"{where}: bad placement '{line[:60]}', expected '@ relation anchor' or '@ ... {{context}}'")
+    relation, anchor, context = match.groups()
+    if draft.habits:
+        raise DataError(f"{where}: placement after habits; list all placements of an entry first")
+    if relation not in RELATIONS:
+        raise DataError(f"{where}: {unknown_name('relation', relation, RELATIONS)}")
+    if anchor not in anchors:
+        raise DataError(f"{where}: {unknown_name('anchor', anchor, anchors)}")
+    if relation not in anchors[anchor]:
+        allowed = ", ".join(sorted(anchors[anchor]))
+        raise DataError(f"{where}: nothing is {relation} a {anchor}; expected one of {allowed}")
+    if anchor == draft.category:
+        raise DataError(f"{where}: a {anchor} placed onto itself; name another anchor")
+    if any((p.relation, p.anchor) == (relation, anchor) for p in draft.placements):
+        raise DataError(f"{where}: '{relation} {anchor}' is listed twice; keep one line")
+    return Placement(cast(Relation, relation), anchor, context)
+
+
+def _habit(where: str, line: str, draft: _Draft) -> Habit:
+    match = _HABIT.fullmatch(line)
+    if match is None:
+        raise DataError(f"{where}: bad habit '{line[:60]}', expected '-: sentence' or '1,3: sentence'")
+    supports = () if match[1] == "-" else tuple(int(digit) - 1 for digit in match[1].split(","))
+    for index in supports:
+        if index >= len(draft.placements):
+            raise DataError(f"{where}: no placement {index + 1}; the entry has {len(draft.placements)}")
+    if len(set(supports)) < len(supports):
+        raise DataError(f"{where}: a placement is named twice in '{match[1]}:'; name it once")
+    words = len(match[2].split())
+    if not WORDS[0] <= words <= WORDS[1]:
+        raise DataError(f"{where}: {words} words, expected {WORDS[0]} to {WORDS[1]}")
+    if "_" in match[2]:
+        raise DataError(f"{where}: an underscore in a sentence; write names as people do")
+    return Habit(match[2], supports)
+
+
+def _finish(path: Path, draft: _Draft, count: dict[str, int]) -> Entry:
+    for what, found, (low, high) in (
+        ("placements", len(draft.placements), PLACEMENTS),
+        ("habits", len(draft.habits), HABITS),
+    ):
+        if not low <= found <= high:
+            raise DataError(
+                f"{path}:{draft.line}: entry '{draft.category}' has {found} {what}, expected {low} to {high}; "
+                "is the file cut off?"
+            )
+    number = count.get(draft.category, 0)
+    count[draft.category] = number + 1
+    return Entry(
+        f"{draft.category}/{number}", draft.category, draft.household, tuple(draft.placements), tuple(draft.habits)
+    )
+
+
+@cache
+def book_anchors() -> dict[str, frozenset[str]]:
+    """Anchors of the embedded book with the relations they allow."""
+    path = BOOK_FOLDER / ANCHORS
+    return _anchors(path, _lines(path, read_verified(path)))
+
+
+@cache
+def book() -> HabitDataset:
+    """The embedded habit book: 23,436 habits of 497 categories, each file checked against its checksum."""
+    return read_book(BOOK_FOLDER, verified=True)
+
+
+def read_book(folder: Path, categories: Collection[str] | None = None, *, verified: bool = False) -> HabitDataset:
+    """All ``*.txt`` of a folder in name order; its ``anchors.txt`` where it has one, else the book's.
+
+    Raises:
+        DataError: naming file and line; also where one category's entries lie in two files.
+    """
+    own = folder / ANCHORS
+    anchors = read_anchors(own) if own.is_file() and folder != BOOK_FOLDER else book_anchors()
+    paths = sorted(path for path in folder.glob("*.txt") if path.name != ANCHORS)
+    if not paths:
+        raise DataError(f"{folder}: no habit file (*.txt); expected files of the habit book's format")
+    entries: list[Entry] = []
+    seen: dict[str, Path] = {}
+    for path in paths:
+        lines = _lines(path, read_verified(path)) if verified else read_lines(path)
+        found = _entries(path, lines, anchors, categories)
+        for category in {e.category for e in found}:
+            if category in seen:
+                raise DataError(f"{path}: entries of '{category}' lie also in {seen[category]}; put them in one file")
+            seen[category] = path
+        entries += found
+    return HabitDataset("book" if folder == BOOK_FOLDER else folder.name, tuple(entries))

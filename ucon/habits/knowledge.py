@@ -1,0 +1,80 @@
+"""The knowledge base of an episode: the habits of its categories, shuffled."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.errors import ConfigError, unknown_name
+from ucon.core.rng import stream
+from ucon.habits.types import Entry, HabitDataset
+
+Mode = Literal["category", "task"]
+MODES: tuple[Mode, ...] = ("category", "task")
+
+
+@dataclass(frozen=True, eq=False)
+class KnowledgeBase:
+    """Rows of a dataset in the order in which a user would tell them: none in particular."""
+
+    dataset: HabitDataset
+    rows: NDArray[np.int32]
+    """(N,) in shuffled order."""
+
+    @classmethod
+    def build(
+        cls, dataset: HabitDataset, drawn: Mapping[str, Sequence[Entry]], seed: int, mode: Mode = "category"
+    ) -> KnowledgeBase:
+        """Knowledge base of the drawn entries of each category.
+
+        Mode ``category`` takes all of them, ``task`` one a category, chosen by the seed; :attr:`entries` says which.
+        Each entry has its own random keys, so the order of two habits does not depend on what else is there.
+        """
+        if mode not in MODES:
+            raise ConfigError(unknown_name("knowledge base mode", mode, MODES))
+        chosen: list[Entry] = []
+        for category in sorted(drawn):
+            entries = list(drawn[category])
+            if mode == "task" and len(entries) > 1:
+                entries = [entries[int(stream(seed, "knowledge_base", "task", category).integers(len(entries)))]]
+            chosen += entries
+        if not chosen:
+            raise ConfigError("empty knowledge base: no category has an entry; sample at least one")
+        rows = dataset.rows_of_entries(chosen)
+        keys = np.concatenate([stream(seed, "knowledge_base", "order", e.id).random(len(e.habits)) for e in chosen])
+        return cls(dataset, rows[np.argsort(keys, kind="stable")])
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    @cached_property
+    def texts(self) -> tuple[str, ...]:
+        """The sentences in order."""
+        return tuple(self.dataset.texts[row] for row in self.rows)
+
+    @cached_property
+    def entries(self) -> dict[str, tuple[Entry, ...]]:
+        """Entries behind the habits by category: where objects may be. Privileged, never shown to an agent."""
+        found: dict[str, list[Entry]] = {}
+        for number in np.unique(self.dataset.row_entry[self.rows]):
+            entry = self.dataset.entries[number]
+            found.setdefault(entry.category, []).append(entry)
+        return {category: tuple(entries) for category, entries in sorted(found.items())}
+
+    def rows_about(self, target: str) -> NDArray[np.int32]:
+        """Rows whose category is the target, supporting or not, in order."""
+        if target not in self.entries:
+            raise ConfigError(unknown_name("target of this knowledge base", target, self.entries))
+        return self.rows[self.dataset.row_category[self.rows] == self.dataset.categories.index(target)]
+
+    def without(self, category: str) -> KnowledgeBase:
+        """The knowledge base without a category's habits; the others keep their order."""
+        if category not in self.entries:
+            return self
+        keep = self.dataset.row_category[self.rows] != self.dataset.categories.index(category)
+        return KnowledgeBase(self.dataset, self.rows[keep])
