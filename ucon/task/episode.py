@@ -42,12 +42,12 @@ class Episode:
     split: str
     arrangement: Arrangement
     target: int
-    placed_by: tuple[tuple[int, int], ...]
-    """(entry, placement) behind every object of the arrangement; (-1, -1) where it was imported."""
-    entries: tuple[int, ...]
-    """Entries whose habits make the knowledge base (all entries of the sampled categories in this home)."""
-    task_entries: tuple[int, ...]
-    """One entry a category: the knowledge base of mode ``task``."""
+    placed_by: tuple[tuple[str, int], ...]
+    """(entry id, index of its placement) behind every object of the arrangement; ("", -1) where it was imported."""
+    entries: tuple[str, ...]
+    """Ids of the entries whose habits make the knowledge base: all that this home has of the sampled categories."""
+    task_entries: tuple[str, ...]
+    """One entry a category, that of the drawn placement: the knowledge base of mode ``task``."""
     start: Start
     shortest_path_m: float
     solution: str

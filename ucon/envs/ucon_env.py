@@ -1,0 +1,302 @@
+"""``UcON-v0``: the seven-action environment (paper, section III)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Literal, SupportsFloat
+
+import gymnasium as gym
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from ucon.core.errors import ConfigError, EpisodeError
+from ucon.envs.frame import StartFrame
+from ucon.envs.knowledge import HabitSource
+from ucon.envs.topdown import TopDownMap
+from ucon.envs.tracks import Tracks
+from ucon.sim.cache import load_house
+from ucon.sim.render import RasterRenderer, make_renderer
+from ucon.sim.state import SceneState
+from ucon.task.actions import Action
+from ucon.task.episode import Episode
+from ucon.task.ledger import Ledger
+from ucon.task.reward import Reward
+from ucon.task.rules import task_rules
+from ucon.task.search import Pose, Search
+from ucon.task.sets import load_episodes
+
+CANONICAL_PX = 128
+CANONICAL_FOV_DEG = 90.0
+NO_ACTION = len(Action)
+FRAME_PX = 384
+
+Obs = dict[str, Any]
+
+
+class UcONEnv(gym.Env[Obs, int]):
+    """Find the target where this household keeps it.
+
+    ### Description
+    A robot stands in a home it does not know. It is given a target category and the habits of the people who live
+    there; some of them say where the target may be. It has 300 steps.
+
+    ### Action space
+    ``Discrete(7)``: MoveAhead 0.25 m, RotateRight 90, RotateLeft 90, LookUp 30, LookDown 30, Open, Done.
+
+    ### Observation space
+    | key | space | meaning |
+    |---|---|---|
+    | rgb | uint8 (H, W, 3) | camera image (``observe="pixels"``) |
+    | depth | float32 (H, W) | metres along the optical axis (``observe="pixels"``) |
+    | pose | float32 (4,) | x, y in metres, yaw, pitch in radians, relative to the start |
+    | target | float32 (D,) | embedding of the target's name |
+    | habits | int32 (max_habits,) | rows of ``env.unwrapped.habit_table``, -1 = padding |
+    | habits_mask | int8 (max_habits,) | 1 where a habit stands |
+    | last_action | Discrete(8) | 7 at the start |
+    | collision | Discrete(2) | the last move was blocked |
+    | step | Discrete(max_steps + 1) | steps taken |
+
+    ### Info
+    ``target`` (category), ``habits`` (texts, at reset), ``scene``, ``episode`` (id), ``detections`` and ``tracks``
+    (with ``detector=True``), ``nav`` (free grid in the agent's frame, with ``planner="true"``, at reset), ``opened``
+    (tracks), at the end ``episode_metrics``. With ``privileged=True`` also ``privileged`` (solution, target instance).
+
+    ### Rewards
+    :class:`ucon.task.reward.Reward`: +10 for a successful Done and -0.01 a step by default.
+
+    ### Termination
+    Done terminates; 300 steps truncate.
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
+
+    def __init__(
+        self,
+        episodes: str | Path | Sequence[Episode] = "mini",
+        *,
+        habit_level: str = "retrieval",
+        source: HabitSource | None = None,
+        task: str = "paper",
+        observe: Literal["pixels", "symbolic"] = "pixels",
+        width_px: int = CANONICAL_PX,
+        height_px: int = CANONICAL_PX,
+        fov_deg: float = CANONICAL_FOV_DEG,
+        detector: bool = False,
+        planner: Literal["true", "observed"] = "true",
+        renderer: Literal["raster", "tiny"] = "raster",
+        world: Literal["compiled", "live"] = "compiled",
+        reward: Reward | None = None,
+        max_habits: int = 1024,
+        privileged: bool = False,
+        render_mode: str | None = None,
+    ) -> None:
+        _check_choice("observe", observe, ("pixels", "symbolic"))
+        _check_choice("planner", planner, ("true", "observed"))
+        _check_choice("world", world, ("compiled", "live"))
+        _check_choice("render_mode", render_mode, (None, "rgb_array"))
+        self.episodes = load_episodes(episodes) if isinstance(episodes, str | Path) else tuple(episodes)
+        if not self.episodes:
+            raise EpisodeError("no episodes: expected at least one; name a set (mini, val, test) or give a path")
+        self.rules = task_rules(task)
+        self.source = source or HabitSource()
+        self.habit_level = self.source.check_level(habit_level)
+        self.render_mode = render_mode
+        self._observe, self._detector, self._planner = observe, detector, planner
+        self._world_kind, self._reward, self._privileged = world, reward or Reward(), privileged
+        self._max_habits = max_habits
+        self._renderer = make_renderer(renderer, width_px, height_px, fov_deg)
+        self._canonical = (width_px, height_px, fov_deg) == (CANONICAL_PX, CANONICAL_PX, CANONICAL_FOV_DEG)
+        self._frame_renderer: RasterRenderer | None = None
+        self._world: Any = None
+        self.action_space = spaces.Discrete(len(Action))
+        self.observation_space = self._make_space(height_px, width_px)
+        self._instance = np.empty((height_px, width_px), np.int16)
+
+    @property
+    def habit_table(self) -> NDArray[np.float16]:
+        """Embeddings of all habits of the dataset, (N, D) float16, read-only: what ``obs["habits"]`` numbers."""
+        return self._knowledge.table
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Obs, dict[str, Any]]:
+        """Start an episode: ``options["episode"]`` (an Episode, an id or an index), else one drawn by the seed."""
+        super().reset(seed=seed)
+        self.episode = self._choose(options or {})
+        house = load_house(self.episode.scene)
+        if house.spec.hash != self.episode.home_hash:
+            raise EpisodeError(
+                f"episode {self.episode.id}: made for home {self.episode.home_hash[:12]}, {self.episode.scene} is now "
+                f"{house.spec.hash[:12]}; make the episodes anew (python -m ucon episodes make)"
+            )
+        self._enter(house)
+        start = self.episode.start
+        pose = Pose(start.i, start.j, start.heading, self.rules.start_height, 0)
+        target = house.n_instances + self.episode.target
+        self.search = Search(self._world, self._renderer, target, pose, self.rules)
+        self._frame = StartFrame(start)
+        self._knowledge = self.source.knowledge(self.episode, self.habit_level)
+        self._habits, self._habits_mask = self._padded(self._knowledge.rows)
+        self._target_embedding = self._knowledge.target_embedding.astype(np.float32)
+        self._tracks = Tracks(self._world.categories)
+        self._last_action, self._collision = NO_ACTION, 0
+        self._map: TopDownMap | None = None
+        self._ledger: Ledger | None = None
+        obs, info = self._look(opened=())
+        self._ledger = Ledger(self.episode, self.search)
+        info |= {
+            "scene": self.episode.scene,
+            "episode": self.episode.id,
+            "habits": self._knowledge.texts,
+            "habit_rows": self._knowledge.rows,
+        }
+        if self._planner == "true":
+            free, cell = self._frame.grid(self._world.free)
+            info["nav"] = {"free": free, "start": cell}
+        return obs, info
+
+    def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
+        """Carry out one action."""
+        action = int(action)
+        ledger, potential = self._ledger, self._reward.progress != 0
+        if ledger is None:
+            raise EpisodeError("step before reset: call reset() first")
+        before_m = ledger.to_goal_m() if potential else 0.0
+        outcome = self.search.step(action)
+        self._last_action, self._collision = action, int(outcome.collision)
+        truncated = not outcome.done and ledger.steps + 1 >= self.rules.max_steps
+        obs, info = self._look(outcome.opened)
+        ledger.note(action, outcome)
+        obs["step"] = ledger.steps
+        if outcome.done or truncated:
+            info["episode_metrics"] = ledger.outcome().to_json()
+        closer_m = before_m - ledger.to_goal_m() if potential else 0.0
+        reward = self._reward(
+            success=outcome.success, done=outcome.done, collision=outcome.collision, closer_m=closer_m
+        )
+        return obs, reward, outcome.done, truncated, info
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """First-person frame with the top-down map beside it, (384, 768, 3) uint8."""
+        if self.render_mode is None or self._ledger is None:
+            return None
+        if self._frame_renderer is None:
+            self._frame_renderer = RasterRenderer(FRAME_PX, FRAME_PX, CANONICAL_FOV_DEG)
+        renderer = self._frame_renderer
+        renderer.load(self._world.house, self.episode.arrangement)
+        for instance in np.flatnonzero(self.search.opened):
+            renderer.set_open(int(instance), 1.0)
+        frame = np.empty((FRAME_PX, FRAME_PX, 3), np.uint8)
+        renderer.render(*self.search.camera, rgb=frame)
+        if self._map is None:
+            self._map = TopDownMap(self._world.house, self._world.boxes, self._world.free, FRAME_PX)
+        boxes = self._world.boxes
+        top = self._map.draw(self._path, self.search.pose.heading, boxes[self.search.target], boxes[self.search.opened])
+        return np.concatenate([frame, top], axis=1)
+
+    def close(self) -> None:
+        """Release the renderer and, with ``world="live"``, the PyBullet client."""
+        self._renderer.close()
+        if self._world is not None and self._world_kind == "live":
+            self._world.close()
+        self._world = None
+
+    def _enter(self, house: Any) -> None:
+        arrangement = self.episode.arrangement
+        if self._world_kind == "live":
+            from ucon.sim.live import LiveState
+
+            if self._world is not None:
+                self._world.close()
+            self._world = LiveState(house, arrangement)
+        else:
+            self._world = SceneState(house, arrangement)
+        self._renderer.load(house, arrangement)
+
+    def _look(self, opened: tuple[int, ...]) -> tuple[Obs, dict[str, Any]]:
+        """One raster a step: image, depth, instances and the canonical pixel counts together."""
+        info: dict[str, Any] = {"target": self.episode.target_category}
+        height, width = self._instance.shape
+        obs: Obs = {}
+        buffers: dict[str, Any] = {}
+        if self._observe == "pixels":
+            obs["rgb"] = buffers["rgb"] = np.empty((height, width, 3), np.uint8)
+        if self._observe == "pixels" or self._detector:
+            depth = buffers["depth"] = np.empty((height, width), np.float32)
+            if self._observe == "pixels":
+                obs["depth"] = depth
+            else:
+                info["depth"] = depth
+        if self._detector:
+            buffers["instance"] = self._instance
+        if buffers and self._canonical:
+            counts = np.empty(len(self._world.boxes), np.int32)
+            self._renderer.render(*self.search.camera, counts=counts, **buffers)
+            self.search.saw(counts)
+        elif buffers:
+            self._renderer.render(*self.search.camera, **buffers)
+        if self._detector:
+            info["detections"] = self._tracks.see(self.search.counts)
+            info["tracks"] = self._tracks.image(self._instance)
+            info["opened"] = self._tracks.of(opened)
+        if self._privileged:
+            info["privileged"] = {
+                "solution": self.episode.solution,
+                "target_instance": self.search.target,
+                "pose": self.search.pose,
+                "episode": self.episode,
+            }
+        obs["pose"] = self._frame.pose(self.search.pose)
+        obs["target"] = self._target_embedding
+        obs["habits"], obs["habits_mask"] = self._habits, self._habits_mask
+        obs["last_action"], obs["collision"] = self._last_action, self._collision
+        obs["step"] = 0
+        return obs, info
+
+    def _choose(self, options: dict[str, Any]) -> Episode:
+        wanted = options.get("episode")
+        if wanted is None:
+            return self.episodes[int(self.np_random.integers(len(self.episodes)))]
+        if isinstance(wanted, Episode):
+            return wanted
+        if isinstance(wanted, str):
+            for episode in self.episodes:
+                if episode.id == wanted:
+                    return episode
+            raise EpisodeError(f"no episode '{wanted}' among the {len(self.episodes)} of this environment")
+        if not 0 <= int(wanted) < len(self.episodes):
+            raise EpisodeError(f"episode index {wanted}, expected 0 to {len(self.episodes) - 1}")
+        return self.episodes[int(wanted)]
+
+    def _padded(self, rows: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.int8]]:
+        if len(rows) > self._max_habits:
+            raise ConfigError(
+                f"episode {self.episode.id}: {len(rows)} habits at level {self.habit_level}, expected at most "
+                f"{self._max_habits}; raise max_habits"
+            )
+        habits = np.full(self._max_habits, -1, np.int32)
+        habits[: len(rows)] = rows
+        mask = (habits >= 0).astype(np.int8)
+        return habits, mask
+
+    def _make_space(self, height: int, width: int) -> spaces.Dict:
+        entries: dict[str, spaces.Space[Any]] = {}
+        if self._observe == "pixels":
+            entries["rgb"] = spaces.Box(0, 255, (height, width, 3), np.uint8)
+            entries["depth"] = spaces.Box(0.0, np.inf, (height, width), np.float32)
+        dimension = self.source.dimension
+        entries |= {
+            "pose": spaces.Box(-np.inf, np.inf, (4,), np.float32),
+            "target": spaces.Box(-1.0, 1.0, (dimension,), np.float32),
+            "habits": spaces.Box(-1, np.iinfo(np.int32).max, (self._max_habits,), np.int32),
+            "habits_mask": spaces.MultiBinary(self._max_habits),
+            "last_action": spaces.Discrete(NO_ACTION + 1),
+            "collision": spaces.Discrete(2),
+            "step": spaces.Discrete(self.rules.max_steps + 1),
+        }
+        return spaces.Dict(entries)
+
+
+def _check_choice(option: str, value: Any, choices: tuple[Any, ...]) -> None:
+    if value not in choices:
+        raise ConfigError(f"{option}={value!r}: expected one of {', '.join(map(str, choices))}")

@@ -1,0 +1,95 @@
+"""What is counted while an episode runs, and the potential that a progress reward is made of."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.scenes.spec import GRID_M
+from ucon.sim.paths import distances
+from ucon.task.actions import AHEAD, Action
+from ucon.task.episode import Episode
+from ucon.task.outcome import EpisodeOutcome
+from ucon.task.search import Search, StepOutcome
+
+
+class Ledger:
+    """The running figures of one episode."""
+
+    def __init__(self, episode: Episode, search: Search) -> None:
+        self.episode, self.search = episode, search
+        self.steps = self.moves = self.opens = self.collisions = 0
+        self.first_seen_step = -1
+        self.in_reach = self.stopped = self.success = False
+        self.path_xy = [search.xy]
+        self._opening, self._end = solution_nodes(episode)
+        self._fields: dict[tuple[int, int], NDArray[np.int32]] = {}
+        self._note_target()
+
+    def note(self, action: int, outcome: StepOutcome) -> None:
+        """Count one step that the search has just taken."""
+        self.steps += 1
+        self.collisions += outcome.collision
+        self.opens += action == Action.OPEN
+        self.stopped, self.success = outcome.done, outcome.success
+        if action == Action.MOVE_AHEAD and not outcome.collision:
+            self.moves += 1
+            self.path_xy.append(self.search.xy)
+        self._note_target()
+
+    def to_goal_m(self) -> float:
+        """Metres to go along the stored solution's stations: where its container is opened, then its end."""
+        here = (self.search.pose.i, self.search.pose.j)
+        holder = self.episode.target_object.holder
+        if self._opening is None or self.search.opened[holder]:
+            return float(self._field(self._end)[here]) * GRID_M
+        return float(self._field(self._opening)[here] + self._field(self._end)[self._opening]) * GRID_M
+
+    def outcome(self) -> EpisodeOutcome:
+        """The figures so far."""
+        target, start = self.episode.target_object, self.episode.start
+        contained = target.holder >= 0 and bool(self.search.world.openable[target.holder])
+        field = self._field(self._end)
+        return EpisodeOutcome(
+            success=self.success,
+            steps=self.steps,
+            path_length_m=self.moves * GRID_M,
+            shortest_path_m=self.episode.shortest_path_m,
+            final_distance_m=float(field[self.search.pose.i, self.search.pose.j]) * GRID_M,
+            start_distance_m=float(field[start.i, start.j]) * GRID_M,
+            opens=self.opens,
+            containers_opened=int(self.search.opened.sum()),
+            collisions=self.collisions,
+            first_seen_step=self.first_seen_step,
+            stopped=self.stopped,
+            in_reach=self.in_reach,
+            contained=contained,
+            container_opened=contained and bool(self.search.opened[target.holder]),
+        )
+
+    def _note_target(self) -> None:
+        if self.search.target_visible():
+            if self.first_seen_step < 0:
+                self.first_seen_step = self.steps
+            self.in_reach = self.in_reach or self.search.target_in_reach()
+
+    def _field(self, node: tuple[int, int]) -> NDArray[np.int32]:
+        if node not in self._fields:
+            self._fields[node] = distances(self.search.world.free, [node])
+        return self._fields[node]
+
+
+def solution_nodes(episode: Episode) -> tuple[tuple[int, int] | None, tuple[int, int]]:
+    """Node of the Open in the stored solution (None without one) and its last node."""
+    i, j, heading = episode.start.i, episode.start.j, episode.start.heading
+    opening = None
+    for digit in map(int, episode.solution):
+        if digit == Action.MOVE_AHEAD:
+            i, j = i + AHEAD[heading][0], j + AHEAD[heading][1]
+        elif digit == Action.ROTATE_LEFT:
+            heading = (heading + 1) % 4
+        elif digit == Action.ROTATE_RIGHT:
+            heading = (heading + 3) % 4
+        elif digit == Action.OPEN:
+            opening = (i, j)
+    return opening, (i, j)

@@ -1,0 +1,67 @@
+"""What is measured of one episode, and why it failed."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+FailureCause = Literal[
+    "none", "never_seen", "seen_not_reached", "container_never_opened", "stopped_early", "out_of_steps"
+]
+
+
+@dataclass(frozen=True)
+class EpisodeOutcome:
+    """The deterministic figures of one finished episode (DESIGN, metrics)."""
+
+    success: bool
+    steps: int
+    path_length_m: float
+    shortest_path_m: float
+    final_distance_m: float
+    """Metres from the last node to the end of the stored solution."""
+    start_distance_m: float
+    opens: int
+    containers_opened: int
+    collisions: int
+    first_seen_step: int
+    """Step after which the target was first visible (0: from the start); -1: never."""
+    stopped: bool
+    in_reach: bool
+    """Whether Done would have succeeded at some step."""
+    contained: bool
+    """Whether the target was behind a closed door."""
+    container_opened: bool
+
+    @property
+    def spl(self) -> float:
+        """Success weighted by path length: S * l / max(p, l)."""
+        return self._path_ratio if self.success else 0.0
+
+    @property
+    def soft_spl(self) -> float:
+        """SPL with the share of the distance closed in place of success."""
+        closed = 1.0 if self.success else max(0.0, 1.0 - self.final_distance_m / max(self.start_distance_m, 1e-9))
+        return closed * self._path_ratio
+
+    @property
+    def failure_cause(self) -> FailureCause:
+        """Why it failed; ``out_of_steps``: it stood in reach of the visible target and never said Done."""
+        if self.success:
+            return "none"
+        if self.stopped:
+            return "stopped_early"
+        if self.contained and not self.container_opened:
+            return "container_never_opened"
+        if self.first_seen_step < 0:
+            return "never_seen"
+        return "out_of_steps" if self.in_reach else "seen_not_reached"
+
+    def to_json(self) -> dict[str, Any]:
+        """All fields and derived figures."""
+        derived = {"spl": self.spl, "soft_spl": self.soft_spl, "failure_cause": self.failure_cause}
+        return asdict(self) | derived
+
+    @property
+    def _path_ratio(self) -> float:
+        return self.shortest_path_m / max(self.path_length_m, self.shortest_path_m, 1e-9)

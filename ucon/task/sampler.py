@@ -1,0 +1,338 @@
+"""Sampling episodes: draw categories, put one of each where a habit says, choose a target and a start.
+
+Needs PyBullet (placements settle in it); replaying a stored episode does not.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ucon.core.errors import EpisodeError, PlacementError
+from ucon.core.rng import stream
+from ucon.habits.hosting import Hosted, hosted, household
+from ucon.habits.types import HabitDataset
+from ucon.objects import catalogue
+from ucon.objects.model import Relation
+from ucon.sim.arrangement import Arrangement, PlacedObject
+from ucon.sim.cache import load_house
+from ucon.sim.house import House
+from ucon.sim.placement import import_anchor, importable, place
+from ucon.sim.render import RasterRenderer
+from ucon.sim.state import SceneState
+from ucon.task.episode import Episode, Start
+from ucon.task.rules import PAPER, TaskRules
+from ucon.task.search import Pose
+from ucon.task.solve import Solver
+
+MIN_START_M = 2.0
+
+
+#: What a home's household has of every category that can be sampled there.
+Living = dict[str, tuple[Hosted, ...]]
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A placement that the sampler intends: entry, index of the placement in it, relation and anchor category."""
+
+    entry: str
+    index: int
+    relation: Relation
+    anchor: str
+
+
+@dataclass
+class _Draft:
+    """An arrangement in the making."""
+
+    removed: tuple[int, ...]
+    objects: list[PlacedObject] = field(default_factory=list)
+    origins: list[tuple[str, int]] = field(default_factory=list)
+    blocked: tuple[tuple[int, int], ...] = ()
+    failures: list[str] = field(default_factory=list)
+
+    @property
+    def arrangement(self) -> Arrangement:
+        return Arrangement(self.removed, tuple(self.objects), self.blocked)
+
+
+class EpisodeSampler:
+    """Samples episodes of one habit dataset.
+
+    Args:
+        dataset: habits to live by.
+        k: how many categories an episode places.
+        rules: rule set under which the episode must be solvable.
+    """
+
+    def __init__(self, dataset: HabitDataset, *, k: int = 20, rules: TaskRules = PAPER) -> None:
+        self.dataset, self.k, self.rules = dataset, k, rules
+        self._eyes = RasterRenderer()
+        self._living: dict[str, Living] = {}
+
+    def sample(
+        self, scene: str, seed: int, *, targets: Iterable[str] | None = None, split: str = "", episode_id: str = ""
+    ) -> Episode:
+        """One episode, the same for the same arguments.
+
+        Args:
+            scene: name of a home.
+            seed: any integer.
+            targets: categories that may be the target (default: all); at least one of them is placed.
+            split: label to store.
+            episode_id: label to store; default ``scene/seed``.
+
+        Raises:
+            EpisodeError: nothing can be placed or found there.
+        """
+        house = load_house(scene)
+        living = self._household(house, scene)
+        wanted = None if targets is None else {name for name in targets if name in living}
+        if not living or wanted == set():
+            kind = "wanted category" if living else "category"
+            raise EpisodeError(f"{scene}: no {kind} of dataset '{self.dataset.name}' can be placed there")
+        for attempt in range(8):
+            episode = self._attempt(house, scene, seed, attempt, living, wanted)
+            if episode is not None:
+                label = episode_id or f"{scene}/{seed}"
+                return Episode.from_json(replace(episode, id=label, split=split).to_json())
+        raise EpisodeError(f"{scene}, seed {seed}: no solvable episode in 8 attempts; use another seed")
+
+    def target_categories(self, scene: str) -> tuple[str, ...]:
+        """Categories that an episode in this home can place."""
+        return tuple(sorted(self._household(load_house(scene), scene)))
+
+    def _household(self, house: House, scene: str) -> Living:
+        """What lives in this home, by category, without what would take away a support of the home itself.
+
+        A category needs a hosted entry to be sampled; the habits of its other entries belong to the household too.
+        """
+        if scene not in self._living:
+            present = frozenset(house.categories)
+            never = _bearing_categories(house)
+            living = {
+                name: tuple(hosted(entries, present, importable))
+                for name, entries in household(scene, self.dataset).items()
+                if name not in never
+            }
+            self._living[scene] = {name: found for name, found in living.items() if any(h.ok for h in found)}
+        return self._living[scene]
+
+    def _attempt(
+        self,
+        house: House,
+        scene: str,
+        seed: int,
+        attempt: int,
+        living: Living,
+        wanted: set[str] | None,
+    ) -> Episode | None:
+        rng = stream(seed, "episode", scene, attempt)
+        order = [str(name) for name in rng.permutation(sorted(living))]
+        if wanted is not None:  # one wanted category comes first, so that it is among the sampled ones
+            first = sorted(wanted)[int(rng.integers(len(wanted)))]
+            order.remove(first)
+            order.insert(0, first)
+        draft, chosen = self._place_all(house, order, living, rng)
+        if not draft.objects:
+            return None
+        return self._finish(house, scene, seed, draft, chosen, living, wanted, rng)
+
+    def _place_all(
+        self, house: House, order: Sequence[str], living: Living, rng: np.random.Generator
+    ) -> tuple[_Draft, list[str]]:
+        """Place k categories in dependency order; what cannot be placed makes way for the next category."""
+        waiting = list(order)
+        chosen, waiting = waiting[: self.k], waiting[self.k :]
+        draft = _Draft(removed=_instances_of(house, chosen))
+        placed: list[str] = []
+        queue = self._dependency_order(chosen, living, rng)
+        while queue:
+            name, options = queue.pop(0)
+            if self._place_one(house, name, options, draft, set(chosen), rng):
+                placed.append(name)
+                continue
+            chosen.remove(name)
+            other = _replacement(house, waiting, draft)
+            if other is not None:
+                waiting.remove(other)
+                chosen.append(other)
+                draft.removed = tuple(sorted({*draft.removed, *_instances_of(house, [other])}))
+                queue += self._dependency_order([other], living, rng)
+        return draft, placed
+
+    def _dependency_order(
+        self, names: Sequence[str], living: Living, rng: np.random.Generator
+    ) -> list[tuple[str, list[Drawn]]]:
+        """Categories with their placements in drawn order, anchors before what stands by them."""
+        options: dict[str, list[Drawn]] = {}
+        for name in names:
+            drawn = [
+                Drawn(h.entry.id, k, h.entry.placements[k].relation, h.entry.placements[k].anchor)
+                for h in living[name]
+                if h.ok
+                for k in h.realisable
+            ]
+            options[name] = [drawn[int(k)] for k in rng.permutation(len(drawn))]
+        ordered: list[tuple[str, list[Drawn]]] = []
+        left = list(names)
+        while left:
+            ready = [n for n in left if options[n][0].anchor not in left or options[n][0].anchor == n]
+            if not ready:  # a cycle: its first member takes its next placement
+                options[left[0]] = options[left[0]][1:] + options[left[0]][:1]
+                ready = left[:1]
+            for name in ready:
+                ordered.append((name, options[name]))
+                left.remove(name)
+        return ordered
+
+    def _place_one(
+        self, house: House, name: str, options: list[Drawn], draft: _Draft, chosen: set[str], rng: np.random.Generator
+    ) -> bool:
+        for drawn in options:
+            if drawn.anchor == name:
+                continue
+            try:
+                self._realise(house, name, drawn, draft, chosen, rng)
+            except PlacementError as error:
+                draft.failures.append(f"{name} {drawn.relation} {drawn.anchor}: {error}")
+                continue
+            return True
+        return False
+
+    def _realise(
+        self, house: House, name: str, drawn: Drawn, draft: _Draft, chosen: set[str], rng: np.random.Generator
+    ) -> None:
+        """Place an object by an instance of its anchor, bringing the anchor in where the home lacks it."""
+        saved = (list(draft.objects), list(draft.origins), draft.blocked)
+        anchors = _anchor_instances(house, draft, drawn.anchor)
+        if not anchors:
+            if drawn.anchor in chosen or not importable(drawn.anchor):
+                raise PlacementError(f"no {drawn.anchor} in this arrangement")
+            brought = import_anchor(house, draft.arrangement, drawn.anchor, rng)
+            self._add(draft, *brought, ("", -1))
+            anchors = [house.n_instances + len(draft.objects) - 1]
+        reason = ""
+        for instance in rng.permutation(anchors)[:4]:
+            try:
+                added = place(house, draft.arrangement, name, drawn.relation, int(instance), rng)
+            except PlacementError as error:
+                reason = str(error)
+                continue
+            self._add(draft, *added, (drawn.entry, drawn.index))
+            return
+        draft.objects, draft.origins, draft.blocked = saved
+        raise PlacementError(reason or "no instance of the anchor takes it")
+
+    @staticmethod
+    def _add(
+        draft: _Draft, placed: PlacedObject, blocked: tuple[tuple[int, int], ...], origin: tuple[str, int]
+    ) -> None:
+        draft.objects.append(placed)
+        draft.origins.append(origin)
+        draft.blocked = tuple(sorted({*draft.blocked, *blocked}))
+
+    def _finish(
+        self,
+        house: House,
+        scene: str,
+        seed: int,
+        draft: _Draft,
+        placed: list[str],
+        living: Living,
+        wanted: set[str] | None,
+        rng: np.random.Generator,
+    ) -> Episode | None:
+        """Choose a target that can be found and a start that is not yet there."""
+        arrangement = draft.arrangement
+        world = SceneState(house, arrangement)
+        self._eyes.load(house, arrangement)
+        candidates = [k for k, origin in enumerate(draft.origins) if origin[0]]
+        if wanted is not None:
+            candidates = [k for k in candidates if draft.objects[k].category in wanted]
+        for target in rng.permutation(candidates)[:4] if candidates else ():
+            solver = Solver(world, self._eyes, house.n_instances + int(target), self.rules)
+            found = self._start(solver, world, rng) if solver.solvable else None
+            if found is None:
+                continue
+            start, path_m, solution = found
+            entries = tuple(h.entry.id for name in sorted(placed) for h in living[name])
+            by_category = {draft.objects[k].category: draft.origins[k][0] for k in range(len(draft.objects))}
+            return Episode(
+                id="",
+                scene=scene,
+                home_hash=house.spec.hash,
+                habits=self.dataset.name,
+                habits_hash=self.dataset.sha256,
+                task=self.rules.name,
+                seed=seed,
+                split="",
+                arrangement=arrangement,
+                target=int(target),
+                placed_by=tuple(draft.origins),
+                entries=entries,
+                task_entries=tuple(by_category[name] for name in sorted(placed)),
+                start=start,
+                shortest_path_m=path_m,
+                solution=solution,
+            )
+        return None
+
+    def _start(self, solver: Solver, world: SceneState, rng: np.random.Generator) -> tuple[Start, float, str] | None:
+        """A random node at least 2 m of path from success (where there is one), and the solution from it."""
+        moves = solver.field()
+        for least in (MIN_START_M, 0.25):
+            nodes = np.argwhere(moves * 0.25 >= least)
+            for pick in rng.permutation(len(nodes))[:4]:
+                i, j = (int(v) for v in nodes[pick])
+                start = Start(i, j, int(rng.integers(4)))
+                solution = solver.solve(Pose(i, j, start.heading, self.rules.start_height, 0))
+                if solution is not None and solution.moves and len(solution.actions) <= self.rules.max_steps:
+                    return start, solution.path_m, solution.digits
+        return None
+
+
+def sample_set(
+    sampler: EpisodeSampler, plan: Iterable[tuple[str, int, str, tuple[str, ...] | None]]
+) -> Iterable[Episode]:
+    """Episodes of a plan of (scene, seed, split, targets)."""
+    for scene, seed, split, targets in plan:
+        yield sampler.sample(scene, seed, targets=targets, split=split)
+
+
+def _instances_of(house: House, names: Iterable[str]) -> tuple[int, ...]:
+    wanted = set(names)
+    return tuple(k for k, item in enumerate(house.spec.items) if item.category in wanted)
+
+
+def _replacement(house: House, waiting: Sequence[str], draft: _Draft) -> str | None:
+    """The next category that nothing placed so far stands by, or is."""
+    used = {o.anchor for o in draft.objects} | {o.holder for o in draft.objects}
+    taken = {o.category for o in draft.objects} | {house.categories[k] for k in used if 0 <= k < house.n_instances}
+    return next((name for name in waiting if name not in taken), None)
+
+
+def _anchor_instances(house: House, draft: _Draft, category: str) -> list[int]:
+    removed = set(draft.removed)
+    base = [k for k, name in enumerate(house.categories) if name == category and k not in removed]
+    added = [house.n_instances + k for k, o in enumerate(draft.objects) if o.category == category]
+    return base + added
+
+
+def _bearing_categories(house: House) -> set[str]:
+    """Categories whose removal would leave another item of the home standing on nothing, or that are structure."""
+    boxes, items = house.boxes[: house.n_items], house.spec.items
+    bearing = {"walls", "floors", "ceilings"}
+    for below, above in itertools.permutations(range(len(items)), 2):
+        if items[above].position[2] < 0.02 or catalogue()[items[above].category].mount in ("wall", "ceiling"):
+            continue
+        a, b = boxes[below], boxes[above]
+        center = (b[:2] + b[3:5]) / 2
+        inside = (a[:2] <= center).all() and (center <= a[3:5]).all()
+        if inside and a[2] <= items[above].position[2] <= a[5] + 0.02:
+            bearing.add(items[below].category)
+    return bearing

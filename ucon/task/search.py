@@ -1,0 +1,186 @@
+"""One running search: the agent's pose, what was opened, and what a step does.
+
+It moves an agent on the grid of a :class:`SceneWorld` (compiled arrays or the live PyBullet client) and asks a
+renderer what is visible. The environments put observations around it; the sampler and the oracle use it as it is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.sim.arrangement import Arrangement
+from ucon.sim.house import House
+from ucon.task.actions import AHEAD, Action
+from ucon.task.rules import PAPER, TaskRules
+
+
+class SceneWorld(Protocol):
+    """What a search needs to know of the world; the truth behind it is PyBullet's or compiled from it."""
+
+    house: House
+    arrangement: Arrangement
+    boxes: NDArray[np.float64]
+    """(n, 6) world boxes with joints closed; removed instances are empty (NaN)."""
+    openable: NDArray[np.bool_]
+    """(n,) instances that Open acts on."""
+    free: NDArray[np.bool_]
+    """(nx, ny) nodes where the agent can stand."""
+
+    def set_open(self, instance: int, fraction: float) -> None:
+        """Set all joints of an instance, 0 closed to 1 open."""
+
+
+class Eyes(Protocol):
+    """The renderer's part that the rules need."""
+
+    def set_open(self, instance: int, fraction: float) -> None:
+        """Show an instance opened."""
+
+    def visible(self, x: float, y: float, z: float, heading: int, pitch_deg: int) -> NDArray[np.int32]:
+        """Pixels of every instance in the canonical view, (n,)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Where the agent is: node, heading in quarter turns, camera height index, pitch in degrees (up positive)."""
+
+    i: int
+    j: int
+    heading: int
+    height: int = 0
+    pitch_deg: int = 0
+
+
+@dataclass(slots=True)
+class StepOutcome:
+    """What one action did."""
+
+    collision: bool = False
+    opened: tuple[int, ...] = ()
+    done: bool = False
+    success: bool = False
+
+
+class Search:
+    """A search in progress."""
+
+    def __init__(self, world: SceneWorld, eyes: Eyes, target: int, start: Pose, rules: TaskRules = PAPER) -> None:
+        self.world, self.eyes, self.target, self.rules = world, eyes, target, rules
+        self.pose = start
+        self.opened = np.zeros(len(world.boxes), bool)
+        self._alike = [target]
+        if rules.done_by_category:
+            categories = world.house.categories + tuple(o.category for o in world.arrangement.objects)
+            self._alike = [k for k, name in enumerate(categories) if name == categories[target]]
+        self._counts: NDArray[np.int32] | None = None
+        self._free = world.free
+        self._near_boxes = world.boxes
+
+    @property
+    def camera(self) -> tuple[float, float, float, int, int]:
+        """x, y, z (metres), heading, pitch in degrees: the renderer's arguments."""
+        x, y = self.xy
+        return x, y, self.rules.camera_heights_m[self.pose.height], self.pose.heading, self.pose.pitch_deg
+
+    @property
+    def xy(self) -> tuple[float, float]:
+        """World position of the agent."""
+        origin = self.world.house.grid.origin_xy
+        return origin[0] + (self.pose.i + 0.5) * 0.25, origin[1] + (self.pose.j + 0.5) * 0.25
+
+    @property
+    def counts(self) -> NDArray[np.int32]:
+        """Pixels of every instance in the canonical view from here, computed once a step."""
+        if self._counts is None:
+            self._counts = self.eyes.visible(*self.camera)
+        return self._counts
+
+    def saw(self, counts: NDArray[np.int32]) -> None:
+        """Take the canonical pixel counts of this pose from a frame that was rendered anyway."""
+        self._counts = counts
+
+    def step(self, action: int) -> StepOutcome:
+        """Carry out one action."""
+        outcome = StepOutcome()
+        if action == Action.MOVE_AHEAD:
+            outcome.collision = not self._move()
+        elif action in (Action.ROTATE_LEFT, Action.ROTATE_RIGHT):
+            turn = 1 if action == Action.ROTATE_LEFT else 3
+            self._set_pose(heading=(self.pose.heading + turn) % 4)
+        elif action in (Action.LOOK_UP, Action.LOOK_DOWN):
+            self._look(1 if action == Action.LOOK_UP else -1)
+        elif action == Action.OPEN:
+            outcome.opened = self._open()
+        elif action == Action.DONE:
+            outcome.done, outcome.success = True, self.target_in_reach()
+        else:
+            raise ValueError(f"action {action!r}, expected 0 to 6")
+        return outcome
+
+    def target_visible(self) -> bool:
+        """Whether enough pixels of the target are in the canonical view."""
+        return bool(max(self.counts[k] for k in self._alike) >= self.rules.done_min_pixels)
+
+    def target_in_reach(self) -> bool:
+        """Whether Done would succeed here."""
+        near = self.rules.near(np.asarray(self.xy), self._near_boxes[self.target : self.target + 1])
+        return bool(near[0]) and self.target_visible()
+
+    def would_open(self) -> tuple[int, ...]:
+        """The instances that Open would open here."""
+        candidates = np.flatnonzero(self.world.openable & ~self.opened)
+        near = self.rules.near(np.asarray(self.xy), self._near_boxes[candidates])
+        candidates = candidates[near]
+        if self.rules.open_needs_sight and len(candidates):
+            candidates = candidates[self.counts[candidates] >= self.rules.open_min_pixels]
+        return tuple(int(k) for k in candidates)
+
+    def _open(self) -> tuple[int, ...]:
+        instances = self.would_open()
+        for instance in instances:
+            self.opened[instance] = True
+            self.world.set_open(instance, 1.0)
+            self.eyes.set_open(instance, 1.0)
+        if instances:
+            self._counts = None
+        return instances
+
+    def _move(self) -> bool:
+        di, dj = AHEAD[self.pose.heading]
+        i, j = self.pose.i + di, self.pose.j + dj
+        nx, ny = self._free.shape
+        if not (0 <= i < nx and 0 <= j < ny and self._free[i, j]):
+            return False
+        self._set_pose(i=i, j=j)
+        return True
+
+    def _look(self, direction: int) -> None:
+        rules, pose = self.rules, self.pose
+        if rules.look_moves_camera:
+            height = min(max(pose.height + direction, 0), len(rules.camera_heights_m) - 1)
+            self._set_pose(height=height)
+        else:
+            pitch = pose.pitch_deg + direction * rules.pitch_step_deg
+            self._set_pose(pitch_deg=min(max(pitch, -rules.max_pitch_deg), rules.max_pitch_deg))
+
+    def _set_pose(
+        self,
+        i: int | None = None,
+        j: int | None = None,
+        heading: int | None = None,
+        height: int | None = None,
+        pitch_deg: int | None = None,
+    ) -> None:
+        old = self.pose
+        self.pose = Pose(
+            old.i if i is None else i,
+            old.j if j is None else j,
+            old.heading if heading is None else heading,
+            old.height if height is None else height,
+            old.pitch_deg if pitch_deg is None else pitch_deg,
+        )
+        self._counts = None

@@ -1,0 +1,239 @@
+"""The shortest legal solution of a search, by rendering every pose from which it could succeed.
+
+Shortest path l (DESIGN, definitions): metres of moves that reach, for a target behind a closed door, a node where
+Open works on its container, and then a node, heading and view with a successful Done. What else the same Open
+would open is opened too, so the solution is legal to the letter and the oracle walks it as it stands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.scenes.spec import GRID_M
+from ucon.sim.paths import distances
+from ucon.task.actions import AHEAD, Action
+from ucon.task.rules import TaskRules
+from ucon.task.search import Eyes, Pose, SceneWorld
+
+#: Distinct sets of containers that one Open can open, tried from the smallest.
+MAX_OPEN_SETS = 6
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A shortest legal action sequence ending in Done."""
+
+    actions: tuple[int, ...]
+    moves: int
+
+    @property
+    def path_m(self) -> float:
+        """Length of its moves in metres."""
+        return self.moves * GRID_M
+
+    @property
+    def digits(self) -> str:
+        """The actions as digits."""
+        return "".join(map(str, self.actions))
+
+
+class Solver:
+    """Goal poses of one target in one arrangement, and shortest solutions from any start."""
+
+    def __init__(self, world: SceneWorld, eyes: Eyes, target: int, rules: TaskRules) -> None:
+        self.world, self.eyes, self.target, self.rules = world, eyes, target, rules
+        self.direct = self._done_poses(())
+        self.opened: list[tuple[dict[tuple[int, int], Pose], dict[tuple[int, int], Pose]]] = []
+        holder = self._holder()
+        if holder >= 0:
+            for instances, poses in self._open_sets(holder):
+                done = self._done_poses(instances)
+                if done:
+                    self.opened.append((poses, done))
+
+    @property
+    def solvable(self) -> bool:
+        """Whether any pose succeeds."""
+        return bool(self.direct or self.opened)
+
+    def field(self) -> NDArray[np.int32]:
+        """Moves needed from every node, (nx, ny); -1 where it cannot be reached."""
+        fields = [distances(self.world.free, *_sources(self.direct))] if self.direct else []
+        for opening, done in self.opened:
+            after = distances(self.world.free, *_sources(done))
+            usable = {cell: pose for cell, pose in opening.items() if after[cell] >= 0}
+            if usable:
+                costs = np.array([after[cell] for cell in usable], np.int32)
+                fields.append(distances(self.world.free, _cells(usable), costs))
+        best = np.full(self.world.free.shape, -1, np.int32)
+        for moves in fields:
+            better = (moves >= 0) & ((best < 0) | (moves < best))
+            best[better] = moves[better]
+        return best
+
+    def solve(self, start: Pose) -> Solution | None:
+        """A shortest solution from ``start``; among equals the one with the fewest steps that was found."""
+        best: Solution | None = None
+        for solution in self._solutions(start):
+            if best is None or (solution.moves, len(solution.actions)) < (best.moves, len(best.actions)):
+                best = solution
+        return best
+
+    def _solutions(self, start: Pose) -> Iterator[Solution]:
+        free = self.world.free
+        here = (start.i, start.j)
+        if self.direct:
+            field = distances(free, *_sources(self.direct))
+            if field[here] >= 0:
+                yield self._finish(start, field, self.direct, [], 0)
+        for opening, done in self.opened:
+            after = distances(free, *_sources(done))
+            usable = {cell: pose for cell, pose in opening.items() if after[cell] >= 0}
+            if not usable:
+                continue
+            costs = np.array([after[cell] for cell in usable], np.int32)
+            field = distances(free, _cells(usable), costs)
+            if field[here] < 0:
+                continue
+            # Walk down to the first node where opening is at least as good as walking on.
+            actions, at, moves = _walk(field, start, stop=lambda c, a=after, u=usable, f=field: c in u and a[c] == f[c])
+            pose = usable[at.i, at.j]
+            actions += _aim(at, pose, self.rules)
+            actions.append(int(Action.OPEN))
+            yield self._finish(pose, after, done, actions, moves)
+
+    def _finish(
+        self, at: Pose, field: NDArray[np.int32], done: dict[tuple[int, int], Pose], actions: list[int], moves: int
+    ) -> Solution:
+        more, pose, walked = _walk(field, at, stop=lambda c: c in done)
+        end = _aim(pose, done[pose.i, pose.j], self.rules)
+        return Solution(tuple(actions + more + end + [int(Action.DONE)]), moves + walked)
+
+    def _holder(self) -> int:
+        holder = self.world.arrangement.objects[self.target - self.world.house.n_instances].holder
+        return holder if holder >= 0 and self.world.openable[holder] else -1
+
+    def _near_nodes(self, instance: int) -> list[tuple[int, int]]:
+        """Free nodes within reach of an instance's box, nearest first."""
+        grid, box = self.world.house.grid, self.world.boxes[instance : instance + 1]
+        reach = self.rules.near_m + GRID_M
+        low = grid.cell((box[0, 0] - reach, box[0, 1] - reach))
+        high = grid.cell((box[0, 3] + reach, box[0, 4] + reach))
+        center = (box[0, :2] + box[0, 3:5]) / 2
+        found = []
+        for i in range(max(low[0], 0), min(high[0] + 1, grid.shape[0])):
+            for j in range(max(low[1], 0), min(high[1] + 1, grid.shape[1])):
+                xy = grid.xy((i, j))
+                if self.world.free[i, j] and self.rules.near(xy, box)[0]:
+                    found.append((float(np.hypot(*(xy - center))), i, j))
+        return [(i, j) for _, i, j in sorted(found)]
+
+    def _facing(self, node: tuple[int, int], instance: int) -> Iterator[Pose]:
+        """Poses at a node whose 90 degree view can contain part of the instance's box, the level ones first."""
+        x, y = self.world.house.grid.xy(node)
+        box = self.world.boxes[instance]
+        xs, ys, zs = (box[0] - x, box[3] - x), (box[1] - y, box[4] - y), (box[2], box[5])
+        for height, pitch in self.rules.views:
+            z = self.rules.camera_heights_m[height]
+            for heading in range(4):
+                ahead = AHEAD[heading]
+                if _box_in_view(xs, ys, (zs[0] - z, zs[1] - z), ahead, pitch):
+                    yield Pose(*node, heading, height, pitch)
+
+    def _counts(self, pose: Pose) -> NDArray[np.int32]:
+        x, y = self.world.house.grid.xy((pose.i, pose.j))
+        z = self.rules.camera_heights_m[pose.height]
+        return self.eyes.visible(float(x), float(y), z, pose.heading, pose.pitch_deg)
+
+    def _done_poses(self, opened: tuple[int, ...]) -> dict[tuple[int, int], Pose]:
+        """One successful pose a node, with the given containers open."""
+        self._set_open(opened, 1.0)
+        poses: dict[tuple[int, int], Pose] = {}
+        for node in self._near_nodes(self.target):
+            for pose in self._facing(node, self.target):
+                if self._counts(pose)[self.target] >= self.rules.done_min_pixels:
+                    poses[node] = pose
+                    break
+        self._set_open(opened, 0.0)
+        return poses
+
+    def _open_sets(self, holder: int) -> list[tuple[tuple[int, ...], dict[tuple[int, int], Pose]]]:
+        """Sets of containers that one Open opens, ``holder`` among them, with the poses where it does."""
+        sets: dict[tuple[int, ...], dict[tuple[int, int], Pose]] = {}
+        openable = np.flatnonzero(self.world.openable)
+        for node in self._near_nodes(holder):
+            near = openable[self.rules.near(self.world.house.grid.xy(node), self.world.boxes[openable])]
+            for pose in self._facing(node, holder):
+                opened = near
+                if self.rules.open_needs_sight:
+                    opened = near[self._counts(pose)[near] >= self.rules.open_min_pixels]
+                if holder in opened:
+                    sets.setdefault(tuple(int(k) for k in opened), {}).setdefault(node, pose)
+        ranked = sorted(sets.items(), key=lambda item: (len(item[0]), -len(item[1]), item[0]))
+        return ranked[:MAX_OPEN_SETS]
+
+    def _set_open(self, instances: tuple[int, ...], fraction: float) -> None:
+        for instance in instances:
+            self.eyes.set_open(instance, fraction)
+
+
+def _box_in_view(
+    xs: tuple[float, float], ys: tuple[float, float], zs: tuple[float, float], ahead: tuple[int, int], pitch_deg: int
+) -> bool:
+    """Conservative test of a box (relative to the camera) against the side and top planes of a 90 degree view."""
+    c, s = np.cos(np.radians(pitch_deg)), np.sin(np.radians(pitch_deg))
+    fx, fy = ahead
+    outside = np.zeros(5, int)
+    for x in xs:
+        for y in ys:
+            for z in zs:
+                level, side = x * fx + y * fy, -x * fy + y * fx
+                front, up = c * level + s * z, c * z - s * level
+                outside += (front <= 0, side > front, -side > front, up > front, -up > front)
+    return bool((outside < 8).all())
+
+
+def _cells(poses: dict[tuple[int, int], Pose]) -> NDArray[np.int64]:
+    return np.array(list(poses), np.int64).reshape(-1, 2)
+
+
+def _sources(poses: dict[tuple[int, int], Pose]) -> tuple[NDArray[np.int64], None]:
+    return _cells(poses), None
+
+
+def _walk(field: NDArray[np.int32], start: Pose, stop) -> tuple[list[int], Pose, int]:  # type: ignore[no-untyped-def]
+    """Turn and move down a distance field, straight on where that is as short, until ``stop(cell)``."""
+    actions: list[int] = []
+    i, j, heading, moves = start.i, start.j, start.heading, 0
+    nx, ny = field.shape
+    while not stop((i, j)):
+        for turn in (0, 1, 3, 2):
+            di, dj = AHEAD[(heading + turn) % 4]
+            ni, nj = i + di, j + dj
+            if 0 <= ni < nx and 0 <= nj < ny and 0 <= field[ni, nj] == field[i, j] - 1:
+                break
+        else:
+            raise RuntimeError("a distance field without a way down")
+        actions += [*_turns(turn), int(Action.MOVE_AHEAD)]
+        i, j, heading, moves = ni, nj, (heading + turn) % 4, moves + 1
+    return actions, Pose(i, j, heading, start.height, start.pitch_deg), moves
+
+
+def _turns(turn: int) -> list[int]:
+    if turn == 3:
+        return [int(Action.ROTATE_RIGHT)]
+    return [int(Action.ROTATE_LEFT)] * turn
+
+
+def _aim(at: Pose, goal: Pose, rules: TaskRules) -> list[int]:
+    """Turns and looks that bring the view of ``at`` to that of ``goal`` at the same node."""
+    if rules.look_moves_camera:
+        looks = goal.height - at.height
+    else:
+        looks = (goal.pitch_deg - at.pitch_deg) // rules.pitch_step_deg
+    look = Action.LOOK_UP if looks > 0 else Action.LOOK_DOWN
+    return _turns((goal.heading - at.heading) % 4) + [int(look)] * abs(looks)
