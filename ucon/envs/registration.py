@@ -1,0 +1,11 @@
+"""Gymnasium ids. Found through the package's entry point, so ``gymnasium.make("UcON-v0")`` needs no import."""
+
+from __future__ import annotations
+
+import gymnasium as gym
+
+
+def register_envs() -> None:
+    """Register ``UcON-v0`` once; the episode ends itself after 300 steps, so no time limit is wrapped around it."""
+    if "UcON-v0" not in gym.registry:
+        gym.register(id="UcON-v0", entry_point="ucon.envs.ucon_env:UcONEnv")
