@@ -296,14 +296,6 @@ class EpisodeSampler:
         return None
 
 
-def sample_set(
-    sampler: EpisodeSampler, plan: Iterable[tuple[str, int, str, tuple[str, ...] | None]]
-) -> Iterable[Episode]:
-    """Episodes of a plan of (scene, seed, split, targets)."""
-    for scene, seed, split, targets in plan:
-        yield sampler.sample(scene, seed, targets=targets, split=split)
-
-
 def _instances_of(house: House, names: Iterable[str]) -> tuple[int, ...]:
     wanted = set(names)
     return tuple(k for k, item in enumerate(house.spec.items) if item.category in wanted)

@@ -1,0 +1,113 @@
+"""Making and checking whole sets of episodes on several processes; the result does not depend on how many."""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from functools import lru_cache
+
+from ucon.core.errors import EpisodeError, UconError
+from ucon.habits.book import book
+from ucon.habits.types import HabitDataset
+from ucon.sim.cache import load_house
+from ucon.sim.render import RasterRenderer
+from ucon.sim.state import SceneState
+from ucon.task.episode import Episode
+from ucon.task.plan import Order
+from ucon.task.rules import task_rules
+from ucon.task.sampler import EpisodeSampler
+from ucon.task.search import Pose, Search
+
+RETRY_SEED_STEP = 1 << 32
+
+
+def make_episodes(
+    orders: Sequence[Order],
+    dataset: HabitDataset | None = None,
+    *,
+    workers: int = 2,
+    progress: Callable[[int, int], None] | None = None,
+) -> list[Episode]:
+    """Sample every order, in order. Without ``dataset``: the habit book.
+
+    Raises:
+        EpisodeError: an order that no seed satisfies.
+    """
+    done: list[Episode] = []
+    if workers <= 1 or dataset is not None:
+        for order in orders:
+            done.append(_sample(order, dataset))
+            if progress:
+                progress(len(done), len(orders))
+        return done
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, mp_context=context) as pool:
+        for episode in pool.map(_sample, orders, chunksize=4):
+            done.append(episode)
+            if progress:
+                progress(len(done), len(orders))
+    return done
+
+
+def _sample(order: Order, dataset: HabitDataset | None = None) -> Episode:
+    sampler = _book_sampler() if dataset is None else _sampler_of(dataset)
+    last = ""
+    for again in range(4):
+        try:
+            seed = order.seed + again * RETRY_SEED_STEP
+            return sampler.sample(order.scene, seed, targets=order.targets, split=order.split, episode_id=order.id)
+        except EpisodeError as error:
+            last = str(error)
+    raise EpisodeError(f"{order.id}: {last}")
+
+
+@lru_cache(maxsize=1)
+def _book_sampler() -> EpisodeSampler:
+    return EpisodeSampler(book())
+
+
+@lru_cache(maxsize=4)
+def _sampler_of(dataset: HabitDataset) -> EpisodeSampler:
+    return EpisodeSampler(dataset)
+
+
+def verify_episode(episode: Episode) -> str:
+    """Walk the stored solution; the empty string if it succeeds as recorded, else what is wrong."""
+    try:
+        house = load_house(episode.scene)
+        rules = task_rules(episode.task)
+    except UconError as error:
+        return str(error)
+    if house.spec.hash != episode.home_hash:
+        return f"made for home {episode.home_hash[:12]}, {episode.scene} is now {house.spec.hash[:12]}"
+    world, eyes = SceneState(house, episode.arrangement), RasterRenderer()
+    eyes.load(house, episode.arrangement)
+    start = episode.start
+    if not world.free[start.i, start.j]:
+        return f"start ({start.i}, {start.j}) is not a free node"
+    pose = Pose(start.i, start.j, start.heading, rules.start_height, 0)
+    search = Search(world, eyes, house.n_instances + episode.target, pose, rules)
+    if search.target_in_reach():
+        return "the target is in reach at the start"
+    return _walk(search, episode, rules.max_steps)
+
+
+def _walk(search: Search, episode: Episode, max_steps: int) -> str:
+    moved = 0
+    if len(episode.solution) > max_steps:
+        return f"the solution has {len(episode.solution)} steps, expected at most {max_steps}"
+    for number, digit in enumerate(episode.solution):
+        before = search.pose
+        outcome = search.step(int(digit))
+        moved += (search.pose.i, search.pose.j) != (before.i, before.j)
+        if outcome.collision:
+            return f"the solution is blocked at step {number}"
+        if outcome.done:
+            length_m = moved * 0.25
+            if not outcome.success:
+                return "the solution's Done fails"
+            if abs(length_m - episode.shortest_path_m) > 1e-6:
+                return f"the solution is {length_m} m long, recorded {episode.shortest_path_m} m"
+            return ""
+    return "the solution does not end in Done"

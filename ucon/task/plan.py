@@ -1,0 +1,77 @@
+"""The fixed evaluation sets: which home, seed and target categories every episode of a named set has.
+
+``test``: 250 episodes in each of seen / unseen category x seen / unseen scene; ``val`` 400 and ``mini`` 50 on homes and
+categories of their own. Seen scenes are the canonical layouts of the 20 official training scenes; unseen ones are the
+two official test scenes and generated homes from a reserved range of seeds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ucon.core.errors import ConfigError, unknown_name
+from ucon.core.rng import derived_seed
+from ucon.habits.splits import Split, split_categories
+from ucon.habits.types import HabitDataset
+from ucon.scenes import SCENES, scene_split
+
+#: First seed of the generated homes kept for testing; validation homes start 10,000 below.
+RESERVED_SEED = 900_000
+KINDS = ("house", "flat", "house", "flat", "office", "house", "flat", "restaurant", "house", "shop")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One kind of episodes in a set."""
+
+    label: str
+    category_split: Split
+    scenes: tuple[str, ...]
+    count: int
+
+
+@dataclass(frozen=True)
+class Order:
+    """What to sample for one episode."""
+
+    id: str
+    scene: str
+    seed: int
+    split: str
+    targets: tuple[str, ...]
+
+
+def set_cells(name: str) -> tuple[Cell, ...]:
+    """The cells of a named set."""
+    seen = tuple(scene for scene in SCENES if scene_split(scene) == "seen")
+    unseen = tuple(scene for scene in SCENES if scene_split(scene) == "unseen") + generated(RESERVED_SEED, 20)
+    if name == "test":
+        pairs = [
+            (f"{c}_category/{s}_scene", split, scenes)
+            for c, split in (("seen", "train"), ("unseen", "test"))
+            for s, scenes in (("seen", seen), ("unseen", unseen))
+        ]
+        return tuple(Cell(label, split, scenes, 250) for label, split, scenes in pairs)  # type: ignore[arg-type]
+    if name in ("val", "mini"):
+        count = 200 if name == "val" else 25
+        return (
+            Cell("val_category/seen_scene", "val", seen, count),
+            Cell("val_category/val_scene", "val", generated(RESERVED_SEED - 10_000, 20), count),
+        )
+    raise ConfigError(unknown_name("episode set to make", name, ("test", "val", "mini")))
+
+
+def generated(first_seed: int, count: int) -> tuple[str, ...]:
+    """Names of generated homes of mixed kinds."""
+    return tuple(f"procedural:{KINDS[k % len(KINDS)]}:{first_seed + k}" for k in range(count))
+
+
+def set_orders(name: str, dataset: HabitDataset) -> Iterator[Order]:
+    """What to sample for every episode of a named set, scenes taken in turn."""
+    for cell in set_cells(name):
+        targets = split_categories(dataset.categories, cell.category_split)
+        for number in range(cell.count):
+            scene = cell.scenes[number % len(cell.scenes)]
+            seed = derived_seed(0, "set", name, cell.label, number) % (1 << 31)
+            yield Order(f"{name}/{cell.label}/{number:03d}", scene, seed, cell.label, targets)
