@@ -1,0 +1,109 @@
+"""``load_house``: a compiled home by name, from memory, from the package, from the user's cache, or built.
+
+The cache key holds the home's name, the file format and a fingerprint of the code and data that homes are made
+from, so a changed layout rule never meets an old home.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import sys
+from collections.abc import Iterable
+from functools import lru_cache
+from pathlib import Path
+
+import ucon
+from ucon.core.errors import DataError
+from ucon.core.files import sha256_bytes, write_atomic, write_manifest
+from ucon.sim.homefile import FORMAT, house_from_bytes, house_to_bytes
+from ucon.sim.house import House
+
+SUFFIX = ".home"
+PACKED = Path(ucon.__file__).parent / "scenes" / "data" / "homes"
+_SOURCES = ("core/geometry.py", "core/rng.py", "objects", "scenes", "sim")
+_IN_MEMORY = 32
+
+
+@lru_cache(maxsize=_IN_MEMORY)
+def load_house(name: str) -> House:
+    """The compiled home ``name``: ``Rs_int``, ``Rs_int~3`` or ``procedural:house:17``.
+
+    Looks in memory, among the homes shipped with the package, in the user's cache, and builds it with PyBullet
+    as the last resort. A damaged cache file is built again; a damaged shipped file is an error.
+
+    Raises:
+        ConfigError: no such home. SceneError: it cannot be built. DataError: a shipped home is damaged.
+    """
+    file = file_name(name)
+    packed = PACKED / file
+    if packed.is_file():
+        return house_from_bytes(packed.read_bytes(), str(packed))
+    cached = cache_folder() / file
+    if cached.is_file():
+        try:
+            return house_from_bytes(cached.read_bytes(), str(cached))
+        except DataError:
+            cached.unlink(missing_ok=True)
+    house = build_house(name)
+    with contextlib.suppress(OSError):  # A read-only cache costs time, not correctness.
+        write_atomic(cached, house_to_bytes(house))
+    return house
+
+
+def build_house(name: str) -> House:
+    """Build and check a home now, past every cache; needs PyBullet."""
+    from ucon.scenes import home_spec
+    from ucon.sim.compile import compile_house
+
+    return compile_house(home_spec(name))
+
+
+def pack_homes(names: Iterable[str], folder: Path) -> list[Path]:
+    """Build homes and write them, with a SHA-256 manifest, as the package ships them."""
+    paths = []
+    for name in names:
+        path = folder / file_name(name)
+        write_atomic(path, house_to_bytes(build_house(name)))
+        paths.append(path)
+    write_manifest(folder, [path.name for path in sorted(folder.glob(f"*{SUFFIX}"))])
+    return paths
+
+
+def file_name(name: str) -> str:
+    """File name of a home; characters that file systems dislike become ``-``, a short hash keeps names apart."""
+    return f"{re.sub(r'[^A-Za-z0-9_.]', '-', name)[:80]}-{sha256_bytes(name.encode())[:8]}{SUFFIX}"
+
+
+def cache_folder() -> Path:
+    """Folder of compiled homes for this code: ``UCON_CACHE``, else the platform's cache folder for the user."""
+    return _cache_root() / "homes" / f"{FORMAT}-{fingerprint()[:16]}"
+
+
+@lru_cache(maxsize=1)
+def fingerprint() -> str:
+    """SHA-256 of the code and data that decide what a home is."""
+    root = Path(ucon.__file__).parent
+    files = [path for source in _SOURCES for path in _files(root / source)]
+    parts = [f"{path.relative_to(root).as_posix()} {sha256_bytes(path.read_bytes())}" for path in files]
+    return sha256_bytes("\n".join(parts).encode())
+
+
+def _files(source: Path) -> list[Path]:
+    if source.is_file():
+        return [source]
+    skipped = {"__pycache__", "render", "placement", "homes"}
+    return sorted(
+        path for path in source.rglob("*") if path.is_file() and not skipped & set(path.relative_to(source).parts)
+    )
+
+
+def _cache_root() -> Path:
+    if chosen := os.environ.get("UCON_CACHE"):
+        return Path(chosen)
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local")) / "ucon"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "ucon"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ucon"

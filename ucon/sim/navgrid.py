@@ -1,0 +1,81 @@
+"""The navigation grid of a home, from PyBullet overlap tests with an upright cylinder that stands for the agent."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.errors import SceneError
+from ucon.scenes.spec import GRID_M, HomeSpec
+from ucon.sim.house import NavGrid
+from ucon.sim.paths import components
+from ucon.sim.world import World
+
+AGENT_RADIUS_M = 0.18
+AGENT_BOTTOM_M = 0.05
+AGENT_TOP_M = 1.80
+MAIN_COMPONENT_SHARE = 0.99
+"""The largest component must hold this share of the free nodes; the rest become unfree."""
+
+
+def room_grid(spec: HomeSpec) -> tuple[tuple[float, float], NDArray[np.int16]]:
+    """Origin and room number of every cell, (nx, ny) int16; -1 outside all rooms."""
+    rects = np.array([room.rect for room in spec.rooms])
+    origin = (float(rects[:, 0].min()), float(rects[:, 1].min()))
+    nx, ny = np.rint((rects[:, 2:].max(axis=0) - origin) / GRID_M).astype(int)
+    rooms = np.full((nx, ny), -1, np.int16)
+    for number, rect in enumerate(rects):
+        i0, j0, i1, j1 = np.rint((rect - (*origin, *origin)) / GRID_M).astype(int)
+        rooms[i0:i1, j0:j1] = number
+    return origin, rooms
+
+
+def free_cells(world: World, origin: tuple[float, float], rooms: NDArray[np.int16]) -> NDArray[np.bool_]:
+    """Cells of rooms where the agent's cylinder touches nothing, (nx, ny) bool."""
+    p, client = world.bullet, world.client
+    height = AGENT_TOP_M - AGENT_BOTTOM_M
+    shape = p.createCollisionShape(p.GEOM_CYLINDER, radius=AGENT_RADIUS_M, height=height, physicsClientId=client)
+    agent = p.createMultiBody(baseMass=0.0, baseCollisionShapeIndex=shape, physicsClientId=client)
+    free = rooms >= 0
+    half = np.array([AGENT_RADIUS_M, AGENT_RADIUS_M, height / 2])
+    for i, j in np.argwhere(free):
+        x, y = origin[0] + (i + 0.5) * GRID_M, origin[1] + (j + 0.5) * GRID_M
+        centre = np.array([x, y, AGENT_BOTTOM_M + height / 2])
+        hits = p.getOverlappingObjects(tuple(centre - half), tuple(centre + half), physicsClientId=client) or ()
+        if not hits:
+            continue
+        p.resetBasePositionAndOrientation(agent, tuple(centre), (0, 0, 0, 1), physicsClientId=client)
+        free[i, j] = not any(
+            other != agent
+            and p.getClosestPoints(agent, other, 0.0, linkIndexA=-1, linkIndexB=link, physicsClientId=client)
+            for other, link in sorted(set(hits))
+        )
+    p.removeBody(agent, physicsClientId=client)
+    return free
+
+
+def main_component(free: NDArray[np.bool_], name: str) -> NDArray[np.bool_]:
+    """The largest component of the free nodes.
+
+    Raises:
+        SceneError: there is no free node, or the largest component holds less than 99 % of them.
+    """
+    labels = components(free)
+    if labels.max(initial=-1) < 0:
+        raise SceneError(f"{name}: no free node; the rooms are too full or too small for the agent")
+    sizes = np.bincount(labels[labels >= 0])
+    main = labels == int(sizes.argmax())
+    share = sizes.max() / sizes.sum()
+    if share < MAIN_COMPONENT_SHARE:
+        raise SceneError(
+            f"{name}: the largest part of the free floor holds {share:.1%} of {sizes.sum()} free nodes, expected at "
+            f"least {MAIN_COMPONENT_SHARE:.0%}; some furniture or wall cuts the home in pieces {sorted(sizes.tolist())}"
+        )
+    return main
+
+
+def nav_grid(world: World) -> NavGrid:
+    """Build the grid of a world with everything closed."""
+    origin, rooms = room_grid(world.spec)
+    free = main_component(free_cells(world, origin, rooms), world.spec.name)
+    return NavGrid(origin, free, rooms)
