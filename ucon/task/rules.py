@@ -40,7 +40,7 @@ class TaskRules:
         gap_x = np.maximum(np.maximum(boxes[:, 0] - xy[0], xy[0] - boxes[:, 3]), 0.0)
         gap_y = np.maximum(np.maximum(boxes[:, 1] - xy[1], xy[1] - boxes[:, 4]), 0.0)
         if self.near_is_rectangle:
-            return (gap_x <= self.near_m) & (gap_y <= self.near_m)
+            return (gap_x <= self.near_m + 1e-9) & (gap_y <= self.near_m + 1e-9)
         return gap_x * gap_x + gap_y * gap_y <= self.near_m * self.near_m + 1e-9
 
     @property

@@ -24,14 +24,14 @@ class SceneWorld(Protocol):
     house: House
     arrangement: Arrangement
     boxes: NDArray[np.float64]
-    """(n, 6) world boxes with joints closed; removed instances are empty (NaN)."""
+    """(n, 6) world boxes with joints closed."""
     openable: NDArray[np.bool_]
     """(n,) instances that Open acts on."""
     free: NDArray[np.bool_]
     """(nx, ny) nodes where the agent can stand."""
 
-    def set_open(self, instance: int, fraction: float) -> None:
-        """Set all joints of an instance, 0 closed to 1 open."""
+    def set_open(self, instance: int, is_open: bool = True) -> None:
+        """Open or close an instance."""
 
 
 class Eyes(Protocol):
@@ -143,7 +143,7 @@ class Search:
         instances = self.would_open()
         for instance in instances:
             self.opened[instance] = True
-            self.world.set_open(instance, 1.0)
+            self.world.set_open(instance, True)
             self.eyes.set_open(instance, 1.0)
         if instances:
             self._counts = None
