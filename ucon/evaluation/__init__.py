@@ -1,0 +1,1 @@
+"""Evaluation: play stored episodes on worker processes, record, measure, compare, draw."""

@@ -1,0 +1,115 @@
+"""The folder of one evaluation: what it holds, and how an interrupted one goes on.
+
+While a run lasts, finished episodes are appended to ``episodes.jsonl.partial``, whose first line names the run (its
+hashes). The same command on the same folder continues there; another run in the folder is refused.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, TextIO
+
+from ucon.core.errors import ConfigError, DataError
+from ucon.core.files import canonical_json, write_atomic
+from ucon.evaluation.play import Played
+from ucon.evaluation.record import EpisodeRecord, EpisodeTiming, read_records, to_lines
+
+RECORDS, TIMING, SUMMARY, CONFIG = "episodes.jsonl", "timing.jsonl", "summary.json", "config.yaml"
+PARTIAL = f"{RECORDS}.partial"
+
+
+class RunFolder:
+    """One output folder, bound to the run whose hashes are given."""
+
+    def __init__(self, path: Path, hashes: dict[str, str]) -> None:
+        self.path = path
+        self.hashes = hashes
+        self._partial: TextIO | None = None
+
+    def open(self) -> dict[int, Played]:
+        """Make the folder and return the episodes that an earlier, equal run finished, by index.
+
+        Raises:
+            ConfigError: the folder belongs to a different run, or cannot be written.
+        """
+        summary = self.path / SUMMARY
+        if summary.is_file():
+            self._refuse_other(_json(summary).get("hashes"), SUMMARY)
+            return self._finished()
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+            done = self._read_partial()
+            self._partial = (self.path / PARTIAL).open("a", encoding="utf-8")
+        except OSError as error:
+            raise ConfigError(f"out={self.path}: cannot be written ({error.strerror}); choose another folder") from None
+        if self._partial.tell() == 0:
+            self._append({"hashes": self.hashes})
+        return done
+
+    def add(self, played: Played) -> None:
+        """Keep a finished episode, so that it survives an interruption."""
+        timing = asdict(played.timing)
+        self._append({"index": played.index, "record": json.loads(played.record.to_line()), "timing": timing})
+
+    def finish(self, played: list[Played], summary: dict[str, Any], config_yaml: str) -> None:
+        """Write the final files and remove the partial one. ``summary.json`` comes last: it says that all is there."""
+        if self._partial is not None:
+            self._partial.close()
+        write_atomic(self.path / RECORDS, to_lines(p.record for p in played))
+        write_atomic(self.path / TIMING, to_lines(p.timing for p in played))
+        write_atomic(self.path / CONFIG, config_yaml)
+        write_atomic(self.path / SUMMARY, json.dumps(summary, indent=1) + "\n")
+        (self.path / PARTIAL).unlink(missing_ok=True)
+
+    def _append(self, value: dict[str, Any]) -> None:
+        if self._partial is not None:
+            self._partial.write(canonical_json(value) + "\n")
+            self._partial.flush()
+
+    def _finished(self) -> dict[int, Played]:
+        records = read_records(self.path)
+        timings = [EpisodeTiming(**json.loads(line)) for line in (self.path / TIMING).read_text().splitlines()]
+        return {i: Played(i, r, t) for i, (r, t) in enumerate(zip(records, timings, strict=True))}
+
+    def _read_partial(self) -> dict[int, Played]:
+        partial = self.path / PARTIAL
+        if not partial.is_file():
+            return {}
+        text = partial.read_text(encoding="utf-8")
+        whole = text[: text.rfind("\n") + 1]
+        if whole != text:  # the last line was cut off in mid-write: that episode is played again
+            write_atomic(partial, whole)
+        lines = whole.splitlines()
+        if not lines:
+            return {}
+        self._refuse_other(_parsed(lines[0], f"{partial}:1").get("hashes"), PARTIAL)
+        done = {}
+        for number, line in enumerate(lines[1:], 2):
+            where = f"{partial}:{number}"
+            value = _parsed(line, where)
+            record = EpisodeRecord.from_json(value.get("record", {}), where=where)
+            done[int(value["index"])] = Played(int(value["index"]), record, EpisodeTiming(**value["timing"]))
+        return done
+
+    def _refuse_other(self, found: dict[str, str] | None, name: str) -> None:
+        if found == self.hashes:
+            return
+        other = sorted(k for k in self.hashes if (found or {}).get(k) != self.hashes[k])
+        raise ConfigError(
+            f"out={self.path}: {name} there belongs to another run (different {', '.join(other)}); "
+            "choose another folder or remove this one"
+        )
+
+
+def _json(path: Path) -> dict[str, Any]:
+    return _parsed(path.read_text(encoding="utf-8"), str(path))
+
+
+def _parsed(text: str, where: str) -> dict[str, Any]:
+    try:
+        value = json.loads(text)
+    except ValueError:
+        raise DataError(f"{where}: not JSON; the file is altered, remove the folder and evaluate again") from None
+    return value if isinstance(value, dict) else {}

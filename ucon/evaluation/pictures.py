@@ -1,0 +1,65 @@
+"""The first episodes to look at: a video (first person beside the map) and the map at the end, as files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+Frame = NDArray[np.uint8]
+
+_FPS = 6
+#: VP9 plays in browsers; MPEG-4 part 2 is what every OpenCV has.
+_CODECS = ("vp09", "mp4v")
+#: How long the last frame stays, so that one sees how it ended.
+_HOLD_FRAMES = 9
+#: A still picture for viewers without video; longer films are thinned out to this many frames.
+_GIF_FRAMES = 120
+
+
+def save_film(frames: Sequence[Frame], folder: Path, name: str, fps: int = _FPS) -> list[Path]:
+    """Write ``name.png`` (map at the end) and ``name.mp4``; where OpenCV has no video encoder, ``name.gif``.
+
+    Args:
+        frames: what ``env.render()`` returned, (H, 2H, 3) uint8 each: camera left, map right.
+        folder: made if missing.
+        name: file name without suffix.
+        fps: frames a second.
+
+    Returns:
+        The files written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    height = frames[0].shape[0]
+    top_down = folder / f"{name}.png"
+    Image.fromarray(frames[-1][:, height:]).save(top_down)
+    film = folder / f"{name}.mp4"
+    if not _write_mp4(frames, film, fps):
+        film.unlink(missing_ok=True)
+        film = folder / f"{name}.gif"
+        _write_gif(frames, film, fps)
+    return [top_down, film]
+
+
+def _write_mp4(frames: Sequence[Frame], path: Path, fps: int) -> bool:
+    height, width = frames[0].shape[:2]
+    for codec in _CODECS:
+        writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*codec), fps, (width, height))
+        if writer.isOpened():
+            break
+    else:
+        return False
+    for frame in [*frames, *[frames[-1]] * _HOLD_FRAMES]:
+        writer.write(cv2.cvtColor(frame, cv2.COLOR_RGB2BGR))
+    writer.release()
+    return path.is_file() and path.stat().st_size > 0
+
+
+def _write_gif(frames: Sequence[Frame], path: Path, fps: int) -> None:
+    step = -(-len(frames) // _GIF_FRAMES)  # rounded up
+    images = [Image.fromarray(frame) for frame in frames[::step]]
+    images[0].save(path, save_all=True, append_images=images[1:], duration=1000 // fps, loop=0)

@@ -1,0 +1,120 @@
+"""What is kept of one episode: one JSON line, the same bytes in every run, whatever the workers and their order.
+
+Wall-clock seconds differ between runs, so they live in :class:`EpisodeTiming`, written to a file of their own.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from ucon.core.errors import DataError
+from ucon.core.files import canonical_json
+
+#: Digits kept of every figure: enough for any table, few enough to hide nothing that could differ.
+_DIGITS = 6
+
+
+@dataclass(frozen=True)
+class EpisodeRecord:
+    """One evaluated episode. Lengths in metres, ``first_seen_step`` -1 where the target was never visible."""
+
+    episode: str
+    scene: str
+    split: str
+    target: str
+    relation: str
+    contained: bool
+    """Whether the target was behind a closed door."""
+    agent: str
+    habit_level: str
+    seed: int
+    success: bool
+    success_75: bool
+    success_150: bool
+    success_300: bool
+    spl: float
+    soft_spl: float
+    shortest_path_m: float
+    path_length_m: float
+    steps: int
+    actions: str
+    """The actions taken, as digits 0 to 6: replaying them replays the episode."""
+    opens: int
+    collisions: int
+    first_seen_step: int
+    failure_cause: str
+    """``none`` or one of :data:`ucon.task.outcome.FailureCause`."""
+    n_habits: int
+    recall_10: float | None
+    """Share of the target's habits among the first 10 that the agent was given; None without habits."""
+    recall_20: float | None
+    mrr: float | None
+    """One over the rank of the first habit about the target."""
+    language_calls: int = 0
+    language_tokens: int = 0
+
+    def to_line(self) -> str:
+        """One line of canonical JSON without the line break."""
+        return canonical_json({k: _rounded(v) for k, v in asdict(self).items()})
+
+    @classmethod
+    def from_json(cls, data: dict[str, Any], *, where: str = "record") -> EpisodeRecord:
+        """Rebuild a record; raises :class:`DataError` where a field is missing or unknown."""
+        names = {f.name for f in fields(cls)}
+        if not isinstance(data, dict) or set(data) != names:
+            found = set(data) if isinstance(data, dict) else set()
+            missing, extra = sorted(names - found), sorted(found - names)
+            raise DataError(
+                f"{where}: not an episode record (missing {missing or 'nothing'}, unknown {extra or 'nothing'}); "
+                "was it written by another version? evaluate again"
+            )
+        return cls(**data)
+
+
+@dataclass(frozen=True)
+class EpisodeTiming:
+    """How long an episode took. Kept apart from the record because it differs from run to run."""
+
+    episode: str
+    seconds: float
+    language_seconds: float = 0.0
+
+    def to_line(self) -> str:
+        """One line of canonical JSON without the line break."""
+        return canonical_json(asdict(self))
+
+
+def read_records(path: Path) -> list[EpisodeRecord]:
+    """Records of ``episodes.jsonl``, or of the run folder that holds it.
+
+    Raises:
+        DataError: the file is missing, empty, or a line is not a record; names file and line.
+    """
+    file = path / "episodes.jsonl" if path.is_dir() else path
+    if not file.is_file():
+        raise DataError(f"{file}: no such file; expected a run folder of eval.py (with episodes.jsonl)")
+    records = [_parse(line, f"{file}:{number}") for number, line in enumerate(file.read_text().splitlines(), 1)]
+    if not records:
+        raise DataError(f"{file}: empty; expected one record a line, evaluate again")
+    return records
+
+
+def to_lines(items: Iterable[EpisodeRecord | EpisodeTiming]) -> str:
+    """Text of a JSON lines file."""
+    return "".join(f"{item.to_line()}\n" for item in items)
+
+
+def _parse(line: str, where: str) -> EpisodeRecord:
+    try:
+        data = json.loads(line)
+    except ValueError:
+        raise DataError(f"{where}: not JSON; the file is cut off or altered, evaluate again") from None
+    return EpisodeRecord.from_json(data, where=where)
+
+
+def _rounded(value: Any) -> Any:
+    return round(value, _DIGITS) + 0.0 if isinstance(value, float) else value

@@ -1,0 +1,109 @@
+"""Tables for people and ``summary.json`` for scripts: every number with its interval, versions and hashes."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import platform
+from collections.abc import Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+import ucon
+from ucon.core.files import canonical_json, sha256_bytes
+from ucon.evaluation.metrics import summarise
+from ucon.evaluation.play import Played
+from ucon.task.episode import Episode
+
+#: Packages whose version can change a record.
+_PACKAGES = ("numpy", "numba", "torch", "transformers", "gymnasium", "pybullet", "opencv-python-headless")
+
+#: Options that say where and how fast a run is made, not what is measured.
+NEUTRAL_OPTIONS = ("out", "workers", "pictures", "progress")
+
+
+def run_hashes(config: dict[str, Any], episodes: Sequence[Episode]) -> dict[str, str]:
+    """SHA-256 of what decides the records: configuration, episodes, habits, code."""
+    measured = {key: value for key, value in config.items() if key not in NEUTRAL_OPTIONS}
+    habits = sorted({episode.habits_hash for episode in episodes})
+    return {
+        "config": sha256_bytes(canonical_json(measured).encode()),
+        "episodes": sha256_bytes("".join(episode.hash for episode in episodes).encode()),
+        "habits": habits[0] if len(habits) == 1 else sha256_bytes("".join(habits).encode()),
+        "code": code_hash(),
+    }
+
+
+@lru_cache(maxsize=1)
+def code_hash() -> str:
+    """SHA-256 over the sources of ``ucon`` and, in a clone, of ``models``: the version that counts."""
+    package = Path(ucon.__file__).parent
+    files = [*package.rglob("*.py"), *(package.parent / "models").rglob("*.py")]
+    parts = [f"{p.relative_to(package.parent).as_posix()} {sha256_bytes(p.read_bytes())}" for p in sorted(files)]
+    return sha256_bytes("\n".join(parts).encode())
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python, UcON and the packages that can change a record."""
+    found = {"python": platform.python_version(), "ucon": ucon.__version__}
+    for name in _PACKAGES:
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            found[name] = "not installed"
+    return found
+
+
+def summary(played: Sequence[Played], hashes: dict[str, str], seconds: float) -> dict[str, Any]:
+    """Content of ``summary.json``. ``seconds`` is the wall time of this call; all else but versions is deterministic."""
+    records = [p.record for p in played]
+    return {
+        "agent": records[0].agent,
+        "habit_level": records[0].habit_level,
+        **summarise(records),
+        "seconds": round(seconds, 2),
+        "episode_seconds": round(sum(p.timing.seconds for p in played), 2),
+        "language_seconds": round(sum(p.timing.language_seconds for p in played), 2),
+        "hashes": hashes,
+        "versions": versions(),
+    }
+
+
+def results_table(summaries: Sequence[dict[str, Any]], title: str | None = None) -> Table:
+    """One row a run."""
+    table = Table(title=title, title_justify="left")
+    table.add_column("agent", no_wrap=True)
+    table.add_column("habits", no_wrap=True)
+    for column in ("n", "SR % [95 %]", "SPL [95 %]", "SR 75", "SR 150", "SoftSPL", "steps", "recall@20", "MRR"):
+        table.add_column(column, justify="right", no_wrap=True)
+    for s in summaries:
+        retrieval = s["retrieval"]
+        table.add_row(
+            s["agent"],
+            s["habit_level"],
+            str(s["n"]),
+            f"{100 * s['success_rate']:.1f} [{_range(s['success_rate_ci95'], 100, 1)}]",
+            f"{s['spl']:.3f} [{_range(s['spl_ci95'], 1, 3)}]",
+            f"{100 * s['success_75']:.1f}",
+            f"{100 * s['success_150']:.1f}",
+            f"{s['soft_spl']:.3f}",
+            f"{s['steps']:.0f}",
+            "-" if retrieval["recall_20"] is None else f"{retrieval['recall_20']:.2f}",
+            "-" if retrieval["mrr"] is None else f"{retrieval['mrr']:.2f}",
+        )
+    return table
+
+
+def failure_line(figures: dict[str, Any]) -> str:
+    """Why episodes failed, in one line."""
+    causes = figures["failure_causes"]
+    if not causes:
+        return "no failures"
+    ordered = sorted(causes.items(), key=lambda item: -item[1])
+    return "failures: " + ", ".join(f"{cause.replace('_', ' ')} {count}" for cause, count in ordered)
+
+
+def _range(ci95: Sequence[float], factor: float, digits: int) -> str:
+    return f"{factor * ci95[0]:.{digits}f}, {factor * ci95[1]:.{digits}f}"
