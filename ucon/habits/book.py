@@ -67,8 +67,8 @@ def _lines(path: Path, raw: bytes) -> list[str]:
     try:
         text = raw.decode("utf-8")
     except UnicodeDecodeError as error:
-        line = raw.count(b"\n", 0, error.start) + 1
-        raise DataError(f"{path}:{line}: not UTF-8 ({error.reason}); save the file as UTF-8") from None
+        bad = raw.count(b"\n", 0, error.start) + 1
+        raise DataError(f"{path}:{bad}: not UTF-8 ({error.reason}); save the file as UTF-8") from None
     if not text.strip():
         raise DataError(f"{path}:1: empty; expected entries that start with '# category | household'")
     if not text.endswith("\n"):

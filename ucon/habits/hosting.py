@@ -41,7 +41,7 @@ def hosted(
         anchors_present: categories that stand in the home.
         importable: whether a missing anchor can be brought in.
     """
-    can = {name: True for name in anchors_present}
+    can = dict.fromkeys(anchors_present, True)
 
     def realisable(anchor: str) -> bool:
         if anchor not in can:

@@ -66,8 +66,11 @@ class HabitDataset:
     def sha256(self) -> str:
         """Hash of all entries."""
         content = [
-            [e.id, e.category, e.household, e.scene]
-            + [[[p.relation, p.anchor, p.context] for p in e.placements], [[h.text, h.supports] for h in e.habits]]
+            (
+                (e.id, e.category, e.household, e.scene),
+                [(p.relation, p.anchor, p.context) for p in e.placements],
+                [(h.text, h.supports) for h in e.habits],
+            )
             for e in self.entries
         ]
         return sha256_bytes(canonical_json(content).encode())

@@ -1,0 +1,257 @@
+"""Vectors by text: the shipped table, a cache on disk, and an encoder for what neither holds.
+
+The table holds the habit book, the catalogue's names and the retrieval queries as fp16, so that the default data
+needs no encoder. Other texts (a dataset given by path) are encoded once and kept in the user's cache folder.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import sys
+import tempfile
+from collections.abc import Callable, Iterable, Sequence
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.errors import DataError
+from ucon.core.files import MANIFEST, read_verified, sha256_bytes, write_atomic, write_manifest
+from ucon.language.encoder import MiniLM, TextEncoder, Vectors
+
+DATA = Path(__file__).parent / "data"
+KEY_BYTES = 16
+SHARD_TEXTS = 2000
+MAX_SHARDS = 32
+
+
+def text_key(text: str) -> bytes:
+    """First 16 bytes of the SHA-256 of a text."""
+    return hashlib.sha256(text.encode()).digest()[:KEY_BYTES]
+
+
+class VectorTable:
+    """Read-only fp16 vectors addressed by text."""
+
+    def __init__(self, keys: bytes, vectors: NDArray[np.float16]) -> None:
+        """``keys``: 16 bytes a row; ``vectors`` (n, dim) in the same order."""
+        if len(keys) != KEY_BYTES * len(vectors):
+            raise DataError(f"embedding table: {len(keys) // KEY_BYTES} keys for {len(vectors)} vectors; rebuild it")
+        self.vectors = vectors
+        self._row = {keys[i : i + KEY_BYTES]: i // KEY_BYTES for i in range(0, len(keys), KEY_BYTES)}
+
+    def __len__(self) -> int:
+        return len(self.vectors)
+
+    def row(self, text: str) -> int:
+        """Row of a text, -1 if it is not in the table."""
+        return self._row.get(text_key(text), -1)
+
+    def slice(self, texts: Sequence[str]) -> NDArray[np.float16] | None:
+        """View of consecutive rows that hold exactly these texts, or None."""
+        first = self.row(texts[0]) if texts else -1
+        if first < 0 or any(self.row(text) != first + i for i, text in enumerate(texts)):
+            return None
+        return self.vectors[first : first + len(texts)]
+
+    @classmethod
+    def load(cls, stem: Path) -> VectorTable:
+        """Table of ``stem.npy`` (mapped, not read twice) and ``stem.keys``, both checked against the manifest."""
+        keys = read_verified(stem.with_suffix(".keys"))
+        read_verified(stem.with_suffix(".npy"))  # one pass over the file; the pages stay in the system's cache
+        return cls(keys, np.load(stem.with_suffix(".npy"), mmap_mode="r", allow_pickle=False))
+
+    @staticmethod
+    def save(stem: Path, texts: Sequence[str], vectors: NDArray[np.float16]) -> None:
+        """Write both files; the manifest is the caller's."""
+        buffer = io.BytesIO()
+        np.save(buffer, np.ascontiguousarray(vectors, np.float16), allow_pickle=False)
+        write_atomic(stem.with_suffix(".npy"), buffer.getvalue())
+        write_atomic(stem.with_suffix(".keys"), b"".join(map(text_key, texts)))
+
+
+class TextCache:
+    """Vectors of one encoder on disk: files named by their own hash, so a damaged one is noticed and dropped.
+
+    Processes may share a folder: each adds files of its own under a temporary name and renames them.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._known: dict[bytes, NDArray[np.float16]] = {}
+        self._read: set[str] = set()
+
+    def get(self, key: bytes) -> NDArray[np.float16] | None:
+        """Vector of a key, reading new files once if it is not known yet."""
+        return self._known.get(key)
+
+    def refresh(self) -> None:
+        """Read the files that were not read yet."""
+        for path in sorted(self._folder.glob("*.npz")) if self._folder.is_dir() else []:
+            if path.name in self._read:
+                continue
+            self._read.add(path.name)
+            try:
+                raw = path.read_bytes()
+                if sha256_bytes(raw)[:32] != path.stem:
+                    raise ValueError("checksum")
+                with np.load(io.BytesIO(raw), allow_pickle=False) as shard:
+                    keys, vectors = shard["keys"].tobytes(), shard["vectors"]
+            except FileNotFoundError:  # another process merged it into a larger file
+                continue
+            except (ValueError, OSError, KeyError):
+                print(f"warning: {path} is damaged; its texts are encoded again", file=sys.stderr)  # noqa: T201
+                path.unlink(missing_ok=True)
+                continue
+            self._known.update((keys[i * KEY_BYTES : (i + 1) * KEY_BYTES], vector) for i, vector in enumerate(vectors))
+
+    def add(self, keys: Sequence[bytes], vectors: NDArray[np.float16]) -> None:
+        """Keep vectors (n, dim), in memory and, where the folder can be written, on disk."""
+        self._known.update(zip(keys, vectors, strict=True))
+        try:
+            self._write(keys, vectors)
+            self._merge()
+        except OSError as error:
+            print(f"warning: text cache {self._folder} cannot be written ({error.strerror})", file=sys.stderr)  # noqa: T201
+
+    def _write(self, keys: Sequence[bytes], vectors: NDArray[np.float16]) -> Path:
+        buffer = io.BytesIO()
+        packed = np.frombuffer(b"".join(keys), np.uint8).reshape(-1, KEY_BYTES)
+        np.savez(buffer, keys=packed, vectors=np.asarray(vectors, np.float16))
+        raw = buffer.getvalue()
+        path = self._folder / f"{sha256_bytes(raw)[:32]}.npz"
+        write_atomic(path, raw)
+        self._read.add(path.name)
+        return path
+
+    def _merge(self) -> None:
+        """One file instead of many: single texts must not fill the folder."""
+        paths = sorted(self._folder.glob("*.npz"))
+        if len(paths) <= MAX_SHARDS:
+            return
+        self.refresh()
+        keys = sorted(self._known)
+        merged = self._write(keys, np.stack([self._known[key] for key in keys]))
+        for path in paths:
+            if path != merged:
+                path.unlink(missing_ok=True)
+
+
+def cache_folder() -> Path:
+    """``$UCON_CACHE``, else ``$XDG_CACHE_HOME/ucon``, else ``~/.cache/ucon``, else a temporary folder."""
+    if given := os.environ.get("UCON_CACHE"):
+        return Path(given)
+    if given := os.environ.get("XDG_CACHE_HOME"):
+        return Path(given) / "ucon"
+    try:
+        return Path.home() / ".cache" / "ucon"
+    except RuntimeError:
+        return Path(tempfile.gettempdir()) / "ucon"
+
+
+class StoredEncoder:
+    """An encoder behind a table and a cache: each distinct text is encoded once, ever."""
+
+    def __init__(self, encoder: TextEncoder, *, tables: Sequence[VectorTable] = (), folder: Path | None = None) -> None:
+        """``folder`` is where the cache lives (default: the user's cache folder)."""
+        self._encoder = encoder
+        self._tables = tuple(tables)
+        self._cache = TextCache((folder or cache_folder() / "text") / encoder.name)
+        self._refreshed = False
+
+    @property
+    def name(self) -> str:
+        """Name of the encoder behind."""
+        return self._encoder.name
+
+    @property
+    def dim(self) -> int:
+        """Length of a vector."""
+        return self._encoder.dim
+
+    def missing(self, texts: Iterable[str]) -> list[str]:
+        """The distinct texts that would have to be encoded."""
+        out: dict[str, None] = {}
+        for text in texts:
+            if all(table.row(text) < 0 for table in self._tables) and self._cached(text_key(text)) is None:
+                out.setdefault(text)
+        return list(out)
+
+    def encode(self, texts: Sequence[str], progress: Callable[[int, int], None] | None = None) -> Vectors:
+        """Vectors (n, dim) float32 of fp16 values; encodes and keeps what is new."""
+        return self.encode_half(texts, progress).astype(np.float32)
+
+    def encode_half(
+        self, texts: Sequence[str], progress: Callable[[int, int], None] | None = None
+    ) -> NDArray[np.float16]:
+        """Like :meth:`encode`, in the stored type: (n, dim) float16."""
+        self._fill(self.missing(texts), progress)
+        out = np.empty((len(texts), self.dim), np.float16)
+        for i, text in enumerate(texts):
+            out[i] = self._find(text)
+        return out
+
+    def table_slice(self, texts: Sequence[str]) -> NDArray[np.float16] | None:
+        """View (n, dim) of a table that holds exactly these texts in a row; None if none does."""
+        for table in self._tables:
+            if (view := table.slice(texts)) is not None:
+                return view
+        return None
+
+    def _find(self, text: str) -> NDArray[np.float16]:
+        for table in self._tables:
+            if (row := table.row(text)) >= 0:
+                return table.vectors[row]
+        vector = self._cached(text_key(text))
+        assert vector is not None
+        return vector
+
+    def _cached(self, key: bytes) -> NDArray[np.float16] | None:
+        vector = self._cache.get(key)
+        if vector is None and not self._refreshed:
+            self._cache.refresh()
+            self._refreshed = True
+            vector = self._cache.get(key)
+        return vector
+
+    def _fill(self, texts: Sequence[str], progress: Callable[[int, int], None] | None) -> None:
+        for start in range(0, len(texts), SHARD_TEXTS):
+            part = texts[start : start + SHARD_TEXTS]
+            vectors = np.concatenate(
+                [self._encode_part(part[i : i + 50], start + i, len(texts), progress) for i in range(0, len(part), 50)]
+            )
+            self._cache.add([text_key(text) for text in part], vectors)
+
+    def _encode_part(
+        self, texts: Sequence[str], done: int, total: int, progress: Callable[[int, int], None] | None
+    ) -> NDArray[np.float16]:
+        vectors = self._encoder.encode(texts).astype(np.float16)
+        if progress is not None:
+            progress(done + len(texts), total)
+        return vectors
+
+
+@cache
+def shipped_table() -> VectorTable:
+    """Vectors of the habit book, the catalogue's names and the retrieval queries."""
+    return VectorTable.load(DATA / "embeddings")
+
+
+@cache
+def default_encoder() -> StoredEncoder:
+    """MiniLM behind the shipped table and the user's cache: one per process."""
+    tables = (shipped_table(),) if (DATA / "embeddings.npy").is_file() else ()
+    return StoredEncoder(MiniLM(), tables=tables)
+
+
+def write_table(texts: Sequence[str], vectors: NDArray[np.float16], stem: Path) -> None:
+    """Write a table; :func:`write_manifest_of` its folder afterwards."""
+    VectorTable.save(stem, texts, vectors)
+
+
+def write_manifest_of(folder: Path) -> None:
+    """List every data file of a folder in its manifest."""
+    write_manifest(folder, [path.name for path in folder.iterdir() if path.name != MANIFEST and path.is_file()])

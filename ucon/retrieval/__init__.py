@@ -1,0 +1,21 @@
+"""The habit retrieval module and the habit levels: which sentences an agent is given."""
+
+from ucon.retrieval.base import QUERY, Retriever, mrr, phrase, query_text, recall_at
+from ucon.retrieval.bm25 import BM25Retriever
+from ucon.retrieval.dense import DenseRetriever, dataset_vectors
+from ucon.retrieval.levels import LEVELS, Level, habits_at_level
+
+__all__ = [
+    "LEVELS",
+    "QUERY",
+    "BM25Retriever",
+    "DenseRetriever",
+    "Level",
+    "Retriever",
+    "dataset_vectors",
+    "habits_at_level",
+    "mrr",
+    "phrase",
+    "query_text",
+    "recall_at",
+]

@@ -1,0 +1,58 @@
+"""What a retriever is, and how its rankings are measured.
+
+Scores are rounded to 1e-4 before they are compared and ties go to the lower row number, so a ranking does not depend
+on the last bits of a matrix product or on the order of the knowledge base.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.habits.knowledge import KnowledgeBase
+
+#: The paper's query.
+QUERY: Final = "Please retrieve the habit about {target}."
+DECIMALS: Final = 4
+
+
+class Retriever(Protocol):
+    """Scores the habits of a knowledge base for a target."""
+
+    def scores(self, target: str, kb: KnowledgeBase) -> NDArray[np.float64]:
+        """Score (N,) of every habit, in the order of ``kb.rows``; larger is better."""
+        ...
+
+    def rank(self, target: str, kb: KnowledgeBase) -> NDArray[np.int32]:
+        """All rows of the knowledge base, best first, (N,)."""
+        ...
+
+
+def phrase(category: str) -> str:
+    """A category as people write it: ``coffee_table`` is "coffee table"."""
+    return category.replace("_", " ")
+
+
+def query_text(target: str) -> str:
+    """The paper's query for a target category."""
+    return QUERY.format(target=phrase(target))
+
+
+def ranked(scores: NDArray[np.float64], rows: NDArray[np.int32]) -> NDArray[np.int32]:
+    """``rows`` by rounded score, best first; ties by row number."""
+    return rows[np.lexsort((rows, -np.round(scores, DECIMALS)))]
+
+
+def recall_at(ranking: NDArray[np.int32], relevant: Collection[int] | NDArray[np.int32], k: int) -> float:
+    """Share of the relevant rows among the first ``k``; nan without relevant rows."""
+    wanted = np.asarray(list(relevant), np.int32)
+    return float(np.isin(wanted, ranking[:k]).mean()) if len(wanted) else float("nan")
+
+
+def mrr(ranking: NDArray[np.int32], relevant: Collection[int] | NDArray[np.int32]) -> float:
+    """One over the rank of the first relevant row; 0 where none is ranked."""
+    hits = np.flatnonzero(np.isin(ranking, np.asarray(list(relevant), np.int32)))
+    return 1.0 / (1 + int(hits[0])) if len(hits) else 0.0

@@ -1,0 +1,44 @@
+"""Retrieval by words: BM25 over stemmed words, the index made per knowledge base."""
+
+from __future__ import annotations
+
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.habits.knowledge import KnowledgeBase
+from ucon.language.words import content_stems
+from ucon.retrieval.base import phrase, ranked
+
+
+class BM25Retriever:
+    """BM25 (Lucene's form, ``k1`` and ``b`` as usual) with the target's name as the query."""
+
+    def __init__(self, k1: float = 1.5, b: float = 0.75) -> None:
+        self._k1 = k1
+        self._b = b
+        self._index: WeakKeyDictionary[KnowledgeBase, tuple[object, dict[str, int]]] = WeakKeyDictionary()
+
+    def scores(self, target: str, kb: KnowledgeBase) -> NDArray[np.float64]:
+        """Scores (N,) in the order of ``kb.rows``; 0 where no word is shared."""
+        index, vocabulary = self._indexed(kb)
+        query = [vocabulary[stem] for stem in content_stems(phrase(target)) if stem in vocabulary]
+        if not query:
+            return np.zeros(len(kb))
+        return np.asarray(index.get_scores(query), np.float64)  # type: ignore[attr-defined]
+
+    def rank(self, target: str, kb: KnowledgeBase) -> NDArray[np.int32]:
+        """Rows of the knowledge base, best first."""
+        return ranked(self.scores(target, kb), kb.rows)
+
+    def _indexed(self, kb: KnowledgeBase) -> tuple[object, dict[str, int]]:
+        if kb not in self._index:
+            import bm25s  # type: ignore[import-untyped]
+
+            vocabulary: dict[str, int] = {}
+            documents = [[vocabulary.setdefault(s, len(vocabulary)) for s in content_stems(t)] for t in kb.texts]
+            index = bm25s.BM25(k1=self._k1, b=self._b)
+            index.index((documents, vocabulary), show_progress=False)
+            self._index[kb] = (index, vocabulary)
+        return self._index[kb]

@@ -1,0 +1,50 @@
+"""Retrieval by sentence embeddings: cosine of the paper's query and each habit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.habits.knowledge import KnowledgeBase
+from ucon.habits.types import HabitDataset
+from ucon.language.store import StoredEncoder, default_encoder
+from ucon.retrieval.base import query_text, ranked
+
+_VECTORS: WeakKeyDictionary[HabitDataset, dict[str, NDArray[np.float16]]] = WeakKeyDictionary()
+
+
+def dataset_vectors(
+    dataset: HabitDataset, encoder: StoredEncoder, progress: Callable[[int, int], None] | None = None
+) -> NDArray[np.float16]:
+    """Vectors of all habits by row, (n_rows, dim) float16, read-only, made once per process.
+
+    For the habit book this is a view of the shipped table; other datasets are encoded once and kept on disk.
+    """
+    known = _VECTORS.setdefault(dataset, {})
+    if encoder.name not in known:
+        vectors = encoder.table_slice(dataset.texts)
+        if vectors is None:
+            vectors = encoder.encode_half(dataset.texts, progress)
+            vectors.flags.writeable = False
+        known[encoder.name] = vectors
+    return known[encoder.name]
+
+
+class DenseRetriever:
+    """Ranks by cosine in float64, so that rounding to 1e-4 hides how the product was computed."""
+
+    def __init__(self, encoder: StoredEncoder | None = None) -> None:
+        """``encoder`` defaults to MiniLM behind the shipped table."""
+        self.encoder = encoder or default_encoder()
+
+    def scores(self, target: str, kb: KnowledgeBase) -> NDArray[np.float64]:
+        """Cosines (N,) in the order of ``kb.rows``."""
+        query = self.encoder.encode_half([query_text(target)])[0].astype(np.float64)
+        return dataset_vectors(kb.dataset, self.encoder)[kb.rows].astype(np.float64) @ query
+
+    def rank(self, target: str, kb: KnowledgeBase) -> NDArray[np.int32]:
+        """Rows of the knowledge base, best first."""
+        return ranked(self.scores(target, kb), kb.rows)

@@ -1,0 +1,42 @@
+"""Habit levels: how much of the knowledge base an agent reads."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.errors import ConfigError, unknown_name
+from ucon.habits.knowledge import KnowledgeBase
+from ucon.retrieval.base import Retriever
+
+Level = Literal["none", "full", "gt", "retrieval"]
+LEVELS: tuple[Level, ...] = ("none", "full", "gt", "retrieval")
+TOP_P = 20
+
+
+def habits_at_level(
+    level: str, kb: KnowledgeBase, target: str, retriever: Retriever | None = None, p: int = TOP_P
+) -> NDArray[np.int32]:
+    """Rows of the dataset that an agent is given.
+
+    ``none``: nothing; ``full``: all, in the order of the knowledge base; ``gt``: every habit whose category is the
+    target, supporting a placement or not; ``retrieval``: the ``p`` best of the retriever, best first.
+
+    Raises:
+        ConfigError: unknown level or target, ``p`` < 1, or no retriever for ``retrieval``.
+    """
+    if level == "none":
+        return np.empty(0, np.int32)
+    if level == "full":
+        return kb.rows
+    if level == "gt":
+        return kb.rows_about(target)
+    if level != "retrieval":
+        raise ConfigError(unknown_name("habit level", level, LEVELS))
+    if retriever is None:
+        raise ConfigError("habit level 'retrieval' without a retriever; give one, for example DenseRetriever()")
+    if p < 1:
+        raise ConfigError(f"retrieval of p={p} habits, expected at least 1")
+    return retriever.rank(target, kb)[:p]
