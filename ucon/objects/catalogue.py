@@ -22,10 +22,11 @@ _HINT_TYPES = get_type_hints(Category)
 _MOUNTS: tuple[str, ...] = get_args(_HINT_TYPES["mount"])
 _ROLES: tuple[str, ...] = get_args(_HINT_TYPES["role"])
 _SPLITS = ("", "train", "test")
-_COLUMNS = (
-    "name archetype x_m y_m z_m mass_kg color rgb mount role group openable container support bottom_z_m rooms "
-    "official_target official_split container_kind interior_frac compartments top_frac area_frac under_frac note"
-).split()
+_COLUMNS = [
+    *("name", "archetype", "x_m", "y_m", "z_m", "mass_kg", "color", "rgb", "mount", "role", "group"),
+    *("openable", "container", "support", "bottom_z_m", "rooms", "official_target", "official_split"),
+    *("container_kind", "interior_frac", "compartments", "top_frac", "area_frac", "under_frac", "note"),
+]
 
 
 @dataclass(frozen=True, slots=True)

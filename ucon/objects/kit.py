@@ -8,6 +8,7 @@ stretched to fill the size exactly. Thicknesses of rods are always metres.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from math import atan2, hypot, pi, sqrt
 
 from ucon.objects.bounds import fit
@@ -203,7 +204,7 @@ class Kit:
         self, points: list[Vec3], thickness: float, color: RGB | None = None, material: Material | None = None
     ) -> None:
         """Bars through ``points``: handles, frames, hoses."""
-        for start, end in zip(points, points[1:], strict=False):
+        for start, end in pairwise(points):
             self.rod(start, end, thickness, color, material)
 
     # Meaning ----------------------------------------------------------------------------------------------------

@@ -24,8 +24,10 @@ _FABRICS: tuple[RGB, ...] = (
     (150, 60, 58),
 )
 _FABRIC_ARCHETYPES = frozenset(
-    "sofa blanket pillow mattress carpet ottoman curtain cloth_flat clothing_flat doll_soft glove_pair hammock backpack "
-    "tent infant_seat".split()
+    {
+        *("sofa", "blanket", "pillow", "mattress", "carpet", "ottoman", "curtain", "cloth_flat", "clothing_flat"),
+        *("doll_soft", "glove_pair", "hammock", "backpack", "tent", "infant_seat"),
+    }
 )
 _MATERIAL_OF_COLOR = {
     "wood": Material.WOOD,

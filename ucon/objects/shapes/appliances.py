@@ -1,0 +1,360 @@
+"""Large and small kitchen and laundry machines."""
+
+from __future__ import annotations
+
+from ucon.objects.kit import BLACK, DARK, GREY, RED, SILVER, WHITE, YELLOW, Kit, shade, shape
+from ucon.objects.model import Material
+from ucon.objects.shapes.cabinets import hang_below
+from ucon.objects.shapes.casework import BOARD, HANDLE, RIGHT_ANGLE, carcass, drop_door, leaves
+
+FRONT = BOARD + HANDLE
+LINER = (226, 230, 232)
+
+
+@shape("fridge")
+def fridge(k: Kit) -> None:
+    """Fridge above, freezer below, each with a door of full width."""
+    x, y, z = k.size
+    front, split, plinth = x / 2, 0.34 * z, 0.05
+    back = front - FRONT - 0.02
+    k.box((-x / 2, back), (-y / 2, y / 2), (0, plinth), DARK)
+    wall = 0.035
+    ix, iy, iz = carcass(k, (-x / 2, back), (-y / 2, y / 2), (plinth, z), wall)
+    k.box((ix[0], back), iy, (split - wall / 2, split + wall / 2), LINER)
+    k.box((ix[0], ix[0] + 0.004), iy, iz, LINER)
+    span = (-y / 2, y / 2)
+    (lower,) = leaves(k, front, span, (plinth, split), shade(k.color, 1.05), pair=False, thickness=0.04)
+    (upper,) = leaves(k, front, span, (split, z), shade(k.color, 1.05), pair=False, thickness=0.04)
+    x0, edge = ix[0] + 0.004, ix[1] - 0.004
+    k.space((x0, edge), iy, (iz[0], split - wall / 2), opened_by=(lower,))
+    low, high = split + wall / 2, iz[1]
+    levels = [low, low + (high - low) * 0.36, low + (high - low) * 0.68, high]
+    for i, (bottom, top) in enumerate(zip(levels, levels[1:], strict=False)):
+        if i:
+            k.box((x0, edge - 0.06), iy, (bottom - 0.012, bottom), (200, 222, 228), Material.GLASS)
+        k.space((x0, edge - 0.06 * (i > 0)), iy, (bottom, top - 0.012), opened_by=(upper,))
+    k.top_surface(0.02, clearance=0.4)
+
+
+@shape("oven")
+def oven(k: Kit) -> None:
+    """Control panel with knobs, drop door with a window, one rack; a flat top."""
+    x, y, z = k.size
+    front = x / 2
+    back = front - FRONT
+    ix, iy, iz = carcass(k, (-x / 2, back), (-y / 2, y / 2), (0.1, z - 0.1), 0.03)
+    k.box((-x / 2, back - 0.03), (-y / 2, y / 2), (0, 0.1), DARK)
+    k.box((-x / 2, front - HANDLE), (-y / 2, y / 2), (z - 0.1, z), shade(k.color, 1.25), Material.METAL)
+    for i in range(4):
+        y0 = (-0.36 + 0.24 * i) * y
+        k.cyl((front - HANDLE, front), (y0 - 0.02, y0 + 0.02), (z - 0.07, z - 0.03), SILVER, Material.METAL, axis="x")
+    joint = drop_door(k, front, (-y / 2, y / 2), (0.1, z - 0.1), shade(k.color, 1.15), SILVER, (70, 76, 84))
+    middle = (iz[0] + iz[1]) / 2
+    k.box((ix[0], ix[1] - 0.1), iy, (middle - 0.01, middle), GREY, Material.METAL)
+    k.space((ix[0], ix[1] - 0.1), iy, (middle, iz[1]), opened_by=(joint,))
+    k.space((ix[0], ix[1] - 0.005), iy, (iz[0], middle - 0.01), opened_by=(joint,))
+    k.top_surface(0.02)
+
+
+@shape("dishwasher")
+def dishwasher(k: Kit) -> None:
+    """A drop door over the whole front, two racks."""
+    x, y, z = k.size
+    front = x / 2
+    back = front - FRONT
+    ix, iy, iz = carcass(k, (-x / 2, back), (-y / 2, y / 2), (0.08, z - 0.03), 0.025)
+    k.box((-x / 2, back - 0.03), (-y / 2, y / 2), (0, 0.08), DARK)
+    k.box((-x / 2, front - HANDLE), (-y / 2, y / 2), (z - 0.03, z), DARK)
+    joint = drop_door(k, front, (-y / 2, y / 2), (0.08, z - 0.03), shade(k.color, 1.1))
+    middle = (iz[0] + iz[1]) / 2
+    k.box((ix[0], ix[1] - 0.14), iy, (middle - 0.012, middle), (120, 150, 190), Material.METAL)
+    k.space((ix[0], ix[1] - 0.14), iy, (middle, iz[1]), opened_by=(joint,))
+    k.space((ix[0], ix[1] - 0.005), iy, (iz[0], middle - 0.012), opened_by=(joint,))
+    k.top_surface(0.02)
+
+
+@shape("washer", "clothes_dryer")
+def front_loader(k: Kit) -> None:
+    """A white cube with a round door; behind it a square mouth that the door covers with its whole rim."""
+    x, y, z = k.size
+    dryer = k.name == "clothes_dryer"
+    front = x / 2
+    face = front - 0.05
+    middle, mouth, radius = 0.52 * z, 0.15, 0.235
+    k.box((-x / 2, -x / 2 + BOARD), (-y / 2, y / 2), (0, z))
+    for side in (-1, 1):
+        edge = (side * y / 2, side * (y / 2 - 0.06))
+        k.box((-x / 2 + BOARD, face - BOARD), (min(edge), max(edge)), (0, z))
+    inner_y = (-y / 2 + 0.06, y / 2 - 0.06)
+    floor, ceiling = middle - mouth - 0.02, middle + mouth + 0.06
+    k.box((-x / 2 + BOARD, face - BOARD), inner_y, (0, floor), SILVER)
+    k.box((-x / 2 + BOARD, face - BOARD), inner_y, (ceiling, z))
+    for low, high in ((0, middle - mouth), (middle + mouth, z)):
+        k.box((face - BOARD, face), (-y / 2, y / 2), (low, high))
+    for low, high in ((-y / 2, -mouth), (mouth, y / 2)):
+        k.box((face - BOARD, face), (low, high), (middle - mouth, middle + mouth))
+    k.box((face, face + 0.006), (-y / 2 + 0.02, y / 2 - 0.02), (z - 0.11, z - 0.02), GREY if dryer else (206, 212, 218))
+    k.cyl((face + 0.006, face + 0.03), (y * 0.25, y * 0.25 + 0.06), (z - 0.1, z - 0.04), DARK, axis="x")
+    joint = k.hinge((face + 0.03, radius, middle), (0.0, 0.0, 1.0), RIGHT_ANGLE)
+    round_z = (middle - radius, middle + radius)
+    k.cyl((face, face + 0.03), (-radius, radius), round_z, (170, 174, 180), Material.METAL, axis="x", link=joint)
+    glass = radius * 0.7
+    k.cyl((face + 0.03, front), (-glass, glass), (middle - glass, middle + glass), (52, 60, 72), Material.GLASS,
+          axis="x", taper=0.85, link=joint)  # fmt: skip
+    k.space((-x / 2 + BOARD, face - BOARD - 0.002), inner_y, (floor, ceiling), opened_by=(joint,))
+    k.top_surface(0.01)
+
+
+@shape("microwave", "toaster_oven")
+def counter_oven(k: Kit) -> None:
+    """A box with a dark window on the left and controls on the right."""
+    x, y, z = k.size
+    front = x / 2
+    back = front - 0.016 - 0.012
+    split = y * 0.24
+    k.box((-x / 2, back), (split, y / 2), (0, z))
+    k.box((back, front - 0.012), (split, y / 2), (0, z), shade(k.color, 1.15))
+    for i in range(2):
+        z0 = z * (0.2 + 0.34 * i)
+        k.cyl((front - 0.012, front), (split + 0.03, y / 2 - 0.03), (z0, z0 + 0.05), SILVER, axis="x")
+    ix, iy, iz = carcass(k, (-x / 2, back), (-y / 2, split), (0, z), 0.014)
+    window = (44, 48, 54) if k.name == "microwave" else (78, 58, 44)
+    if k.name == "microwave":
+        (joint,) = leaves(k, front, (-y / 2, split), (0, z), shade(k.color, 1.25), pair=False, hinge_low_y=True,
+                          handle=SILVER, thickness=0.016)  # fmt: skip
+        k.box((front - 0.012, front - 0.008), (-y / 2 + 0.04, split - 0.07), (z * 0.2, z * 0.85), window,
+              Material.GLASS, link=joint)  # fmt: skip
+    else:
+        joint = drop_door(k, front, (-y / 2, split), (0, z), None, DARK, window)
+    k.space((ix[0], ix[1] - 0.01), iy, iz, opened_by=(joint,))
+    k.top_surface(0.015)
+
+
+@shape("stove")
+def stove(k: Kit) -> None:
+    """Four dark burners on a steel top, knobs, an oven window."""
+    x, y, z = k.size
+    front = x / 2
+    body = (86, 88, 92)
+    top = z - 0.02
+    k.box((-x / 2, front - 0.02), (-y / 2, y / 2), (0.04, top), body, Material.METAL)
+    k.box((-x / 2, front - 0.05), (-y / 2 + 0.02, y / 2 - 0.02), (0, 0.04), BLACK)
+    k.box((-x / 2, front), (-y / 2, y / 2), (top - 0.03, top), SILVER, Material.METAL)
+    k.box((front - 0.02, front - 0.012), (-y * 0.42, y * 0.42), (0.15 * z, 0.68 * z), (34, 36, 42), Material.GLASS)
+    k.box((front - 0.02, front), (-y * 0.4, y * 0.4), (0.72 * z, 0.75 * z), SILVER, Material.METAL)
+    for i in range(4):
+        y0 = (-0.36 + 0.24 * i) * y
+        k.cyl((front - 0.02, front), (y0 - 0.022, y0 + 0.022), (0.82 * z, 0.82 * z + 0.044), BLACK, axis="x")
+    burners(k, (-x / 2, front), top, z)
+    k.surface((-x / 2 + 0.03, front - 0.03), (-y / 2 + 0.03, y / 2 - 0.03), z)
+
+
+def burners(k: Kit, x: tuple[float, float], low: float, high: float) -> None:
+    """Four round dark plates."""
+    depth, width = x[1] - x[0], k.size[1]
+    radius = 0.19 * min(depth, width)
+    for fx in (0.27, 0.73):
+        for fy in (-0.24, 0.24):
+            cx, cy = x[0] + fx * depth, fy * width
+            k.cyl((cx - radius, cx + radius), (cy - radius, cy + radius), (low, high), (36, 36, 38), Material.METAL)
+
+
+@shape("burner")
+def hob(k: Kit) -> None:
+    """A hob plate with four burners."""
+    x, y, z = k.size
+    k.box((-x / 2, x / 2), (-y / 2, y / 2), (0, z - 0.015), SILVER, Material.METAL)
+    burners(k, (-x / 2, x / 2), z - 0.015, z)
+    k.top_surface(0.02)
+
+
+@shape("deep_fryer")
+def deep_fryer(k: Kit) -> None:
+    """A steel cabinet with two dark oil basins."""
+    x, y, z = k.size
+    k.box((-x / 2, x / 2 - 0.02), (-y / 2, y / 2), (0, 0.86 * z), SILVER, Material.METAL)
+    k.box((-x / 2, -x / 2 + 0.08), (-y / 2, y / 2), (0.86 * z, z), SILVER, Material.METAL)
+    for side in (-1, 1):
+        y0 = side * y * 0.23
+        k.box((-x * 0.3, x * 0.4), (y0 - 0.18 * y, y0 + 0.18 * y), (0.86 * z, 0.88 * z), (60, 44, 26))
+        k.box((x / 2 - 0.02, x / 2), (y0 - 0.15 * y, y0 + 0.15 * y), (0.2 * z, 0.6 * z), GREY, Material.METAL)
+    k.surface((-x * 0.3, x * 0.4), (-y * 0.45, y * 0.45), 0.88 * z)
+
+
+@shape("grill")
+def indoor_grill(k: Kit) -> None:
+    """A cooking grate on a stand with side panels and a low shelf."""
+    x, y, z = k.size
+    k.box((-x / 2, x / 2 - 0.03), (-y / 2, y / 2), (0.55 * z, 0.86 * z), BLACK, Material.METAL)
+    for i in range(5):
+        x0 = (-0.42 + 0.19 * i) * x
+        k.box((x0, x0 + 0.08 * x), (-y * 0.46, y * 0.46), (0.86 * z, 0.9 * z), GREY, Material.METAL)
+    k.box((-x / 2, -x / 2 + 0.04), (-y / 2, y / 2), (0.86 * z, z), DARK, Material.METAL)
+    for fx in (-0.44, 0.44):
+        for fy in (-0.44, 0.44):
+            k.box((fx * x - 0.03, fx * x + 0.03), (fy * y - 0.03, fy * y + 0.03), (0, 0.55 * z), DARK, Material.METAL)
+    for fy in (-0.3, 0.0, 0.3):
+        k.cyl((x / 2 - 0.03, x / 2), (fy * y - 0.03, fy * y + 0.03), (0.66 * z, 0.66 * z + 0.06), RED, axis="x")
+    k.surface((-x * 0.42, x * 0.48), (-y * 0.46, y * 0.46), 0.9 * z)
+
+
+@shape("grill_outdoor")
+def charcoal_grill(k: Kit) -> None:
+    """A kettle grill on three legs with a side table."""
+    x, y, z = k.size
+    r = x * 0.46
+    cy = -y * 0.14
+    k.ball((-r, r), (cy - r, cy + r), (0.52 * z, z * 0.97), BLACK, Material.METAL)
+    k.box((-0.04, 0.04), (cy - 0.08, cy + 0.08), (0.95 * z, z), (130, 90, 50), Material.WOOD)
+    k.cyl((-r, r), (cy - r, cy + r), (0.72 * z, 0.75 * z), GREY, Material.METAL)
+    for dx, dy in ((-0.9, 0.8), (-0.9, -0.8), (0.9, 0.0)):
+        k.rod((dx * r * 0.5, cy + dy * r * 0.5, 0.6 * z), (dx * r, cy + dy * r, 0.02), 0.03, DARK, Material.METAL)
+    for side in (-1, 1):
+        yy = cy + side * r * 0.8
+        k.cyl((-0.5 * x, -0.5 * x + 0.16), (yy - 0.02, yy + 0.02), (0, 0.16), BLACK, axis="y")
+    k.box((-0.5 * x, 0.5 * x), (y * 0.32, y / 2), (0.68 * z, 0.71 * z), (150, 106, 64), Material.WOOD)
+    for fx in (-0.42, 0.42):
+        k.box((fx * x - 0.02, fx * x + 0.02), (y * 0.46, y / 2), (0, 0.68 * z), DARK, Material.METAL)
+    k.box((-0.02, 0.02), (-y / 2, -y / 2 + 0.05), (0.7 * z, 0.74 * z), DARK)
+
+
+@shape("range_hood")
+def range_hood(k: Kit) -> None:
+    """A steel canopy with a chimney."""
+    x, y, z = k.size
+    k.box((-x / 2, x / 2), (-y / 2, y / 2), (0, 0.16 * z), SILVER, Material.METAL)
+    k.wedge((-x * 0.1, x / 2), (-y / 2, y / 2), (0.16 * z, 0.5 * z), shade(SILVER, 0.9), Material.METAL, flip=True)
+    k.box((-x / 2, -x * 0.1), (-y / 2, y / 2), (0.16 * z, 0.5 * z), shade(SILVER, 0.9), Material.METAL)
+    k.box((-x / 2, 0.0), (-y * 0.2, y * 0.2), (0.5 * z, z), shade(SILVER, 0.95), Material.METAL)
+    hang_below(k, 0.4)
+
+
+@shape("coffee_maker")
+def coffee_maker(k: Kit) -> None:
+    """A C-shaped machine with a glass pot of coffee."""
+    k.unit()
+    k.box((-0.5, 0.5), (-0.5, 0.5), (0, 0.1), k.color)
+    k.box((-0.5, -0.1), (-0.5, 0.5), (0.1, 1), k.color)
+    k.box((-0.1, 0.5), (-0.5, 0.5), (0.72, 1), shade(k.color, 1.2))
+    k.cyl((-0.08, 0.44), (-0.34, 0.34), (0.1, 0.5), (70, 40, 24), Material.GLASS)
+    k.cyl((0.0, 0.36), (-0.24, 0.24), (0.5, 0.6), BLACK)
+    k.box((0.44, 0.5), (-0.06, 0.06), (0.2, 0.5), BLACK)
+    k.box((0.47, 0.5), (-0.3, 0.3), (0.78, 0.86), RED)
+
+
+@shape("toaster")
+def toaster(k: Kit) -> None:
+    """Two dark slots with toast, a lever."""
+    k.unit()
+    k.box((-0.46, 0.46), (-0.5, 0.5), (0.04, 0.92), SILVER, Material.METAL)
+    k.box((-0.5, 0.5), (-0.46, 0.46), (0, 0.12), BLACK)
+    for y0 in (-0.28, 0.1):
+        k.box((-0.36, 0.36), (y0, y0 + 0.18), (0.92, 0.93), BLACK)
+        k.box((-0.3, 0.3), (y0 + 0.04, y0 + 0.14), (0.9, 1.0), (196, 140, 80))
+    k.box((0.46, 0.5), (-0.1, 0.1), (0.6, 0.7), BLACK)
+
+
+@shape("blender")
+def blender(k: Kit) -> None:
+    """A clear jar on a base."""
+    k.unit()
+    k.cyl((-0.5, 0.5), (-0.5, 0.5), (0, 0.3), DARK, taper=0.75)
+    k.cyl((-0.4, 0.4), (-0.4, 0.4), (0.3, 0.36), SILVER, Material.METAL)
+    k.cyl((-0.42, 0.42), (-0.42, 0.42), (0.36, 0.9), (190, 216, 224), Material.GLASS, taper=1.12)
+    k.cyl((-0.44, 0.44), (-0.44, 0.44), (0.9, 1.0), BLACK)
+    k.box((0.4, 0.5), (-0.06, 0.06), (0.45, 0.85), BLACK)
+    k.cyl((0.36, 0.48), (-0.1, 0.1), (0.08, 0.2), RED, axis="x")
+
+
+@shape("electric_mixer")
+def electric_mixer(k: Kit) -> None:
+    """A stand mixer: foot, arm and steel bowl, along y."""
+    k.unit()
+    k.box((-0.42, 0.42), (-0.5, 0.5), (0, 0.08))
+    k.box((-0.3, 0.3), (-0.5, -0.22), (0.08, 0.66))
+    k.ball((-0.42, 0.42), (-0.5, 0.5), (0.6, 1.0))
+    k.cyl((-0.5, 0.5), (-0.12, 0.46), (0.08, 0.46), SILVER, Material.METAL, taper=1.0)
+    k.cyl((-0.08, 0.08), (0.12, 0.24), (0.4, 0.66), SILVER, Material.METAL)
+
+
+@shape("food_processor")
+def food_processor(k: Kit) -> None:
+    """A clear bowl on a wide base with a feed tube."""
+    k.unit()
+    k.box((-0.5, 0.5), (-0.5, 0.5), (0, 0.32))
+    k.cyl((-0.44, 0.44), (-0.44, 0.44), (0.32, 0.74), (196, 214, 220), Material.GLASS)
+    k.cyl((-0.46, 0.46), (-0.46, 0.46), (0.74, 0.8), GREY)
+    k.cyl((-0.3, 0.1), (-0.2, 0.2), (0.8, 1.0), (196, 214, 220), Material.GLASS)
+    k.box((0.49, 0.52), (-0.2, 0.2), (0.1, 0.22), DARK)
+
+
+@shape("food_slicer")
+def food_slicer(k: Kit) -> None:
+    """A slanted steel body with a round blade and a sliding tray."""
+    k.unit()
+    k.box((-0.5, 0.5), (-0.5, 0.5), (0, 0.2), SILVER, Material.METAL)
+    k.box((-0.3, 0.2), (-0.45, -0.1), (0.2, 0.7), GREY, Material.METAL)
+    k.cyl((-0.3, 0.3), (-0.05, 0.02), (0.2, 1.0), (220, 222, 226), Material.METAL, axis="y")
+    k.box((-0.35, 0.4), (0.1, 0.5), (0.36, 0.46), SILVER, Material.METAL)
+    k.box((0.3, 0.4), (0.3, 0.4), (0.46, 0.7), BLACK)
+
+
+@shape("popcorn_machine")
+def popcorn_machine(k: Kit) -> None:
+    """A red cart top with glass sides full of popcorn."""
+    k.unit()
+    k.box((-0.5, 0.5), (-0.5, 0.5), (0, 0.16), RED)
+    k.box((-0.44, 0.44), (-0.44, 0.44), (0.16, 0.42), (244, 226, 160))
+    k.box((-0.44, 0.44), (-0.44, 0.44), (0.42, 0.8), (206, 226, 232), Material.GLASS)
+    for fx in (-0.46, 0.46):
+        for fy in (-0.46, 0.46):
+            k.box((fx - 0.04, fx + 0.04), (fy - 0.04, fy + 0.04), (0.16, 0.8), YELLOW)
+    k.box((-0.5, 0.5), (-0.5, 0.5), (0.8, 0.92), RED)
+    k.wedge((-0.4, 0.0), (-0.4, 0.4), (0.92, 1.0), WHITE)
+    k.wedge((0.0, 0.4), (-0.4, 0.4), (0.92, 1.0), WHITE, flip=True)
+
+
+@shape("kettle")
+def kettle(k: Kit) -> None:
+    """A stove kettle or an electric jug: belly, spout to the front, handle."""
+    k.unit()
+    electric = k.name == "electric_kettle"
+    belly = 0.78 if electric else 0.62
+    if electric:
+        k.cyl((-0.34, 0.34), (-0.5, 0.5), (0, 0.08), BLACK)
+        k.cyl((-0.3, 0.3), (-0.46, 0.46), (0.08, belly), SILVER, Material.METAL, taper=0.78)
+        k.cyl((-0.2, 0.2), (-0.3, 0.3), (belly, 0.9), BLACK)
+        k.path([(-0.22, 0, 0.86), (-0.48, 0, 0.8), (-0.48, 0, 0.3), (-0.3, 0, 0.2)], 0.022, BLACK)
+        k.rod((0.2, 0, 0.62), (0.42, 0, 0.78), 0.04, SILVER, Material.METAL)
+    else:
+        k.ball((-0.42, 0.34), (-0.5, 0.5), (-0.06, belly), SILVER, Material.METAL)
+        k.cyl((-0.34, 0.26), (-0.4, 0.4), (0, 0.1), SILVER, Material.METAL)
+        k.ball((-0.1, 0.04), (-0.08, 0.08), (belly - 0.05, belly + 0.08), BLACK)
+        k.rod((0.22, 0, 0.3), (0.46, 0, 0.6), 0.03, SILVER, Material.METAL)
+        k.path([(-0.34, 0, 0.5), (-0.26, 0, 0.9), (0.16, 0, 0.98), (0.26, 0, 0.5)], 0.016, BLACK)
+
+
+@shape("french_press")
+def french_press(k: Kit) -> None:
+    """A glass beaker of coffee with a plunger and a handle."""
+    k.unit()
+    k.cyl((-0.32, 0.32), (-0.5, 0.5), (0.05, 0.5), (60, 38, 24), Material.GLASS)
+    k.cyl((-0.32, 0.32), (-0.5, 0.5), (0.5, 0.8), (206, 222, 228), Material.GLASS)
+    k.cyl((-0.34, 0.34), (-0.5, 0.5), (0.8, 0.86), BLACK)
+    k.cyl((-0.36, 0.36), (-0.5, 0.5), (0, 0.05), BLACK)
+    k.cyl((-0.02, 0.02), (-0.03, 0.03), (0.86, 0.95), SILVER)
+    k.ball((-0.08, 0.08), (-0.1, 0.1), (0.92, 1.0), BLACK)
+    k.path([(0.32, 0, 0.75), (0.5, 0, 0.72), (0.5, 0, 0.2), (0.32, 0, 0.15)], 0.016, BLACK)
+
+
+@shape("vacuum")
+def vacuum(k: Kit) -> None:
+    """An upright vacuum cleaner: floor head, canister, long handle."""
+    k.unit()
+    k.box((0.0, 0.5), (-0.5, 0.5), (0, 0.12), DARK)
+    k.rod((0.1, 0, 0.08), (-0.12, 0, 0.62), (0.16, 0.2))
+    k.cyl((-0.1, 0.25), (-0.26, 0.26), (0.18, 0.5), (206, 216, 222), Material.GLASS)
+    k.rod((-0.12, 0, 0.55), (-0.4, 0, 0.94), 0.03, DARK)
+    k.rod((-0.42, 0, 0.92), (-0.3, 0, 1.0), 0.04, BLACK)
+    for y0 in (-0.46, 0.36):
+        k.cyl((-0.06, 0.2), (y0, y0 + 0.1), (0, 0.12), BLACK, axis="y")
