@@ -1,0 +1,27 @@
+"""How kernels are compiled, and the array types they take.
+
+Strict IEEE arithmetic (no fastmath) gives the same bits on every machine of one instruction set.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeAlias, TypeVar
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+F64: TypeAlias = NDArray[np.float64]
+F32: TypeAlias = NDArray[np.float32]
+I32: TypeAlias = NDArray[np.int32]
+I16: TypeAlias = NDArray[np.int16]
+U8: TypeAlias = NDArray[np.uint8]
+
+
+def jit(function: _Function) -> _Function:
+    """Compile once and keep on disk; releases the interpreter lock."""
+    compiled: _Function = njit(cache=True, nogil=True, error_model="numpy")(function)
+    return compiled

@@ -1,0 +1,174 @@
+"""The default renderer: a software rasteriser that needs neither GPU nor display."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.errors import SceneError
+from ucon.sim.arrangement import Arrangement
+from ucon.sim.house import House
+from ucon.sim.render.arena import Arena, ModelBuilder, catalogue_model
+from ucon.sim.render.base import (
+    VIEW_FOV_DEG,
+    VIEW_PX,
+    check_buffer,
+    check_view,
+    heading_cos_sin,
+    pitch_cos_sin,
+    tan_half,
+)
+from ucon.sim.render.raster import rasterise
+from ucon.sim.render.shading import resolve
+
+_NO_RGB = np.empty((0, 0, 3), np.uint8)
+_NO_DEPTH = np.empty((0, 0), np.float32)
+_NO_INSTANCE = np.empty((0, 0), np.int16)
+_NO_COUNTS = np.empty(0, np.int32)
+
+
+class RasterRenderer:
+    """Numba visibility-buffer rasteriser with portal culling; see :class:`~ucon.sim.render.base.Renderer`.
+
+    Args:
+        width, height: size of the picture in pixels.
+        fov_deg: horizontal angle of view.
+        textured: procedural textures and distance; without, one flat colour a face.
+        builder: where models come from.
+        sample: point of a pixel that is sampled, as fractions of it from the top left.
+        cull: skip what cannot be seen; the picture is the same without.
+    """
+
+    def __init__(
+        self,
+        width: int = VIEW_PX,
+        height: int = VIEW_PX,
+        fov_deg: float = VIEW_FOV_DEG,
+        *,
+        textured: bool = True,
+        builder: ModelBuilder = catalogue_model,
+        sample: tuple[float, float] = (0.5, 0.5),
+        cull: bool = True,
+    ) -> None:
+        check_view(width, height, fov_deg)
+        self.width, self.height, self.fov_deg = width, height, fov_deg
+        self.textured = textured
+        self._builder = builder
+        self._cull = cull
+        self._camera = np.array([0, 0, 0, 1, 0, 1, 0, tan_half(fov_deg), *sample], np.float64)
+        self._depth = np.empty((height, width), np.float32)
+        self._faces = np.empty((height, width), np.int32)
+        canonical = width == height == VIEW_PX and fov_deg == VIEW_FOV_DEG and sample == (0.5, 0.5)
+        self._view: RasterRenderer | None = None if canonical else self._counting_view()
+        self._arena: Arena | None = None
+        self._drawn = np.empty(0, np.int32)
+        self._stamp = 0
+
+    def _counting_view(self) -> RasterRenderer:
+        return RasterRenderer(textured=False, builder=self._builder, cull=self._cull)
+
+    @property
+    def arena(self) -> Arena:
+        """What is drawn.
+
+        Raises:
+            SceneError: no home loaded yet.
+        """
+        if self._arena is None:
+            raise SceneError("the renderer has no home yet: call load(house, arrangement) first")
+        return self._arena
+
+    @property
+    def n_instances(self) -> int:
+        """Instances of the home and of the episode."""
+        return self.arena.n_instances
+
+    def load(self, house: House, arrangement: Arrangement | None = None) -> None:
+        """Show this home in this episode, everything closed."""
+        self._show(Arena(house, arrangement or Arrangement(), self._builder))
+
+    def _show(self, arena: Arena) -> None:
+        self._arena = arena
+        self._drawn = np.zeros(len(arena.tables.parts), np.int32)
+        self._stamp = 0
+        if self._view is not None:
+            self._view._show(arena)
+
+    def set_open(self, instance: int, fraction: float) -> None:
+        """Bring all joints of an instance to a fraction (0 to 1) of their travel, with what its drawers hold."""
+        self.arena.set_open(instance, fraction)
+
+    def render(
+        self,
+        x: float,
+        y: float,
+        z: float,
+        heading: float,
+        pitch_deg: float,
+        rgb: NDArray[np.uint8] | None = None,
+        depth: NDArray[np.float32] | None = None,
+        instance: NDArray[np.int16] | None = None,
+        counts: NDArray[np.int32] | None = None,
+    ) -> None:
+        """Draw into the caller's buffers; see :class:`~ucon.sim.render.base.Renderer`."""
+        shape = (self.height, self.width)
+        if rgb is not None:
+            check_buffer("rgb", rgb, (*shape, 3), np.uint8)
+        if depth is not None:
+            check_buffer("depth", depth, shape, np.float32)
+        if instance is not None:
+            check_buffer("instance", instance, shape, np.int16)
+        if counts is not None:
+            check_buffer("counts", counts, (self.n_instances,), np.int32)
+        if counts is not None and self._view is not None:
+            self._view.visible(x, y, z, heading, pitch_deg, counts)
+            counts = None
+        self._rasterise(x, y, z, heading, pitch_deg)
+        resolve(
+            self._faces,
+            self._depth,
+            self.arena.tables,
+            self._camera,
+            self.arena.rooms,
+            self.textured,
+            _NO_RGB if rgb is None else rgb,
+            _NO_DEPTH if depth is None else depth,
+            _NO_INSTANCE if instance is None else instance,
+            _NO_COUNTS if counts is None else counts,
+        )
+
+    def visible(
+        self,
+        x: float,
+        y: float,
+        z: float,
+        heading: float,
+        pitch_deg: float,
+        counts: NDArray[np.int32] | None = None,
+    ) -> NDArray[np.int32]:
+        """Pixels of every instance in the 128 x 128, 90 degree view, (n_instances,)."""
+        if counts is None:
+            counts = np.empty(self.n_instances, np.int32)
+        if self._view is not None:
+            return self._view.visible(x, y, z, heading, pitch_deg, counts)
+        self.render(x, y, z, heading, pitch_deg, counts=counts)
+        return counts
+
+    def _rasterise(self, x: float, y: float, z: float, heading: float, pitch_deg: float) -> None:
+        arena, camera = self.arena, self._camera
+        camera[:7] = (x, y, z, *heading_cos_sin(heading), *pitch_cos_sin(pitch_deg))
+        self._stamp += 1
+        rasterise(
+            camera,
+            arena.tables,
+            arena.rooms,
+            arena.portals,
+            arena.house.spec.wall_height_m,
+            arena.room_start,
+            arena.room_groups,
+            self._drawn,
+            self._stamp,
+            self._cull,
+            self._depth,
+            self._faces,
+        )
