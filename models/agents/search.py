@@ -1,0 +1,167 @@
+"""The searching controller that ``frontier`` and ``belief`` share; they differ in where they expect the target.
+
+It maps what it sees, goes to the view with the most expected mass for its cost, opens what is closed and worth it,
+and walks up to the target once a detection of its category appears.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.agents.base import Info, Observation
+from ucon.objects.catalogue import catalogue
+from ucon.perception.approach import Approach
+from ucon.perception.places import INSIDE, Places, affordance, sight_range_m
+from ucon.perception.planner import Planner
+from ucon.perception.semantic_map import SemanticMap
+from ucon.perception.viewpoints import OPEN_REACH_M, Choice, Costs, Expectation, Viewpoints
+from ucon.task.actions import Action
+
+
+class Expecting(Protocol):
+    """Says where the target may be, given what was seen."""
+
+    def expect(self, known: SemanticMap, places: Places) -> Expectation:
+        """Mass of tracks, unexplored space and space seen from afar."""
+        ...
+
+
+class SearchController:
+    """Searches one home for one target."""
+
+    REPLAN_STEPS = 5
+    #: A frame that shows a place from within sight range still misses the target with this probability.
+    MISS = 0.1
+
+    def __init__(self, info: Info, expecting: Expecting, costs: Costs | None = None) -> None:
+        self.target = str(info["target"])
+        book = catalogue()
+        height_m = book[self.target].size[2] if self.target in book else 0.1
+        self.map = SemanticMap()
+        self.planner = Planner(info.get("nav"))
+        self.places = Places(height_m)
+        self.viewpoints = Viewpoints(sight_range_m(self.target), costs)
+        self.approach = Approach()
+        self.expecting = expecting
+        self.choice: Choice | None = None
+        self.refused: dict[int, int] = {}
+        self._plan: deque[Action] = deque()
+        self._age = 0
+
+    def act(self, observation: Observation, info: Info) -> int:
+        """The next action."""
+        self._look(observation, info)
+        if int(observation["collision"]):
+            self._plan.clear()
+        track = self._target_track()
+        if track is not None:
+            return int(self._approach(track))
+        expected = self.expecting.expect(self.map, self.places)
+        return int(self._open_here(expected) or self._search(expected))
+
+    def _look(self, observation: Observation, info: Info) -> None:
+        known = self.map
+        known.update(observation, info)
+        self.places.refresh(known)
+        active = ~self._behind_doors()
+        self.places.unseen[self.places.unseen < 1e-3] = 0.0
+        active &= self.places.unseen > 0.0
+        reach = self.viewpoints.reach_m
+        known.look(observation["depth"], self.places.xyz, active, self.places.unseen, reach, self.MISS)
+
+    def _behind_doors(self) -> NDArray[np.bool_]:
+        shut = np.zeros(max(self.map.n_tracks, 1), bool)
+        shut[self.closed()] = True
+        return shut[self.places.track] & (self.places.relation == INSIDE)
+
+    def closed(self) -> NDArray[np.int64]:
+        """Tracks of containers that are closed and may still open."""
+        known = self.map
+        return np.array(
+            [
+                track
+                for name, tracks in known.instances.items()
+                if affordance(name).openable
+                for track in tracks
+                if not known.opened[track] and known.seen(track)
+            ],
+            np.int64,
+        )
+
+    def _target_track(self) -> int | None:
+        tracks = self.map.instances.get(self.target, ())
+        return next((t for t in tracks if self.map.seen(t)), None)
+
+    def _approach(self, track: int) -> Action:
+        known = self.map
+        if self.approach.arrived(known, track):
+            return Action.DONE
+        if self._plan and self.choice is None and self._age < self.REPLAN_STEPS:
+            self._age += 1
+            return self._plan.popleft()
+        if self.choice is None and not self._plan:
+            self.approach.failed(known.view)
+        self.choice, self._age = None, 0
+        self.planner.update(known)
+        goal = self.approach.goal(known, self.planner, track)
+        if goal is None:
+            return Action.ROTATE_LEFT
+        self._plan = deque(self.planner.plan(goal))
+        return self._plan.popleft() if self._plan else Action.ROTATE_LEFT
+
+    def _open_here(self, expected: Expectation) -> Action | None:
+        """Open what is closed, in view and in reach, where that is worth a step."""
+        known, worth, tracks = self.map, 0.0, []
+        for track in self.closed():
+            if known.pixels[track] >= 4 and known.gap_m(int(track), known.view.xy) <= OPEN_REACH_M:
+                worth += expected.mass[track, INSIDE] * 0.5 ** self.refused.get(int(track), 0)
+                tracks.append(int(track))
+        bar = 0.0 if self.choice is None else self.choice.score
+        if not tracks or worth / self.viewpoints.costs.open < max(bar, 1e-6):
+            return None
+        if all(self.refused.get(t, 0) >= 2 for t in tracks):
+            return None
+        for track in tracks:
+            self.refused[track] = self.refused.get(track, 0) + 1
+        return Action.OPEN
+
+    def _search(self, expected: Expectation) -> Action:
+        arrived = self.choice is not None and self.map.view == self.choice.view
+        if arrived:
+            self.viewpoints.disappoint(self.map, self.places, expected, self._openable_now())
+            self.choice = None
+        if self.choice is None or not self._plan or self._age >= self.REPLAN_STEPS:
+            self._choose(expected)
+        self._age += 1
+        return self._plan.popleft() if self._plan else Action.ROTATE_LEFT
+
+    def _openable_now(self) -> NDArray[np.int64]:
+        return np.array([t for t in self.closed() if self.refused.get(int(t), 0) < 2], np.int64)
+
+    def _choose(self, expected: Expectation) -> None:
+        self.planner.update(self.map)
+        keep = self.choice.view if self.choice is not None else None
+        for _ in range(4):
+            best, kept = self.viewpoints.choose(
+                self.map, self.planner, self.places, expected, self._openable_now(), keep
+            )
+            if kept is not None and best is not None and kept.score * 1.25 >= best.score and kept.gain > 0.0:
+                best = kept
+            if best is None or best.view != self.map.view:
+                break
+            self.viewpoints.disappoint(self.map, self.places, expected, self._openable_now())
+        if best is None or best.gain <= 1e-9:
+            self._second_look()
+        self.choice, self._age = best, 0
+        self._plan = deque(self.planner.plan(best.view)) if best is not None else deque()
+
+    def _second_look(self) -> None:
+        """Everything was looked at: believe that some looks missed it, and go round again from nearer."""
+        self.places.unseen[:] = np.maximum(self.places.unseen, 0.3)
+        self.viewpoints.stale[:] = 1.0
+        self.viewpoints.reach_m = max(1.2, 0.7 * self.viewpoints.reach_m)
+        self.refused.clear()

@@ -1,0 +1,174 @@
+"""Hot loops that value views: how much unexplored space and how much expected mass a pose would show.
+
+A view is (node, heading 0..3, pitch -30, 0 or 30). Sight lines are judged on the height map: a line to a place is
+blocked where something seen stands higher than the line, except within 0.36 m of the place itself.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from ucon.perception.map_kernels import CELL_M
+
+PITCHES_DEG = (-30, 0, 30)
+OPAQUE_M = 1.2
+RAYS = 64
+#: Unexplored space counts less the deeper it lies behind the last explored cell of a ray.
+DEPTH_SCALE_M = 2.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _sight(x, y, cam_z, px, py, pz, height, half):
+    dx, dy = px - x, py - y
+    length = np.sqrt(dx * dx + dy * dy)
+    n = int((length - 0.36) / 0.2)
+    for k in range(1, n + 1):
+        t = 0.2 * k / length
+        i, j = int(np.floor((x + t * dx) / CELL_M + 0.5)) + half, int(np.floor((y + t * dy) / CELL_M + 0.5)) + half
+        if height[i, j] > cam_z + t * (pz - cam_z) + 0.02:
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def space_gain(nodes, explored, height, near, stale, half, reach_cells, near_m, unknown_w, near_w, out):
+    """Add to out (n, 4) the weighted square metres that each heading at each node would newly show.
+
+    Unexplored cells count ``unknown_w`` times their ``stale`` factor; explored ones not yet seen from within
+    ``near_m`` count ``near_w``.
+    """
+    for n in range(nodes.shape[0]):
+        for ray in range(RAYS):
+            angle = 2.0 * np.pi * (ray + 0.5) / RAYS
+            out[n, int(((ray + RAYS // 8) % RAYS) / (RAYS // 4))] += _ray_gain(
+                nodes[n, 0], nodes[n, 1], np.cos(angle), np.sin(angle), explored, height, near, stale, reach_cells,
+                near_m, unknown_w, near_w, 1.0,
+            )  # fmt: skip
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def fade_space(i, j, heading, explored, height, near, stale, reach_cells, near_m, factor):
+    """Multiply ``stale`` by ``factor`` where a view from here expected to see new space (and evidently cannot)."""
+    for k in range(-RAYS // 8, RAYS // 8):
+        angle = 2.0 * np.pi * (k + 0.5) / RAYS + 0.5 * np.pi * heading
+        _ray_gain(
+            i, j, np.cos(angle), np.sin(angle), explored, height, near, stale, reach_cells, near_m, 1.0, 1.0, factor
+        )
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _ray_gain(
+    i0, j0, dx, dy, explored, height, near, stale, reach_cells, near_m, unknown_w, near_w, factor
+):  # fmt: skip
+    gain, depth_m = 0.0, 0.0
+    n_cells = explored.shape[0]
+    li, lj = i0, j0
+    for k in range(1, reach_cells + 1):
+        i, j = i0 + int(np.floor(k * dx + 0.5)), j0 + int(np.floor(k * dy + 0.5))
+        if i < 1 or j < 1 or i >= n_cells - 1 or j >= n_cells - 1:
+            break
+        if i == li and j == lj:
+            continue
+        li, lj = i, j
+        r = k * CELL_M
+        area = r * (2.0 * np.pi / RAYS) * CELL_M
+        tall = height[i, j] >= OPAQUE_M
+        if explored[i, j] == 0 and not tall:
+            gain += unknown_w * area * stale[i, j] * np.exp(-depth_m / DEPTH_SCALE_M)
+            depth_m += CELL_M
+            stale[i, j] *= factor
+            if depth_m > 3.0:
+                break
+        elif r <= near_m and near[i, j] > near_m + 0.25:
+            gain += near_w * area * stale[i, j]
+            stale[i, j] *= factor
+        if tall:
+            break
+    return gain
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def place_gain(index, spacing, place, weight, reach_m, cam_z, height, half, out):
+    """Add to out (n, 4, 3) the weight of the places (m, 3) that each view would show from within ``reach_m``.
+
+    ``index`` (cells) int32 gives the row of a node in ``out``, -1 where no view is considered.
+    """
+    span = int(reach_m / CELL_M) + 1
+    for m in range(place.shape[0]):
+        w = weight[m]
+        if w <= 0.0:
+            continue
+        px, py, pz = place[m]
+        ci, cj = int(np.floor(px / CELL_M + 0.5)) + half, int(np.floor(py / CELL_M + 0.5)) + half
+        for i in range(max(1, ci - span), min(index.shape[0] - 1, ci + span + 1)):
+            for j in range(max(1, cj - span), min(index.shape[0] - 1, cj + span + 1)):
+                n = index[i, j]
+                if n < 0:
+                    continue
+                x, y = (i - half) * CELL_M, (j - half) * CELL_M
+                dx, dy, dz = px - x, py - y, pz - cam_z
+                if dx * dx + dy * dy > reach_m * reach_m or not _sight(x, y, cam_z, px, py, pz, height, half):
+                    continue
+                _share(dx, dy, dz, w, reach_m, out[n])
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _share(dx, dy, dz, w, reach_m, out):
+    """Add ``w`` to every view (4, 3) whose frustum holds a point at (dx, dy, dz) from the camera."""
+    for heading in range(4):
+        if heading == 0:
+            flat, side = dx, abs(dy)
+        elif heading == 1:
+            flat, side = dy, abs(dx)
+        elif heading == 2:
+            flat, side = -dx, abs(dy)
+        else:
+            flat, side = -dy, abs(dx)
+        for p in range(3):
+            cp, sp = (1.0, 0.0) if p == 1 else (0.8660254037844387, -0.5 if p == 0 else 0.5)
+            optical, up = cp * flat + sp * dz, cp * dz - sp * flat
+            if 0.15 < optical <= reach_m and side <= 0.95 * optical and abs(up) <= 0.95 * optical:
+                out[heading, p] += w
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def fade_places(x, y, heading, pitch, place, weight, reach_m, cam_z, height, half, unseen, factor):
+    """Multiply ``unseen`` by ``factor`` for the places that a view expected to show (and evidently does not)."""
+    view = np.zeros((4, 3))
+    for m in range(place.shape[0]):
+        if weight[m] <= 0.0:
+            continue
+        px, py, pz = place[m]
+        if not _sight(x, y, cam_z, px, py, pz, height, half):
+            continue
+        view[:] = 0.0
+        _share(px - x, py - y, pz - cam_z, 1.0, reach_m, view)
+        if view[heading, pitch] > 0.0:
+            unseen[m] *= factor
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def open_gain(index, boxes, weight, reach_m, cam_z, height, half, out):
+    """Add to out (n, 4, 3) the weight of the closed containers (m, 6) that Open would open from each view."""
+    span = int(reach_m / CELL_M) + 1
+    for m in range(boxes.shape[0]):
+        w = weight[m]
+        if w <= 0.0:
+            continue
+        x0, y0, z0, x1, y1, z1 = boxes[m]
+        i0, i1 = int(np.floor(x0 / CELL_M)) + half - span, int(np.floor(x1 / CELL_M)) + half + span + 2
+        j0, j1 = int(np.floor(y0 / CELL_M)) + half - span, int(np.floor(y1 / CELL_M)) + half + span + 2
+        for i in range(max(1, i0), min(index.shape[0] - 1, i1)):
+            for j in range(max(1, j0), min(index.shape[0] - 1, j1)):
+                n = index[i, j]
+                if n < 0:
+                    continue
+                x, y = (i - half) * CELL_M, (j - half) * CELL_M
+                gx, gy = max(x0 - x, x - x1, 0.0), max(y0 - y, y - y1, 0.0)
+                if gx * gx + gy * gy > reach_m * reach_m:
+                    continue
+                px, py = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
+                pz = min(max(cam_z - 0.2, z0), z1)
+                if _sight(x, y, cam_z, px, py, pz, height, half):
+                    _share(px - x, py - y, pz - cam_z, w, 4.0, out[n])

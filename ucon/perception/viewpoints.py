@@ -1,0 +1,168 @@
+"""Choosing where to look next: expected mass shown by a view, over what it costs to get there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.perception import view_kernels as kernels
+from ucon.perception.places import INSIDE, Places
+from ucon.perception.planner import UNREACHED, Planner
+from ucon.perception.semantic_map import CAMERA_M, HALF, SIZE, SemanticMap, View
+
+#: Open reaches containers within 1 m; a little less leaves room for the part of the box that was not seen.
+OPEN_REACH_M = 0.98
+
+
+@dataclass(frozen=True, slots=True)
+class Expectation:
+    """Where the target may be, in any common unit of mass."""
+
+    mass: NDArray[np.float64]
+    """(T, 4) for every track and relation."""
+    unknown_per_m2: float
+    """In space not explored yet."""
+    near_per_m2: float
+    """In space seen from too far to have shown the target."""
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """A view worth going to."""
+
+    view: View
+    opens: bool
+    """Whether to Open on arrival."""
+    gain: float
+    score: float
+
+
+@dataclass(frozen=True, slots=True)
+class Costs:
+    """Weights of the score gain / (cost + overhead)."""
+
+    overhead: float = 2.0
+    turn: float = 0.6
+    """A turn in units of a move."""
+    open: float = 1.5
+    space_cells: int = 22
+    """How far unexplored space counts, in cells."""
+
+
+class Viewpoints:
+    """Values views on the map of one episode."""
+
+    def __init__(self, reach_m: float, costs: Costs | None = None) -> None:
+        self.reach_m = reach_m
+        self.costs = costs or Costs()
+        self.stale = np.ones((SIZE, SIZE), np.float32)
+        self._index = np.full((SIZE, SIZE), -1, np.int32)
+
+    def choose(
+        self,
+        known: SemanticMap,
+        planner: Planner,
+        places: Places,
+        expected: Expectation,
+        closed: NDArray[np.int64],
+        keep: View | None = None,
+    ) -> tuple[Choice | None, Choice | None]:
+        """The best view, and the value of ``keep`` (a view on its way) by the same measure.
+
+        ``closed``: tracks of closed containers. The planner must be up to date.
+        """
+        nodes = self._nodes(known, planner, keep)
+        if not len(nodes):
+            return None, None
+        looks, opens = self._gains(nodes, known, places, expected, closed)
+        steps = planner.steps[nodes[:, 0], nodes[:, 1]].astype(float)  # (n, 4)
+        moves = planner.moves[nodes[:, 0], nodes[:, 1]]
+        pitch = np.abs(np.array(kernels.PITCHES_DEG) - known.view.pitch_deg) / 30.0
+        cost = moves + self.costs.turn * (steps - moves)
+        cost = cost[:, :, None] + self.costs.turn * pitch + self.costs.overhead
+        cost[steps >= UNREACHED] = np.inf
+        look_score = looks / cost
+        both_score = (looks + opens) / (cost + self.costs.open)
+        score = np.maximum(look_score, np.where(opens > 0, both_score, 0.0))
+
+        def at(n: int, h: int, p: int) -> Choice:
+            view = View(int(nodes[n, 0]), int(nodes[n, 1]), h, kernels.PITCHES_DEG[p])
+            opening = bool(opens[n, h, p] > 0 and both_score[n, h, p] >= look_score[n, h, p])
+            gain = looks[n, h, p] + (opens[n, h, p] if opening else 0.0)
+            return Choice(view, opening, float(gain), float(score[n, h, p]))
+
+        best = at(*(int(k) for k in np.unravel_index(int(score.argmax()), score.shape)))
+        kept = None
+        if keep is not None and keep.pitch_deg in kernels.PITCHES_DEG and self._index[keep.i, keep.j] >= 0:
+            kept = at(int(self._index[keep.i, keep.j]), keep.heading, kernels.PITCHES_DEG.index(keep.pitch_deg))
+        self._index[nodes[:, 0], nodes[:, 1]] = -1
+        return best, kept
+
+    def _nodes(self, known: SemanticMap, planner: Planner, keep: View | None) -> NDArray[np.int32]:
+        """Reachable explored nodes, every second one in a checkerboard, (n, 2)."""
+        i0, i1, j0, j1 = known.extent(0)
+        ok = (planner.steps[i0:i1, j0:j1].min(2) < UNREACHED) & (known.explored[i0:i1, j0:j1] > 0)
+        here = known.view
+        ii, jj = np.nonzero(ok)
+        ii, jj = ii + i0, jj + j0
+        half = (ii + jj - here.i - here.j) % 2 == 0
+        if keep is not None:
+            half |= (ii == keep.i) & (jj == keep.j)
+        nodes = np.stack([ii[half], jj[half]], 1).astype(np.int32)
+        self._index[nodes[:, 0], nodes[:, 1]] = np.arange(len(nodes), dtype=np.int32)
+        return nodes
+
+    def _gains(
+        self,
+        nodes: NDArray[np.int32],
+        known: SemanticMap,
+        places: Places,
+        expected: Expectation,
+        closed: NDArray[np.int64],
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Mass that looking, and that opening, would show: two arrays (n, 4, 3)."""
+        space = np.zeros((len(nodes), 4))
+        kernels.space_gain(
+            nodes, known.explored, known.height, known.near, self.stale, HALF, self.costs.space_cells, self.reach_m,
+            expected.unknown_per_m2, expected.near_per_m2, space,
+        )  # fmt: skip
+        looks = space[:, :, None] * np.array([0.95, 1.0, 0.6])
+        opens = np.zeros_like(looks)
+        weight = self.weights(places, expected, closed)
+        worth = weight > 1e-9
+        xyz = np.ascontiguousarray(places.xyz[worth])
+        kernels.place_gain(self._index, 1, xyz, weight[worth], self.reach_m, CAMERA_M, known.height, HALF, looks)
+        if len(closed):
+            inside = expected.mass[closed, INSIDE]
+            kernels.open_gain(self._index, known.box[closed], inside, OPEN_REACH_M, CAMERA_M, known.height, HALF, opens)
+        return looks, opens
+
+    def weights(self, places: Places, expected: Expectation, closed: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Mass of every place that looking alone can show (not what is behind closed doors), (n,)."""
+        weight = places.weights(expected.mass)
+        if len(closed):
+            shut = np.zeros(len(expected.mass), bool)
+            shut[closed] = True
+            weight[shut[places.track] & (places.relation == INSIDE)] = 0.0
+        return weight
+
+    def disappoint(
+        self, known: SemanticMap, places: Places, expected: Expectation, closed: NDArray[np.int64], factor: float = 0.3
+    ) -> None:
+        """After looking from here: believe less in what this view was expected to show and did not."""
+        view = known.view
+        x, y = view.xy
+        kernels.fade_space(
+            view.i, view.j, view.heading, known.explored, known.height, known.near, self.stale,
+            self.costs.space_cells, self.reach_m, factor,
+        )  # fmt: skip
+        if view.pitch_deg not in kernels.PITCHES_DEG or not len(places.xyz):
+            return
+        pitch = kernels.PITCHES_DEG.index(view.pitch_deg)
+        weight = self.weights(places, expected, closed)
+        kernels.fade_places(
+            x, y, view.heading, pitch, places.xyz, weight, self.reach_m, CAMERA_M, known.height, HALF, places.unseen,
+            factor,
+        )  # fmt: skip
