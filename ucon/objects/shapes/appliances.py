@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 from ucon.objects.kit import BLACK, DARK, GREY, RED, SILVER, WHITE, YELLOW, Kit, shade, shape
 from ucon.objects.model import Material
 from ucon.objects.shapes.cabinets import hang_below
@@ -29,7 +31,7 @@ def fridge(k: Kit) -> None:
     k.space((x0, edge), iy, (iz[0], split - wall / 2), opened_by=(lower,))
     low, high = split + wall / 2, iz[1]
     levels = [low, low + (high - low) * 0.36, low + (high - low) * 0.68, high]
-    for i, (bottom, top) in enumerate(zip(levels, levels[1:], strict=False)):
+    for i, (bottom, top) in enumerate(pairwise(levels)):
         if i:
             k.box((x0, edge - 0.06), iy, (bottom - 0.012, bottom), (200, 222, 228), Material.GLASS)
         k.space((x0, edge - 0.06 * (i > 0)), iy, (bottom, top - 0.012), opened_by=(upper,))
