@@ -1,0 +1,6 @@
+"""Placement: the four relations, settled by PyBullet and proven by predicates; anchors that a home lacks."""
+
+from ucon.sim.placement.place import place, with_object
+from ucon.sim.placement.reasons import REASONS, Reason, RefusedError
+
+__all__ = ["REASONS", "Reason", "RefusedError", "place", "with_object"]

@@ -1,0 +1,66 @@
+"""Inside: slots on the floor of the anchor's compartments, turned or laid so that the object fits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ucon.sim.placement.common import Request, alternate, depth_penalty, ordered
+from ucon.sim.placement.reasons import RefusedError
+from ucon.sim.placement.slots import Pose, Slot, centres_in, is_long, poses
+from ucon.sim.placement.surroundings import COMPARTMENT
+from ucon.sim.shapes import Array
+
+AIR_M = 0.004
+"""Free height kept above an object in a closed compartment."""
+PROTRUDING_SHARE = 0.6
+"""An open compartment (basket, bowl, shelf) must hold at least this share of the object's height."""
+_PER_SPACE = 6
+_WALL_M = 0.002
+
+
+def candidates(request: Request) -> Iterator[Slot]:
+    """Slots inside the anchor, ordered.
+
+    Raises:
+        RefusedError: it has no compartment, or the object fits into none of them.
+    """
+    scene = request.scene
+    rows = scene.levels_of(request.anchor, COMPARTMENT)
+    if not len(rows):
+        raise RefusedError("not_a_container", f"{request.anchor_name} has no space inside")
+    stages: list[list[tuple[Array, Pose]]] = [[], []]
+    for row in rows:
+        level, open_top = scene.levels.box[row], not scene.levels.hides[row]
+        for pose in poses(request.shape, lay=True):
+            if _fits(level, pose, open_top):
+                stages[_awkward(request, pose)].append((level, pose))
+    if not any(stages):
+        raise RefusedError("too_large", f"{request.category} does not fit into {request.anchor_name}")
+    return _slots(request, stages)
+
+
+def _fits(level: Array, pose: Pose, open_top: bool) -> bool:
+    room = level[3:] - level[:3]
+    height = pose.extent[2] * PROTRUDING_SHARE if open_top else pose.extent[2] + AIR_M
+    return bool((pose.extent[:2] <= room[:2] - 2 * _WALL_M).all() and height <= room[2])
+
+
+def _awkward(request: Request, pose: Pose) -> int:
+    """1 where an object lies on its side although it could as well stand."""
+    upright = pose.turn[2, 2] > 0.5
+    return int(not upright and not is_long(request.shape.extent))
+
+
+def _slots(request: Request, stages: list[list[tuple[Array, Pose]]]) -> Iterator[Slot]:
+    for stage in stages:
+        shuffled = [stage[k] for k in request.rng.permutation(len(stage))]
+        yield from alternate([_in_space(request, level, pose) for level, pose in shuffled])
+
+
+def _in_space(request: Request, level: Array, pose: Pose) -> Iterator[Slot]:
+    rect = level[[0, 1, 3, 4]] + np.array([_WALL_M, _WALL_M, -_WALL_M, -_WALL_M])
+    centres = centres_in(rect, pose.extent)
+    penalty = 2.0 * np.asarray(depth_penalty(request, centres, level[2]))
+    return ordered(request, centres, level[2], pose, penalty, keep=_PER_SPACE)

@@ -1,0 +1,202 @@
+"""Next to: on the level that the anchor stands on, else on what stands beside it, else on the floor.
+
+Two things are next to each other when their boxes overlap in height and are at most :func:`limit_m` apart seen from
+above. What hangs on a wall (mirror, picture, wall TV) has below it what people put "next to" it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.sim.house import STRUCTURE
+from ucon.sim.placement.common import Request, depth_penalty, ordered
+from ucon.sim.placement.reasons import RefusedError
+from ucon.sim.placement.slots import Pose, Slot, poses
+from ucon.sim.placement.surroundings import COMPARTMENT, FLOOR, Surroundings
+from ucon.sim.shapes import Array
+
+GAPS_M = (0.02, 0.05, 0.08)
+FAR_GAPS_M = (0.12, 0.18, 0.25)
+HANGING_M = 0.30
+"""Horizontal reach of "next to" and "under" for what hangs on a wall."""
+_SAME_LEVEL_M = 0.03
+_PER_STAGE = 10
+_DOORWAY_M = 0.5
+
+
+def limit_m(a: Array, b: Array) -> float:
+    """Largest gap between boxes (6,) of neighbours: a sixth of the sum of their mean edges, within 0.10 to 0.30 m."""
+    mean_edges = float((a[3:] - a[:3]).mean() + (b[3:] - b[:3]).mean())
+    return float(np.clip(mean_edges / 6, 0.10, 0.30))
+
+
+def gap_m(a: Array, b: Array) -> Array:
+    """Distance of boxes (..., 6) seen from above."""
+    delta = np.maximum(np.maximum(a[..., :2] - b[..., 3:5], b[..., :2] - a[..., 3:5]), 0.0)
+    return np.hypot(delta[..., 0], delta[..., 1])
+
+
+def is_hanging(scene: Surroundings, anchor: int) -> bool:
+    """Whether an instance hangs on a wall or ceiling, off the floor."""
+    return scene.mount(anchor) in ("wall", "ceiling") and scene.boxes[anchor][2] > 0.25
+
+
+def candidates(request: Request) -> Iterator[Slot]:
+    """Slots next to the anchor, ordered.
+
+    Raises:
+        RefusedError: nothing can be next to a floor or a ceiling.
+    """
+    if request.anchor_name == "walls":
+        return _along_walls(request)
+    if request.anchor_name in STRUCTURE:
+        raise RefusedError("implausible", f"nothing is next to {request.anchor_name}")
+    if is_hanging(request.scene, request.anchor) and not _stands_on_level(request):
+        return below_hanging(request, ceiling_m=float(request.anchor_box[5]) + 1.0)
+    return _beside(request)
+
+
+def below_hanging(request: Request, ceiling_m: float) -> Iterator[Slot]:
+    """Slots on the highest level below what hangs on a wall, then on lower ones, then on the floor."""
+    scene, box = request.scene, request.anchor_box
+    reach = box + np.array([-HANGING_M, -HANGING_M, 0, HANGING_M, HANGING_M, 0])
+    rows = [r for r in _rows_near(scene, reach) if scene.levels.box[r, 2] < min(box[5], ceiling_m)]
+    rows.sort(key=lambda r: (scene.levels.kind[r] == FLOOR, -scene.levels.box[r, 2]))
+    if request.row.mount == "floor":
+        rows = [r for r in rows if scene.levels.kind[r] == FLOOR]
+    for row in rows:
+        level = scene.levels.box[row]
+        for pose in poses(request.shape, lay=request.row.mount != "floor"):
+            if level[2] + pose.extent[2] > min(level[5], ceiling_m):
+                continue
+            centres = _lattice(reach[[0, 1, 3, 4]])
+            centres = centres[_on_level(level, centres, pose)]
+            away = gap_m(_footprints(centres, pose), box)
+            yield from ordered(request, centres, level[2], pose, 3.0 * away, keep=_PER_STAGE)
+
+
+def _beside(request: Request) -> Iterator[Slot]:
+    scene, box = request.scene, request.anchor_box
+    reach = box + np.array([-0.4, -0.4, 0, 0.4, 0.4, 0])
+    near = [r for r in _rows_near(scene, reach) if scene.levels.owner[r] != request.anchor]
+    for stage in _stages(request, near):
+        for gaps in (GAPS_M, FAR_GAPS_M):
+            for pose in poses(request.shape, lay=request.row.mount != "floor"):
+                for row in stage:
+                    yield from _ring(request, row, pose, gaps)
+
+
+def _stages(request: Request, near: list[int]) -> list[list[int]]:
+    """Levels to try: the anchor's own, tops of its neighbours, the floor."""
+    levels, box = request.scene.levels, request.anchor_box
+    z, kind = levels.box[:, 2], levels.kind
+    same = [r for r in near if abs(z[r] - box[2]) <= _SAME_LEVEL_M and kind[r] != FLOOR]
+    tops = [r for r in near if box[2] + 0.3 <= z[r] <= box[5] + 0.05 and kind[r] != COMPARTMENT and kind[r] != FLOOR]
+    floor = [r for r in near if kind[r] == FLOOR]
+    if request.row.mount == "floor":
+        return [floor, same] if box[2] < 0.3 else [same]
+    if box[2] > 0.3:
+        return [same, tops]
+    return [same, tops, floor] if not _is_on_floor(request, same) else [tops, floor]
+
+
+def _is_on_floor(request: Request, same: list[int]) -> bool:
+    return not same
+
+
+def _stands_on_level(request: Request) -> bool:
+    levels, box = request.scene.levels, request.anchor_box
+    middle = (box[:2] + box[3:5]) / 2
+    inside = (levels.box[:, :2] <= middle).all(axis=1) & (middle <= levels.box[:, 3:5]).all(axis=1)
+    others = levels.owner != request.anchor
+    return bool((inside & others & (np.abs(levels.box[:, 2] - box[2]) <= _SAME_LEVEL_M)).any())
+
+
+def _ring(request: Request, row: int, pose: Pose, gaps: tuple[float, ...]) -> Iterator[Slot]:
+    """Slots around the anchor on one level, at the given gaps."""
+    scene, box = request.scene, request.anchor_box
+    level = scene.levels.box[row]
+    if pose.extent[2] > level[5] - level[2]:
+        return
+    centres = np.concatenate([_around(box, pose.extent, gap) for gap in gaps])
+    full = np.concatenate([np.zeros(2), [level[2]], pose.extent[:2], [level[2] + pose.extent[2]]])
+    near = gap_m(_footprints(centres, pose), box) <= limit_m(full, box)
+    centres = centres[near & _on_level(level, centres, pose)]
+    penalty = np.asarray(depth_penalty(request, centres, level[2]))
+    if scene.levels.kind[row] == FLOOR and len(centres):
+        penalty = np.asarray(penalty + 10.0 * _in_doorway(scene, centres, pose), np.float64)
+    yield from ordered(request, centres, level[2], pose, penalty, keep=_PER_STAGE)
+
+
+def _around(box: Array, extent: Array, gap: float) -> Array:
+    """Footprint centres (n, 2) all around a box at one gap, corners included."""
+    half = extent[:2] / 2
+    low, high = box[:2] - gap - half, box[3:5] + gap + half
+    xs = np.linspace(low[0], high[0], int(np.clip((high[0] - low[0]) / 0.06 + 1, 3, 30)))
+    ys = np.linspace(low[1], high[1], int(np.clip((high[1] - low[1]) / 0.06 + 1, 3, 30)))[1:-1]
+    sides = [np.stack([xs, np.full_like(xs, y)], 1) for y in (low[1], high[1])]
+    sides += [np.stack([np.full_like(ys, x), ys], 1) for x in (low[0], high[0])]
+    return np.concatenate(sides)
+
+
+def _along_walls(request: Request) -> Iterator[Slot]:
+    """Slots on the floor along the walls of the anchor's room."""
+    scene = request.scene
+    row = next(r for r in np.flatnonzero(scene.levels.kind == FLOOR) if scene.levels.number[r] == _room(request))
+    level = scene.levels.box[row]
+    for pose in poses(request.shape, lay=False):
+        half = pose.extent[:2] / 2 + 0.02
+        low, high = level[:2] + half, level[3:5] - half
+        if (high <= low).any():
+            continue
+        xs, ys = np.arange(low[0], high[0], 0.1), np.arange(low[1], high[1], 0.1)
+        sides = [np.stack([xs, np.full_like(xs, y)], 1) for y in (low[1], high[1])]
+        sides += [np.stack([np.full_like(ys, x), ys], 1) for x in (low[0], high[0])]
+        centres = np.concatenate(sides)
+        yield from ordered(
+            request, centres, 0.0, pose, _in_doorway(scene, centres, pose) * np.float64(10.0), keep=_PER_STAGE
+        )
+
+
+def _room(request: Request) -> int:
+    return (request.anchor - request.scene.house.n_items) // len(STRUCTURE)
+
+
+def _rows_near(scene: Surroundings, reach: Array) -> list[int]:
+    b = scene.levels.box
+    meets = (b[:, :2] < reach[3:5]).all(axis=1) & (b[:, 3:5] > reach[:2]).all(axis=1)
+    return [int(r) for r in np.flatnonzero(meets)]
+
+
+def _on_level(level: Array, centres: Array, pose: Pose) -> NDArray[np.bool_]:
+    """Whether footprints rest on a level: all of it, save a fifth at an edge."""
+    half = 0.3 * pose.extent[:2]
+    return np.asarray(np.all((centres - half >= level[:2]) & (centres + half <= level[3:5]), axis=1))
+
+
+def _footprints(centres: Array, pose: Pose) -> Array:
+    """Boxes (n, 6) of footprints, without height."""
+    half = np.append(pose.extent[:2] / 2, 0.0)
+    middle = np.concatenate([centres, np.zeros((len(centres), 1))], axis=1)
+    return np.concatenate([middle - half, middle + half], axis=1)
+
+
+def _lattice(rect: Array) -> Array:
+    axes = [np.linspace(rect[a], rect[2 + a], int(np.clip((rect[2 + a] - rect[a]) / 0.05 + 1, 3, 30))) for a in (0, 1)]
+    x, y = np.meshgrid(*axes, indexing="ij")
+    return np.stack([x.ravel(), y.ravel()], axis=1)
+
+
+def _in_doorway(scene: Surroundings, centres: Array, pose: Pose) -> NDArray[np.bool_]:
+    """Whether footprints (n, 2) stand in the way through an opening."""
+    found = np.zeros(len(centres), bool)
+    half = pose.extent[:2] / 2
+    for opening in scene.house.spec.openings:
+        across, along = centres[:, opening.axis], centres[:, 1 - opening.axis]
+        near = np.abs(across - opening.coord) < _DOORWAY_M + half[opening.axis]
+        reach = half[1 - opening.axis]
+        found |= near & (along + reach > opening.lo) & (along - reach < opening.hi)
+    return found

@@ -1,0 +1,67 @@
+"""On top: slots on the anchor's surfaces, or on the floor of a room."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ucon.sim.house import STRUCTURE
+from ucon.sim.placement.common import Request, alternate, depth_penalty, ordered
+from ucon.sim.placement.reasons import RefusedError
+from ucon.sim.placement.slots import Pose, Slot, centres_in, poses
+from ucon.sim.placement.surroundings import FLOOR, SURFACE
+from ucon.sim.shapes import Array
+
+OVERHANG = 0.3
+"""How much longer than the surface an object may be, as a share."""
+_PER_LEVEL = 8
+
+
+def candidates(request: Request) -> Iterator[Slot]:
+    """Slots on top of the anchor, ordered.
+
+    Raises:
+        RefusedError: it is no support, or the object is too large for all of its surfaces.
+    """
+    scene = request.scene
+    on_floor = request.anchor_name in STRUCTURE
+    if on_floor and request.anchor_name != "floors":
+        raise RefusedError("implausible", f"nothing stands on {request.anchor_name}")
+    rows = scene.levels_of(request.anchor, FLOOR if on_floor else SURFACE)
+    if not len(rows):
+        raise RefusedError("not_a_support", f"{request.anchor_name} has no level surface on top")
+    fitting = [(scene.levels.box[row], pose) for row in rows for pose in _fitting(request, scene.levels.box[row])]
+    if not fitting:
+        raise RefusedError("too_large", f"{request.category} is larger than the top of {request.anchor_name}")
+    return _slots(request, fitting, on_floor)
+
+
+def _fitting(request: Request, level: Array) -> list[Pose]:
+    lay = request.row.mount != "floor"
+    return [
+        pose
+        for pose in poses(request.shape, lay=lay)
+        if pose.extent[2] <= level[5] - level[2] + 1e-6
+        and (pose.extent[:2] <= (level[3:5] - level[:2]) * (1 + OVERHANG)).all()
+    ]
+
+
+def _slots(request: Request, fitting: list[tuple[Array, Pose]], on_floor: bool) -> Iterator[Slot]:
+    """Poses in their order of preference (pairs of quarter turns), levels mixed within each."""
+    stages: dict[float, list[tuple[Array, Pose]]] = {}
+    for level, pose in fitting:
+        stages.setdefault(round(float(pose.extent[2]), 6), []).append((level, pose))
+    for stage in stages.values():
+        shuffled = [stage[k] for k in request.rng.permutation(len(stage))]
+        yield from alternate([_on_level(request, level, pose, on_floor) for level, pose in shuffled])
+
+
+def _on_level(request: Request, level: Array, pose: Pose, on_floor: bool) -> Iterator[Slot]:
+    centres = centres_in(level[[0, 1, 3, 4]], pose.extent, OVERHANG)
+    penalty: Array | float = depth_penalty(request, centres, level[2])
+    if on_floor and len(centres):
+        # Along the walls, as people do: the middle of the floor is walked on.
+        edge = np.minimum(centres - level[:2], level[3:5] - centres).min(axis=1)
+        penalty = 2.0 * edge
+    return ordered(request, centres, level[2], pose, penalty, keep=_PER_LEVEL)

@@ -1,0 +1,119 @@
+"""``place``: from (category, relation, anchor) to a settled pose, or a reason why not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import islice
+
+import numpy as np
+
+from ucon.objects.catalogue import catalogue
+from ucon.objects.model import RELATIONS, Relation
+from ucon.sim.arrangement import Arrangement, PlacedObject
+from ucon.sim.house import House
+from ucon.sim.placement import inside, nextto, ontop, under
+from ucon.sim.placement.common import Request
+from ucon.sim.placement.floor import can_spare, nodes_taken
+from ucon.sim.placement.predicates import holds
+from ucon.sim.placement.reasons import Reason, RefusedError
+from ucon.sim.placement.settle import Settled, settle
+from ucon.sim.placement.slots import Slot
+from ucon.sim.placement.surroundings import Surroundings
+from ucon.sim.shapes import enclosing, object_box, primitive_boxes, quat_of_matrix, solid
+
+_SAMPLERS: dict[str, Callable[[Request], Iterator[Slot]]] = {
+    "ontop": ontop.candidates,
+    "inside": inside.candidates,
+    "under": under.candidates,
+    "nextto": nextto.candidates,
+}
+_MAX_SLOTS = 60
+_MAX_SETTLES = 12
+
+
+def place(
+    house: House,
+    arrangement: Arrangement,
+    category: str,
+    relation: Relation,
+    anchor: int,
+    rng: np.random.Generator,
+) -> PlacedObject:
+    """Put one object by an anchor and let it settle.
+
+    The result is the same for the same arguments and state of ``rng``. It is not yet part of the arrangement:
+    :func:`with_object` adds it.
+
+    Args:
+        house: The compiled home.
+        arrangement: What the episode has changed so far.
+        category: What to place, a name of the catalogue.
+        relation: One of ``ontop``, ``inside``, ``under``, ``nextto``.
+        anchor: Instance number, of the house or of an object in ``arrangement``.
+        rng: Source of all choices.
+
+    Raises:
+        RefusedError: a :class:`PlacementError` with a ``reason``.
+    """
+    scene = Surroundings(house, arrangement)
+    row = catalogue()[category]
+    if relation not in RELATIONS:
+        raise RefusedError("implausible", f"'{relation}' is no relation; expected one of {', '.join(RELATIONS)}")
+    if not scene.is_present(anchor):
+        raise RefusedError("absent_anchor", f"instance {anchor} is not in {house.spec.name}")
+    if row.mount == "structure":
+        raise RefusedError("implausible", f"{category} is part of a building and cannot be put anywhere")
+    request = Request(scene, category, solid(category), anchor, rng)
+    return _first(request, relation)
+
+
+def with_object(house: House, arrangement: Arrangement, placed: PlacedObject) -> Arrangement:
+    """The arrangement with one more object and the nodes that it takes from the grid."""
+    scene = Surroundings(house, arrangement)
+    taken = {(int(i), int(j)) for i, j in nodes_taken(scene, object_box(placed))}
+    blocked = tuple(sorted(taken | set(arrangement.blocked)))
+    return replace(arrangement, objects=(*arrangement.objects, placed), blocked=blocked)
+
+
+def _first(request: Request, relation: Relation) -> PlacedObject:
+    """The first slot at which the object settles and the relation holds."""
+    reason: Reason = "no_free_slot"
+    settles = 0
+    for slot in islice(_SAMPLERS[relation](request), _MAX_SLOTS):
+        if not can_spare(request.scene, nodes_taken(request.scene, slot.box)):
+            reason = "blocks_path"
+            continue
+        settles += 1
+        settled = settle(request.scene, request.shape, slot)
+        if settled is not None and _is_right(request, relation, settled):
+            return placed_object(request, relation, settled)
+        reason = "unstable"
+        if settles >= _MAX_SETTLES:
+            break
+    raise RefusedError(reason, f"no place found for {request.category} {relation} {request.anchor_name}")
+
+
+def _is_right(request: Request, relation: Relation, settled: Settled) -> bool:
+    box = enclosing(primitive_boxes(request.shape, settled.position, settled.turn))
+    scene = request.scene
+    return holds(scene, relation, request.anchor, box, settled.contacts) and can_spare(scene, nodes_taken(scene, box))
+
+
+def placed_object(request: Request, relation: Relation, settled: Settled) -> PlacedObject:
+    """The settled pose as plain data, with its room and what hides or carries it."""
+    scene = request.scene
+    box = enclosing(primitive_boxes(request.shape, settled.position, settled.turn))
+    centre = (box[:3] + box[3:]) / 2
+    holder, compartment = scene.holder_at(centre)
+    x, y, z = (float(v) for v in settled.position)
+    return PlacedObject(
+        category=request.category,
+        position=(x, y, z),
+        quat_xyzw=quat_of_matrix(settled.turn),
+        room=scene.room_at(float(centre[0]), float(centre[1]), scene.room_of(request.anchor)),
+        relation=relation,
+        anchor=request.anchor,
+        holder=holder,
+        compartment=compartment,
+    )

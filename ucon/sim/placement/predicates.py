@@ -1,0 +1,94 @@
+"""Whether a relation holds, judged on boxes and contacts that PyBullet reports.
+
+The samplers use them on the settled pose, tests on a live :class:`World` that holds the whole home.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+
+from ucon.objects.model import Relation
+from ucon.sim.house import STRUCTURE
+from ucon.sim.placement.inside import PROTRUDING_SHARE
+from ucon.sim.placement.nextto import HANGING_M, gap_m, is_hanging, limit_m
+from ucon.sim.placement.surroundings import COMPARTMENT, FLOOR, SURFACE, Surroundings, turned_box
+from ucon.sim.shapes import Array
+
+LEVEL_M = 0.02
+INSIDE_SHARE = 0.9
+_SLACK_M = 0.006
+_BESIDE_M = 0.05
+
+
+def holds(scene: Surroundings, relation: Relation, anchor: int, box: Array, contacts: Collection[int]) -> bool:
+    """Whether an object with box (6,) that touches ``contacts`` stands in a relation to an anchor."""
+    if relation == "ontop":
+        return is_ontop(scene, anchor, box, contacts)
+    if relation == "inside":
+        return is_inside(scene, anchor, box)
+    if relation == "under":
+        return is_under(scene, anchor, box)
+    return is_nextto(scene, anchor, box)
+
+
+def is_ontop(scene: Surroundings, anchor: int, box: Array, contacts: Collection[int]) -> bool:
+    """It touches the anchor, its bottom is at a surface's height and its middle above that surface.
+
+    On the floor a rug may lie between.
+    """
+    on_floor = scene.categories[anchor] in STRUCTURE
+    rows = scene.levels_of(anchor, FLOOR if on_floor else SURFACE)
+    middle = _middle(box)
+    levels = scene.levels.box[rows]
+    at_height = np.abs(levels[:, 2] - box[2]) <= (2 * LEVEL_M if on_floor else LEVEL_M)
+    above = ((levels[:, :2] <= middle + _SLACK_M) & (middle - _SLACK_M <= levels[:, 3:5])).all(axis=1)
+    return bool((at_height & above).any()) and (on_floor or anchor in contacts)
+
+
+def is_inside(scene: Surroundings, anchor: int, box: Array) -> bool:
+    """Its middle and at least 90 % of its box are in one compartment; 60 % where the compartment has no lid or door."""
+    volume = max(float(np.prod(box[3:] - box[:3])), 1e-12)
+    for row in scene.levels_of(anchor, COMPARTMENT):
+        space = scene.levels.box[row] + np.array([-_SLACK_M] * 3 + [_SLACK_M] * 3)
+        shared = float(np.prod(np.maximum(np.minimum(space[3:], box[3:]) - np.maximum(space[:3], box[:3]), 0.0)))
+        least = INSIDE_SHARE if scene.levels.hides[row] else PROTRUDING_SHARE
+        centre = (box[:3] + box[3:]) / 2
+        within = bool(((space[:3] <= centre) & (centre <= space[3:])).all())
+        if shared >= least * volume and within:
+            return True
+    return False
+
+
+def is_under(scene: Surroundings, anchor: int, box: Array) -> bool:
+    """The middle of its footprint is below the anchor and its top below the anchor's clearance."""
+    standing, middle = scene.standing[anchor], _middle(box)
+    for local in standing.shape.model.under:
+        space = turned_box(np.array(local), standing)
+        below = ((space[:2] - _SLACK_M <= middle) & (middle <= space[3:5] + _SLACK_M)).all()
+        if below and box[5] <= space[5] + _SLACK_M and box[2] >= space[2] - _SLACK_M:
+            return True
+    if standing.shape.model.under or not is_hanging(scene, anchor):
+        return False
+    own = scene.boxes[anchor]
+    near = ((own[:2] - HANGING_M <= middle) & (middle <= own[3:5] + HANGING_M)).all()
+    return bool(near) and bool(box[5] <= own[2] + _SLACK_M)
+
+
+def is_nextto(scene: Surroundings, anchor: int, box: Array) -> bool:
+    """Boxes overlap in height and are at most :func:`limit_m` apart; wall items are next to what is below them."""
+    if scene.categories[anchor] == "walls":
+        boxes = scene.parts.boxes[scene.parts.owner == anchor]
+        return bool(gap_m(boxes, box).min() <= 0.10)
+    own = scene.boxes[anchor]
+    gap = float(gap_m(own, box))
+    if is_hanging(scene, anchor):
+        return gap <= HANGING_M + 0.1 and bool(box[2] < own[5])
+    beside = bool(box[2] <= own[5] + _BESIDE_M and box[5] >= own[2] - _BESIDE_M)
+    overlapping = gap <= 0.0 and bool((np.minimum(own[3:], box[3:]) - np.maximum(own[:3], box[:3]) > 0.02).all())
+    return beside and gap <= limit_m(own, box) + _SLACK_M and not overlapping
+
+
+def _middle(box: Array) -> Array:
+    return (box[:2] + box[3:5]) / 2

@@ -1,0 +1,63 @@
+"""Under: slots on the floor below the anchor, nearest to where they can be seen; below wall items, what is there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ucon.sim.house import STRUCTURE
+from ucon.sim.placement.common import Request, depth_penalty, ordered
+from ucon.sim.placement.nextto import below_hanging, is_hanging
+from ucon.sim.placement.reasons import RefusedError
+from ucon.sim.placement.slots import Pose, Slot, centres_in, poses
+from ucon.sim.placement.surroundings import turned_box
+from ucon.sim.shapes import Array
+
+_SPILL = 0.5
+"""Share of the footprint that may show beyond the anchor's edge; the centre stays below it."""
+
+
+def candidates(request: Request) -> Iterator[Slot]:
+    """Slots under the anchor, ordered.
+
+    Raises:
+        RefusedError: there is no space under it, or the object is too tall for it.
+    """
+    scene, box = request.scene, request.anchor_box
+    if request.anchor_name in STRUCTURE:
+        raise RefusedError("implausible", f"nothing is under {request.anchor_name}")
+    spaces = under_spaces(request)
+    if spaces:
+        fitting = [(s, pose) for s in spaces for pose in poses(request.shape, lay=True) if _fits(s, pose)]
+        if not fitting:
+            raise RefusedError(
+                "too_large", f"{request.category} is too large for the space under {request.anchor_name}"
+            )
+        return _slots(request, fitting)
+    if is_hanging(scene, request.anchor):
+        return below_hanging(request, ceiling_m=float(box[2]))
+    raise RefusedError("no_room_under", f"there is no space under {request.anchor_name}")
+
+
+def under_spaces(request: Request) -> list[Array]:
+    """World boxes (6,) of the free spaces below the anchor."""
+    standing = request.scene.standing[request.anchor]
+    return [turned_box(np.array(space), standing) for space in standing.shape.model.under]
+
+
+def _fits(space: Array, pose: Pose) -> bool:
+    room = space[3:] - space[:3]
+    return bool(pose.extent[2] <= room[2] - 0.004 and (pose.extent[:2] * _SPILL <= room[:2]).all())
+
+
+def _slots(request: Request, fitting: list[tuple[Array, Pose]]) -> Iterator[Slot]:
+    for inner in (True, False):
+        for space, pose in fitting:
+            rect = space[[0, 1, 3, 4]]
+            if not inner:
+                spill = pose.extent[:2] * _SPILL
+                rect = rect + np.array([-spill[0], -spill[1], spill[0], spill[1]])
+            centres = centres_in(rect, pose.extent)
+            penalty = 3.0 * np.asarray(depth_penalty(request, centres, space[2]))
+            yield from ordered(request, centres, space[2], pose, penalty, keep=8)
