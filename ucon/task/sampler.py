@@ -20,7 +20,7 @@ from ucon.objects.model import Relation
 from ucon.sim.arrangement import Arrangement, PlacedObject
 from ucon.sim.cache import load_house
 from ucon.sim.house import House
-from ucon.sim.placement import import_anchor, importable, place
+from ucon.sim.placement import import_anchor, importable, place, with_object
 from ucon.sim.render import RasterRenderer
 from ucon.sim.state import SceneState
 from ucon.task.episode import Episode, Start
@@ -49,15 +49,24 @@ class Drawn:
 class _Draft:
     """An arrangement in the making."""
 
-    removed: tuple[int, ...]
-    objects: list[PlacedObject] = field(default_factory=list)
+    house: House
+    arrangement: Arrangement
     origins: list[tuple[str, int]] = field(default_factory=list)
-    blocked: tuple[tuple[int, int], ...] = ()
     failures: list[str] = field(default_factory=list)
 
     @property
-    def arrangement(self) -> Arrangement:
-        return Arrangement(self.removed, tuple(self.objects), self.blocked)
+    def objects(self) -> tuple[PlacedObject, ...]:
+        return self.arrangement.objects
+
+    def remove(self, instances: Iterable[int]) -> None:
+        """Take base items away."""
+        removed = tuple(sorted({*self.arrangement.removed, *instances}))
+        self.arrangement = replace(self.arrangement, removed=removed)
+
+    def add(self, placed: PlacedObject, origin: tuple[str, int]) -> None:
+        """Add an object, its pose rounded as it will be stored."""
+        self.arrangement = with_object(self.house, self.arrangement, _rounded(placed))
+        self.origins.append(origin)
 
 
 class EpisodeSampler:
@@ -148,7 +157,7 @@ class EpisodeSampler:
         """Place k categories in dependency order; what cannot be placed makes way for the next category."""
         waiting = list(order)
         chosen, waiting = waiting[: self.k], waiting[self.k :]
-        draft = _Draft(removed=_instances_of(house, chosen))
+        draft = _Draft(house, Arrangement(removed=_instances_of(house, chosen)))
         placed: list[str] = []
         queue = self._dependency_order(chosen, living, rng)
         while queue:
@@ -161,7 +170,7 @@ class EpisodeSampler:
             if other is not None:
                 waiting.remove(other)
                 chosen.append(other)
-                draft.removed = tuple(sorted({*draft.removed, *_instances_of(house, [other])}))
+                draft.remove(_instances_of(house, [other]))
                 queue += self._dependency_order([other], living, rng)
         return draft, placed
 
@@ -208,33 +217,24 @@ class EpisodeSampler:
         self, house: House, name: str, drawn: Drawn, draft: _Draft, chosen: set[str], rng: np.random.Generator
     ) -> None:
         """Place an object by an instance of its anchor, bringing the anchor in where the home lacks it."""
-        saved = (list(draft.objects), list(draft.origins), draft.blocked)
+        saved = (draft.arrangement, list(draft.origins))
         anchors = _anchor_instances(house, draft, drawn.anchor)
         if not anchors:
             if drawn.anchor in chosen or not importable(drawn.anchor):
                 raise PlacementError(f"no {drawn.anchor} in this arrangement")
-            brought = import_anchor(house, draft.arrangement, drawn.anchor, rng)
-            self._add(draft, *brought, ("", -1))
+            draft.add(import_anchor(house, draft.arrangement, drawn.anchor, rng), ("", -1))
             anchors = [house.n_instances + len(draft.objects) - 1]
         reason = ""
         for instance in rng.permutation(anchors)[:4]:
             try:
-                added = place(house, draft.arrangement, name, drawn.relation, int(instance), rng)
+                placed = place(house, draft.arrangement, name, drawn.relation, int(instance), rng)
             except PlacementError as error:
                 reason = str(error)
                 continue
-            self._add(draft, *added, (drawn.entry, drawn.index))
+            draft.add(placed, (drawn.entry, drawn.index))
             return
-        draft.objects, draft.origins, draft.blocked = saved
+        draft.arrangement, draft.origins = saved
         raise PlacementError(reason or "no instance of the anchor takes it")
-
-    @staticmethod
-    def _add(
-        draft: _Draft, placed: PlacedObject, blocked: tuple[tuple[int, int], ...], origin: tuple[str, int]
-    ) -> None:
-        draft.objects.append(placed)
-        draft.origins.append(origin)
-        draft.blocked = tuple(sorted({*draft.blocked, *blocked}))
 
     def _finish(
         self,
@@ -296,6 +296,12 @@ class EpisodeSampler:
         return None
 
 
+def _rounded(placed: PlacedObject) -> PlacedObject:
+    x, y, z = (round(v, 6) + 0.0 for v in placed.position)
+    a, b, c, d = (round(v, 6) + 0.0 for v in placed.quat_xyzw)
+    return replace(placed, position=(x, y, z), quat_xyzw=(a, b, c, d))
+
+
 def _instances_of(house: House, names: Iterable[str]) -> tuple[int, ...]:
     wanted = set(names)
     return tuple(k for k, item in enumerate(house.spec.items) if item.category in wanted)
@@ -309,7 +315,7 @@ def _replacement(house: House, waiting: Sequence[str], draft: _Draft) -> str | N
 
 
 def _anchor_instances(house: House, draft: _Draft, category: str) -> list[int]:
-    removed = set(draft.removed)
+    removed = set(draft.arrangement.removed)
     base = [k for k, name in enumerate(house.categories) if name == category and k not in removed]
     added = [house.n_instances + k for k, o in enumerate(draft.objects) if o.category == category]
     return base + added
