@@ -17,7 +17,7 @@ from ucon.objects.catalogue import catalogue
 from ucon.perception.approach import Approach
 from ucon.perception.places import INSIDE, Places, affordance, sight_range_m
 from ucon.perception.planner import Planner
-from ucon.perception.semantic_map import SemanticMap
+from ucon.perception.semantic_map import SemanticMap, frame_depth
 from ucon.perception.viewpoints import OPEN_REACH_M, Choice, Costs, Expectation, Viewpoints
 from ucon.task.actions import Action
 
@@ -71,7 +71,7 @@ class SearchController:
         self.places.unseen[self.places.unseen < 1e-3] = 0.0
         active &= self.places.unseen > 0.0
         reach = self.viewpoints.reach_m
-        known.look(observation["depth"], self.places.xyz, active, self.places.unseen, reach, self.MISS)
+        known.look(frame_depth(observation, info), self.places.xyz, active, self.places.unseen, reach, self.MISS)
 
     def _behind_doors(self) -> NDArray[np.bool_]:
         shut = np.zeros(max(self.map.n_tracks, 1), bool)

@@ -27,7 +27,13 @@ class ToyHome:
 
     def solids(self) -> list[Thing]:
         w, d, t = self.width, self.depth, 0.05
-        walls = [(-t, -t, w + t, t), (-t, d - t, w + t, d + t), (-t, -t, t, d + t), (w - t, -t, w + t, d + t), *self.walls]
+        walls = [
+            (-t, -t, w + t, t),
+            (-t, d - t, w + t, d + t),
+            (-t, -t, t, d + t),
+            (w - t, -t, w + t, d + t),
+            *self.walls,
+        ]
         out = [Thing("floors", (-t, -t, -0.1, w + t, d + t, 0.0)), Thing("ceilings", (-t, -t, 2.4, w + t, d + t, 2.5))]
         out += [Thing("walls", (a, b, 0.0, c, e, 2.4)) for a, b, c, e in walls]
         return out + self.things
@@ -36,7 +42,9 @@ class ToyHome:
 class ToyEnv:
     """Steps like ``UcON-v0``; things with ``container`` = index of another thing show only once that is opened."""
 
-    def __init__(self, home: ToyHome, target: str, start: tuple[int, int, int], *, nav: bool = True, size: int = 128) -> None:
+    def __init__(
+        self, home: ToyHome, target: str, start: tuple[int, int, int], *, nav: bool = True, size: int = 128
+    ) -> None:
         self.home, self.target, self.start, self.nav, self.size = home, target, start, nav, size
         self.things = home.solids()
         self.offset = len(self.things) - len(home.things)
@@ -106,7 +114,9 @@ class ToyEnv:
 
     def in_reach(self) -> bool:
         counts = np.bincount(self._instance.ravel() + 1, minlength=len(self.things) + 1)[1:]
-        return any(counts[k] >= 4 and self.gap(k) <= 1.0 for k, t in enumerate(self.things) if t.category == self.target)
+        return any(
+            counts[k] >= 4 and self.gap(k) <= 1.0 for k, t in enumerate(self.things) if t.category == self.target
+        )
 
     def _open(self) -> tuple[int, ...]:
         holders = {t.container + self.offset for t in self.home.things if t.container >= 0}

@@ -9,7 +9,7 @@ from ucon.perception.detections import MIN_PIXELS
 from ucon.perception.places import affordance
 from ucon.perception.planner import UNREACHED, Planner
 from ucon.perception.semantic_map import CAMERA_M, CELL_M, HALF, SemanticMap, View
-from ucon.perception.view_kernels import _sight
+from ucon.perception.view_kernels import sight
 
 NEAR_M = 1.0
 #: Content of a drawer shows where the drawer took it; its box stays where it was, farther back.
@@ -53,7 +53,7 @@ class Approach:
         best, best_cost = None, float(UNREACHED)
         for i, j in self._nodes(known, planner, track, reach):
             x, y = (i - HALF) * CELL_M, (j - HALF) * CELL_M
-            clear = _sight(x, y, CAMERA_M, center[0], center[1], center[2], known.height, HALF)
+            clear = sight(x, y, CAMERA_M, center[0], center[1], center[2], known.height, HALF)
             for view, depth in _facing(i, j, center - (x, y, CAMERA_M)):
                 cost = planner.cost(view) + (0 if clear else 6) + (0 if self._pixels(depth) >= 6 else 4)
                 cost += 40 * (view in self._failed)

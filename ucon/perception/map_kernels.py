@@ -1,13 +1,23 @@
 """Hot loops of the semantic map: depth to cells, boxes and explored space; what a frame shows of expected places.
 
-Cells are 0.25 m and centred on the nodes the agent can stand on: cell (i, j) holds x in [i - half ± 0.5] * 0.25.
-Frames: camera at ``cam_z`` metres, 90-degree-style pinhole with focal ``focal_px``, heading as exact cosine and sine.
+Cells are 0.25 m and centred on the nodes the agent can stand on: cell (i, j) holds x in (i - half ± 0.5) * 0.25.
+A camera is the float64 array (x, y, z, cos yaw, sin yaw, cos pitch, sin pitch, focal length in pixels).
 """
 
 from __future__ import annotations
 
+from typing import Any, TypeAlias
+
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
+
+F64: TypeAlias = NDArray[np.float64]
+F32: TypeAlias = NDArray[np.float32]
+I32: TypeAlias = NDArray[np.int32]
+I16: TypeAlias = NDArray[np.int16]
+U8: TypeAlias = NDArray[np.uint8]
+Flags: TypeAlias = NDArray[np.bool_]
 
 CELL_M = 0.25
 #: Obstacles closer than this to a node make it impassable (the robot's radius).
@@ -15,61 +25,67 @@ RADIUS_M = 0.18
 LOW_M, TALL_M = 0.05, 1.8
 #: Heights above this do not hide what is below a lintel or a top cabinet from the camera.
 LINTEL_M = 1.9
+FAR_M = 60.0
 FLOORS, WALLS, CEILINGS = 1, 2, 3
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def integrate(
-    depth, tracks, x, y, cam_z, c, s, cp, sp, focal_px, half,
-    height, near, floor, blocked, kind, frozen, box, track_near, track_pixels,
-):  # fmt: skip
+    depth: F32, tracks: I16, camera: F64, half: int, cells: Any, kind: U8, frozen: Flags, box: F64, closest: F32
+) -> None:
     """Put one frame into the cell maps and the boxes of its tracks.
 
-    depth (H, W) float32 metres along the optical axis; tracks (H, W) int16. Structure is read at every second pixel,
-    things at every pixel, because a thing may be four pixels small.
+    depth (H, W) metres along the optical axis; tracks (H, W); cells = (height, near, floor, blocked); kind, frozen,
+    closest (T,), box (T, 6). Structure is read at every second pixel, things at every one: a thing may be four pixels.
     """
     rows, columns = depth.shape
-    n_tracks, n_cells = kind.shape[0], height.shape[0]
+    x, y, cam_z, c, s, cp, sp, focal_px = camera
     for v in range(rows):
         up = (0.5 * rows - v - 0.5) / focal_px
         ahead, rise = cp - sp * up, sp + cp * up
         for u in range(columns):
-            t = tracks[v, u]
-            d = depth[v, u]
-            if t < 0 or t >= n_tracks or not (0.0 < d < 60.0):
+            t, d = tracks[v, u], depth[v, u]
+            if t < 0 or t >= kind.shape[0] or not (0.0 < d < FAR_M):
                 continue
-            k = kind[t]
-            if k != 0 and (u & 1 or v & 1):
+            if kind[t] != 0 and (u & 1 or v & 1):
                 continue
-            right = d * ((u + 0.5 - 0.5 * columns) / focal_px)
-            f = d * ahead
+            f, right = d * ahead, d * ((u + 0.5 - 0.5 * columns) / focal_px)
             px, py, pz = x + c * f + s * right, y + s * f - c * right, cam_z + d * rise
-            i, j = int(np.floor(px / CELL_M + 0.5)) + half, int(np.floor(py / CELL_M + 0.5)) + half
-            if i < 1 or j < 1 or i >= n_cells - 1 or j >= n_cells - 1:
-                continue
-            if d < near[i, j]:
-                near[i, j] = d
-            if k == 0:
-                track_pixels[t] += 1
-                if d < track_near[t]:
-                    track_near[t] = d
+            if kind[t] == 0:
+                closest[t] = min(closest[t], d)
                 if not frozen[t]:
-                    box[t, 0], box[t, 3] = min(box[t, 0], px), max(box[t, 3], px)
-                    box[t, 1], box[t, 4] = min(box[t, 1], py), max(box[t, 4], py)
-                    box[t, 2], box[t, 5] = min(box[t, 2], pz), max(box[t, 5], pz)
-            if k == CEILINGS:
-                continue
-            if pz < LOW_M:
-                floor[i, j] = 1
-                continue
-            if pz < LINTEL_M and pz > height[i, j]:
-                height[i, j] = pz
-            if pz < TALL_M and not frozen[t]:
-                _block(blocked, i, j, px - (i - half) * CELL_M, py - (j - half) * CELL_M)
+                    _widen(box[t], px, py, pz)
+            _mark(cells, half, px, py, pz, d, kind[t], frozen[t])
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _block(blocked, i, j, dx, dy):
+def _widen(box: F64, x: float, y: float, z: float) -> None:
+    box[0], box[3] = min(box[0], x), max(box[3], x)
+    box[1], box[4] = min(box[1], y), max(box[4], y)
+    box[2], box[5] = min(box[2], z), max(box[5], z)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _mark(cells: Any, half: int, x: float, y: float, z: float, d: float, kind: int, frozen: bool) -> None:
+    """Note one point in the cell maps."""
+    height, near, floor, blocked = cells
+    i, j = int(np.floor(x / CELL_M + 0.5)) + half, int(np.floor(y / CELL_M + 0.5)) + half
+    if i < 1 or j < 1 or i >= height.shape[0] - 1 or j >= height.shape[1] - 1:
+        return
+    near[i, j] = min(near[i, j], d)
+    if kind == CEILINGS:
+        return
+    if z < LOW_M:
+        floor[i, j] = 1
+        return
+    if z < LINTEL_M and z > height[i, j]:
+        height[i, j] = z
+    if z < TALL_M and not frozen:
+        _block(blocked, i, j, x - (i - half) * CELL_M, y - (j - half) * CELL_M)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _block(blocked: U8, i: int, j: int, dx: float, dy: float) -> None:
     """Mark the nodes around an obstacle point (dx, dy metres from node (i, j)) that it makes impassable."""
     for a in range(-1, 2):
         for b in range(-1, 2):
@@ -79,46 +95,51 @@ def _block(blocked, i, j, dx, dy):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def carve(depth, x, y, c, s, cp, sp, focal_px, half, explored, reach_m):
+def carve(depth: F32, camera: F64, half: int, explored: U8, reach_m: float) -> int:
     """Mark the cells that sight lines pass over as explored. Returns how many became so."""
     rows, columns = depth.shape
-    n_cells, fresh = explored.shape[0], 0
+    x, y, _, c, s, cp, sp, focal_px = camera
+    fresh = 0
     for v in range(4, rows, 8):
-        up = (0.5 * rows - v - 0.5) / focal_px
-        ahead = cp - sp * up
+        ahead = cp - sp * (0.5 * rows - v - 0.5) / focal_px
         for u in range(0, columns, 2):
-            d = depth[v, u]
+            d = min(depth[v, u], FAR_M)
             if not d > 0.0:
                 continue
-            d = min(d, 60.0)
             f, right = d * ahead, d * ((u + 0.5 - 0.5 * columns) / focal_px)
             hx, hy = c * f + s * right, s * f - c * right
             length = np.sqrt(hx * hx + hy * hy)
-            n = int(min(length - 0.02, reach_m) / 0.125)
-            if n <= 0:
-                continue
-            hx, hy = 0.125 * hx / length, 0.125 * hy / length
-            for k in range(n + 1):
-                i = int(np.floor((x + k * hx) / CELL_M + 0.5)) + half
-                j = int(np.floor((y + k * hy) / CELL_M + 0.5)) + half
-                if 0 <= i < n_cells and 0 <= j < n_cells and explored[i, j] == 0:
-                    explored[i, j] = 1
-                    fresh += 1
+            if length > 0.15:
+                step = 0.125 / length
+                fresh += _trace(explored, half, x, y, step * hx, step * hy, int(min(length - 0.02, reach_m) / 0.125))
+    return fresh
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _trace(explored: U8, half: int, x: float, y: float, dx: float, dy: float, n: int) -> int:
+    fresh = 0
+    for k in range(n + 1):
+        i = int(np.floor((x + k * dx) / CELL_M + 0.5)) + half
+        j = int(np.floor((y + k * dy) / CELL_M + 0.5)) + half
+        if 0 <= i < explored.shape[0] and 0 <= j < explored.shape[1] and explored[i, j] == 0:
+            explored[i, j] = 1
+            fresh += 1
     return fresh
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def look(depth, x, y, cam_z, c, s, cp, sp, focal_px, reach_m, place, active, unseen, miss):
+def look(depth: F32, camera: F64, reach_m: float, places: F64, active: Flags, unseen: F64, miss: float) -> int:
     """Lower ``unseen`` (n,) of the places (n, 3) that this frame shows from within ``reach_m``; returns the count.
 
     A place counts as shown where the ray through it ends at it or behind it (8 cm of grace).
     """
     rows, columns = depth.shape
+    x, y, cam_z, c, s, cp, sp, focal_px = camera
     shown = 0
-    for n in range(place.shape[0]):
+    for n in range(places.shape[0]):
         if not active[n]:
             continue
-        dx, dy, dz = place[n, 0] - x, place[n, 1] - y, place[n, 2] - cam_z
+        dx, dy, dz = places[n, 0] - x, places[n, 1] - y, places[n, 2] - cam_z
         flat, right = c * dx + s * dy, s * dx - c * dy
         optical, up = cp * flat + sp * dz, cp * dz - sp * flat
         if optical <= 0.15 or optical > reach_m:

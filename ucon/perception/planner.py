@@ -7,7 +7,7 @@ come from the map. Blocked moves are marked in the map and disappear from the ne
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numba import njit
@@ -16,13 +16,17 @@ from numpy.typing import NDArray
 from ucon.perception.semantic_map import HALF, SIZE, SemanticMap, View
 from ucon.task.actions import Action
 
+I32: TypeAlias = NDArray[np.int32]
+
 UNREACHED = 1 << 29
 _TURN = {0: (), 1: (Action.ROTATE_LEFT,), 2: (Action.ROTATE_LEFT, Action.ROTATE_LEFT), 3: (Action.ROTATE_RIGHT,)}
 _PRIMITIVES = (Action.MOVE_AHEAD, Action.ROTATE_LEFT, Action.ROTATE_RIGHT)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _search(free, i, j, heading, steps, moves, came, queue):
+def _search(
+    free: NDArray[np.bool_], i: int, j: int, heading: int, steps: I32, moves: I32, came: NDArray[np.int8], queue: I32
+) -> int:
     """Fill steps, moves (i, j, heading) int32 and came (0 move, 1 left, 2 right) from one pose; returns states."""
     n = free.shape[0]
     di, dj = (1, 0, -1, 0), (0, 1, 0, -1)

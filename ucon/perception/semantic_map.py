@@ -75,7 +75,6 @@ class SemanticMap:
             "pixels": np.zeros(capacity, np.int32),
             "closest": np.full(capacity, 1e3, np.float32),
             "last_seen": np.full(capacity, -1, np.int32),
-            "_total": np.zeros(capacity, np.int64),
         }
         for name, array in blank.items():
             if old:
@@ -88,7 +87,6 @@ class SemanticMap:
     pixels: NDArray[np.int32]
     closest: NDArray[np.float32]
     last_seen: NDArray[np.int32]
-    _total: NDArray[np.int64]
 
     @property
     def n_tracks(self) -> int:
@@ -112,7 +110,7 @@ class SemanticMap:
         for track in info.get("opened", ()):
             if 0 <= int(track) < self.n_tracks:
                 self.opened[int(track)] = True
-        depth = observation["depth"].reshape(observation["depth"].shape[:2])
+        depth = frame_depth(observation, info)
         self._integrate(view, depth, detections.image)
 
     def _register(self, detections: Detections) -> None:
@@ -136,16 +134,13 @@ class SemanticMap:
             self.last_seen[track] = self.step
 
     def _integrate(self, view: View, depth: NDArray[np.float32], image: NDArray[np.int16]) -> None:
-        x, y = view.xy
-        c, s = HEADING_COS[view.heading], HEADING_SIN[view.heading]
-        cp, sp = _PITCH[view.pitch_deg]
-        focal_px = 0.5 * depth.shape[1]
         n = self.n_tracks
+        cells = (self.height, self.near, self.floor, self.blocked)
+        camera = _camera(view, depth)
         kernels.integrate(
-            depth, image, x, y, CAMERA_M, c, s, cp, sp, focal_px, HALF, self.height, self.near, self.floor,
-            self.blocked, self.kind[:n], self.opened[:n], self.box[:n], self.closest[:n], self._total[:n],
-        )  # fmt: skip
-        self.fresh = kernels.carve(depth, x, y, c, s, cp, sp, focal_px, HALF, self.explored, CARVE_M)
+            depth, image, camera, HALF, cells, self.kind[:n], self.opened[:n], self.box[:n], self.closest[:n]
+        )
+        self.fresh = int(kernels.carve(depth, camera, HALF, self.explored, CARVE_M))
         self.visited[view.i, view.j] = 1
         self.explored[view.i, view.j] = 1
 
@@ -164,14 +159,8 @@ class SemanticMap:
         miss: float,
     ) -> int:
         """Lower ``unseen`` of the ``places`` (n, 3) which the newest frame shows from within ``reach_m``."""
-        view = self.view
-        x, y = view.xy
-        cp, sp = _PITCH[view.pitch_deg]
-        c, s = HEADING_COS[view.heading], HEADING_SIN[view.heading]
         flat = depth.reshape(depth.shape[:2])
-        return int(
-            kernels.look(flat, x, y, CAMERA_M, c, s, cp, sp, 0.5 * flat.shape[1], reach_m, places, active, unseen, miss)
-        )
+        return int(kernels.look(flat, _camera(self.view, flat), reach_m, places, active, unseen, miss))
 
     def seen(self, track: int) -> bool:
         """Whether any pixel of a track has been placed in space."""
@@ -197,6 +186,19 @@ class SemanticMap:
             max(1, int(columns[0]) - margin),
             min(SIZE - 1, int(columns[-1]) + margin + 1),
         )
+
+
+def frame_depth(observation: Mapping[str, Any], info: Mapping[str, Any]) -> NDArray[np.float32]:
+    """Depth image (H, W) of an observation; symbolic environments put it into ``info``."""
+    depth: NDArray[np.float32] = observation["depth"] if "depth" in observation else info["depth"]
+    return depth.reshape(depth.shape[:2])
+
+
+def _camera(view: View, depth: NDArray[np.float32]) -> NDArray[np.float64]:
+    """The kernels' camera of a view; pixels are square and the image is 90 degrees wide."""
+    x, y = view.xy
+    c, s = HEADING_COS[view.heading], HEADING_SIN[view.heading]
+    return np.array([x, y, CAMERA_M, c, s, *_PITCH[view.pitch_deg], 0.5 * depth.shape[1]])
 
 
 def view_of_pose(pose: NDArray[np.floating[Any]]) -> View:

@@ -6,20 +6,24 @@ blocked where something seen stands higher than the line, except within 0.36 m o
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numba import njit
 
-from ucon.perception.map_kernels import CELL_M
+from ucon.perception.map_kernels import CELL_M, F32, F64, I32
 
 PITCHES_DEG = (-30, 0, 30)
 OPAQUE_M = 1.2
 RAYS = 64
 #: Unexplored space counts less the deeper it lies behind the last explored cell of a ray.
 DEPTH_SCALE_M = 2.0
+DEPTH_LIMIT_M = 3.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _sight(x, y, cam_z, px, py, pz, height, half):
+def sight(x: float, y: float, cam_z: float, px: float, py: float, pz: float, height: F32, half: int) -> bool:
+    """Whether nothing known stands between a camera and a point."""
     dx, dy = px - x, py - y
     length = np.sqrt(dx * dx + dy * dy)
     n = int((length - 0.36) / 0.2)
@@ -32,64 +36,70 @@ def _sight(x, y, cam_z, px, py, pz, height, half):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def space_gain(nodes, explored, height, near, stale, half, reach_cells, near_m, unknown_w, near_w, out):
+def space_gain(
+    nodes: I32, cells: Any, half: int, reach: tuple[int, float], weight: tuple[float, float], out: F64
+) -> None:
     """Add to out (n, 4) the weighted square metres that each heading at each node would newly show.
 
-    Unexplored cells count ``unknown_w`` times their ``stale`` factor; explored ones not yet seen from within
-    ``near_m`` count ``near_w``.
+    cells = (explored, height, near, stale); reach = (cells, metres): how far unexplored space counts, and how near
+    explored space must have been seen; weight of a square metre of either. ``stale`` multiplies both.
     """
     for n in range(nodes.shape[0]):
         for ray in range(RAYS):
             angle = 2.0 * np.pi * (ray + 0.5) / RAYS
-            out[n, int(((ray + RAYS // 8) % RAYS) / (RAYS // 4))] += _ray_gain(
-                nodes[n, 0], nodes[n, 1], np.cos(angle), np.sin(angle), explored, height, near, stale, reach_cells,
-                near_m, unknown_w, near_w, 1.0,
-            )  # fmt: skip
+            heading = ((ray + RAYS // 8) % RAYS) // (RAYS // 4)
+            out[n, heading] += _ray(nodes[n, 0], nodes[n, 1], np.cos(angle), np.sin(angle), cells, reach, weight, 1.0)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def fade_space(i, j, heading, explored, height, near, stale, reach_cells, near_m, factor):
+def fade_space(i: int, j: int, heading: int, cells: Any, reach: tuple[int, float], factor: float) -> None:
     """Multiply ``stale`` by ``factor`` where a view from here expected to see new space (and evidently cannot)."""
     for k in range(-RAYS // 8, RAYS // 8):
         angle = 2.0 * np.pi * (k + 0.5) / RAYS + 0.5 * np.pi * heading
-        _ray_gain(
-            i, j, np.cos(angle), np.sin(angle), explored, height, near, stale, reach_cells, near_m, 1.0, 1.0, factor
-        )
+        _ray(i, j, np.cos(angle), np.sin(angle), cells, reach, (1.0, 1.0), factor)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _ray_gain(
-    i0, j0, dx, dy, explored, height, near, stale, reach_cells, near_m, unknown_w, near_w, factor
-):  # fmt: skip
+def _ray(
+    i0: int,
+    j0: int,
+    dx: float,
+    dy: float,
+    cells: Any,
+    reach: tuple[int, float],
+    weight: tuple[float, float],
+    factor: float,
+) -> float:
+    """Weighted square metres of one ray's share of the circle; multiplies ``stale`` on its way."""
+    explored, height, near, stale = cells
     gain, depth_m = 0.0, 0.0
-    n_cells = explored.shape[0]
     li, lj = i0, j0
-    for k in range(1, reach_cells + 1):
+    for k in range(1, reach[0] + 1):
         i, j = i0 + int(np.floor(k * dx + 0.5)), j0 + int(np.floor(k * dy + 0.5))
-        if i < 1 or j < 1 or i >= n_cells - 1 or j >= n_cells - 1:
+        if i < 1 or j < 1 or i >= explored.shape[0] - 1 or j >= explored.shape[1] - 1:
             break
         if i == li and j == lj:
             continue
         li, lj = i, j
         r = k * CELL_M
-        area = r * (2.0 * np.pi / RAYS) * CELL_M
+        area = r * (2.0 * np.pi / RAYS) * CELL_M * stale[i, j]
         tall = height[i, j] >= OPAQUE_M
         if explored[i, j] == 0 and not tall:
-            gain += unknown_w * area * stale[i, j] * np.exp(-depth_m / DEPTH_SCALE_M)
+            gain += weight[0] * area * np.exp(-depth_m / DEPTH_SCALE_M)
             depth_m += CELL_M
             stale[i, j] *= factor
-            if depth_m > 3.0:
-                break
-        elif r <= near_m and near[i, j] > near_m + 0.25:
-            gain += near_w * area * stale[i, j]
+        elif r <= reach[1] and near[i, j] > reach[1] + 0.25:
+            gain += weight[1] * area
             stale[i, j] *= factor
-        if tall:
+        if tall or depth_m > DEPTH_LIMIT_M:
             break
     return gain
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def place_gain(index, spacing, place, weight, reach_m, cam_z, height, half, out):
+def place_gain(
+    index: I32, place: F64, weight: F64, reach_m: float, cam_z: float, height: F32, half: int, out: F64
+) -> None:
     """Add to out (n, 4, 3) the weight of the places (m, 3) that each view would show from within ``reach_m``.
 
     ``index`` (cells) int32 gives the row of a node in ``out``, -1 where no view is considered.
@@ -108,13 +118,13 @@ def place_gain(index, spacing, place, weight, reach_m, cam_z, height, half, out)
                     continue
                 x, y = (i - half) * CELL_M, (j - half) * CELL_M
                 dx, dy, dz = px - x, py - y, pz - cam_z
-                if dx * dx + dy * dy > reach_m * reach_m or not _sight(x, y, cam_z, px, py, pz, height, half):
+                if dx * dx + dy * dy > reach_m * reach_m or not sight(x, y, cam_z, px, py, pz, height, half):
                     continue
                 _share(dx, dy, dz, w, reach_m, out[n])
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _share(dx, dy, dz, w, reach_m, out):
+def _share(dx: float, dy: float, dz: float, w: float, reach_m: float, out: F64) -> None:
     """Add ``w`` to every view (4, 3) whose frustum holds a point at (dx, dy, dz) from the camera."""
     for heading in range(4):
         if heading == 0:
@@ -133,14 +143,17 @@ def _share(dx, dy, dz, w, reach_m, out):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def fade_places(x, y, heading, pitch, place, weight, reach_m, cam_z, height, half, unseen, factor):
+def fade_places(
+    x: float, y: float, cam_z: float, heading: int, pitch: int, place: F64, weight: F64, reach_m: float, height: F32,
+    half: int, unseen: F64, factor: float,
+) -> None:  # fmt: skip
     """Multiply ``unseen`` by ``factor`` for the places that a view expected to show (and evidently does not)."""
     view = np.zeros((4, 3))
     for m in range(place.shape[0]):
         if weight[m] <= 0.0:
             continue
         px, py, pz = place[m]
-        if not _sight(x, y, cam_z, px, py, pz, height, half):
+        if not sight(x, y, cam_z, px, py, pz, height, half):
             continue
         view[:] = 0.0
         _share(px - x, py - y, pz - cam_z, 1.0, reach_m, view)
@@ -149,7 +162,9 @@ def fade_places(x, y, heading, pitch, place, weight, reach_m, cam_z, height, hal
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def open_gain(index, boxes, weight, reach_m, cam_z, height, half, out):
+def open_gain(
+    index: I32, boxes: F64, weight: F64, reach_m: float, cam_z: float, height: F32, half: int, out: F64
+) -> None:
     """Add to out (n, 4, 3) the weight of the closed containers (m, 6) that Open would open from each view."""
     span = int(reach_m / CELL_M) + 1
     for m in range(boxes.shape[0]):
@@ -170,5 +185,5 @@ def open_gain(index, boxes, weight, reach_m, cam_z, height, half, out):
                     continue
                 px, py = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
                 pz = min(max(cam_z - 0.2, z0), z1)
-                if _sight(x, y, cam_z, px, py, pz, height, half):
+                if sight(x, y, cam_z, px, py, pz, height, half):
                     _share(px - x, py - y, pz - cam_z, w, 4.0, out[n])

@@ -124,16 +124,15 @@ class Viewpoints:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Mass that looking, and that opening, would show: two arrays (n, 4, 3)."""
         space = np.zeros((len(nodes), 4))
-        kernels.space_gain(
-            nodes, known.explored, known.height, known.near, self.stale, HALF, self.costs.space_cells, self.reach_m,
-            expected.unknown_per_m2, expected.near_per_m2, space,
-        )  # fmt: skip
+        cells = (known.explored, known.height, known.near, self.stale)
+        reach = (self.costs.space_cells, self.reach_m)
+        kernels.space_gain(nodes, cells, HALF, reach, (expected.unknown_per_m2, expected.near_per_m2), space)
         looks = space[:, :, None] * np.array([0.95, 1.0, 0.6])
         opens = np.zeros_like(looks)
         weight = self.weights(places, expected, closed)
         worth = weight > 1e-9
         xyz = np.ascontiguousarray(places.xyz[worth])
-        kernels.place_gain(self._index, 1, xyz, weight[worth], self.reach_m, CAMERA_M, known.height, HALF, looks)
+        kernels.place_gain(self._index, xyz, weight[worth], self.reach_m, CAMERA_M, known.height, HALF, looks)
         if len(closed):
             inside = expected.mass[closed, INSIDE]
             kernels.open_gain(self._index, known.box[closed], inside, OPEN_REACH_M, CAMERA_M, known.height, HALF, opens)
@@ -154,15 +153,13 @@ class Viewpoints:
         """After looking from here: believe less in what this view was expected to show and did not."""
         view = known.view
         x, y = view.xy
-        kernels.fade_space(
-            view.i, view.j, view.heading, known.explored, known.height, known.near, self.stale,
-            self.costs.space_cells, self.reach_m, factor,
-        )  # fmt: skip
+        cells = (known.explored, known.height, known.near, self.stale)
+        kernels.fade_space(view.i, view.j, view.heading, cells, (self.costs.space_cells, self.reach_m), factor)
         if view.pitch_deg not in kernels.PITCHES_DEG or not len(places.xyz):
             return
         pitch = kernels.PITCHES_DEG.index(view.pitch_deg)
         weight = self.weights(places, expected, closed)
         kernels.fade_places(
-            x, y, view.heading, pitch, places.xyz, weight, self.reach_m, CAMERA_M, known.height, HALF, places.unseen,
+            x, y, CAMERA_M, view.heading, pitch, places.xyz, weight, self.reach_m, known.height, HALF, places.unseen,
             factor,
         )  # fmt: skip

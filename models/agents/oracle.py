@@ -1,0 +1,33 @@
+"""``oracle``: replays the stored shortest solution; it shows what the episode sets allow."""
+
+from __future__ import annotations
+
+from models.agents.base import Controller, ControllerAgent, Info, Observation
+from ucon.core.errors import ConfigError
+from ucon.task.actions import Action
+
+
+class _Replay:
+    def __init__(self, solution: str) -> None:
+        self._actions = [int(digit) for digit in solution]
+        self._next = 0
+
+    def act(self, observation: Observation, info: Info) -> int:
+        self._next += 1
+        return self._actions[self._next - 1] if self._next <= len(self._actions) else int(Action.DONE)
+
+
+class OracleAgent(ControllerAgent):
+    """Knows map and target: an upper bound, not a competitor."""
+
+    name = "oracle"
+    needs_privileged = True
+
+    def start(self, info: Info) -> Controller:
+        """See :class:`models.agents.base.ControllerAgent`."""
+        try:
+            return _Replay(str(info["privileged"]["solution"]))
+        except KeyError:
+            raise ConfigError(
+                "agent oracle needs the stored solution: make the environment with privileged=True"
+            ) from None

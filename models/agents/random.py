@@ -1,0 +1,33 @@
+"""``random``: the floor of every comparison."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from models.agents.base import Controller, ControllerAgent, Info, Observation
+from ucon.core.rng import stream
+from ucon.task.actions import Action
+
+
+class _Dice:
+    def __init__(self, generator: np.random.Generator, done: float) -> None:
+        rest = len(Action) - 1
+        self._generator = generator
+        self._chances = np.array([(1.0 - done) / rest] * rest + [done])
+
+    def act(self, observation: Observation, info: Info) -> int:
+        return int(self._generator.choice(len(Action), p=self._chances))
+
+
+class RandomAgent(ControllerAgent):
+    """Draws among the seven actions; an episode's draws depend on the seed and the episode only."""
+
+    name = "random"
+
+    def __init__(self, seed: int = 0, done_probability: float = 0.01) -> None:
+        super().__init__()
+        self._seed, self._done = seed, done_probability
+
+    def start(self, info: Info) -> Controller:
+        """See :class:`models.agents.base.ControllerAgent`."""
+        return _Dice(stream(self._seed, "random", str(info.get("episode", ""))), self._done)

@@ -1,0 +1,73 @@
+"""A picture of a semantic map from above: what the agent knows, where it went, what it opened."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.perception.semantic_map import CELL_M, HALF, SemanticMap, View
+
+Image = NDArray[np.uint8]
+
+_UNKNOWN, _FLOOR, _LOW, _TALL = (58, 62, 70), (238, 236, 230), (206, 188, 160), (134, 116, 98)
+_PATH, _AGENT, _OPENED, _TARGET = (64, 110, 190), (24, 60, 140), (226, 160, 60), (214, 60, 48)
+
+
+def draw_map(
+    known: SemanticMap, path: Sequence[View] | None = None, *, target: str = "", names: bool = False, cell_px: int = 8
+) -> Image:
+    """Draw explored space, furniture and path; x to the right, y up, cropped to what was explored.
+
+    Args:
+        known: the map. path: poses to draw, all of the map's by default.
+        target: things of this category are marked. names: write the names of large things.
+        cell_px: pixels of one 0.25 m cell.
+
+    Returns:
+        (H, W, 3) uint8.
+    """
+    i0, i1, j0, j1 = known.extent()
+    image = np.full((i1 - i0, j1 - j0, 3), _UNKNOWN, np.uint8)
+    window = (slice(i0, i1), slice(j0, j1))
+    image[known.explored[window] > 0] = _FLOOR
+    image[known.height[window] > 0.05] = _LOW
+    image[known.height[window] > 1.2] = _TALL
+    image = np.repeat(np.repeat(image.transpose(1, 0, 2)[::-1], cell_px, 0), cell_px, 1).copy()
+
+    def px(x: float, y: float) -> tuple[int, int]:
+        return (
+            round((x / CELL_M + HALF - i0 + 0.5) * cell_px),
+            round((j1 - j0 - (y / CELL_M + HALF - j0 + 0.5)) * cell_px),
+        )
+
+    for track in range(known.n_tracks):
+        if known.kind[track] or not known.seen(track):
+            continue
+        x0, y0, _, x1, y1, _ = known.box[track]
+        color = _OPENED if known.opened[track] else (100, 88, 76)
+        cv2.rectangle(image, px(x0, y1), px(x1, y0), color, -1 if known.opened[track] else 1)
+        if names and (x1 - x0) * (y1 - y0) > 0.15:
+            at = px(x0, (y0 + y1) / 2)
+            cv2.putText(
+                image, known.category[track][:14], at, cv2.FONT_HERSHEY_PLAIN, 0.7, (30, 30, 30), 1, cv2.LINE_AA
+            )
+        if known.category[track] == target:
+            cv2.drawMarker(image, px((x0 + x1) / 2, (y0 + y1) / 2), _TARGET, cv2.MARKER_TILTED_CROSS, 2 * cell_px, 3)
+    _draw_path(image, [px(*view.xy) for view in (known.views if path is None else path)], cell_px)
+    tip = known.view if path is None or not path else path[-1]
+    c, s = (1, 0, -1, 0)[tip.heading], (0, 1, 0, -1)[tip.heading]
+    cv2.circle(image, px(*tip.xy), max(3, cell_px * 2 // 3), _AGENT, -1, cv2.LINE_AA)
+    cv2.line(image, px(*tip.xy), px(tip.xy[0] + 0.5 * c, tip.xy[1] + 0.5 * s), _AGENT, 2, cv2.LINE_AA)
+    return image
+
+
+def _draw_path(image: Image, points: list[tuple[int, int]], cell_px: int) -> None:
+    """The path, darker as time goes on."""
+    for k, (a, b) in enumerate(itertools.pairwise(points)):
+        share = 0.35 + 0.65 * k / len(points)
+        color = tuple(round(share * p + (1 - share) * 255) for p in _PATH)
+        cv2.line(image, a, b, color, max(1, cell_px // 4), cv2.LINE_AA)
