@@ -57,7 +57,7 @@ def versions() -> dict[str, str]:
 
 
 def summary(played: Sequence[Played], hashes: dict[str, str], seconds: float) -> dict[str, Any]:
-    """Content of ``summary.json``. ``seconds`` is the wall time of this call; all else but versions is deterministic."""
+    """Content of ``summary.json``. ``seconds`` is the wall time of this call; what is measured is deterministic."""
     records = [p.record for p in played]
     return {
         "agent": records[0].agent,

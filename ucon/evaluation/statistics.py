@@ -102,7 +102,8 @@ def _groups(
     if len(clusters) != len(data):
         raise ConfigError(f"{len(clusters)} cluster names for {len(data)} values; expected one each")
     _, index = np.unique(np.asarray(clusters, str), return_inverse=True)
-    return np.bincount(index, weights=data), np.bincount(index).astype(np.float64)
+    sums: NDArray[np.float64] = np.bincount(index, weights=data).astype(np.float64)
+    return sums, np.bincount(index).astype(np.float64)
 
 
 def _bootstrap_means(

