@@ -1,6 +1,7 @@
 """Placement: the four relations, settled by PyBullet and proven by predicates; anchors that a home lacks."""
 
+from ucon.sim.placement.importing import import_anchor, importable
 from ucon.sim.placement.place import place, with_object
 from ucon.sim.placement.reasons import REASONS, Reason, RefusedError
 
-__all__ = ["REASONS", "Reason", "RefusedError", "place", "with_object"]
+__all__ = ["REASONS", "Reason", "RefusedError", "import_anchor", "importable", "place", "with_object"]
