@@ -1,0 +1,310 @@
+"""What hangs on walls and ceilings, what stands on furniture, and the frames of doors."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+
+import numpy as np
+
+from ucon.core.errors import ConfigError
+from ucon.core.rng import stream
+from ucon.objects.catalogue import catalogue
+from ucon.objects.model import Vec3
+from ucon.scenes import groups as g
+from ucon.scenes.canvas import Canvas, Group, Piece
+from ucon.scenes.spec import LINTEL_M, Item, Opening
+
+HANG_CLEAR_M = 0.30
+"""Nothing tall stands this close before a picture or window."""
+FRAME_DEPTH_M = 0.12
+HEIGHTS_M = {"picture": 1.35, "painting": 1.3, "poster": 1.2, "mirror": 1.0, "electric_switch": 1.1, "window": 0.9}
+LIGHTS = ("room_light", "chandelier", "downlight", "square_light")
+ON_TOP_OF: dict[str, tuple[str, ...]] = {
+    "table_lamp": (
+        "nightstand",
+        "bottom_cabinet",
+        "desk",
+        "console_table",
+        "drawer_unit",
+        "breakfast_table",
+        "coffee_table",
+        "shelf",
+    ),
+    "monitor": ("desk", "breakfast_table", "pedestal_table", "bottom_cabinet", "bar", "reception_desk", "countertop"),
+    "microwave": ("countertop", "bottom_cabinet", "breakfast_table", "console_table"),
+    "pillow": ("bed", "sofa", "armchair", "bench", "garden_chair"),
+    "laptop": ("desk", "breakfast_table", "coffee_table", "conference_table", "pedestal_table"),
+    "burner": ("countertop", "oven"),
+    "standing_tv": ("bottom_cabinet", "console_table", "desk", "breakfast_table", "coffee_table", "shelf"),
+    "loudspeaker": ("bottom_cabinet", "shelf", "console_table"),
+    "pot_plant": ("bottom_cabinet", "console_table", "coffee_table", "breakfast_table", "countertop"),
+}
+SHELVES = (
+    "shelf",
+    "wall_mounted_shelf",
+    "grocery_shelf",
+    "bottom_cabinet",
+    "desk",
+    "breakfast_table",
+    "countertop",
+    "console_table",
+)
+TABLEWARE = (
+    "breakfast_table",
+    "countertop",
+    "pedestal_table",
+    "coffee_table",
+    "bar",
+    "console_table",
+    "desk",
+    "conference_table",
+)
+GROUP_HOSTS = {
+    "tableware": TABLEWARE,
+    "cookware": ("countertop", "stove", "bottom_cabinet", "breakfast_table", "console_table"),
+    "food": TABLEWARE,
+    "stationery": ("desk", "shelf", "breakfast_table", "bottom_cabinet"),
+    "electronics_small": ("desk", "breakfast_table", "bottom_cabinet", "nightstand"),
+}
+ON_FLOOR = (
+    "cedar_chest",
+    "hamper",
+    "toolbox",
+    "guitar",
+    "toy_box",
+    "storage_box",
+    "wicker_basket",
+    "suitcase",
+    "gym_shoe",
+    "sandal",
+    "high_heel",
+    "toy_car",
+    "tennis_racket",
+    "shoulder_bag",
+)
+
+
+def door_frame(opening: Opening, room: int, tint: int) -> Item:
+    """The frame that stands in a doorway; its middle is free."""
+    middle = (opening.lo + opening.hi) / 2
+    x, y = (opening.coord, middle) if opening.axis == 0 else (middle, opening.coord)
+    size = (FRAME_DEPTH_M, opening.hi - opening.lo, min(LINTEL_M, opening.height_m))
+    return Item("door", size, (x, y, 0.0), 0 if opening.axis == 0 else 1, room, tint)
+
+
+class Fixer:
+    """Hangs fixtures and puts small things in one furnished room."""
+
+    def __init__(self, canvas: Canvas, exterior: list[tuple[int, float, float]], seed: int, name: str) -> None:
+        self.canvas, self.exterior, self.seed, self.name = canvas, exterior, seed, name
+        self.missing: Counter[str] = Counter()
+        self.used: dict[int, list[tuple[float, float, float, float]]] = {}
+        """Rectangles already taken on the tops of items, by item number and in its frame."""
+
+    def _noise(self, key: str, n: int, scale: float) -> np.ndarray:
+        return stream(self.seed, "fix", self.name, key).uniform(0.0, scale, n)
+
+    # -- walls ------------------------------------------------------------------------------------------------
+
+    def windows(self, n: int) -> None:
+        """Up to ``n`` windows, spread over the exterior walls."""
+        if self.canvas.wall_height_m < 2.3:
+            return
+        for k in range(n):
+            placed = any(self._window(k, size) for size in ((0.04, 1.3, 1.3), (0.04, 0.8, 1.3)))
+            if not placed:
+                self.missing["window"] += n - k
+                return
+
+    def _window(self, k: int, size: Vec3) -> bool:
+        group = self._hung("window", size, HEIGHTS_M["window"])
+        group.margin_m = 0.3
+        poses = self.canvas.wall_poses(group, (0, 1, 2, 3), 0.0)
+        if not len(poses):
+            return False
+        along = np.where(poses[:, 2] % 2 == 0, poses[:, 1], poses[:, 0])
+        keep = np.zeros(len(poses), bool)
+        cost = self._noise(f"window/{k}", len(poses), 0.2)
+        for wall, lo, hi in self.exterior:
+            rows = (poses[:, 2] == wall) & (along - size[1] / 2 >= lo + 0.1) & (along + size[1] / 2 <= hi - 0.1)
+            keep |= rows
+            taken = sum(1 for i in self.canvas.items if i.category == "window" and i.quarter_turns == wall)
+            cost[rows] += np.abs(along[rows] - (lo + hi) / 2) * 0.5 - 0.2 * (hi - lo) + 1.5 * taken
+        return self.canvas.try_place(group, poses[keep], cost[keep])
+
+    def _hung(self, category: str, size: Vec3, z: float, tint: int = 0) -> Group:
+        group = Group([Piece(category, size, size[0] / 2, 0.0, z, tint=tint)])
+        reach = size[0] + HANG_CLEAR_M
+        group.voids.append((0.0, -size[1] / 2, max(z, 0.3), reach, size[1] / 2, z + size[2]))
+        return group
+
+    def hang(self, category: str, n: int) -> None:
+        """Hang ``n`` items of a category on free wall."""
+        base = catalogue()[category]
+        size = g.size_of(category)
+        if category in ("wall_mounted_shelf", "top_cabinet"):
+            size = (size[0], min(size[1], 0.8), size[2])
+        z = HEIGHTS_M.get(category, base.bottom_z_m)
+        z = min(z, self.canvas.wall_height_m - size[2] - 0.02)
+        for k in range(n):
+            tint = int(self._noise(f"tint/{category}/{k}", 1, 6.0)[0])
+            group = self._hung(category, size, z, tint)
+            if base.openable:
+                box = (0.0, -size[1] / 2, z, size[0], size[1] / 2, z + size[2])
+                group.fronts.append(g.front_rect(box))
+                group.voids = [g.front_void(box, 0.45)]
+                group.margin_m = 0.12
+            poses = self.canvas.wall_poses(group, (0, 1, 2, 3), 0.0)
+            if not len(poses):
+                self.missing[category] += n - k
+                return
+            cost = self._noise(f"{category}/{k}", len(poses), 3.0)
+            if category in ("top_cabinet", "wall_mounted_shelf"):
+                cost -= 2.0 * self._over_furniture(poses)
+            if not self.canvas.try_place(group, poses, cost):
+                self.missing[category] += n - k
+                return
+
+    def _over_furniture(self, poses: np.ndarray) -> np.ndarray:
+        """1 where low furniture stands below a pose."""
+        low = [b for b in self.canvas.solids if b[2] == 0 and 0.3 < b[5] < 1.2]
+        hit = np.zeros(len(poses))
+        for b in low:
+            near = (poses[:, 0] > b[0] - 0.4) & (poses[:, 0] < b[3] + 0.4)
+            hit[near & (poses[:, 1] > b[1] - 0.4) & (poses[:, 1] < b[4] + 0.4)] = 1.0
+        return hit
+
+    def switches(self, n: int) -> None:
+        """Switches beside the openings."""
+        size = g.size_of("electric_switch")
+        done = 0
+        for k, (wall, lo, hi) in enumerate(self.canvas.doors):
+            if done >= n:
+                return
+            for at in (hi + 0.2, lo - 0.2, hi + 0.35, lo - 0.35):
+                x0, y0, x1, y1 = self.canvas.inner
+                pose = {0: (x0, at, 0), 1: (at, y0, 1), 2: (x1, at, 2), 3: (at, y1, 3)}[wall]
+                group = Group([Piece("electric_switch", size, size[0] / 2, 0.0, HEIGHTS_M["electric_switch"])])
+                if self.canvas.try_place(group, np.array([pose], float), np.zeros(1)):
+                    done += 1
+                    break
+            del k
+        self.missing["electric_switch"] += max(0, n - done)
+
+    # -- ceiling ----------------------------------------------------------------------------------------------
+
+    def lights(self, category: str, n: int) -> None:
+        """Lamps under the ceiling: one in the middle, more on a line."""
+        x0, y0, x1, y1 = self.canvas.inner
+        size = g.size_of(category)
+        if category == "room_light":
+            size = (min(size[0], 0.4), min(size[1], 0.4), 0.25)
+        if category == "chandelier":
+            size = (0.6, 0.6, min(0.5, self.canvas.wall_height_m - 1.95))
+        wide = x1 - x0 >= y1 - y0
+        for k in range(n):
+            t = (k + 0.5) / n
+            x, y = (x0 + t * (x1 - x0), (y0 + y1) / 2) if wide else ((x0 + x1) / 2, y0 + t * (y1 - y0))
+            group = Group([Piece(category, size, 0.0, 0.0, self.canvas.wall_height_m - size[2])], margin_m=0.05)
+            near = np.array([(x + dx, y + dy, 0) for dx in (0, -0.5, 0.5) for dy in (0, -0.5, 0.5)], float)
+            if not self.canvas.try_place(group, near, np.arange(len(near), dtype=float)):
+                self.missing[category] += 1
+
+    # -- surfaces ---------------------------------------------------------------------------------------------
+
+    def put(self, wants: Mapping[str, int]) -> None:
+        """Put small things where they belong: on tops, on shelves, on the floor beside the wall."""
+        for category in sorted(wants):
+            if category not in catalogue():
+                continue
+            for k in range(wants[category]):
+                if (
+                    not (category in ON_FLOOR and self._on_floor(category, k))
+                    and not self._on_top(category, k)
+                    and not self._on_floor(category, k)
+                ):
+                    self.missing[category] += wants[category] - k
+                    break
+
+    def _on_floor(self, category: str, k: int) -> bool:
+        size = g.size_of(category)
+        if size[2] < 0.1:
+            return False
+        group = g.single(category, size)
+        if catalogue()[category].openable:
+            group.fronts, group.margin_m = [], 0.05
+            group.voids = []
+        poses = self.canvas.wall_poses(group, (0, 1, 2, 3), 0.03)
+        return self.canvas.try_place(group, poses, self._noise(f"floor/{category}/{k}", len(poses), 5.0))
+
+    def hosts(self, category: str) -> list[int]:
+        """Items of the room that ``category`` may stand on, best first."""
+        row = catalogue()[category]
+        names = ON_TOP_OF.get(category)
+        if names is None:
+            names = next(
+                (v for key, v in GROUP_HOSTS.items() if row.semantic_group.startswith(key)), SHELVES + TABLEWARE
+            )
+        order = {name: rank for rank, name in enumerate(dict.fromkeys(names))}
+        found = [i for i, item in enumerate(self.canvas.items) if item.category in order]
+        noise = self._noise(f"host/{category}", len(found) + 1, 2.5)
+        return [i for _, i in sorted((order[self.canvas.items[i].category] + noise[n], i) for n, i in enumerate(found))]
+
+    def _on_top(self, category: str, k: int) -> bool:
+        size = g.size_of(category)
+        turn_rng = stream(self.seed, "top", self.name, category, k)
+        for index in self.hosts(category):
+            host = self.canvas.items[index]
+            for surface in tops(host.category, host.size):
+                if self._on_surface(category, size, index, host, surface, turn_rng):
+                    return True
+        return False
+
+    def _on_surface(
+        self,
+        category: str,
+        size: Vec3,
+        index: int,
+        host: Item,
+        surface: tuple[float, float, float, float, float, float],
+        rng: np.random.Generator,
+    ) -> bool:
+        x0, y0, x1, y1, z, clearance = surface
+        if size[2] > clearance - 0.01 or size[0] > x1 - x0 - 0.01 or size[1] > y1 - y0 - 0.01:
+            return False
+        xs = np.linspace(x0 + size[0] / 2 + 0.005, x1 - size[0] / 2 - 0.005, max(1, int((x1 - x0 - size[0]) / 0.1) + 1))
+        ys = np.linspace(y0 + size[1] / 2 + 0.005, y1 - size[1] / 2 - 0.005, max(1, int((y1 - y0 - size[1]) / 0.1) + 1))
+        spots = np.array([(x, y) for x in xs for y in ys])
+        behind = category in ("monitor", "standing_tv", "table_lamp", "microwave", "coffee_maker")
+        order = np.argsort(
+            spots[:, 0] * 4 + np.abs(spots[:, 1]) + rng.uniform(0, 0.2, len(spots))
+            if behind
+            else rng.uniform(0, 1, len(spots))
+        )
+        group = Group([Piece(category, size, 0.0, 0.0, z, tint=int(rng.integers(0, 6)))], margin_m=0.0)
+        c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[host.quarter_turns]
+        px, py, pz = host.position
+        group.pieces[0].z = pz + z + 0.001
+        poses = np.array([(px + c * x - s * y, py + s * x + c * y, host.quarter_turns) for x, y in spots[order]], float)
+        return self._settle(group, poses, index)
+
+    def _settle(self, group: Group, poses: np.ndarray, host: int) -> bool:
+        """Like ``try_place`` but inside the host's box and without regard to voids: it blocks nobody."""
+        canvas = self.canvas
+        voids, free, box = canvas.voids, canvas.free.copy(), canvas.solids[host].copy()
+        canvas.voids, canvas.solids[host] = np.zeros((0, 6)), 0.0
+        done = canvas.try_place(group, poses, np.arange(len(poses), dtype=float), walkable=False)
+        canvas.voids, canvas.free, canvas.solids[host] = voids, free, box
+        return done
+
+
+def tops(category: str, size: Vec3) -> list[tuple[float, float, float, float, float, float]]:
+    """Surfaces (x0, y0, x1, y1, z, clearance) of an item, highest first for tables, all for shelves."""
+    from ucon.objects.models import build_model
+
+    try:
+        surfaces = build_model(category, size).surfaces
+    except (ConfigError, NotImplementedError, ImportError):
+        surfaces = ()
+    return [(s.x0, s.y0, s.x1, s.y1, s.z, s.clearance_m) for s in surfaces if s.link < 0]

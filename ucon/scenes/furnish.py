@@ -1,0 +1,487 @@
+"""Furnishing of one room: takes the list of what it should hold and puts real groups together.
+
+What a room holds decides which groups are built (a bed gets its nightstands wherever it stands); its type only
+decides how tables are used. Must-haves come before extras, and what finds no place is returned, never forced in.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+
+import numpy as np
+
+from ucon.core.rng import stream
+from ucon.objects.catalogue import catalogue
+from ucon.objects.model import Vec3
+from ucon.scenes import groups as g
+from ucon.scenes.canvas import Canvas, Group, Piece
+
+WORK_ROOMS = ("private_office", "bedroom", "childs_room", "phone_room", "shared_office", "lobby", "garage")
+SEAT_ROOMS = ("dining_room", "kitchen", "break_room", "meeting_room", "conference_hall", "garden", "playroom", "bar")
+TABLES = ("conference_table", "breakfast_table", "pedestal_table", "desk")
+SEATS = ("straight_chair", "armchair", "swivel_chair", "taboret", "garden_chair", "eames_chair")
+RUN = ("fridge", "bottom_cabinet_no_top", "countertop", "dishwasher", "stove", "oven", "burner", "metal_bottom_cabinet")
+BED_SIZES: tuple[Vec3, ...] = ((2.0, 1.6, 0.9), (2.0, 1.4, 0.9), (1.95, 1.2, 0.85), (1.9, 0.95, 0.8))
+NIGHTSTAND: dict[str, Vec3] = {
+    "nightstand": (0.42, 0.5, 0.55),
+    "bottom_cabinet": (0.42, 0.5, 0.55),
+    "drawer_unit": (0.42, 0.5, 0.6),
+}
+CARPETS: tuple[Vec3, ...] = (
+    (1.6, 2.4, g.CARPET_M),
+    (1.4, 2.0, g.CARPET_M),
+    (1.0, 1.5, g.CARPET_M),
+    (0.7, 1.1, g.CARPET_M),
+)
+
+
+class Furnisher:
+    """Fills one canvas. ``wants`` shrinks as things are placed; what is left at the end found no place."""
+
+    def __init__(self, canvas: Canvas, room_type: str, wants: Mapping[str, int], seed: int, name: str) -> None:
+        self.canvas = canvas
+        self.type = room_type
+        self.wants: Counter[str] = Counter({k: wants[k] for k in sorted(wants) if k in catalogue()})
+        self.seed, self.name = seed, name
+        self.tint = int(stream(seed, "tint", name).integers(0, 6))
+
+    # -- placing helpers --------------------------------------------------------------------------------------
+
+    def take(self, category: str, n: int = 1) -> None:
+        """Cross ``n`` off the list."""
+        self.wants[category] -= n
+        if self.wants[category] <= 0:
+            del self.wants[category]
+
+    def noise(self, key: str, n: int, scale: float) -> np.ndarray:
+        """Seeded noise for the poses of one group."""
+        return stream(self.seed, "pose", self.name, key).uniform(0.0, scale, n)
+
+    def wall(
+        self,
+        group: Group,
+        key: str,
+        prefer: str = "any",
+        walls: tuple[int, ...] = (0, 1, 2, 3),
+        gap_m: float = g.WALL_GAP_M,
+    ) -> bool:
+        """Place a group at a wall, preferring its middle, its corners, or anywhere."""
+        poses = self.canvas.wall_poses(group, walls, gap_m)
+        if not len(poses):
+            return False
+        cost = self.noise(key, len(poses), 0.8)
+        along = np.where(poses[:, 2] % 2 == 0, poses[:, 1], poses[:, 0])
+        for wall in walls:
+            rows = poses[:, 2] == wall
+            if not rows.any():
+                continue
+            low, high = along[rows].min(), along[rows].max()
+            cost[rows] += float(self.noise(f"{key}/{wall}", 1, 1.5)[0])
+            if prefer == "corner":
+                cost[rows] += 3.0 * np.minimum(along[rows] - low, high - along[rows])
+            elif prefer == "middle":
+                cost[rows] += 1.5 * np.abs(along[rows] - (low + high) / 2)
+            elif prefer == "edge":
+                cost[rows] += 1.0 * np.minimum(along[rows] - low, high - along[rows])
+        if prefer == "middle":
+            cost -= 0.35 * self._door_distance(poses)
+        return self.canvas.try_place(group, poses, cost)
+
+    def _door_distance(self, poses: np.ndarray) -> np.ndarray:
+        nodes = self.canvas.door_nodes
+        if not nodes:
+            return np.zeros(len(poses))
+        xy = np.array([(self.canvas.nodes_x[i], self.canvas.nodes_y[j]) for i, j in nodes])
+        return np.hypot(poses[:, None, 0] - xy[:, 0], poses[:, None, 1] - xy[:, 1]).min(1)
+
+    def middle(
+        self, group: Group, key: str, target: tuple[float, float] | None = None, turns: tuple[int, ...] = (0, 1)
+    ) -> bool:
+        """Place a group on the floor, near ``target`` or the middle of the room."""
+        poses = self.canvas.free_poses(turns)
+        x0, y0, x1, y1 = self.canvas.inner
+        tx, ty = target or ((x0 + x1) / 2, (y0 + y1) / 2)
+        cost = np.hypot(poses[:, 0] - tx, poses[:, 1] - ty) + self.noise(key, len(poses), 0.4)
+        return self.canvas.try_place(group, poses, cost)
+
+    def facing(self, group: Group, key: str, target: tuple[float, float], apart_m: float) -> bool:
+        """Place a seat so that it looks at ``target`` from about ``apart_m``."""
+        poses = self.canvas.free_poses((0, 1, 2, 3))
+        dx, dy = target[0] - poses[:, 0], target[1] - poses[:, 1]
+        away = np.hypot(dx, dy)
+        turn = poses[:, 2].astype(int)
+        look = (np.array([1, 0, -1, 0])[turn] * dx + np.array([0, 1, 0, -1])[turn] * dy) / np.maximum(away, 0.1)
+        cost = np.abs(away - apart_m) + 3.0 * (1 - look) + self.noise(key, len(poses), 0.3)
+        keep = look > 0.7
+        return self.canvas.try_place(group, poses[keep], cost[keep])
+
+    def place_each(self, category: str, group: Group, prefer: str, key: str = "", limit: int = 99) -> None:
+        """Place all wanted items of a category at walls."""
+        for k in range(min(self.wants[category], limit)):
+            if not self.wall(group, f"{key}{category}/{k}", prefer):
+                break
+            self.take(category)
+
+    # -- the order of work ------------------------------------------------------------------------------------
+
+    def run(self) -> Counter[str]:
+        """Furnish the floor; what found no place stays in ``wants``."""
+        self.counters()
+        self.bath()
+        self.beds()
+        self.laundry()
+        self.shop()
+        self.media()
+        self.tables()
+        self.storage()
+        self.loose_seats()
+        self.large()
+        self.small_floor()
+        self.carpets()
+        return self.wants
+
+    def counters(self) -> None:
+        """Counter runs: straight where they fit, else around a corner, else piece by piece."""
+        w = self.wants
+        kitchen = bool(w["fridge"] or w["oven"] or w["stove"] or w["dishwasher"]) or self.type in (
+            "kitchen",
+            "pantry_room",
+        )
+        if not kitchen and not w["bottom_cabinet_no_top"]:
+            return
+        units = self._units(kitchen)
+        if not units:
+            return
+        slabs = w["countertop"] > 0
+        tops = ["range_hood"] * w["range_hood"] + ["top_cabinet"] * w["top_cabinet"]
+        self._place_run(units, slabs, tops, 0)
+
+    def _units(self, kitchen: bool) -> list[g.Unit]:
+        w = self.wants
+        depth = g.RUN_DEPTH_M
+        wide = 0.6 if self.canvas.wall_length(0) * self.canvas.wall_length(1) < 16 else 0.7
+        cab: g.Unit = ("bottom_cabinet_no_top", (depth, wide, 0.86))
+        sink: g.Unit = ("sink", (depth, 0.62, 0.9))
+        wash: list[g.Unit] = [sink] * (w["sink"] if w["bottom_cabinet_no_top"] or kitchen else 0)
+        wash += [("dishwasher", (depth, 0.6, 0.83))] * w["dishwasher"]
+        heat: list[g.Unit] = [("stove", (depth, 0.68, 0.9))] * w["stove"] + [("oven", (depth, 0.6, 0.88))] * w["oven"]
+        cabs = [cab] * w["bottom_cabinet_no_top"]
+        if kitchen and not cabs:
+            cabs = [("bottom_cabinet", (depth, 0.7, 0.85))] * w["bottom_cabinet"]
+        if w["countertop"] > 0 and not w["bottom_cabinet_no_top"]:
+            cabs += [("countertop", (0.62, 1.0, g.COUNTER_M))] * min(2, w["countertop"])
+        cabs += [("metal_bottom_cabinet", (0.62, 1.2, 0.9))] * w["metal_bottom_cabinet"]
+        a, b = len(cabs) // 3, len(cabs) - len(cabs) // 3
+        fridges: list[g.Unit] = [("fridge", g.size_of("fridge"))] * w["fridge"]
+        return fridges + cabs[:a] + wash + cabs[a : (a + b) // 2 + a // 2] + heat + cabs[(a + b) // 2 + a // 2 :]
+
+    def _count(self, group: Group) -> None:
+        for piece in group.pieces:
+            if self.wants[piece.category] > 0:
+                self.take(piece.category)
+
+    def _place_run(self, units: list[g.Unit], slabs: bool, tops: list[str], depth: int) -> None:
+        length = sum(u[1][1] + g.SIDE_M for u in units)
+        key = f"run/{depth}/{len(units)}/{units[0][0]}"
+        longest = max(self.canvas.wall_length(0), self.canvas.wall_length(1))
+        if length <= longest - 0.3:
+            left = list(tops)
+            group = g.counter_run(units, slabs, left, self.tint)
+            if self.wall(group, key, "corner"):
+                self._count(group)
+                tops[:] = left
+                return
+        if len(units) >= 3 and slabs and self._corner_run(units, slabs, tops, key):
+            return
+        if len(units) > 1:
+            half = len(units) // 2
+            self._place_run(units[:half], slabs, tops, 2 * depth + 1)
+            self._place_run(units[half:], slabs, tops, 2 * depth + 2)
+
+    def _corner_run(self, units: list[g.Unit], slabs: bool, tops: list[str], key: str) -> bool:
+        x0, y0, x1, y1 = self.canvas.inner
+        e = g.WALL_GAP_M
+        poses = np.array([(x0 + e, y0 + e, 0), (x1 - e, y0 + e, 1), (x1 - e, y1 - e, 2), (x0 + e, y1 - e, 3)])
+        splits = sorted(range(1, len(units)), key=lambda k: abs(2 * k - len(units)))
+        for split in splits[:5]:
+            for flip in (False, True):
+                first, second = units[:split][::-1], units[split:]
+                left = list(tops)
+                pair = (second, first) if flip else (first, second)
+                group = g.counter_corner(pair[0], pair[1], slabs, left, self.tint)
+                if self.canvas.try_place(group, poses, self.noise(f"{key}/{split}/{flip}", 4, 1.0)):
+                    self._count(group)
+                    tops[:] = left
+                    return True
+        return False
+
+    def bath(self) -> None:
+        """Tub and shower in corners, then the rest along the walls, a mirror above every sink."""
+        w = self.wants
+        if w["bathtub"]:
+            for size in ((1.7, 0.8, 0.6), (1.5, 0.7, 0.6)):
+                self.place_each("bathtub", g.single("bathtub", size, turns=1, clear_m=0.4), "corner")
+        if w["shower_stall"]:
+            for size in ((0.95, 0.95, 2.05), (0.85, 0.85, 2.05)):
+                self.place_each("shower_stall", g.single("shower_stall", size, clear_m=0.4), "corner")
+        if w["shower"]:
+            self.place_each("shower", g.single("shower", (0.95, 0.95, 0.09)), "corner")
+        self.place_each("toilet", g.single("toilet", clear_m=0.5), "edge")
+        self.place_each("bidet", g.single("bidet", clear_m=0.4), "edge")
+        for k in range(w["sink"]):
+            mirror = w["mirror"] > 0 and self.type == "bathroom"
+            sizes: tuple[Vec3, ...] = ((0.5, 0.62, 0.86), (0.42, 0.5, 0.86))
+            for size in sizes:
+                group = g.single("sink", size, clear_m=0.5)
+                if mirror:
+                    m = g.size_of("mirror")
+                    group.pieces.append(Piece("mirror", m, m[0] / 2 - g.WALL_GAP_M, 0.0, 1.0))
+                if self.wall(group, f"sink/{k}", "any"):
+                    self._count(group)
+                    break
+
+    def beds(self) -> None:
+        """Beds with nightstands at their sides."""
+        kinds = [c for c in ("bed", "crib") for _ in range(self.wants[c])]
+        for k, kind in enumerate(kinds):
+            child = self.type == "childs_room" or len(kinds) > 1
+            sizes = ((1.3, 0.7, 1.0),) if kind == "crib" else (BED_SIZES[2:] if child else BED_SIZES)
+            stands = [c for c in ("nightstand", "bottom_cabinet", "drawer_unit") for _ in range(min(2, self.wants[c]))]
+            stands = [] if kind == "crib" else stands[:2]
+            if self._place_bed(kind, sizes, stands, f"bed/{k}"):
+                self.take(kind)
+
+    def _place_bed(self, kind: str, sizes: tuple[Vec3, ...], stands: list[str], key: str) -> bool:
+        flip = bool(stream(self.seed, "flip", self.name).random() < 0.5)
+        for n in range(len(stands), -1, -1):
+            for size in sizes:
+                sides = [(c, NIGHTSTAND[c]) for c in stands[:n]] + [None] * (2 - n)
+                left, right = (sides[1], sides[0]) if flip else (sides[0], sides[1])
+                group = g.bed(size, left, right, self.tint, kind)
+                if self.wall(group, key, "middle" if n else "corner"):
+                    for c in stands[:n]:
+                        self.take(c)
+                    return True
+        return False
+
+    def laundry(self) -> None:
+        """Washer and dryer side by side."""
+        if self.wants["washer"] and self.wants["clothes_dryer"]:
+            pair = [("washer", g.size_of("washer")), ("clothes_dryer", g.size_of("clothes_dryer"))]
+            tops = ["top_cabinet"] * min(2, self.wants["top_cabinet"])
+            group = g.counter_run(pair, False, tops, self.tint)
+            if self.wall(group, "laundry", "corner"):
+                self._count(group)
+        for category in ("washer", "clothes_dryer"):
+            self.place_each(category, g.single(category), "corner")
+
+    def shop(self) -> None:
+        """Shop shelves: rows in the middle with aisles, the rest along the walls."""
+        n = self.wants["grocery_shelf"]
+        size = (0.6, 1.7, 1.9)
+        if n >= 6:
+            for row, count in enumerate((6, 6, 6)):
+                if n >= count + 2 and self.middle(
+                    g.shelf_row("grocery_shelf", size, count, self.tint, 1.3), f"row/{row}"
+                ):
+                    self.take("grocery_shelf", count)
+                    n -= count
+        self.place_each("checkout_counter", g.single("checkout_counter", turns=1, clear_m=0.8), "edge")
+        self.place_each("grocery_shelf", g.single("grocery_shelf", size, clear_m=1.0), "edge")
+
+    def media(self) -> None:
+        """A television at a wall and the sofa that looks at it; other sofas at walls."""
+        w = self.wants
+        tv = next((c for c in ("wall_mounted_tv", "standing_tv") if w[c]), None)
+        spot = None
+        if tv and self.type not in ("shared_office", "bar", "conference_hall", "break_room", "lobby"):
+            spot = self._place_tv(tv)
+        for k in range(w["sofa"]):
+            if not self._place_sofa(spot if k == 0 else None, k):
+                break
+        centre = self._centre_of("coffee_table") or self._centre_of("sofa")
+        for category in ("armchair", "eames_chair", "ottoman"):
+            if centre and self.type not in ("dining_room", "garden"):
+                for k in range(w[category]):
+                    group = g.single(category)
+                    group.pieces[0].x = 0.0
+                    if not self.facing(group, f"{category}/{k}", centre, 1.2):
+                        break
+                    self.take(category)
+
+    def _place_tv(self, tv: str) -> tuple[float, float, int] | None:
+        w = self.wants
+        stand = next((c for c in ("bottom_cabinet", "console_table", "coffee_table", "breakfast_table") if w[c]), None)
+        sizes: dict[str, Vec3] = {"bottom_cabinet": (0.45, 1.4, 0.5), "console_table": (0.4, 1.3, 0.55)}
+        options: list[tuple[str, Vec3] | None] = [(stand, sizes.get(stand, (0.5, 1.1, 0.5)))] if stand else []
+        if tv == "wall_mounted_tv":
+            options.append(None)
+        for option in options or [None]:
+            group = g.media(tv, option, w["loudspeaker"], self.tint)
+            if self.wall(group, "tv", "middle"):
+                self._count(group)
+                item = next(i for i in reversed(self.canvas.items) if i.category == tv)
+                return item.position[0], item.position[1], item.quarter_turns
+        return None
+
+    def _place_sofa(self, tv: tuple[float, float, int] | None, k: int) -> bool:
+        w = self.wants
+        table = "coffee_table" if w["coffee_table"] else None
+        small = self.canvas.wall_length(0) * self.canvas.wall_length(1) < 16
+        carpets = ((1.6, 2.4, g.CARPET_M), (1.4, 2.0, g.CARPET_M)) if w["carpet"] and k == 0 else ()
+        for length in (2.0, 1.6) if small or k else (2.2, 1.8, 1.6):
+            for carpet in (*carpets, None):
+                for low in dict.fromkeys((table, None)):
+                    group = g.sofa_set("sofa", (0.9, length, 0.8), low, (0.6, 1.0, 0.43), carpet, self.tint)
+                    if self._sofa_pose(group, tv, f"sofa/{k}"):
+                        self._count(group)
+                        return True
+        return False
+
+    def _sofa_pose(self, group: Group, tv: tuple[float, float, int] | None, key: str) -> bool:
+        if tv is None:
+            return self.wall(group, key, "middle")
+        turn = (tv[2] + 2) % 4
+        poses = np.vstack([self.canvas.wall_poses(group, (turn,), g.WALL_GAP_M), self.canvas.free_poses((turn,))])
+        axis = 0 if turn % 2 == 0 else 1
+        apart = np.abs(poses[:, axis] - tv[axis]) - 0.9
+        cost = 2.0 * np.abs(poses[:, 1 - axis] - tv[1 - axis]) + np.abs(apart - 2.7) + self.noise(key, len(poses), 0.1)
+        cost[: len(poses) - len(self.canvas.free_poses((turn,)))] -= 0.8
+        keep = (apart > 1.4) & (apart < 4.5)
+        return self.canvas.try_place(group, poses[keep], cost[keep])
+
+    def _centre_of(self, category: str) -> tuple[float, float] | None:
+        item = next((i for i in self.canvas.items if i.category == category), None)
+        return (item.position[0], item.position[1]) if item else None
+
+    def tables(self) -> None:
+        """Desks with a chair at the wall, tables with seats in the middle."""
+        w = self.wants
+        if self.type == "shared_office" and w["desk"] >= 4:
+            self._office_rows()
+        chairs = [c for c in SEATS for _ in range(w[c])]
+        if self.type in WORK_ROOMS or (self.type not in SEAT_ROOMS and len(chairs) < 3):
+            self._desks()
+        seat_tables = [t for t in TABLES for _ in range(w[t])]
+        for k, table in enumerate(seat_tables):
+            chairs = [c for c in SEATS for _ in range(w[c])]
+            left = len(seat_tables) - k
+            n = min(8, -(-len(chairs) // left) if left > 1 else len(chairs))
+            if self.type not in SEAT_ROOMS and k > 0:
+                n = 0
+            self._place_table(table, chairs[:n], k)
+        self._desks()
+
+    def _place_table(self, table: str, chairs: list[str], k: int) -> bool:
+        n = len(chairs)
+        x, y, z = g.size_of(table)
+        if table in ("breakfast_table", "conference_table"):
+            x, y = (0.85, 1.2) if n <= 4 else (0.9, 1.7) if n <= 6 else (1.0, 2.2)
+        for count in range(n, -1, -1):
+            if count == 0 and n > 0 and self.type in SEAT_ROOMS is False:
+                break
+            seat = chairs[0] if chairs else "straight_chair"
+            count = min(count, sum(c == seat for c in chairs)) if chairs else 0
+            around = 0.35 if count == n else 0.15
+            group = g.table_with_seats(table, (x, y, z), seat, count, self.tint, around if count else 0.3)
+            if (count > 0 or self.type in SEAT_ROOMS) and self.middle(group, f"table/{table}/{k}"):
+                self._count(group)
+                return True
+            if count == 0:
+                break
+            if count <= 4:
+                y = min(y, 1.2)
+        return False
+
+    def _office_rows(self) -> None:
+        w = self.wants
+        for row in range(4):
+            for pairs in (3, 2):
+                if w["desk"] >= 2 * pairs and w["swivel_chair"] >= 2 * pairs:
+                    group = g.bench_of_desks("desk", (0.7, 1.3, 0.75), "swivel_chair", pairs, self.tint)
+                    if self.middle(group, f"bench/{row}/{pairs}"):
+                        self._count(group)
+                        break
+
+    def _desks(self) -> None:
+        w = self.wants
+        for table in ("desk", "breakfast_table", "pedestal_table", "console_table", "coffee_table"):
+            for k in range(w[table]):
+                chair = next((c for c in ("swivel_chair", "straight_chair", "armchair") if w[c]), None)
+                if table in ("console_table", "coffee_table") or self.type == "lobby" and table != "desk":
+                    chair = None
+                size = {"breakfast_table": (0.7, 1.2, 0.75), "coffee_table": (0.5, 0.9, 0.43)}.get(table)
+                for option in dict.fromkeys((chair, None)):
+                    group = g.desk(table, g.size_of(table, size), option, None, self.tint)
+                    if self.wall(group, f"desk/{table}/{k}", "edge"):
+                        self._count(group)
+                        break
+
+    def storage(self) -> None:
+        """Cabinets, shelves and wardrobes along free walls."""
+        small: dict[str, Vec3] = {
+            "wardrobe": (0.55, 1.0, 2.05),
+            "shelf": (0.3, 0.6, 1.5),
+            "bottom_cabinet": (0.4, 0.6, 0.75),
+        }
+        for category in (
+            "wardrobe",
+            "shelf",
+            "bottom_cabinet",
+            "drawer_unit",
+            "display_case",
+            "bottom_cabinet_no_top",
+            "nightstand",
+        ):
+            clear = 0.55 if category in ("shelf", "display_case") else 0.0
+            self.place_each(category, g.single(category, tint=self.tint, clear_m=clear), "edge")
+            if self.wants[category] and category in small:
+                self.place_each(
+                    category, g.single(category, small[category], tint=self.tint, clear_m=clear), "edge", "small/"
+                )
+
+    def loose_seats(self) -> None:
+        """Chairs that found no table stand at the wall."""
+        for category in (*SEATS, "ottoman", "bench", "sauna_bench"):
+            self.place_each(category, g.single(category, tint=self.tint, clear_m=0.35), "edge", limit=8)
+
+    def large(self) -> None:
+        """Everything else that is big: at a wall, else in the middle."""
+        rest = [c for c in self.wants if catalogue()[c].mount == "floor" and c != "carpet"]
+        rest = [c for c in rest if np.prod(g.size_of(c)[:2]) >= 0.25]
+        for category in sorted(rest, key=lambda c: (-float(np.prod(g.size_of(c)[:2])), c)):
+            size = g.size_of(category)
+            turn = 1 if size[0] > size[1] * 1.3 and category not in ("treadmill", "toilet") else 0
+            for k in range(self.wants[category]):
+                open_floor = category in ("pool_table", "car", "swimming_pool", "playground", "sandbox", "hammock")
+                group = g.single(category, tint=self.tint, turns=turn, clear_m=0.4 if not open_floor else 0.0)
+                key = f"large/{category}/{k}"
+                if open_floor:
+                    middle = g.single(category, tint=self.tint)
+                    middle.pieces[0].x = 0.0
+                    done = self.middle(middle, key) or self.wall(group, key, "edge")
+                else:
+                    done = self.wall(group, key, "edge")
+                if not done:
+                    break
+                self.take(category)
+
+    def small_floor(self) -> None:
+        """Lamps, plants and bins in corners."""
+        rest = [
+            c for c in self.wants if catalogue()[c].mount == "floor" and c not in ("carpet", "table_lamp", "monitor")
+        ]
+        for category in sorted(rest):
+            if category in ("standing_tv",):
+                continue
+            self.place_each(category, g.single(category, tint=self.tint), "corner", limit=12)
+
+    def carpets(self) -> None:
+        """Carpets lie under what is there, in the middle."""
+        for k in range(self.wants["carpet"]):
+            for size in CARPETS:
+                group = Group([Piece("carpet", size, 0.0, 0.0, tint=self.tint + k)], margin_m=0.1)
+                if self.middle(group, f"carpet/{k}"):
+                    self.take("carpet")
+                    break

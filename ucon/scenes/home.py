@@ -1,0 +1,148 @@
+"""Builds a home: floor plan, openings, colours, furniture, fixtures. Everything is seeded by name and room."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+
+from ucon.core.rng import stream
+from ucon.objects.catalogue import catalogue
+from ucon.scenes.canvas import Canvas
+from ucon.scenes.colors import floor_of, wall_colors
+from ucon.scenes.fixtures import LIGHTS, Fixer, door_frame
+from ucon.scenes.furnish import Furnisher
+from ucon.scenes.layout import Plan, lay_out
+from ucon.scenes.openings import cut_openings
+from ucon.scenes.program import HomeProgram, RoomProgram
+from ucon.scenes.spec import GRID_M, HomeSpec, Item, Opening, Room
+
+WALL_FIRST = ("wall_mounted_tv", "mirror", "painting", "picture", "poster")
+
+
+@dataclass(frozen=True)
+class Built:
+    """A home and what of its program found no place, by room."""
+
+    spec: HomeSpec
+    dropped: dict[str, dict[str, int]]
+
+
+def build_home(name: str, program: HomeProgram, seed: int) -> Built:
+    """The home of ``program`` drawn with ``seed``."""
+    plan = lay_out(program, seed, name)
+    programs = {room.name: room for room in program.rooms}
+    wishes = [_wishes(room_name, programs) for room_name in plan.names]
+    low = np.array(plan.rects)[:, :2].min(0)
+    rects = [tuple(float(v - low[k % 2]) * GRID_M for k, v in enumerate(r)) for r in plan.rects]
+    plan.rects = [(r[0] - int(low[0]), r[1] - int(low[1]), r[2] - int(low[0]), r[3] - int(low[1])) for r in plan.rects]
+    openings = cut_openings(plan, seed, program.wall_height_m)
+    types = [w.type for w in wishes]
+    walls = wall_colors(types, seed)
+    rooms, items, dropped = [], [], {}
+    for index, wish in enumerate(wishes):
+        color, material = floor_of(wish.type, seed, wish.name)
+        rect = (rects[index][0], rects[index][1], rects[index][2], rects[index][3])
+        rooms.append(Room(wish.name, wish.type, rect, color, material, walls[index], wish.type == "garden"))
+        found, missing = furnish_room(index, rect, plan, openings, wish, program.wall_height_m, seed)
+        items += found
+        if missing:
+            dropped[wish.name] = dict(sorted(missing.items()))
+    for (_, _, joint), opening in zip(plan.edges, openings, strict=True):
+        if joint == "doorway":
+            items.append(door_frame(opening, opening.room_b, int(stream(seed, "doors").integers(0, 6))))
+    spec = HomeSpec(name, program.kind, program.wall_height_m, tuple(rooms), openings, tuple(items))
+    return Built(spec, dropped)
+
+
+def _wishes(name: str, programs: dict[str, RoomProgram]) -> RoomProgram:
+    if name in programs:
+        return programs[name]
+    leg = programs[name.removesuffix("_b")]  # second leg of a folded corridor
+    return RoomProgram(name, leg.type, leg.size_m, {}, {}, {"electric_switch": 1, "room_light": 1})
+
+
+def exterior_walls(plan: Plan, index: int) -> list[tuple[int, float, float]]:
+    """(wall, lo, hi) in metres of the stretches of a room's walls with no room behind."""
+    rect = plan.rects[index]
+    found = []
+    for wall in range(4):
+        axis = wall % 2
+        coord = rect[wall]
+        span = np.ones(rect[3 - axis] - rect[1 - axis], bool)
+        for other_index, other in enumerate(plan.rects):
+            edge = other[2 + axis] if wall < 2 else other[axis]
+            if other_index != index and edge == coord:
+                low = max(other[1 - axis], rect[1 - axis]) - rect[1 - axis]
+                high = min(other[3 - axis], rect[3 - axis]) - rect[1 - axis]
+                span[max(low, 0) : max(high, 0)] = False
+        edges = np.flatnonzero(np.diff(np.concatenate(([0], span.astype(int), [0]))))
+        for start, end in zip(edges[::2], edges[1::2], strict=True):
+            found.append((wall, float(rect[1 - axis] + start) * GRID_M, float(rect[1 - axis] + end) * GRID_M))
+    return found
+
+
+def furnish_room(
+    index: int,
+    rect: tuple[float, float, float, float],
+    plan: Plan,
+    openings: tuple[Opening, ...],
+    wish: RoomProgram,
+    wall_height_m: float,
+    seed: int,
+) -> tuple[list[Item], Counter[str]]:
+    """Items of one room and what found no place."""
+    canvas = Canvas(index, rect, wall_height_m, stream(seed, "room", wish.name))
+    for o in openings:
+        if index in (o.room_a, o.room_b):
+            canvas.add_opening(o.axis, o.coord, o.lo, o.hi, o.height_m)
+    fixer = Fixer(canvas, exterior_walls(plan, index), seed, wish.name)
+    floor, hung, surface = _sort(wish)
+    late_windows = wish.type in ("kitchen", "bathroom", "pantry_room", "utility_room")
+    fixer.switches(wish.fixtures.get("electric_switch", 0))
+    if not late_windows:
+        fixer.windows(wish.fixtures.get("window", 0))
+    furnisher = Furnisher(canvas, wish.type, floor, seed, wish.name)
+    left = furnisher.run()
+    for category in sorted(hung, key=lambda c: (c not in WALL_FIRST, c)):
+        if category in left and left[category] > 0:
+            fixer.hang(category, left.pop(category))
+    if late_windows:
+        fixer.windows(wish.fixtures.get("window", 0))
+    for light in LIGHTS:
+        n = wish.fixtures.get(light, 0) + left.pop(light, 0)
+        if wish.type != "garden" and n:
+            fixer.lights(light, n)
+    if wish.type != "garden" and not any(wish.fixtures.get(light) for light in LIGHTS):
+        fixer.lights("room_light", 1)
+    fixer.put({**surface, **{c: n for c, n in left.items() if n > 0 and c in surface_like(left)}})
+    for c in surface_like(left):
+        left.pop(c, None)
+    return canvas.items, +(left + fixer.missing)
+
+
+def surface_like(left: Counter[str]) -> list[str]:
+    """Of what is left, the things that can stand on furniture."""
+    book = catalogue()
+    small = [c for c in left if float(np.prod(book[c].size[:2])) < 0.2 and book[c].size[2] < 0.8]
+    return sorted(c for c in small if book[c].mount in ("surface", "floor"))
+
+
+def _sort(wish: RoomProgram) -> tuple[dict[str, int], list[str], dict[str, int]]:
+    """Split the furniture into what stands or hangs (counts), the hung categories, and small things."""
+    book = catalogue()
+    surface = dict(wish.surface)
+    floor: dict[str, int] = {}
+    hung: list[str] = []
+    for category, n in sorted(wish.furniture.items()):
+        if category not in book:
+            continue
+        mount = book[category].mount
+        if mount == "surface" or category in ("monitor", "table_lamp", "burner"):
+            surface[category] = surface.get(category, 0) + n
+            continue
+        floor[category] = n
+        if mount == "wall":
+            hung.append(category)
+    return floor, hung, surface
