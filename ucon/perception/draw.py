@@ -23,8 +23,10 @@ def draw_map(
     """Draw explored space, furniture and path; x to the right, y up, cropped to what was explored.
 
     Args:
-        known: the map. path: poses to draw, all of the map's by default.
-        target: things of this category are marked. names: write the names of large things.
+        known: the map.
+        path: poses to draw, all of the map's by default.
+        target: things of this category are marked.
+        names: write the names of large things.
         cell_px: pixels of one 0.25 m cell.
 
     Returns:

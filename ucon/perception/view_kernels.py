@@ -10,15 +10,17 @@ from typing import Any
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from ucon.perception.map_kernels import CELL_M, F32, F64, I32
 
 PITCHES_DEG = (-30, 0, 30)
 OPAQUE_M = 1.2
 RAYS = 64
-#: Unexplored space counts less the deeper it lies behind the last explored cell of a ray.
-DEPTH_SCALE_M = 2.0
-DEPTH_LIMIT_M = 3.0
+MOST_CELLS = 32
+#: Unexplored space counts less with every cell that it lies behind the last explored one of a ray; 2 m take it to 1/e.
+DEEPER = float(np.exp(-CELL_M / 2.0))
+LEAST_TRUST = float(np.exp(-3.0 / 2.0))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -35,10 +37,25 @@ def sight(x: float, y: float, cam_z: float, px: float, py: float, pz: float, hei
     return True
 
 
+def _rays() -> tuple[NDArray[np.int32], NDArray[np.float64]]:
+    """Offsets (RAYS, MOST_CELLS, 2) of cells along each ray, and the square metres they stand for (RAYS, MOST_CELLS).
+
+    A cell that a ray enters twice stands for nothing the second time. Ray r looks along (r + 0.5) / RAYS of a turn.
+    """
+    angle = 2.0 * np.pi * (np.arange(RAYS) + 0.5) / RAYS
+    k = np.arange(1, MOST_CELLS + 1)
+    way = np.stack([np.cos(angle), np.sin(angle)], 1)[:, None] * k[:, None]
+    cell = np.floor(way + 0.5).astype(np.int32)
+    area = np.tile(k * CELL_M * CELL_M * 2.0 * np.pi / RAYS, (RAYS, 1))
+    area[:, 1:][(cell[:, 1:] == cell[:, :-1]).all(-1)] = 0.0
+    return cell, area
+
+
+RAY_CELL, RAY_AREA = _rays()
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
-def space_gain(
-    nodes: I32, cells: Any, half: int, reach: tuple[int, float], weight: tuple[float, float], out: F64
-) -> None:
+def space_gain(nodes: I32, cells: Any, reach: tuple[int, float], weight: tuple[float, float], out: F64) -> None:
     """Add to out (n, 4) the weighted square metres that each heading at each node would newly show.
 
     cells = (explored, height, near, stale); reach = (cells, metres): how far unexplored space counts, and how near
@@ -46,52 +63,39 @@ def space_gain(
     """
     for n in range(nodes.shape[0]):
         for ray in range(RAYS):
-            angle = 2.0 * np.pi * (ray + 0.5) / RAYS
             heading = ((ray + RAYS // 8) % RAYS) // (RAYS // 4)
-            out[n, heading] += _ray(nodes[n, 0], nodes[n, 1], np.cos(angle), np.sin(angle), cells, reach, weight, 1.0)
+            out[n, heading] += _ray(nodes[n, 0], nodes[n, 1], ray, cells, reach, weight, 1.0)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def fade_space(i: int, j: int, heading: int, cells: Any, reach: tuple[int, float], factor: float) -> None:
     """Multiply ``stale`` by ``factor`` where a view from here expected to see new space (and evidently cannot)."""
-    for k in range(-RAYS // 8, RAYS // 8):
-        angle = 2.0 * np.pi * (k + 0.5) / RAYS + 0.5 * np.pi * heading
-        _ray(i, j, np.cos(angle), np.sin(angle), cells, reach, (1.0, 1.0), factor)
+    for k in range(RAYS // 4):
+        ray = (heading * (RAYS // 4) + k - RAYS // 8) % RAYS
+        _ray(i, j, ray, cells, reach, (1.0, 1.0), factor)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _ray(
-    i0: int,
-    j0: int,
-    dx: float,
-    dy: float,
-    cells: Any,
-    reach: tuple[int, float],
-    weight: tuple[float, float],
-    factor: float,
+    i0: int, j0: int, ray: int, cells: Any, reach: tuple[int, float], weight: tuple[float, float], factor: float
 ) -> float:
     """Weighted square metres of one ray's share of the circle; multiplies ``stale`` on its way."""
     explored, height, near, stale = cells
-    gain, depth_m = 0.0, 0.0
-    li, lj = i0, j0
-    for k in range(1, reach[0] + 1):
-        i, j = i0 + int(np.floor(k * dx + 0.5)), j0 + int(np.floor(k * dy + 0.5))
+    gain, trust, far_m = 0.0, 1.0, reach[1] + 0.25
+    near_cells = int(reach[1] / CELL_M)
+    for k in range(min(reach[0], MOST_CELLS)):
+        i, j = i0 + RAY_CELL[ray, k, 0], j0 + RAY_CELL[ray, k, 1]
         if i < 1 or j < 1 or i >= explored.shape[0] - 1 or j >= explored.shape[1] - 1:
             break
-        if i == li and j == lj:
-            continue
-        li, lj = i, j
-        r = k * CELL_M
-        area = r * (2.0 * np.pi / RAYS) * CELL_M * stale[i, j]
         tall = height[i, j] >= OPAQUE_M
         if explored[i, j] == 0 and not tall:
-            gain += weight[0] * area * np.exp(-depth_m / DEPTH_SCALE_M)
-            depth_m += CELL_M
+            gain += weight[0] * RAY_AREA[ray, k] * stale[i, j] * trust
+            trust *= DEEPER
             stale[i, j] *= factor
-        elif r <= reach[1] and near[i, j] > reach[1] + 0.25:
-            gain += weight[1] * area
+        elif k < near_cells and near[i, j] > far_m:
+            gain += weight[1] * RAY_AREA[ray, k] * stale[i, j]
             stale[i, j] *= factor
-        if tall or depth_m > DEPTH_LIMIT_M:
+        if tall or trust < LEAST_TRUST:
             break
     return gain
 

@@ -126,7 +126,7 @@ class Viewpoints:
         space = np.zeros((len(nodes), 4))
         cells = (known.explored, known.height, known.near, self.stale)
         reach = (self.costs.space_cells, self.reach_m)
-        kernels.space_gain(nodes, cells, HALF, reach, (expected.unknown_per_m2, expected.near_per_m2), space)
+        kernels.space_gain(nodes, cells, reach, (expected.unknown_per_m2, expected.near_per_m2), space)
         looks = space[:, :, None] * np.array([0.95, 1.0, 0.6])
         opens = np.zeros_like(looks)
         weight = self.weights(places, expected, closed)
