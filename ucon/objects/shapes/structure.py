@@ -1,0 +1,414 @@
+"""Doors, windows, wall items, outdoor structures and vehicles."""
+
+from __future__ import annotations
+
+from ucon.objects.kit import (
+    BLACK, BLUE, BROWN, CREAM, DARK, GREY, NAVY, ORANGE, RED, SILVER, TAN, WHITE, WOOD, YELLOW,
+    Kit, shade, shape,
+)  # fmt: skip
+from ucon.objects.model import Material
+from ucon.objects.shapes.cabinets import hang_below
+from ucon.objects.shapes.casework import tub
+from ucon.objects.shapes.generic import plain
+
+SKY = (170, 206, 236)
+
+
+@shape("door")
+def door(k: Kit) -> None:
+    """A frame around a permanent opening; other doors of the house are closed panels."""
+    x, y, z = k.size
+    if k.name == "door":
+        jamb = 0.04
+        for s in (-1, 1):
+            c, d = sorted((s * y / 2, s * (y / 2 - jamb)))
+            k.box((-x / 2, x / 2), (c, d), (0, z))
+        k.box((-x / 2, x / 2), (-y / 2 + jamb, y / 2 - jamb), (z - jamb, z))
+        return
+    if k.name == "gate":
+        for i in range(6):
+            y0 = -y / 2 + i * y / 6
+            k.box((-x * 0.3, x * 0.3), (y0 + 0.01, y0 + y / 6 - 0.02), (0.08, z), k.color)
+        for low in (0.2, 0.8):
+            k.box((-x / 2, x / 2), (-y / 2, y / 2), (low * z, low * z + 0.09), shade(k.color, 0.8))
+        k.box((-x / 2, x / 2), (-y / 2, -y / 2 + 0.05), (0, 0.1), DARK)
+        return
+    k.box((-x / 2, x * 0.3), (-y / 2, y / 2), (0, z))
+    rows = 4 if k.name == "garage_door" else 1
+    columns = 4 if k.name == "garage_door" else 2
+    for i in range(rows):
+        for j in range(columns):
+            y0, z0 = -y / 2 + j * y / columns, i * z / rows
+            k.box((x * 0.3, x / 2), (y0 + 0.03, y0 + y / columns - 0.03), (z0 + 0.04, z0 + z / rows - 0.04),
+                  shade(k.color, 0.88))  # fmt: skip
+
+
+@shape("window")
+def window(k: Kit) -> None:
+    """A white frame with four bright panes and a sill."""
+    x, y, z = k.size
+    frame = (236, 234, 228)
+    k.box((-x / 2, 0), (-y / 2 + 0.05, y / 2 - 0.05), (0.06, z - 0.05), SKY, Material.GLASS)
+    for s in (-1, 1):
+        c, d = sorted((s * y / 2, s * (y / 2 - 0.06)))
+        k.box((-x / 2, x * 0.3), (c, d), (0.03, z), frame)
+    k.box((-x / 2, x * 0.3), (-y / 2 + 0.06, y / 2 - 0.06), (z - 0.06, z), frame)
+    k.box((-x / 2, x / 2), (-y / 2, y / 2), (0, 0.06), frame)
+    k.box((-x / 2, x * 0.2), (-0.02, 0.02), (0.06, z - 0.06), frame)
+    k.box((-x / 2, x * 0.15), (-y / 2 + 0.06, y / 2 - 0.06), (z * 0.6, z * 0.6 + 0.035), frame)
+
+
+@shape("curtain")
+def curtain(k: Kit) -> None:
+    """Cloth in folds from a rail; blinds and shutters have slats."""
+    x, y, z = k.size
+    if k.name != "curtain":
+        count = 9
+        k.box((-x / 2, -x * 0.1), (-y / 2, y / 2), (0, z), shade(k.color, 0.86), Material.PLAIN)
+        for i in range(count):
+            low = (i + 0.1) * z / count
+            k.box((-x * 0.1, x / 2), (-y / 2, y / 2), (low, low + 0.75 * z / count), k.color, Material.PLAIN)
+        hang_below(k, 0.3)
+        return
+    k.cyl((-x * 0.2, x * 0.2), (-y / 2, y / 2), (z - 0.03, z), BROWN, Material.WOOD, axis="y")
+    for s in (-1, 1):
+        for i in range(4):
+            c, d = sorted((s * y / 2 - s * i * y * 0.09, s * y / 2 - s * (i + 1) * y * 0.09))
+            depth = x / 2 if i % 2 else x * 0.3
+            k.box((-x / 2, depth), (c, d), (0, z - 0.03), shade(k.color, 1.0 if i % 2 else 0.86))
+    k.box((-x / 2, -x * 0.4), (-y * 0.14, y * 0.14), (0, z - 0.03), SKY, Material.GLASS)
+
+
+@shape("mirror_wall_panel")
+def mirror(k: Kit) -> None:
+    """Pale glass in a slim frame."""
+    x, y, z = k.size
+    rim = 0.035
+    k.box((-x / 2, x * 0.2), (-y / 2 + rim, y / 2 - rim), (rim, z - rim), (196, 216, 226), Material.GLASS)
+    for s in (-1, 1):
+        c, d = sorted((s * y / 2, s * (y / 2 - rim)))
+        k.box((-x / 2, x / 2), (c, d), (0, z), (150, 118, 78), Material.WOOD)
+    k.box((-x / 2, x / 2), (-y / 2 + rim, y / 2 - rim), (0, rim), (150, 118, 78), Material.WOOD)
+    k.box((-x / 2, x / 2), (-y / 2 + rim, y / 2 - rim), (z - rim, z), (150, 118, 78), Material.WOOD)
+    k.rod((x * 0.22, -y * 0.2, z * 0.5), (x * 0.22, y * 0.1, z * 0.8), (0.004, 0.04), WHITE)
+    hang_below(k, 0.3)
+
+
+@shape("picture_wall_panel")
+def wall_picture(k: Kit) -> None:
+    """A landscape in a frame; a poster has a portrait format and no frame."""
+    x, y, z = k.size
+    poster = k.name == "poster"
+    rim = 0.0 if poster else 0.09 * min(y, z)
+    front = x / 2 if poster else x * 0.25
+    if not poster:
+        wood = (96, 66, 40)
+        for s in (-1, 1):
+            c, d = sorted((s * y / 2, s * (y / 2 - rim)))
+            k.box((-x / 2, x / 2), (c, d), (0, z), wood, Material.WOOD)
+        k.box((-x / 2, x / 2), (-y / 2 + rim, y / 2 - rim), (0, rim), wood, Material.WOOD)
+        k.box((-x / 2, x / 2), (-y / 2 + rim, y / 2 - rim), (z - rim, z), wood, Material.WOOD)
+    y1, z0, z1 = y / 2 - rim, rim, z - rim
+    sky, sun, hill, ground = ((226, 84, 60), WHITE, NAVY, (30, 30, 40)) if poster else (
+        (140, 190, 226), (250, 220, 120), (104, 140, 96), (72, 110, 62))  # fmt: skip
+    middle = z0 + 0.42 * (z1 - z0)
+    k.box((-x / 2, front), (-y1, y1), (middle, z1), sky, Material.PAPER)
+    k.box((-x / 2, front), (-y1, y1), (z0, middle), ground, Material.PAPER)
+    size = 0.14 * min(y, z)
+    lift = min(0.002, 0.2 * x)
+    k.cyl((front - lift, front + lift), (y1 * 0.35 - size, y1 * 0.35 + size), (z1 * 0.78 - size, z1 * 0.78 + size),
+          sun, Material.PAPER, axis="x")  # fmt: skip
+    k.box((front - lift, front + lift), (-y1 * 0.8, y1 * 0.1), (middle, middle + 0.16 * z), hill, Material.PAPER)
+    hang_below(k, 0.3)
+
+
+@shape("clock_wall")
+def wall_clock(k: Kit) -> None:
+    """A white dial in a dark ring with two hands."""
+    k.unit()
+    k.cyl((-0.5, 0.3), (-0.5, 0.5), (0, 1), BLACK, axis="x")
+    k.cyl((0.3, 0.4), (-0.42, 0.42), (0.08, 0.92), WHITE, axis="x")
+    k.box((0.4, 0.5), (-0.02, 0.02), (0.5, 0.82), BLACK)
+    k.box((0.4, 0.5), (0.0, 0.24), (0.48, 0.52), BLACK)
+    for y0, z0 in ((0, 0.84), (0, 0.12), (0.36, 0.48), (-0.4, 0.48)):
+        k.box((0.4, 0.45), (y0 - 0.02, y0 + 0.04), (z0, z0 + 0.04), BLACK)
+
+
+@shape("wall_switch")
+def wall_plate(k: Kit) -> None:
+    """A plate on the wall: rocker, socket holes, or alarm lamp."""
+    k.unit()
+    if k.name == "fire_alarm":
+        k.cyl((-0.5, 0.5), (-0.5, 0.5), (0, 1), WHITE, taper=0.8)
+        k.cyl((-0.1, 0.1), (-0.1, 0.1), (0, 1), RED)
+        return
+    k.box((-0.5, 0.2), (-0.5, 0.5), (0, 1), WHITE)
+    if k.name == "electric_switch":
+        k.box((0.2, 0.5), (-0.24, 0.24), (0.2, 0.8), (214, 214, 210))
+    else:
+        k.cyl((0.2, 0.4), (-0.34, 0.34), (0.16, 0.84), (222, 222, 218), axis="x")
+        for s in (-1, 1):
+            k.cyl((0.4, 0.5), (s * 0.16 - 0.06, s * 0.16 + 0.06), (0.44, 0.56), BLACK, axis="x")
+
+
+@shape("radiator")
+def radiator(k: Kit) -> None:
+    """Ribs between two pipes; boilers and heaters are cabinets of metal."""
+    x, y, z = k.size
+    if k.name == "radiator":
+        count = 9
+        for i in range(count):
+            low = -y / 2 + i * y / count
+            k.box((-x / 2, x / 2), (low, low + 0.72 * y / count), (0, z))
+        k.box((-x * 0.3, x * 0.3), (-y / 2, y / 2), (0.06 * z, 0.12 * z), shade(k.color, 0.85))
+        k.box((-x / 2, x / 2), (-y / 2, y / 2), (z - 0.02, z), shade(k.color, 0.95))
+        k.top_surface(0.005, clearance=0.5)
+        hang_below(k, 0.14)
+    elif k.name == "sauna_heater":
+        k.box((-x / 2, x / 2), (-y / 2, y / 2), (0.12, 0.85 * z), GREY, Material.METAL)
+        k.box((-x * 0.4, x * 0.4), (-y * 0.4, y * 0.4), (0, 0.12), BLACK)
+        for i in range(5):
+            y0 = (-0.4 + 0.17 * i) * y
+            k.ball((-x * 0.4, x * 0.4), (y0, y0 + 0.16 * y), (0.72 * z, z), (90, 86, 82))
+        k.surface((-x * 0.4, x * 0.4), (-y * 0.4, y * 0.4), z)
+    elif k.name == "boiler":
+        k.cyl((-x / 2, x / 2 - 0.02), (-y / 2, y / 2), (0.08, 0.92 * z), SILVER, Material.METAL)
+        k.cyl((-x * 0.4, x * 0.4), (-y * 0.4, y * 0.4), (0, 0.08), DARK)
+        k.cyl((-0.05, 0.05), (-0.05, 0.05), (0.92 * z, z), (184, 112, 68), Material.METAL)
+        k.box((x / 2 - 0.05, x / 2), (-0.09, 0.09), (0.3 * z, 0.5 * z), DARK)
+    else:
+        k.box((-x / 2, x / 2), (-y / 2, y / 2), (0.3 * z, z))
+        for i in range(4):
+            x0 = (-0.4 + 0.22 * i) * x
+            k.box((x0, x0 + 0.12 * x), (-y * 0.42, y * 0.42), (0, 0.3 * z), shade(k.color, 0.75))
+
+
+@shape("fireplace")
+def fireplace(k: Kit) -> None:
+    """Brick pillars, a mantel, a dark hearth with logs and flames."""
+    x, y, z = k.size
+    mantel = z - 0.1
+    for s in (-1, 1):
+        c, d = sorted((s * y * 0.48, s * y * 0.26))
+        k.box((-x / 2, x / 2 - 0.08), (c, d), (0, mantel), k.color, Material.TILE)
+    k.box((-x / 2, x / 2 - 0.08), (-y * 0.26, y * 0.26), (0.72 * z, mantel), k.color, Material.TILE)
+    k.box((-x / 2, -x / 2 + 0.06), (-y * 0.26, y * 0.26), (0, 0.72 * z), (44, 38, 36))
+    k.box((-x / 2 + 0.06, x / 2), (-y * 0.26, y * 0.26), (0, 0.05), (80, 76, 74), Material.CONCRETE)
+    k.box((-x / 2, x / 2), (-y / 2, y / 2), (mantel, z), (236, 230, 220))
+    for i in range(3):
+        y0 = (-0.14 + 0.09 * i) * y
+        k.cyl((-0.1, 0.1), (y0, y0 + 0.1), (0.05, 0.15), BROWN, Material.WOOD, axis="x")
+        k.cyl((-0.08, 0.08), (y0, y0 + 0.14), (0.15, 0.34 + 0.08 * (i == 1)), ORANGE, taper=0.1)
+    k.surface((-x / 2 + 0.05, x / 2 - 0.02), (-y / 2 + 0.05, y / 2 - 0.05), z)
+
+
+@shape("fence")
+def fence(k: Kit) -> None:
+    """Posts and two rails."""
+    x, y, z = k.size
+    if k.name == "turnstile":
+        for s in (-1, 1):
+            c, d = sorted((s * y / 2, s * y * 0.34))
+            k.box((-x / 2, x / 2), (c, d), (0, z), SILVER, Material.METAL)
+        for i in range(3):
+            k.box(
+                (-0.03, 0.03),
+                (-y * 0.34, -y * 0.02),
+                (z * (0.5 + 0.15 * i), z * (0.54 + 0.15 * i)),
+                GREY,
+                Material.METAL,
+            )
+        return
+    count = max(2, round(y / 0.8) + 1)
+    for i in range(count):
+        y0 = -y / 2 + i * (y - 0.1) / (count - 1)
+        k.box((-x / 2, x / 2), (y0, y0 + 0.1), (0, z))
+    for low in (0.35, 0.75):
+        k.box((-x * 0.25, x * 0.25), (-y / 2, y / 2), (low * z, low * z + 0.1), shade(k.color, 0.9))
+    k.surface((-x / 2, x / 2), (-y / 2, -y / 2 + 0.1), z)
+
+
+@shape("fire_extinguisher")
+def fire_extinguisher(k: Kit) -> None:
+    """A red cylinder with a black head and hose."""
+    k.unit()
+    k.cyl((-0.4, 0.4), (-0.5, 0.3), (0, 0.72), RED)
+    k.ball((-0.4, 0.4), (-0.5, 0.3), (0.62, 0.84), RED)
+    k.cyl((-0.12, 0.12), (-0.2, 0.0), (0.82, 0.9), BLACK)
+    k.box((-0.3, 0.5), (-0.2, 0.0), (0.9, 1.0), BLACK)
+    k.path([(0.2, -0.1, 0.9), (0.2, 0.42, 0.8), (0.1, 0.44, 0.3)], 0.018, BLACK)
+    k.box((0.36, 0.42), (-0.35, 0.15), (0.3, 0.55), WHITE)
+
+
+@shape("vehicle")
+def vehicle(k: Kit) -> None:
+    """Body, cabin with open windows, four wheels, lamps. Along y; the seats can be looked into."""
+    x, y, z = k.size
+    rv, truck = k.name == "recreational_vehicle", k.name == "pickup_truck"
+    wheel = min(0.36, 0.24 * z + 0.02)
+    floor = wheel * 0.7
+    belt = (0.45 if rv else 0.5 if truck else 0.55) * z
+    k.box((-x / 2 + 0.02, x / 2 - 0.02), (-y / 2, y / 2), (floor, belt - 0.14))
+    for s in (-1, 1):
+        c, d = sorted((s * (x / 2 - 0.02), s * (x / 2 - 0.12)))
+        k.box((c, d), (-y / 2, y / 2), (belt - 0.14, belt))
+    cabin = (-y * 0.5, y * 0.3) if rv else (-y * 0.12, y * 0.22) if truck else (-y * 0.36, y * 0.2)
+    k.box((-x / 2 + 0.12, x / 2 - 0.12), (cabin[1], y / 2), (belt - 0.14, belt))
+    if not rv:
+        k.box((-x / 2 + 0.12, x / 2 - 0.12), (-y / 2, -y / 2 + 0.1 if truck else cabin[0]), (belt - 0.14, belt))
+    for fy in cabin:
+        y0 = fy if fy < 0 else fy - 0.1
+        for s in (-1, 1):
+            c, d = sorted((s * (x / 2 - 0.06), s * (x / 2 - 0.14)))
+            k.box((c, d), (y0, y0 + 0.1), (belt, z - 0.08))
+    k.box((-x / 2 + 0.06, x / 2 - 0.06), cabin, (z - 0.08, z), shade(k.color, 0.95))
+    for s in (-1, 1):
+        for fy in (-0.32, 0.3):
+            c, d = sorted((s * x / 2, s * (x / 2 - 0.2)))
+            k.cyl((c, d), (fy * y - wheel, fy * y + wheel), (0, 2 * wheel * 0.98), BLACK, axis="x")
+    k.box((-x * 0.4, x * 0.4), (y / 2 - 0.01, y / 2 + 0.0), (belt - 0.3, belt - 0.2), CREAM)
+    inner = (cabin[0] + 0.1, cabin[1] - 0.1)
+    k.space((-x / 2 + 0.14, x / 2 - 0.14), inner, (belt - 0.14, z - 0.1))
+
+
+@shape("boat")
+def boat(k: Kit) -> None:
+    """A hull pointed at both ends with an open middle."""
+    k.unit()
+    k.box((-0.3, 0.3), (-0.4, 0.4), (0, 0.2))
+    for s in (-1, 1):
+        c, d = sorted((s * 0.5, s * 0.4))
+        k.box((-0.3, 0.3), (c, d), (0.1, 1 if k.name == "skiff" else 0.85))
+    k.wedge((0.3, 0.5), (-0.4, 0.4), (0.1, 0.9), shade(k.color, 0.9))
+    k.wedge((-0.5, -0.3), (-0.4, 0.4), (0.1, 0.9), shade(k.color, 0.9), flip=True)
+    k.box((-0.06, 0.06), (-0.42, 0.42), (0.5, 0.6), shade(k.color, 0.7))
+    if k.name == "kayak":
+        k.box((-0.3, 0.3), (-0.02, 0.02), (0.95, 1.0), TAN)
+
+
+@shape("bicycle")
+def bicycle(k: Kit) -> None:
+    """Two wheels, a frame, saddle and handlebar; along y, front at +y."""
+    x, y, z = k.size
+    r = 0.32 * z
+    for s in (-1, 1):
+        cy = s * (y / 2 - r)
+        k.cyl((-0.02, 0.02), (cy - r, cy + r), (0, 2 * r), BLACK, axis="x")
+        k.cyl((-0.024, 0.024), (cy - r * 0.82, cy + r * 0.82), (0.18 * r, 1.82 * r), (206, 208, 212), axis="x")
+    rear, front = -(y / 2 - r), y / 2 - r
+    pedal, saddle, head = (0.0, -0.06, r * 0.9), (0.0, rear * 0.4, z * 0.84), (0.0, front * 0.7, z * 0.82)
+    for a, b in ((pedal, saddle), (saddle, head), (pedal, head), (pedal, (0, rear, r)), (saddle, (0, rear, r)),
+                 (head, (0, front, r))):  # fmt: skip
+        k.rod(a, b, 0.035)
+    k.box((-0.06, 0.06), (saddle[1] - 0.14, saddle[1] + 0.1), (z * 0.84, z * 0.9), BLACK)
+    k.rod(head, (0, front * 0.62, z * 0.98), 0.03, SILVER)
+    k.box((-x / 2, x / 2), (front * 0.6, front * 0.6 + 0.03), (z - 0.03, z), BLACK)
+    k.box((-0.12, 0.12), (-0.09, -0.03), (r * 0.85, r * 0.95), DARK)
+
+
+@shape("playground", "sandbox", "swing")
+def playground(k: Kit) -> None:
+    """A tower with slide, a sandpit, or a swing."""
+    x, y, z = k.size
+    if k.name == "sandbox":
+        ix, iy = tub(k, (-x / 2, x / 2), (-y / 2, y / 2), (0, z), 0.12, 0.6 * z, WOOD, (222, 196, 140))
+        k.space(ix, iy, (0.6 * z, 1.5 * z))
+        k.surface(ix, iy, 0.6 * z)
+        return
+    for sx in (-1, 1):
+        a, b = sorted((sx * x / 2, sx * (x / 2 - 0.08)))
+        for sy in (-1, 1):
+            c, d = sorted((sy * y / 2, sy * (y / 2 - 0.08))) if k.name == "swing" else sorted((0.0, sy * 0.08))
+            if k.name == "playground":
+                c, d = (-y * 0.5, -y * 0.5 + 0.1) if sy < 0 else (0.0, 0.1)
+            k.box((a, b), (c, d), (0, z), shade(k.color, 0.8) if k.name == "swing" else RED)
+    if k.name == "swing":
+        k.box((-x / 2, x / 2), (-y / 2, y / 2), (z - 0.08, z))
+        for s in (-1, 1):
+            k.box((-0.012, 0.012), (s * 0.2 - 0.012, s * 0.2 + 0.012), (0.5, z - 0.08), GREY)
+        k.box((-0.1, 0.1), (-0.24, 0.24), (0.46, 0.5), YELLOW)
+        return
+    k.box((-x / 2, x / 2), (-y / 2, 0.1), (0.44 * z, 0.48 * z), WOOD, Material.WOOD)
+    k.box((-x / 2, x / 2), (-y / 2, 0.1), (0.86 * z, 0.92 * z), BLUE)
+    k.rod((0.0, 0.1, 0.46 * z), (0.0, y / 2 - 0.12, 0.08), (0.06, 0.6), YELLOW)
+    k.box((-0.3, 0.3), (y / 2 - 0.3, y / 2), (0, 0.06), YELLOW)
+    k.surface((-x / 2 + 0.1, x / 2 - 0.1), (-y / 2 + 0.1, -0.1), 0.48 * z, 0.8)
+
+
+@shape("stairs")
+def stairs(k: Kit) -> None:
+    """Steps rising towards the back; a railing lies as posts and a rail."""
+    x, y, z = k.size
+    if k.name == "railing":
+        k.box((-x / 2, x / 2), (-y / 2, -y / 2 + 0.05), (0, z))
+        k.box((-x / 2, x / 2), (y / 2 - 0.05, y / 2), (0, z))
+        for i in range(6):
+            x0 = -x / 2 + i * (x - 0.04) / 5
+            k.box((x0, x0 + 0.04), (-y / 2 + 0.05, y / 2 - 0.05), (0.2 * z, 0.8 * z), WHITE)
+        k.surface((-x / 2, x / 2), (-y / 2, -y / 2 + 0.05), z)
+        return
+    count = max(3, min(10, round(z / 0.18)))
+    for i in range(count):
+        y0 = -y / 2 + i * y / count
+        k.box((-x / 2, x / 2), (y0, y0 + y / count), (0, (i + 1) * z / count), shade(k.color, 0.9 + 0.1 * (i % 2)))
+    k.surface((-x / 2 + 0.02, x / 2 - 0.02), (-y / 2 + 0.02, -y / 2 + y / count - 0.005), z / count)
+
+
+@shape("tent")
+def tent(k: Kit) -> None:
+    """Two sloping sides, closed at the back, open in front."""
+    x, y, z = k.size
+    for s in (-1, 1):
+        k.rod((0, s * (y / 2 - 0.02), 0.02), (0, 0.0, z - 0.02), (x, 0.025), k.color, Material.FABRIC)
+    k.box((-x / 2, x / 2), (-y / 2, y / 2), (0, 0.01), shade(k.color, 0.6), Material.FABRIC)
+    k.box((-x / 2, -x / 2 + 0.02), (-y * 0.3, y * 0.3), (0.01, z * 0.4), shade(k.color, 0.85), Material.FABRIC)
+    k.box((-x / 2, -x / 2 + 0.02), (-y * 0.15, y * 0.15), (z * 0.4, z * 0.7), shade(k.color, 0.85), Material.FABRIC)
+    k.box((x / 2 - 0.03, x / 2), (-0.02, 0.02), (z * 0.9, z), DARK)
+    k.space((-x / 2 + 0.05, x / 2 - 0.05), (-y * 0.22, y * 0.22), (0.01, z * 0.4))
+    k.surface((-x / 2 + 0.05, x / 2 - 0.05), (-y * 0.22, y * 0.22), 0.01, z * 0.4)
+
+
+@shape("tree")
+def tree(k: Kit) -> None:
+    """A trunk with a round crown; a bush is the crown alone."""
+    k.unit()
+    if k.name == "bush":
+        k.ball((-0.5, 0.3), (-0.5, 0.2), (0, 0.8))
+        k.ball((-0.2, 0.5), (-0.2, 0.5), (0, 0.75), shade(k.color, 0.85), Material.PLANT)
+        k.ball((-0.35, 0.35), (-0.35, 0.35), (0.2, 1.0), shade(k.color, 1.12), Material.PLANT)
+        return
+    k.cyl((-0.08, 0.08), (-0.08, 0.08), (0, 0.55), (96, 68, 46), Material.WOOD, taper=0.7)
+    k.ball((-0.5, 0.4), (-0.45, 0.4), (0.34, 0.8))
+    k.ball((-0.3, 0.5), (-0.3, 0.5), (0.4, 0.82), shade(k.color, 0.88), Material.PLANT)
+    k.ball((-0.36, 0.36), (-0.36, 0.36), (0.55, 1.0), shade(k.color, 1.1), Material.PLANT)
+
+
+@shape("rock")
+def rock(k: Kit) -> None:
+    """A boulder."""
+    k.unit()
+    k.ball((-0.5, 0.4), (-0.5, 0.4), (-0.3, 0.9), k.color, Material.CONCRETE)
+    k.ball((-0.2, 0.5), (-0.3, 0.5), (-0.2, 0.7), shade(k.color, 0.9), Material.CONCRETE)
+    k.box((-0.25, 0.15), (-0.25, 0.15), (0.0, 0.96), shade(k.color, 1.08), Material.CONCRETE)
+    x, y, z = k.size
+    k.surface((-x * 0.2, x * 0.1), (-y * 0.2, y * 0.1), z)
+
+
+@shape("floor", "wall", "ceiling")
+def slab(k: Kit) -> None:
+    """Pieces of the building that stand alone."""
+    material = {
+        "lawn": Material.GRASS, "greenery": Material.GRASS, "driveway": Material.CONCRETE, "floors": Material.PARQUET,
+        "walls": Material.PLASTER, "pillar": Material.PLASTER, "ceilings": Material.PLASTER, "roof": Material.TILE,
+        "structural_element": Material.CONCRETE,
+    }.get(k.name, Material.PLAIN)  # fmt: skip
+    k.material = material
+    if k.name == "room_divider":
+        x, y, z = k.size
+        for i in range(3):
+            low = -y / 2 + i * y / 3
+            k.box((-x / 2, x / 2), (low, low + y / 3 - 0.01), (0.04, z), shade(k.color, 0.92 + 0.08 * (i % 2)))
+            k.box((-x / 2, x / 2), (low, low + 0.03), (0, 0.04), DARK)
+        k.box((-x * 0.3, x * 0.3), (-y / 2, y / 2), (0.1, 0.14), DARK)
+        return
+    plain(k)
