@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -33,11 +34,8 @@ class Detections:
 
     @classmethod
     def from_info(cls, info: Mapping[str, Any]) -> Detections:
-        """Read an environment's ``info["detections"]`` and ``info["tracks"]``."""
+        """Read an environment's ``info["detections"]`` (an object or a mapping) and ``info["tracks"]``."""
         raw = info["detections"]
-        return cls(
-            np.asarray(raw["track"], np.int32),
-            list(raw["category"]),
-            np.asarray(raw["pixels"], np.int32),
-            info["tracks"],
-        )
+        field = raw.__getitem__ if isinstance(raw, Mapping) else partial(getattr, raw)
+        track, pixels = np.asarray(field("track"), np.int32), np.asarray(field("pixels"), np.int32)
+        return cls(track, list(field("category")), pixels, info["tracks"])
