@@ -17,7 +17,7 @@ from hydra.core.hydra_config import HydraConfig
 from omegaconf import DictConfig, OmegaConf
 from rich.console import Console
 
-from ucon.commands.entry import run_entry
+from ucon.commands.entry import one_line_errors, run_entry
 from ucon.commands.wiring import Factory
 from ucon.core.errors import ConfigError
 from ucon.evaluation.folder import RunFolder
@@ -31,10 +31,15 @@ from ucon.task.sets import load_episodes
 
 @hydra.main(version_base="1.3", config_path="configs", config_name="eval")
 def main(cfg: DictConfig) -> None:
-    """Play what is missing in the output folder, then write and print the results."""
+    """One run; Hydra calls it once for each combination of a sweep."""
+    with one_line_errors("eval"):
+        evaluate_and_report(cfg, Path(HydraConfig.get().runtime.output_dir))
+
+
+def evaluate_and_report(cfg: DictConfig, out: Path) -> None:
+    """Play what is missing in the output folder ``out``, then write and print the results."""
     config: dict[str, Any] = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)  # type: ignore[assignment]
     episodes = chosen_episodes(config["episodes"], config["limit"])
-    out = Path(HydraConfig.get().runtime.output_dir)
     folder = RunFolder(out, run_hashes(config, episodes))
     done = folder.open()
     played, seconds = play_missing(config, episodes, folder, done, out)

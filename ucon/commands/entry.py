@@ -1,4 +1,4 @@
-"""What ``eval.py`` and ``train.py`` share: errors in one line, and the comparison at the end of a sweep."""
+"""What ``eval.py`` and ``train.py`` share: errors in one line, with the nearest names that exist."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import os
 import re
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from ucon.core.errors import UconError, unknown_name
 
@@ -16,24 +17,45 @@ USER_ERROR, INTERRUPTED = 2, 130
 
 
 def run_entry(main: Callable[[], Any], config_name: str) -> None:
-    """Run a Hydra main. Errors that a user can mend end in one line and exit code 2; bugs keep their traceback."""
-    os.environ.setdefault("HYDRA_FULL_ERROR", "1")  # Hydra would print its own text and exit
+    """Run a Hydra main whose errors of composition, and of :func:`one_line_errors`, end in one line."""
+    os.environ.setdefault("HYDRA_FULL_ERROR", "1")  # else Hydra prints its own text and exits
+    from hydra.errors import HydraException
+
+    try:
+        main()
+    except HydraException as error:
+        _end(explain(error, _configs(), config_name), USER_ERROR)
+    except KeyboardInterrupt:
+        _end("interrupted", INTERRUPTED)
+
+
+@contextmanager
+def one_line_errors(config_name: str) -> Iterator[None]:
+    """Inside a Hydra main: errors that a user can mend end the program in one line with exit code 2.
+
+    Leaving by SystemExit keeps Hydra from adding lines of its own. Bugs keep their traceback.
+    """
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
 
     try:
-        main()
+        yield
     except UconError as error:
         _end(str(error), USER_ERROR)
-    except KeyboardInterrupt:
-        _end("interrupted; the same command with the same out= goes on from here", INTERRUPTED)
     except (HydraException, OmegaConfBaseException) as error:
-        _end(explain(error, Path(sys.argv[0]).resolve().parent / "configs", config_name), USER_ERROR)
+        _end(explain(error, _configs(), config_name), USER_ERROR)
+    except KeyboardInterrupt:
+        _end("interrupted; what is finished is kept: the same command with the same out= goes on", INTERRUPTED)
 
 
 def explain(error: BaseException, configs: Path, config_name: str) -> str:
     """One line for a configuration error, with the nearest names that exist."""
     text = str(error)
+    if type(error).__name__ in ("MissingMandatoryValue", "InterpolationToMissingValueError"):
+        key = getattr(error, "full_key", None) or text.rsplit(" ", 1)[-1]
+        return f"{key} has no value; give {key}=..."
+    if override := getattr(error, "override", None):
+        return f"cannot read '{override}': {text.splitlines()[0]}; expected name=value, quoted where it has brackets"
     if found := re.search(r"Could not find '([^']+)/([^'/]+)'", text):
         group, name = found.groups()
         return unknown_name(group, name, [p.stem for p in (configs / group).glob("*.yaml")])
@@ -41,19 +63,7 @@ def explain(error: BaseException, configs: Path, config_name: str) -> str:
         return unknown_name("option", found[1], _options(configs, config_name))
     if found := re.search(r"Key '([^']+)' (?:is not in struct|not in)[\s\S]*full_key: (\S+)", text):
         return unknown_name("option", found[2], _options(configs, config_name))
-    if found := re.search(r"Missing mandatory value: (\S+)", text):
-        return f"{found[1]} has no value; give {found[1]}=..."
     return " ".join(line.strip() for line in text.splitlines()[:2] if line.strip())
-
-
-class CompareAtEnd:
-    """Hydra callback: after a sweep, one table of all runs and the paired differences that answer its question."""
-
-    def on_multirun_end(self, config: Any, **_: Any) -> None:
-        """Print the tables of the sweep's folder."""
-        from ucon.commands.compare import print_sweep
-
-        print_sweep(Path(config.hydra.sweep.dir))
 
 
 def _options(configs: Path, config_name: str) -> list[str]:
@@ -69,6 +79,11 @@ def _options(configs: Path, config_name: str) -> list[str]:
     return sorted({*groups, *_keys(config)})
 
 
+def _configs() -> Path:
+    """Folder of the configurations: beside the script."""
+    return Path(sys.argv[0]).resolve().parent / "configs"
+
+
 def _keys(node: Any, prefix: str = "") -> Iterator[str]:
     if isinstance(node, dict):
         for key, value in node.items():
@@ -77,7 +92,7 @@ def _keys(node: Any, prefix: str = "") -> Iterator[str]:
                 yield from _keys(value, f"{prefix}{key}.")
 
 
-def _end(message: str, code: int) -> None:
+def _end(message: str, code: int) -> NoReturn:
     sys.stdout.flush()
     print(f"error: {message}", file=sys.stderr)
     sys.exit(code)

@@ -1,0 +1,91 @@
+"""The command line as a user meets it: in processes of its own."""
+
+import re
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from ucon.__main__ import COMMANDS
+from ucon.commands.doctor import read_pins
+
+ROOT = Path(__file__).parents[2]
+
+
+def run(*words: str, script: tuple[str, ...] = ("-m", "ucon"), cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, *script, *words], cwd=cwd, capture_output=True, text=True, timeout=120)
+
+
+def user_error(result: subprocess.CompletedProcess[str]) -> str:
+    """The one line that a user's mistake ends in."""
+    lines = result.stderr.strip().splitlines()
+    assert result.returncode == 2, result.stderr
+    assert "Traceback" not in result.stderr
+    assert len(lines) == 1, result.stderr
+    return lines[0]
+
+
+def test_help_names_every_command_in_less_than_half_a_second():
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    result = run("--help")
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    assert result.returncode == 0
+    assert all(name in result.stdout for name in COMMANDS)
+    assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 0.5
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_explains_itself_without_heavy_imports(command):
+    code = (
+        "import sys; from ucon.__main__ import main\n"
+        f"try: main(['{command}', '--help'])\n"
+        "except SystemExit: pass\n"
+        "print(sorted({'torch', 'numba', 'pybullet', 'transformers', 'gymnasium', 'numpy'} & set(sys.modules)))"
+    )
+    result = run(code, script=("-c",))
+    assert f"usage: ucon {command}" in result.stdout, result.stderr
+    assert result.stdout.strip().endswith("[]")
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["doctr"], "did you mean doctor"),
+        (["compare", "nowhere", "else"], r"nowhere/episodes\.jsonl: no such file|nowhere: no such file"),
+        (["compare", "one"], "at least two"),
+        (["habits", "import", "nowhere.json", "--json"], r"nowhere\.json"),
+        (["scenes", "--scene", "Rs_imt"], "Rs_int"),
+        (["episodes", "verify", "nowhere"], "nowhere"),
+    ],
+)
+def test_mistakes_end_in_one_line(words, expected):
+    assert re.search(expected, user_error(run(*words)))
+
+
+@pytest.mark.parametrize(
+    ("overrides", "expected"),
+    [
+        (["agent=fronteir"], "did you mean frontier"),
+        (["habit_level=retreival"], "did you mean retrieval"),
+        (["limti=3"], "did you mean limit"),
+        (["env.hieght_px=3"], r"did you mean env\.height_px"),
+        (["habits=official"], r"give habits\.path="),
+        (["habits=official", "habits.path=nowhere", "workers=0", "limit=1"], "nowhere: no such file"),
+        (["episodes=nowhere"], "nowhere"),
+        (["limit=0"], "from 1 up"),
+        (["workers=many", "limit=1"], "workers=many"),
+        (["limit=[1"], "cannot read 'limit=\\[1'"),
+        (["task=papper"], "did you mean paper"),
+    ],
+)
+def test_eval_mistakes_end_in_one_line(overrides, expected, tmp_path):
+    result = run(*overrides, f"out={tmp_path}/run", "progress=false", script=("eval.py",))
+    assert re.search(expected, user_error(result))
+
+
+def test_pins_follow_this_python():
+    pins = read_pins(ROOT / "constraints.txt")
+    assert pins["torch"] == "2.13.0"
+    assert len([name for name in pins if name == "numpy"]) == 1

@@ -1,0 +1,57 @@
+"""Every file under configs/ composes, and what it describes can be built."""
+
+from pathlib import Path
+
+import pytest
+from hydra import compose, initialize_config_dir
+from omegaconf import OmegaConf
+
+from ucon.commands.wiring import Factory
+from ucon.evaluation.play import Policy
+from ucon.retrieval import Retriever
+
+CONFIGS = Path(__file__).parents[1] / "configs"
+OPTIONS = sorted((p.parent.name, p.stem) for p in CONFIGS.glob("*/*.yaml"))
+MANDATORY = {("habits", "official"): "habits.path=somewhere", ("habits", "folder"): "habits.path=somewhere"}
+
+
+def composed(*overrides: str) -> dict:
+    with initialize_config_dir(str(CONFIGS), version_base="1.3"):
+        config = compose("eval", overrides=[*overrides, "out=runs/test"])
+    return OmegaConf.to_container(config, resolve=True, throw_on_missing=True)
+
+
+@pytest.mark.parametrize(("group", "name"), OPTIONS)
+def test_every_option_composes(group, name):
+    extra = MANDATORY.get((group, name))
+    config = composed(f"{group}={name}", *([extra] if extra else []))
+    assert config["env"]["_target_"].endswith("UcONEnv")
+    assert config["env"]["habit_level"] == config["habit_level"]["name"]
+
+
+@pytest.mark.parametrize("name", [name for group, name in OPTIONS if group == "agent"])
+def test_every_agent_can_be_built(name):
+    agent = Factory(composed(f"agent={name}")["agent"])()
+    assert isinstance(agent.name, str)
+    assert callable(agent.reset)
+    assert callable(agent.act)
+    assert Policy
+
+
+@pytest.mark.parametrize("name", [name for group, name in OPTIONS if group == "retriever"])
+def test_every_retriever_can_be_built(name):
+    retriever: Retriever = Factory(composed(f"retriever={name}")["retriever"])()
+    assert callable(retriever.rank)
+
+
+def test_the_environment_can_be_built_and_reset():
+    config = composed("habit_level=retrieval")
+    env = Factory(config["env"])()
+    _, info = env.reset(options={"episode": 0})
+    assert 0 < len(info["habits"]) <= config["habit_level"]["top_p"]
+    env.close()
+
+
+def test_every_file_says_what_it_is():
+    for path in CONFIGS.rglob("*.yaml"):
+        assert path.read_text().lstrip().startswith("#"), f"{path}: starts with no comment"

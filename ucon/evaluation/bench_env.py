@@ -1,0 +1,101 @@
+"""How fast environments and agents run: steps per CPU second, one process, one core, through the Gymnasium API."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from statistics import median
+from typing import Any
+
+import gymnasium as gym
+
+import ucon.envs  # registers UcON-v0
+from ucon.core.rng import stream
+from ucon.evaluation.play import Policy
+from ucon.task.actions import Action
+from ucon.task.episode import Episode
+
+_STEPS = 600
+#: Chances of the actions of a walk without Done, in the order of :class:`Action`: mostly ahead, as agents move.
+_WALK = (0.55, 0.15, 0.15, 0.06, 0.06, 0.03)
+
+assert ucon.envs  # imported for its effect
+
+
+def bench_environment(episodes: Sequence[Episode], agent: Callable[[], Policy] | None = None) -> dict[str, float]:
+    """The environment's figures of ``python -m ucon bench``.
+
+    Args:
+        episodes: one is taken for each scene; the figure is the median over them, ``..._worst`` the lowest.
+        agent: for ``decisions_per_s``: steps of a whole search, detector, map and choice included.
+    """
+    chosen = list({episode.scene: episode for episode in episodes}.values())[:8]
+    pixels = [_walk(episode, "pixels") for episode in chosen]
+    symbolic = [_walk(episode, "symbolic") for episode in chosen]
+    figures = {
+        "env_pixels_sps": median(pixels),
+        "env_pixels_sps_worst": min(pixels),
+        "env_symbolic_sps": median(symbolic),
+        "env_symbolic_sps_worst": min(symbolic),
+        "env_with_resets_sps": _with_resets(chosen),
+    }
+    if agent is not None:
+        figures["decisions_per_s"] = _decisions(chosen, agent)
+    return {name: round(value, 1) for name, value in figures.items()}
+
+
+def _make(episodes: Sequence[Episode], **options: Any) -> gym.Env[Any, Any]:
+    return gym.make("UcON-v0", episodes=tuple(episodes), disable_env_checker=True, **options)
+
+
+def _walk(episode: Episode, observe: str) -> float:
+    """Steps per CPU second of a random walk, resets not counted."""
+    env = _make([episode], observe=observe)
+    actions = stream(0, "bench", episode.id).choice(len(_WALK), size=_STEPS, p=_WALK).tolist()
+    env.reset(seed=0, options={"episode": 0})
+    for action in (Action.ROTATE_LEFT,) * 4:  # warm up
+        env.step(action)
+    spent = 0.0
+    for action in actions:
+        started = time.process_time()
+        truncated = env.step(action)[3]
+        spent += time.process_time() - started
+        if truncated:
+            env.reset(options={"episode": 0})
+    env.close()
+    return _STEPS / max(spent, 1e-9)
+
+
+def _with_resets(episodes: Sequence[Episode]) -> float:
+    """Steps per CPU second with pixels over whole stored solutions, a reset for each."""
+    env = _make(episodes)
+    env.reset(seed=0, options={"episode": 0})
+    steps = 0
+    started = time.process_time()
+    for _ in range(3):
+        for index, episode in enumerate(episodes):
+            env.reset(options={"episode": index})
+            for digit in episode.solution:
+                env.step(int(digit))
+                steps += 1
+    spent = time.process_time() - started
+    env.close()
+    return steps / max(spent, 1e-9)
+
+
+def _decisions(episodes: Sequence[Episode], make_agent: Callable[[], Policy]) -> float:
+    """Steps per CPU second of an agent's own searches, resets not counted."""
+    agent = make_agent()
+    env = _make(episodes, observe="symbolic", detector=True)
+    decided, spent = 0, 0.0
+    for index in range(len(episodes)):
+        obs, info = env.reset(seed=0, options={"episode": index})
+        started = time.process_time()
+        agent.reset([info])
+        ended = False
+        while not ended:
+            obs, _, terminated, truncated, info = env.step(agent.act([obs], [info])[0])
+            decided, ended = decided + 1, terminated or truncated
+        spent += time.process_time() - started
+    env.close()
+    return decided / max(spent, 1e-9)
