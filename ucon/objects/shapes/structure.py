@@ -3,8 +3,23 @@
 from __future__ import annotations
 
 from ucon.objects.kit import (
-    BLACK, BLUE, BROWN, CREAM, DARK, GREY, NAVY, ORANGE, RED, SILVER, TAN, WHITE, WOOD, YELLOW,
-    Kit, shade, shape,
+    BLACK,
+    BLUE,
+    BROWN,
+    CREAM,
+    DARK,
+    GREY,
+    NAVY,
+    ORANGE,
+    RED,
+    SILVER,
+    TAN,
+    WHITE,
+    WOOD,
+    YELLOW,
+    Kit,
+    shade,
+    shape,
 )  # fmt: skip
 from ucon.objects.model import Material
 from ucon.objects.shapes.cabinets import hang_below
