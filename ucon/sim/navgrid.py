@@ -9,6 +9,7 @@ from ucon.core.errors import SceneError
 from ucon.scenes.spec import GRID_M, HomeSpec
 from ucon.sim.house import NavGrid
 from ucon.sim.paths import components
+from ucon.sim.shapes import item_box
 from ucon.sim.world import World
 
 AGENT_RADIUS_M = 0.18
@@ -77,5 +78,20 @@ def main_component(free: NDArray[np.bool_], name: str) -> NDArray[np.bool_]:
 def nav_grid(world: World) -> NavGrid:
     """Build the grid of a world with everything closed."""
     origin, rooms = room_grid(world.spec)
-    free = main_component(free_cells(world, origin, rooms), world.spec.name)
-    return NavGrid(origin, free, rooms)
+    free = free_cells(world, origin, rooms)
+    free &= ~_enclosed(free, origin, world.spec)
+    return NavGrid(origin, main_component(free, world.spec.name), rooms)
+
+
+def _enclosed(free: NDArray[np.bool_], origin: tuple[float, float], spec: HomeSpec) -> NDArray[np.bool_]:
+    """Pockets that lie wholly within the footprint of one item (a shower stall, a pen): nobody stands in there."""
+    labels = components(free)
+    inside = np.zeros(free.shape, bool)
+    boxes = np.array([item_box(item) for item in spec.items]).reshape(-1, 6)
+    for number in range(int(labels.max(initial=-1)) + 1):
+        cells = np.argwhere(labels == number)
+        xy = np.asarray(origin) + (cells + 0.5) * GRID_M
+        low, high = xy.min(axis=0), xy.max(axis=0)
+        if ((boxes[:, :2] <= low) & (high <= boxes[:, 3:5])).all(axis=1).any():
+            inside |= labels == number
+    return inside
