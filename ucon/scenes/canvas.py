@@ -13,9 +13,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.core.geometry import HEADING_COS, HEADING_SIN
 from ucon.objects.model import Box3, Vec3
-from ucon.scenes.grid import count_reached, flood
+from ucon.scenes.grid import FLAT_M, allowed, flood, turned
 from ucon.scenes.spec import GRID_M, WALL_THICKNESS_M, Item
 
 Boxes = NDArray[np.float64]
@@ -25,14 +24,9 @@ Score = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 CLEARANCE_M = 0.18
 BODY_Z_M = (0.05, 1.8)
-TOUCH_M = 0.002
-FLAT_M = 0.02
-"""Lower than this is walked over: carpets."""
 STEP_M = 0.125
 MAX_TRIES = 14
 MIN_NODES = 5
-_THICKER = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.1])
-"""Carpets are thinner than the overlap that is forgiven."""
 
 
 @dataclass
@@ -73,28 +67,6 @@ def piece_box(piece: Piece) -> Box3:
     return (piece.x - sx / 2, piece.y - sy / 2, piece.z, piece.x + sx / 2, piece.y + sy / 2, piece.z + sz)
 
 
-def turned(boxes: Boxes, quarter_turns: int) -> Boxes:
-    """Boxes (n, 6) rotated about the origin."""
-    c, s = HEADING_COS[quarter_turns % 4], HEADING_SIN[quarter_turns % 4]
-    x = boxes[:, [0, 3]] * c, boxes[:, [0, 3]] * s
-    y = boxes[:, [1, 4]] * c, boxes[:, [1, 4]] * s
-    xs = np.stack([x[0][:, 0] - y[1][:, 0], x[0][:, 1] - y[1][:, 1]], 1)
-    ys = np.stack([x[1][:, 0] + y[0][:, 0], x[1][:, 1] + y[0][:, 1]], 1)
-    out = boxes.copy()
-    out[:, 0], out[:, 3] = xs.min(1), xs.max(1)
-    out[:, 1], out[:, 4] = ys.min(1), ys.max(1)
-    return out
-
-
-def _hit(a: Boxes, b: Boxes) -> NDArray[np.bool_]:
-    """Whether any box of each pose a (n, m, 6) overlaps any of b (k, 6), (n,)."""
-    if a.shape[1] == 0 or len(b) == 0:
-        return np.zeros(len(a), bool)
-    lo = np.maximum(a[:, :, None, :3], b[None, None, :, :3])
-    hi = np.minimum(a[:, :, None, 3:], b[None, None, :, 3:])
-    return ((hi - lo) > TOUCH_M).all(-1).any((1, 2))
-
-
 class Canvas:
     """A room to furnish. ``inner`` is its free floor (x0, y0, x1, y1) in metres."""
 
@@ -103,14 +75,12 @@ class Canvas:
         room: int,
         rect: tuple[float, float, float, float],
         wall_height_m: float,
-        rng: np.random.Generator,
     ) -> None:
         self.room = room
         self.rect = rect
         self.wall_height_m = wall_height_m
         half = WALL_THICKNESS_M / 2
         self.inner = (rect[0] + half, rect[1] + half, rect[2] - half, rect[3] - half)
-        self.rng = rng
         self.items: list[Item] = []
         self.solids: Boxes = np.zeros((0, 6))
         self.voids: Boxes = np.zeros((0, 6))
@@ -193,47 +163,18 @@ class Canvas:
         if not len(poses):
             return False
         local, voids = group.boxes(), np.array(group.voids, float).reshape(-1, 6)
-        bad = np.zeros(len(poses), bool)
-        world = np.empty((len(poses), len(local), 6))
-        world_voids = np.empty((len(poses), len(voids), 6))
-        shift = np.zeros((len(poses), 1, 6))
-        shift[:, 0, 0] = shift[:, 0, 3] = poses[:, 0]
-        shift[:, 0, 1] = shift[:, 0, 4] = poses[:, 1]
-        for turn in np.unique(poses[:, 2]):
-            rows = poses[:, 2] == turn
-            world[rows] = turned(local, int(turn))[None] + shift[rows]
-            world_voids[rows] = turned(voids, int(turn))[None] + shift[rows]
-        bad |= self._outside(world, 1e-5) | self._outside(world_voids, 0.051)
-        solid_rows = local[:, 5] - local[:, 2] > FLAT_M
-        if not bad.all():
-            ok = np.flatnonzero(~bad)
-            hit = _hit(world[ok][:, solid_rows], self._raised())
-            if not solid_rows.all():
-                hit |= _hit(world[ok][:, ~solid_rows] + _THICKER, self._flat() + _THICKER)
-            hit |= _hit(world[ok][:, solid_rows], self.voids) | _hit(world_voids[ok], self._raised())
-            bad[ok[hit]] = True
-        order = np.flatnonzero(~bad)
+        good = allowed(poses, local, voids, self.solids, self.voids, np.array(self.inner), self.wall_height_m)
+        order = np.flatnonzero(good)
         order = order[np.argsort(cost[order], kind="stable")]
         stands = walkable and bool((local[:, 2] < BODY_Z_M[1]).any())
         far = order[MAX_TRIES // 2 :: max(1, 2 * len(order) // MAX_TRIES)]
         for index in np.append(order[: MAX_TRIES // 2], far):
-            if not stands or self._walkable(group, world[index], poses[index]):
-                self._commit(group, world[index], world_voids[index], poses[index])
+            x, y, turn = float(poses[index, 0]), float(poses[index, 1]), int(poses[index, 2])
+            world = turned(local, x, y, turn)
+            if not stands or self._walkable(group, world, poses[index]):
+                self._commit(group, world, turned(voids, x, y, turn), poses[index])
                 return True
         return False
-
-    def _flat(self) -> Boxes:
-        return self.solids[self.solids[:, 5] - self.solids[:, 2] <= FLAT_M]
-
-    def _raised(self) -> Boxes:
-        return self.solids[self.solids[:, 5] - self.solids[:, 2] > FLAT_M]
-
-    def _outside(self, boxes: Boxes, slack: float) -> NDArray[np.bool_]:
-        x0, y0, x1, y1 = self.inner
-        out = (boxes[..., 0] < x0 - slack) | (boxes[..., 3] > x1 + slack)
-        out |= (boxes[..., 1] < y0 - slack) | (boxes[..., 4] > y1 + slack)
-        out |= boxes[..., 5] > self.wall_height_m + 1e-6
-        return out.any(1)
 
     def _blocked(self, boxes: Boxes) -> NDArray[np.bool_]:
         """Nodes within 0.18 m of boxes that a body would hit."""
@@ -246,7 +187,7 @@ class Canvas:
         free = self.free & ~self._blocked(boxes)
         fronts = self.fronts + self._fronts(group, pose)
         reached = self.reached(free)
-        if reached is None or count_reached(free, reached) != 0 or int(reached.sum()) < MIN_NODES:
+        if reached is None or (free & ~reached).any() or int(reached.sum()) < MIN_NODES:
             return False
         return all(self._in_front(reached, front) for front in fronts)
 
@@ -267,8 +208,8 @@ class Canvas:
 
     def _fronts(self, group: Group, pose: NDArray[np.float64]) -> list[tuple[float, float, float, float]]:
         rows = np.array([(f[0], f[1], 0.0, f[2], f[3], 1.0) for f in group.fronts]).reshape(-1, 6)
-        world = turned(rows, int(pose[2]))
-        return [(b[0] + pose[0], b[1] + pose[1], b[3] + pose[0], b[4] + pose[1]) for b in world]
+        world = turned(rows, float(pose[0]), float(pose[1]), int(pose[2]))
+        return [(float(b[0]), float(b[1]), float(b[3]), float(b[4])) for b in world]
 
     def _commit(self, group: Group, boxes: Boxes, voids: Boxes, pose: NDArray[np.float64]) -> None:
         turn = int(pose[2])

@@ -445,6 +445,7 @@ class Furnisher:
         """Chairs that found no table stand at the wall."""
         for category in (*SEATS, "ottoman", "bench", "sauna_bench"):
             self.place_each(category, g.single(category, tint=self.tint, clear_m=0.35), "edge", limit=8)
+            self.place_each(category, g.single(category, tint=self.tint), "corner", "tight/", limit=4)
 
     def large(self) -> None:
         """Everything else that is big: at a wall, else in the middle."""

@@ -1,10 +1,115 @@
-"""Flood fill over a small boolean grid, compiled."""
+"""The two hot loops of furnishing, compiled: which poses are allowed, and which nodes can be reached."""
 
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+
+TOUCH_M = 0.002
+FLAT_M = 0.02
+"""Lower than this is walked over and stood on: carpets."""
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def turn_box(box: NDArray[np.float64], x: float, y: float, quarter_turns: int, out: NDArray[np.float64]) -> None:
+    """Write ``box`` (6,) turned about the origin and moved by (x, y) into ``out`` (6,)."""
+    q = quarter_turns % 4
+    if q == 0:
+        out[0], out[1], out[3], out[4] = box[0], box[1], box[3], box[4]
+    elif q == 1:
+        out[0], out[1], out[3], out[4] = -box[4], box[0], -box[1], box[3]
+    elif q == 2:
+        out[0], out[1], out[3], out[4] = -box[3], -box[4], -box[0], -box[1]
+    else:
+        out[0], out[1], out[3], out[4] = box[1], -box[3], box[4], -box[0]
+    out[0] += x
+    out[3] += x
+    out[1] += y
+    out[4] += y
+    out[2], out[5] = box[2], box[5]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def turned(boxes: NDArray[np.float64], x: float, y: float, quarter_turns: int) -> NDArray[np.float64]:
+    """Boxes (n, 6) turned about the origin and moved by (x, y)."""
+    out = np.empty_like(boxes)
+    for k in range(len(boxes)):
+        turn_box(boxes[k], x, y, quarter_turns, out[k])
+    return out
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _overlap(a: NDArray[np.float64], b: NDArray[np.float64], axes: int) -> bool:
+    for k in range(axes):
+        if min(a[3 + k], b[3 + k]) - max(a[k], b[k]) <= TOUCH_M:
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _outside(box: NDArray[np.float64], inner: NDArray[np.float64], height_m: float, slack_m: float) -> bool:
+    return (
+        box[0] < inner[0] - slack_m
+        or box[1] < inner[1] - slack_m
+        or box[3] > inner[2] + slack_m
+        or box[4] > inner[3] + slack_m
+        or box[5] > height_m + 1e-6
+    )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _hits_any(box: NDArray[np.float64], solids: NDArray[np.float64], as_void: bool) -> bool:
+    flat = not as_void and box[5] - box[2] <= FLAT_M
+    for k in range(len(solids)):
+        other_flat = solids[k, 5] - solids[k, 2] <= FLAT_M
+        if flat != other_flat:
+            continue
+        if _overlap(box, solids[k], 2 if flat else 3):
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def allowed(
+    poses: NDArray[np.float64],
+    local: NDArray[np.float64],
+    local_voids: NDArray[np.float64],
+    solids: NDArray[np.float64],
+    voids: NDArray[np.float64],
+    inner: NDArray[np.float64],
+    height_m: float,
+) -> NDArray[np.bool_]:
+    """Which poses (n, 3) put boxes and clear spaces where nothing is in their way, (n,).
+
+    Boxes of pieces must lie inside ``inner`` (x0, y0, x1, y1), off ``solids`` and ``voids``; clear spaces off
+    ``solids``. Flat things lie under everything but one another.
+    """
+    out = np.zeros(len(poses), np.bool_)
+    box = np.empty(6)
+    for n in range(len(poses)):
+        x, y, q = poses[n, 0], poses[n, 1], int(poses[n, 2])
+        good = True
+        for m in range(len(local)):
+            turn_box(local[m], x, y, q, box)
+            if _outside(box, inner, height_m, 1e-5) or _hits_any(box, solids, False):
+                good = False
+                break
+            if box[5] - box[2] > FLAT_M:
+                for k in range(len(voids)):
+                    if _overlap(box, voids[k], 3):
+                        good = False
+                        break
+            if not good:
+                break
+        if good:
+            for m in range(len(local_voids)):
+                turn_box(local_voids[m], x, y, q, box)
+                if _outside(box, inner, 1e9, 0.051) or _hits_any(box, solids, True):
+                    good = False
+                    break
+        out[n] = good
+    return out
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -29,8 +134,3 @@ def flood(free: NDArray[np.bool_], i: int, j: int) -> NDArray[np.bool_]:
                 stack[top, 0], stack[top, 1] = p, q
                 top += 1
     return seen
-
-
-def count_reached(free: NDArray[np.bool_], reached: NDArray[np.bool_]) -> int:
-    """Number of free cells that were not reached."""
-    return int((free & ~reached).sum())

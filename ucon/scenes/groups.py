@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from ucon.objects.catalogue import catalogue
 from ucon.objects.model import Box3, Vec3
-from ucon.scenes.canvas import BODY_Z_M, FLAT_M, Group, Piece
+from ucon.scenes.canvas import BODY_Z_M, Group, Piece
+from ucon.scenes.grid import FLAT_M
 
 FRONT_M = 0.75
 """Kept clear in front of what opens: a door leaf and somebody standing there."""

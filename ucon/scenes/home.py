@@ -11,6 +11,7 @@ from ucon.core.rng import stream
 from ucon.objects.catalogue import catalogue
 from ucon.scenes.canvas import Canvas
 from ucon.scenes.colors import floor_of, wall_colors
+from ucon.scenes.enrich import enriched
 from ucon.scenes.fixtures import LIGHTS, Fixer, door_frame
 from ucon.scenes.furnish import Furnisher
 from ucon.scenes.layout import Plan, lay_out
@@ -18,6 +19,10 @@ from ucon.scenes.openings import cut_openings
 from ucon.scenes.program import HomeProgram, RoomProgram
 from ucon.scenes.spec import GRID_M, HomeSpec, Item, Opening, Room
 
+N_TRIES = 3
+OUTDOOR_HEIGHT_M = 20.0
+YARD_CELLS = 12
+"""A wall is an outside wall if no room lies within 3 m behind it."""
 WALL_FIRST = ("wall_mounted_tv", "mirror", "painting", "picture", "poster")
 
 
@@ -31,6 +36,7 @@ class Built:
 
 def build_home(name: str, program: HomeProgram, seed: int) -> Built:
     """The home of ``program`` drawn with ``seed``."""
+    program = enriched(program, seed)
     plan = lay_out(program, seed, name)
     programs = {room.name: room for room in program.rooms}
     wishes = [_wishes(room_name, programs) for room_name in plan.names]
@@ -72,8 +78,8 @@ def exterior_walls(plan: Plan, index: int) -> list[tuple[int, float, float]]:
         coord = rect[wall]
         span = np.ones(rect[3 - axis] - rect[1 - axis], bool)
         for other_index, other in enumerate(plan.rects):
-            edge = other[2 + axis] if wall < 2 else other[axis]
-            if other_index != index and edge == coord:
+            near = coord - other[2 + axis] if wall < 2 else other[axis] - coord
+            if other_index != index and 0 <= near < YARD_CELLS:
                 low = max(other[1 - axis], rect[1 - axis]) - rect[1 - axis]
                 high = min(other[3 - axis], rect[3 - axis]) - rect[1 - axis]
                 span[max(low, 0) : max(high, 0)] = False
@@ -92,40 +98,72 @@ def furnish_room(
     wall_height_m: float,
     seed: int,
 ) -> tuple[list[Item], Counter[str]]:
-    """Items of one room and what found no place."""
-    canvas = Canvas(index, rect, wall_height_m, stream(seed, "room", wish.name))
-    for o in openings:
-        if index in (o.room_a, o.room_b):
-            canvas.add_opening(o.axis, o.coord, o.lo, o.hi, o.height_m)
-    fixer = Fixer(canvas, exterior_walls(plan, index), seed, wish.name)
+    """Items of one room and what found no place; the best of up to three tries where large things are left over."""
+    best: tuple[float, list[Item], Counter[str]] | None = None
+    for attempt in range(N_TRIES):
+        height = OUTDOOR_HEIGHT_M if wish.type == "garden" else wall_height_m
+        canvas = Canvas(index, rect, height)
+        for o in openings:
+            if index in (o.room_a, o.room_b):
+                canvas.add_opening(o.axis, o.coord, o.lo, o.hi, o.height_m)
+        key = wish.name if attempt == 0 else f"{wish.name}#{attempt}"
+        missing = _fill(canvas, wish, exterior_walls(plan, index), seed, key, windows_late=attempt > 0)
+        cost = _regret(missing)
+        if best is None or cost < best[0]:
+            best = cost, canvas.items, missing
+        if cost == 0:
+            break
+    assert best is not None
+    return best[1], best[2]
+
+
+def _regret(missing: Counter[str]) -> float:
+    """Floor area of the furniture that found no place, m2."""
+    book = catalogue()
+    stands = [c for c in missing if book[c].mount == "floor" and book[c].role != "movable"]
+    return float(sum(missing[c] * np.prod(book[c].size[:2]) for c in stands))
+
+
+def _fill(
+    canvas: Canvas,
+    wish: RoomProgram,
+    exterior: list[tuple[int, float, float]],
+    seed: int,
+    key: str,
+    windows_late: bool,
+) -> Counter[str]:
+    fixer = Fixer(canvas, exterior, seed, key)
     floor, hung, surface = _sort(wish)
-    late_windows = wish.type in ("kitchen", "bathroom", "pantry_room", "utility_room")
-    fixer.switches(wish.fixtures.get("electric_switch", 0))
+    late_windows = windows_late or wish.type in ("kitchen", "bathroom", "pantry_room", "utility_room")
+    n_windows = 0 if wish.type == "garden" else wish.fixtures.get("window", 0)
+    fixer.switches(0 if wish.type == "garden" else wish.fixtures.get("electric_switch", 0))
     if not late_windows:
-        fixer.windows(wish.fixtures.get("window", 0))
-    furnisher = Furnisher(canvas, wish.type, floor, seed, wish.name)
+        fixer.windows(n_windows)
+    furnisher = Furnisher(canvas, wish.type, floor, seed, key)
     left = furnisher.run()
     for category in sorted(hung, key=lambda c: (c not in WALL_FIRST, c)):
         if category in left and left[category] > 0:
             fixer.hang(category, left.pop(category))
     if late_windows:
-        fixer.windows(wish.fixtures.get("window", 0))
-    for light in LIGHTS:
-        n = wish.fixtures.get(light, 0) + left.pop(light, 0)
-        if wish.type != "garden" and n:
-            fixer.lights(light, n)
-    if wish.type != "garden" and not any(wish.fixtures.get(light) for light in LIGHTS):
-        fixer.lights("room_light", 1)
-    fixer.put({**surface, **{c: n for c, n in left.items() if n > 0 and c in surface_like(left)}})
-    for c in surface_like(left):
-        left.pop(c, None)
-    return canvas.items, +(left + fixer.missing)
+        fixer.windows(n_windows)
+    if wish.type != "garden":
+        for light in LIGHTS:
+            if n := wish.fixtures.get(light, 0) + left.pop(light, 0):
+                fixer.lights(light, n)
+        if not any(wish.fixtures.get(light) for light in LIGHTS):
+            fixer.lights("room_light", 1)
+    on_tops = surface_like(left)
+    fixer.put({**surface, **{c: left[c] for c in on_tops}})
+    for c in on_tops:
+        left.pop(c)
+    return +(left + fixer.missing)
 
 
 def surface_like(left: Counter[str]) -> list[str]:
     """Of what is left, the things that can stand on furniture."""
     book = catalogue()
-    small = [c for c in left if float(np.prod(book[c].size[:2])) < 0.2 and book[c].size[2] < 0.8]
+    small = [c for c in left if left[c] > 0 and float(np.prod(book[c].size[:2])) < 0.2 and book[c].size[2] < 0.8]
+    small += [c for c in ("standing_tv",) if left[c] > 0]
     return sorted(c for c in small if book[c].mount in ("surface", "floor"))
 
 
