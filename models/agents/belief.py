@@ -18,7 +18,7 @@ from models.agents.base import Controller, ControllerAgent, Info
 from models.agents.frontier import Indifferent
 from models.agents.search import SearchController
 from ucon.objects.catalogue import catalogue
-from ucon.perception.places import Places
+from ucon.perception.places import Places, with_fallback
 from ucon.perception.semantic_map import CELL_M, SemanticMap
 from ucon.perception.viewpoints import Costs, Expectation
 
@@ -88,7 +88,7 @@ class Believing:
             if k is None:
                 continue
             here = self._locations.p[k] * (1.0 - w.hidden * share_left)
-            self._mass[tracks] = here / len(tracks)
+            self._mass[tracks] = with_fallback(here, name) / len(tracks)
             seen += float(here.sum())
         self._unseen = (float(self._locations.p.sum()) - seen) * share_left
 

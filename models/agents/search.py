@@ -51,6 +51,7 @@ class SearchController:
         self.refused: dict[int, int] = {}
         self._plan: deque[Action] = deque()
         self._age = 0
+        self._openable: list[bool] = []
 
     def act(self, observation: Observation, info: Info) -> int:
         """The next action."""
@@ -68,8 +69,7 @@ class SearchController:
         known.update(observation, info)
         self.places.refresh(known)
         active = ~self._behind_doors()
-        self.places.unseen[self.places.unseen < 1e-3] = 0.0
-        active &= self.places.unseen > 0.0
+        active &= (self.places.unseen > 1e-3) & (self.places.share > 0.0)
         reach = self.viewpoints.reach_m
         known.look(frame_depth(observation, info), self.places.xyz, active, self.places.unseen, reach, self.MISS)
 
@@ -81,16 +81,11 @@ class SearchController:
     def closed(self) -> NDArray[np.int64]:
         """Tracks of containers that are closed and may still open."""
         known = self.map
-        return np.array(
-            [
-                track
-                for name, tracks in known.instances.items()
-                if affordance(name).openable
-                for track in tracks
-                if not known.opened[track] and known.seen(track)
-            ],
-            np.int64,
-        )
+        for track in range(len(self._openable), known.n_tracks):
+            name = known.category[track]
+            self._openable.append(bool(name) and affordance(name).openable)
+        shut = np.array(self._openable, bool) & ~known.opened[: known.n_tracks]
+        return np.flatnonzero(shut & (known.box[: known.n_tracks, 3] >= known.box[: known.n_tracks, 0]))
 
     def _target_track(self) -> int | None:
         tracks = self.map.instances.get(self.target, ())

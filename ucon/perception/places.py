@@ -7,22 +7,23 @@ lowers that point's ``unseen``. What a category offers (surface, interior, space
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ucon.objects.catalogue import catalogue
 from ucon.objects.models import build_model
-from ucon.perception.semantic_map import CELL_M, HALF, SemanticMap
+from ucon.perception.place_kernels import INSIDE, MOST, NEXTTO, ONTOP, UNDER, inherit, make_points
+from ucon.perception.semantic_map import HALF, SemanticMap
 
-ONTOP, INSIDE, UNDER, NEXTTO = range(4)
+__all__ = ["INSIDE", "NEXTTO", "ONTOP", "UNDER", "Affordance", "Places", "affordance", "sight_range_m", "with_fallback"]
+
 #: A track's points are made anew when a side of its box moved by this much.
 GROWTH_M = 0.15
-_SPACING_M = 0.5
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Affordance:
     """What a category offers as a place, by the catalogue."""
 
@@ -32,6 +33,11 @@ class Affordance:
     openable: bool
     drawers: bool
     furniture: bool
+
+    @cached_property
+    def offers(self) -> NDArray[np.bool_]:
+        """(3,) top, inside, space below."""
+        return np.array([self.ontop, self.inside or self.openable, self.under])
 
 
 @lru_cache(maxsize=4096)
@@ -61,19 +67,42 @@ class Places:
 
     Attributes:
         xyz: (n, 3) metres. track, relation: (n,) int32. share: (n,) parts of the mass of (track, relation), summing
-        to 1 over its points. unseen: (n,) in [0, 1], 1 = no frame showed it.
+        to 1 over its points, 0 for points that were replaced. unseen: (n,) in [0, 1], 1 = no frame showed it.
     """
 
     def __init__(self, target_height_m: float) -> None:
         self._lift_m = 0.5 * target_height_m
         self._made: NDArray[np.float64] = np.zeros((0, 6))
-        self._rows: dict[int, NDArray[np.int64]] = {}
-        self.xyz: NDArray[np.float64] = np.zeros((0, 3))
-        self.track: NDArray[np.int32] = np.zeros(0, np.int32)
-        self.relation: NDArray[np.int32] = np.zeros(0, np.int32)
-        self.share: NDArray[np.float64] = np.zeros(0)
-        self.unseen: NDArray[np.float64] = np.zeros(0)
-        self.faded: NDArray[np.float64] = np.zeros(0)
+        self._rows: dict[int, slice] = {}
+        self._data = np.zeros((1024, 6))
+        self._track = np.zeros(1024, np.int32)
+        self._n = 0
+        self._scratch = np.zeros((MOST, 5))
+
+    @property
+    def xyz(self) -> NDArray[np.float64]:
+        """(n, 3) metres."""
+        return self._data[: self._n, :3]
+
+    @property
+    def track(self) -> NDArray[np.int32]:
+        """(n,) int32."""
+        return self._track[: self._n]
+
+    @property
+    def relation(self) -> NDArray[np.int32]:
+        """(n,) int32."""
+        return self._data[: self._n, 3].astype(np.int32)
+
+    @property
+    def share(self) -> NDArray[np.float64]:
+        """(n,) parts of the mass of (track, relation)."""
+        return self._data[: self._n, 4]
+
+    @property
+    def unseen(self) -> NDArray[np.float64]:
+        """(n,) in [0, 1], writable."""
+        return self._data[: self._n, 5]
 
     def refresh(self, known: SemanticMap) -> None:
         """Make points for new tracks and for those whose box grew."""
@@ -82,36 +111,26 @@ class Places:
             self._made = np.vstack([self._made, np.full((n - len(self._made), 6), np.inf)])
         moved = np.abs(known.box[:n] - self._made).max(1) > GROWTH_M
         moved &= (known.kind[:n] == 0) & (known.box[:n, 3] >= known.box[:n, 0]) & ~known.opened[:n]
-        for track in np.flatnonzero(moved):
+        for track in np.flatnonzero(moved).tolist():
             if known.category[track]:
-                self._make(int(track), known)
+                self._make(track, known)
 
     def _make(self, track: int, known: SemanticMap) -> None:
-        box = known.box[track]
-        xyz, relation, share = _points(box, self._lift_m, known.height)
-        unseen = np.ones(len(xyz))
-        old = self._rows.get(track)
-        keep = np.ones(len(self.track), bool)
-        if old is not None:
-            for n in range(len(xyz)):
-                same = old[self.relation[old] == relation[n]]
-                if len(same):
-                    gap = np.abs(self.xyz[same] - xyz[n]).max(1)
-                    nearest = int(gap.argmin())
-                    unseen[n] = self.unseen[same[nearest]] if gap[nearest] < 0.3 else 1.0
-            keep[old] = False
-        self.xyz = np.vstack([self.xyz[keep], xyz])
-        self.track = np.concatenate([self.track[keep], np.full(len(xyz), track, np.int32)])
-        self.relation = np.concatenate([self.relation[keep], relation])
-        self.share = np.concatenate([self.share[keep], share])
-        self.unseen = np.concatenate([self.unseen[keep], unseen])
+        box, offers = known.box[track], affordance(known.category[track]).offers
+        count = make_points(box, offers, self._lift_m, known.height, HALF, self._scratch)
+        if self._n + count > len(self._data):
+            self._data = np.vstack([self._data, np.zeros_like(self._data)])
+            self._track = np.concatenate([self._track, np.zeros_like(self._track)])
+        rows = slice(self._n, self._n + count)
+        self._n += count
+        new = self._data[rows]
+        new[:, :5], new[:, 5] = self._scratch[:count], 1.0
+        self._track[rows] = track
+        if (old := self._rows.get(track)) is not None:
+            inherit(new[:, :4], self._data[old, :4], self._data[old, 5], new[:, 5])
+            self._data[old, 4:] = 0.0
+        self._rows[track] = rows
         self._made[track] = box
-        if old is None:
-            self._rows[track] = np.arange(len(self.track) - len(xyz), len(self.track))
-        else:
-            order = np.argsort(self.track, kind="stable")
-            cuts = np.searchsorted(self.track[order], np.unique(self.track))
-            self._rows = {int(self.track[rows[0]]): rows for rows in np.split(order, cuts[1:])}
 
     def weights(self, mass: NDArray[np.float64]) -> NDArray[np.float64]:
         """Weight of every point for the mass (T, 4) of tracks and relations; (n,)."""
@@ -124,49 +143,8 @@ class Places:
         return out
 
 
-def _points(
-    box: NDArray[np.float64], lift_m: float, height: NDArray[np.float32]
-) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.float64]]:
-    """Points (n, 3), relations (n,) and shares (n,) of one box."""
-    x0, y0, z0, x1, y1, z1 = box
-    groups = (
-        _lattice(x0, x1, y0, y1, (z1 + lift_m,), 4),
-        _lattice(x0, x1, y0, y1, _levels(z0, z1), 3),
-        _lattice(x0, x1, y0, y1, (0.08,), 3),
-        _around(box, height),
-    )
-    relation = np.concatenate([np.full(len(g), k, np.int32) for k, g in enumerate(groups)])
-    share = np.concatenate([np.full(len(g), 1.0 / len(g)) for g in groups])
-    return np.vstack(groups), relation, share
-
-
-def _lattice(x0: float, x1: float, y0: float, y1: float, levels: tuple[float, ...], most: int) -> NDArray[np.float64]:
-    def ticks(a: float, b: float) -> NDArray[np.float64]:
-        n = int(np.clip(round((b - a) / _SPACING_M), 1, most))
-        return a + (np.arange(n) + 0.5) * (b - a) / n
-
-    return np.array([(x, y, z) for x in ticks(x0, x1) for y in ticks(y0, y1) for z in levels])
-
-
-def _levels(z0: float, z1: float) -> tuple[float, ...]:
-    n = int(np.clip(round((z1 - z0) / 0.45), 1, 4))
-    return tuple(z0 + (k + 0.5) * (z1 - z0) / n for k in range(n))
-
-
-def _around(box: NDArray[np.float64], height: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Points beside a box, on the floor or on what it stands on; without those that a wall or a tall thing takes."""
-    x0, y0, z0, x1, y1, z1 = box
-    if max(x1 - x0, y1 - y0) < 0.45:
-        return np.array([[(x0 + x1) / 2, (y0 + y1) / 2, z1 + 0.02]])
-    z = 0.1 if z0 < 0.4 else z0 + 0.08
-    points = []
-    for a, b, c, d in ((x0, x0, y0, y1), (x1, x1, y0, y1), (x0, x1, y0, y0), (x0, x1, y1, y1)):
-        n = 2 if b - a + d - c > 1.2 else 1
-        nx, ny = (-1.0 if a == x0 else 1.0, 0.0) if a == b else (0.0, -1.0 if c == y0 else 1.0)
-        for k in range(n):
-            t = (k + 0.5) / n
-            points.append((a + t * (b - a) + 0.15 * nx, c + t * (d - c) + 0.15 * ny, z))
-    out = np.array(points)
-    cells = np.clip(np.floor(out[:, :2] / CELL_M + 0.5).astype(int) + HALF, 0, len(height) - 1)
-    open_air = height[cells[:, 0], cells[:, 1]] < (9.0 if z1 > 1.4 else 1.5)
-    return out[open_air] if open_air.any() else out
+def with_fallback(mass: NDArray[np.float64], category: str) -> NDArray[np.float64]:
+    """Mass (4,) of one thing, what it cannot offer moved to next to it."""
+    out = np.where(np.append(affordance(category).offers, True), mass, 0.0)
+    out[NEXTTO] += mass.sum() - out.sum()
+    return out

@@ -14,6 +14,8 @@ from ucon.perception.semantic_map import CAMERA_M, HALF, SIZE, SemanticMap, View
 
 #: Open reaches containers within 1 m; a little less leaves room for the part of the box that was not seen.
 OPEN_REACH_M = 0.98
+#: Within this many cells every node is considered, beyond it one in four.
+FINE_CELLS = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,13 +103,14 @@ class Viewpoints:
         return best, kept
 
     def _nodes(self, known: SemanticMap, planner: Planner, keep: View | None) -> NDArray[np.int32]:
-        """Reachable explored nodes, every second one in a checkerboard, (n, 2)."""
+        """Reachable explored nodes, all of them nearby and every second row and column farther off, (n, 2)."""
         i0, i1, j0, j1 = known.extent(0)
         ok = (planner.steps[i0:i1, j0:j1].min(2) < UNREACHED) & (known.explored[i0:i1, j0:j1] > 0)
         here = known.view
         ii, jj = np.nonzero(ok)
         ii, jj = ii + i0, jj + j0
-        half = (ii + jj - here.i - here.j) % 2 == 0
+        di, dj = ii - here.i, jj - here.j
+        half = ((di | dj) & 1 == 0) | (np.maximum(np.abs(di), np.abs(dj)) <= FINE_CELLS)
         if keep is not None:
             half |= (ii == keep.i) & (jj == keep.j)
         nodes = np.stack([ii[half], jj[half]], 1).astype(np.int32)

@@ -1,0 +1,94 @@
+"""Sample points of places around one box: on top, inside, under and next to it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ucon.perception.map_kernels import CELL_M, F32, F64
+
+ONTOP, INSIDE, UNDER, NEXTTO = range(4)
+#: Most points that one thing can have.
+MOST = 64
+_SPACING_M = 0.5
+#: Things smaller than this have one point next to them: whoever sees the thing sees what stands by it.
+SMALL_M = 0.45
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def make_points(box: F64, offers: NDArray[np.bool_], lift_m: float, height: F32, half: int, out: F64) -> int:
+    """Write rows (x, y, z, relation, share) into out (MOST, 5); returns how many.
+
+    offers (3,) says whether the thing has a top, an inside and a space below; next to is always possible. ``lift_m`` is
+    half the target's height, ``height`` the map's.
+    """
+    z0, z1 = box[2], box[5]
+    n = 0
+    if offers[0]:
+        n = _lattice(box, 4, z1 + lift_m, 0.0, 1, ONTOP, out, n)
+    if offers[1]:
+        levels = min(max(int(np.round((z1 - z0) / 0.45)), 1), 4)
+        n = _lattice(box, 2, z0 + 0.5 * (z1 - z0) / levels, (z1 - z0) / levels, levels, INSIDE, out, n)
+    if offers[2]:
+        n = _lattice(box, 3, 0.08, 0.0, 1, UNDER, out, n)
+    return _around(box, height, half, out, n)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _lattice(box: F64, most: int, z: float, dz: float, levels: int, relation: int, out: F64, n: int) -> int:
+    wide, deep = box[3] - box[0], box[4] - box[1]
+    nx, ny = min(max(int(np.round(wide / _SPACING_M)), 1), most), min(max(int(np.round(deep / _SPACING_M)), 1), most)
+    for a in range(nx):
+        for b in range(ny):
+            for c in range(levels):
+                out[n, 0], out[n, 1] = box[0] + (a + 0.5) * wide / nx, box[1] + (b + 0.5) * deep / ny
+                out[n, 2], out[n, 3], out[n, 4] = z + c * dz, relation, 1.0 / (nx * ny * levels)
+                n += 1
+    return n
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _around(box: F64, height: F32, half: int, out: F64, n: int) -> int:
+    """Points beside a box, on the floor or on what it stands on; none where a wall or a tall thing stands."""
+    x0, y0, z0, x1, y1, z1 = box
+    cx, cy, wide, deep = 0.5 * (x0 + x1), 0.5 * (y0 + y1), x1 - x0, y1 - y0
+    if max(wide, deep) < SMALL_M:
+        out[n, 0], out[n, 1], out[n, 2], out[n, 3], out[n, 4] = cx, cy, z1 + 0.02, NEXTTO, 1.0
+        return n + 1
+    z = 0.1 if z0 < 0.4 else z0 + 0.08
+    bar = 9.0 if z1 > 1.4 else 1.5
+    first = n
+    for side in range(4):
+        length = deep if side < 2 else wide
+        pieces = 2 if length > 1.2 else 1
+        for k in range(pieces):
+            t = (k + 0.5) / pieces
+            if side < 2:
+                px, py = (x0 - 0.15 if side == 0 else x1 + 0.15), y0 + t * deep
+            else:
+                px, py = x0 + t * wide, (y0 - 0.15 if side == 2 else y1 + 0.15)
+            i, j = int(np.floor(px / CELL_M + 0.5)) + half, int(np.floor(py / CELL_M + 0.5)) + half
+            if 0 <= i < height.shape[0] and 0 <= j < height.shape[1] and height[i, j] < bar:
+                out[n, 0], out[n, 1], out[n, 2], out[n, 3] = px, py, z, NEXTTO
+                n += 1
+    if n == first:
+        out[n, 0], out[n, 1], out[n, 2], out[n, 3] = cx, cy, z1 + 0.02, NEXTTO
+        n += 1
+    for k in range(first, n):
+        out[k, 4] = 1.0 / (n - first)
+    return n
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def inherit(new: F64, old: F64, old_unseen: F64, unseen: F64) -> None:
+    """Give new points the ``unseen`` of the nearest old point of their relation within 0.3 m."""
+    for a in range(new.shape[0]):
+        best = 0.3
+        for b in range(old.shape[0]):
+            if new[a, 3] != old[b, 3]:
+                continue
+            gap = max(abs(new[a, 0] - old[b, 0]), abs(new[a, 1] - old[b, 1]), abs(new[a, 2] - old[b, 2]))
+            if gap < best:
+                best = gap
+                unseen[a] = old_unseen[b]
