@@ -15,7 +15,7 @@ from ucon.sim.house import STRUCTURE
 from ucon.sim.placement.common import Request, depth_penalty, ordered
 from ucon.sim.placement.reasons import RefusedError
 from ucon.sim.placement.slots import Pose, Slot, poses
-from ucon.sim.placement.surroundings import COMPARTMENT, FLOOR, Surroundings
+from ucon.sim.placement.surroundings import COMPARTMENT, FLOOR, Surroundings, turned_box
 from ucon.sim.shapes import Array
 
 GAPS_M = (0.02, 0.05, 0.08)
@@ -55,14 +55,28 @@ def candidates(request: Request) -> Iterator[Slot]:
     if request.anchor_name in STRUCTURE:
         raise RefusedError("implausible", f"nothing is next to {request.anchor_name}")
     if is_hanging(request.scene, request.anchor) and not _stands_on_level(request):
-        return below_hanging(request, ceiling_m=float(request.anchor_box[5]) + 1.0)
+        return below_hanging(request, under_rect([], request.anchor_box), ceiling_m=float(request.anchor_box[5]) + 1.0)
     return _beside(request)
 
 
-def below_hanging(request: Request, ceiling_m: float) -> Iterator[Slot]:
+def under_spaces(scene: Surroundings, anchor: int) -> list[Array]:
+    """World boxes (6,) of the free spaces below an instance."""
+    standing = scene.standing[anchor]
+    return [turned_box(np.array(space), standing) for space in standing.shape.model.under]
+
+
+def under_rect(spaces: list[Array], box: Array) -> Array:
+    """The rectangle (x0, y0, x1, y1) that is "under" or "next to" something that hangs with box (6,)."""
+    if spaces:
+        rows = np.array(spaces)
+        return np.concatenate([rows[:, :2].min(axis=0), rows[:, 3:5].max(axis=0)])
+    return box[[0, 1, 3, 4]] + np.array([-HANGING_M, -HANGING_M, HANGING_M, HANGING_M])
+
+
+def below_hanging(request: Request, rect: Array, ceiling_m: float) -> Iterator[Slot]:
     """Slots on the highest level below what hangs on a wall, then on lower ones, then on the floor."""
     scene, box = request.scene, request.anchor_box
-    reach = box + np.array([-HANGING_M, -HANGING_M, 0, HANGING_M, HANGING_M, 0])
+    reach = np.array([rect[0], rect[1], 0.0, rect[2], rect[3], 0.0])
     rows = [r for r in _rows_near(scene, reach) if scene.levels.box[r, 2] < min(box[5], ceiling_m)]
     rows.sort(key=lambda r: (scene.levels.kind[r] == FLOOR, -scene.levels.box[r, 2]))
     if request.row.mount == "floor":
@@ -72,7 +86,7 @@ def below_hanging(request: Request, ceiling_m: float) -> Iterator[Slot]:
         for pose in poses(request.shape, lay=request.row.mount != "floor"):
             if level[2] + pose.extent[2] > min(level[5], ceiling_m):
                 continue
-            centres = _lattice(reach[[0, 1, 3, 4]])
+            centres = _lattice(rect)
             centres = centres[_on_level(level, centres, pose)]
             away = gap_m(_footprints(centres, pose), box)
             yield from ordered(request, centres, level[2], pose, 3.0 * away, keep=_PER_STAGE)

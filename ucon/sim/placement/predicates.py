@@ -12,8 +12,8 @@ import numpy as np
 from ucon.objects.model import Relation
 from ucon.sim.house import STRUCTURE
 from ucon.sim.placement.inside import PROTRUDING_SHARE
-from ucon.sim.placement.nextto import HANGING_M, gap_m, is_hanging, limit_m
-from ucon.sim.placement.surroundings import COMPARTMENT, FLOOR, SURFACE, Surroundings, turned_box
+from ucon.sim.placement.nextto import HANGING_M, gap_m, is_hanging, limit_m, under_rect, under_spaces
+from ucon.sim.placement.surroundings import COMPARTMENT, FLOOR, SURFACE, Surroundings
 from ucon.sim.shapes import Array
 
 LEVEL_M = 0.02
@@ -63,17 +63,17 @@ def is_inside(scene: Surroundings, anchor: int, box: Array) -> bool:
 
 def is_under(scene: Surroundings, anchor: int, box: Array) -> bool:
     """The middle of its footprint is below the anchor and its top below the anchor's clearance."""
-    standing, middle = scene.standing[anchor], _middle(box)
-    for local in standing.shape.model.under:
-        space = turned_box(np.array(local), standing)
-        below = ((space[:2] - _SLACK_M <= middle) & (middle <= space[3:5] + _SLACK_M)).all()
-        if below and box[5] <= space[5] + _SLACK_M and box[2] >= space[2] - _SLACK_M:
+    middle, spaces = _middle(box), under_spaces(scene, anchor)
+    if is_hanging(scene, anchor):
+        own = scene.boxes[anchor]
+        rect = under_rect(spaces, own)
+        below = (rect[:2] - _SLACK_M <= middle) & (middle <= rect[2:] + _SLACK_M)
+        return bool(below.all() and box[5] <= own[2] + _SLACK_M)
+    for space in spaces:
+        below = (space[:2] - _SLACK_M <= middle) & (middle <= space[3:5] + _SLACK_M)
+        if below.all() and box[5] <= space[5] + _SLACK_M and box[2] >= space[2] - _SLACK_M:
             return True
-    if standing.shape.model.under or not is_hanging(scene, anchor):
-        return False
-    own = scene.boxes[anchor]
-    near = ((own[:2] - HANGING_M <= middle) & (middle <= own[3:5] + HANGING_M)).all()
-    return bool(near) and bool(box[5] <= own[2] + _SLACK_M)
+    return False
 
 
 def is_nextto(scene: Surroundings, anchor: int, box: Array) -> bool:

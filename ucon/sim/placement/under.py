@@ -8,10 +8,9 @@ import numpy as np
 
 from ucon.sim.house import STRUCTURE
 from ucon.sim.placement.common import Request, depth_penalty, ordered
-from ucon.sim.placement.nextto import below_hanging, is_hanging
+from ucon.sim.placement.nextto import below_hanging, is_hanging, under_rect, under_spaces
 from ucon.sim.placement.reasons import RefusedError
 from ucon.sim.placement.slots import Pose, Slot, centres_in, poses
-from ucon.sim.placement.surroundings import turned_box
 from ucon.sim.shapes import Array
 
 _SPILL = 0.5
@@ -27,23 +26,15 @@ def candidates(request: Request) -> Iterator[Slot]:
     scene, box = request.scene, request.anchor_box
     if request.anchor_name in STRUCTURE:
         raise RefusedError("implausible", f"nothing is under {request.anchor_name}")
-    spaces = under_spaces(request)
-    if spaces:
-        fitting = [(s, pose) for s in spaces for pose in poses(request.shape, lay=True) if _fits(s, pose)]
-        if not fitting:
-            raise RefusedError(
-                "too_large", f"{request.category} is too large for the space under {request.anchor_name}"
-            )
-        return _slots(request, fitting)
+    spaces = under_spaces(scene, request.anchor)
     if is_hanging(scene, request.anchor):
-        return below_hanging(request, ceiling_m=float(box[2]))
-    raise RefusedError("no_room_under", f"there is no space under {request.anchor_name}")
-
-
-def under_spaces(request: Request) -> list[Array]:
-    """World boxes (6,) of the free spaces below the anchor."""
-    standing = request.scene.standing[request.anchor]
-    return [turned_box(np.array(space), standing) for space in standing.shape.model.under]
+        return below_hanging(request, under_rect(spaces, box), ceiling_m=float(box[2]))
+    if not spaces:
+        raise RefusedError("no_room_under", f"there is no space under {request.anchor_name}")
+    fitting = [(s, pose) for s in spaces for pose in poses(request.shape, lay=True) if _fits(s, pose)]
+    if not fitting:
+        raise RefusedError("too_large", f"{request.category} is too large for the space under {request.anchor_name}")
+    return _slots(request, fitting)
 
 
 def _fits(space: Array, pose: Pose) -> bool:
