@@ -84,7 +84,7 @@ class Arena:
     Attributes:
         tables: own copy, written by :meth:`set_open`.
         room_start, room_groups: groups that touch each room, ``room_groups[room_start[r]:room_start[r + 1]]``.
-        rooms: (nr, 4) rectangles; portals: (n, 6) axis, coord, lo, hi, room a, room b.
+        rooms: (nr, 4) rectangles; portals: (n, 7) axis, coord, lo, hi, room a, room b, height.
     """
 
     def __init__(self, house: House, arrangement: Arrangement, builder: ModelBuilder = catalogue_model) -> None:
@@ -233,8 +233,8 @@ def _carried_by(objects: tuple[PlacedObject, ...], first: int) -> dict[int, list
 
 def _plan(spec: HomeSpec) -> tuple[F32, F64]:
     rooms = np.array([room.rect for room in spec.rooms], np.float32).reshape(-1, 4)
-    portals = [(o.axis, o.coord, o.lo, o.hi, o.room_a, o.room_b) for o in spec.openings]
-    return rooms, np.array(portals, np.float64).reshape(-1, 6)
+    portals = [(o.axis, o.coord, o.lo, o.hi, o.room_a, o.room_b, o.height_m) for o in spec.openings]
+    return rooms, np.array(portals, np.float64).reshape(-1, 7)
 
 
 def _tall_rooms(spec: HomeSpec) -> I32:

@@ -1,22 +1,25 @@
-"""Which rooms can be seen, and within which horizontal angles.
+"""Which rooms can be seen, and in which rectangle of the picture.
 
-Rooms are convex cells, openings are portals between them. From the camera's room its horizontal field of view is
-clipped through every opening that it meets; rooms never reached are not drawn, the others carry the clipped angles
-as two more culling planes. The opening is taken on the grid line, in the middle of the wall: a ray that crosses it
-anywhere else is stopped by a wall box, so the test never loses a pixel, whatever the thickness of the wall.
+Rooms are convex cells, openings are portals between them. The picture seen from the camera's room is clipped by the
+projection of every opening that it shows; rooms never reached are not drawn, and nothing of a room is drawn outside
+the rectangle in which it can be seen. The opening is taken on the grid line, in the middle of the wall: a ray that
+crosses the line anywhere else is stopped by a wall box, so no pixel is lost, whatever the thickness of the wall.
 """
 
 from __future__ import annotations
 
-import math
+from typing import Any
 
 import numpy as np
 
 from ucon.sim.render.kernels import F32, F64, jit
 
-_MARGIN_RAD = 1e-5
+_MARGIN_PX = 0.05
+_MARGIN_M = 1e-4
 _DOORWAY_M = 0.1
-"""Nearer than this to an opening, everything behind it may be seen."""
+"""Nearer than this to an opening, all that is seen may be seen through it."""
+_AHEAD_M = 1e-3
+"""Portals are cut this far in front of the camera before they are projected."""
 
 
 @jit
@@ -29,25 +32,18 @@ def room_at(rooms: F32, x: float, y: float) -> int:
 
 
 @jit
-def half_angle(cos_pitch: float, sin_pitch: float, tan_x: float, tan_y: float) -> float:
-    """Half the horizontal angle that a view covers; the full circle where it reaches the zenith or nadir."""
-    ahead = cos_pitch - tan_y * abs(sin_pitch)
-    return math.pi if ahead <= 1e-3 else math.atan(tan_x / ahead)
+def visible_rooms(rooms: F32, portals: F64, frame: F32, view: Any, own: int, windows: F64) -> None:
+    """Rectangle (left, top, right, bottom) in pixels in which each room can be seen, into ``windows`` (nr, 4).
 
-
-@jit
-def visible_rooms(
-    rooms: F32, portals: F64, x: float, y: float, yaw: float, room: int, half: float, low: F64, high: F64
-) -> None:
-    """Angles relative to ``yaw`` under which each room may be seen, (nr,) each; ``low > high`` where it cannot.
-
-    A room that is reached again under more angles is searched again with all of them, so the angles only grow and
-    the search ends.
+    Left is not less than right where a room cannot be seen. A room that is seen through several openings gets the
+    rectangle around all of them and is searched again, so rectangles only grow and the search ends.
     """
-    low[:], high[:] = 1.0, -1.0
+    windows[:, 0], windows[:, 2] = 1.0, 0.0
+    windows[own, 0], windows[own, 1] = 0.0, 0.0
+    windows[own, 2], windows[own, 3] = view[0], view[1]
     queued = np.zeros(rooms.shape[0], np.bool_)
-    low[room], high[room] = -half, half
-    queued[room] = True
+    queued[own] = True
+    corners, seen = np.empty((4, 3)), np.empty(4)
     pending = True
     while pending:
         pending = False
@@ -57,56 +53,77 @@ def visible_rooms(
             queued[r] = False
             for d in range(portals.shape[0]):
                 a, b = int(portals[d, 4]), int(portals[d, 5])
-                if r != a and r != b:
-                    continue
                 beyond = b if r == a else a
-                if beyond != room and _pass_portal(rooms, portals[d], x, y, yaw, r, beyond, low, high):
-                    queued[beyond] = True
-                    pending = True
+                if (r != a and r != b) or beyond == own:
+                    continue
+                if _through(rooms, portals[d], frame, view, beyond, corners, seen):
+                    _clip(windows[r], seen)
+                    if _grow(windows[beyond], seen):
+                        queued[beyond] = True
+                        pending = True
 
 
 @jit
-def _pass_portal(
-    rooms: F32, portal: F64, x: float, y: float, yaw: float, r: int, beyond: int, low: F64, high: F64
-) -> bool:
-    """Clip the angles of room ``r`` by an opening and add them to the room beyond; whether those grew."""
-    axis, coord, start, end = int(portal[0]), portal[1], portal[2], portal[3]
-    along, across = (y, x) if axis == 0 else (x, y)
-    if abs(across - coord) < _DOORWAY_M and start - _DOORWAY_M <= along <= end + _DOORWAY_M:
-        return _widen(beyond, low[r], high[r], low, high)
-    middle = 0.5 * (rooms[beyond, axis] + rooms[beyond, axis + 2])
-    if (middle > coord) != (across < coord):
-        return False
-    if axis == 0:
-        first = _turn(math.atan2(start - y, coord - x) - yaw)
-        last = _turn(math.atan2(end - y, coord - x) - yaw)
-    else:
-        first = _turn(math.atan2(coord - y, start - x) - yaw)
-        last = _turn(math.atan2(coord - y, end - x) - yaw)
-    left, right = min(first, last) - _MARGIN_RAD, max(first, last) + _MARGIN_RAD
-    if right - left <= math.pi:
-        return _widen(beyond, max(low[r], left), min(high[r], right), low, high)
-    behind_right = _widen(beyond, max(low[r], right - 2 * _MARGIN_RAD), high[r], low, high)
-    behind_left = _widen(beyond, low[r], min(high[r], left + 2 * _MARGIN_RAD), low, high)
-    return behind_right or behind_left
-
-
-@jit
-def _widen(room: int, left: float, right: float, low: F64, high: F64) -> bool:
-    if left >= right:
-        return False
-    if low[room] > high[room]:
-        low[room], high[room] = left, right
+def _through(rooms: F32, portal: F64, frame: F32, view: Any, beyond: int, corners: F64, seen: F64) -> bool:
+    """Rectangle in which an opening appears, into ``seen``; False where it is not seen from this side."""
+    axis = int(portal[0])
+    across, along = frame[3, axis], frame[3, 1 - axis]
+    if abs(across - portal[1]) < _DOORWAY_M and portal[2] - _DOORWAY_M <= along <= portal[3] + _DOORWAY_M:
+        seen[0], seen[1], seen[2], seen[3] = 0.0, 0.0, view[0], view[1]
         return True
-    grown = left < low[room] or right > high[room]
-    low[room], high[room] = min(low[room], left), max(high[room], right)
-    return grown
+    middle = 0.5 * (rooms[beyond, axis] + rooms[beyond, axis + 2])
+    if (middle > portal[1]) != (across < portal[1]):
+        return False
+    for k in range(4):
+        place = portal[2] - _MARGIN_M if k < 2 else portal[3] + _MARGIN_M
+        up = -_MARGIN_M if k == 0 or k == 3 else portal[6] + _MARGIN_M
+        to_x = (portal[1] if axis == 0 else place) - frame[3, 0]
+        to_y = (place if axis == 0 else portal[1]) - frame[3, 1]
+        to_z = up - frame[3, 2]
+        for j in range(3):
+            corners[k, j] = to_x * frame[j, 0] + to_y * frame[j, 1] + to_z * frame[j, 2]
+    return _project(corners, view, seen)
 
 
 @jit
-def _turn(angle: float) -> float:
-    """The same angle within half a turn of zero."""
-    return (angle + math.pi) % (2 * math.pi) - math.pi
+def _project(corners: F64, view: Any, seen: F64) -> bool:
+    """Bounds in the picture of a quadrilateral given by (right, up, ahead), cut in front of the camera."""
+    seen[0], seen[1], seen[2], seen[3] = 1e9, 1e9, -1e9, -1e9
+    for k in range(4):
+        a, b = corners[k], corners[(k + 1) % 4]
+        if a[2] >= _AHEAD_M:
+            _include(a[0], a[1], a[2], view, seen)
+        if (a[2] >= _AHEAD_M) != (b[2] >= _AHEAD_M):
+            t = (_AHEAD_M - a[2]) / (b[2] - a[2])
+            _include(a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), _AHEAD_M, view, seen)
+    return seen[0] <= seen[2]
+
+
+@jit
+def _include(right: float, up: float, ahead: float, view: Any, seen: F64) -> None:
+    x, y = view[3] + right * view[2] / ahead, view[4] - up * view[2] / ahead
+    seen[0], seen[1] = min(seen[0], x - _MARGIN_PX), min(seen[1], y - _MARGIN_PX)
+    seen[2], seen[3] = max(seen[2], x + _MARGIN_PX), max(seen[3], y + _MARGIN_PX)
+
+
+@jit
+def _clip(window: F64, seen: F64) -> None:
+    seen[0], seen[1] = max(seen[0], window[0]), max(seen[1], window[1])
+    seen[2], seen[3] = min(seen[2], window[2]), min(seen[3], window[3])
+
+
+@jit
+def _grow(window: F64, seen: F64) -> bool:
+    """Widen a window by a rectangle; whether it grew."""
+    if seen[0] >= seen[2] or seen[1] >= seen[3]:
+        return False
+    if window[0] >= window[2]:
+        window[:] = seen
+        return True
+    grown = seen[0] < window[0] or seen[1] < window[1] or seen[2] > window[2] or seen[3] > window[3]
+    window[0], window[1] = min(window[0], seen[0]), min(window[1], seen[1])
+    window[2], window[3] = max(window[2], seen[2]), max(window[3], seen[3])
+    return grown
 
 
 @jit

@@ -6,13 +6,12 @@ picture does not depend on the order of drawing, and leaving out what cannot be 
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
-from ucon.sim.render.kernels import F32, F64, I16, I32, jit
-from ucon.sim.render.portals import half_angle, room_at, room_order, visible_rooms
+from ucon.sim.render.kernels import F32, F64, I32, borrowed, jit
+from ucon.sim.render.portals import room_at, room_order, visible_rooms
 from ucon.sim.render.shapes import INDEX, MOST_CORNERS, MOST_SIDES
 
 NEAR_M = 0.05
@@ -37,23 +36,24 @@ def camera_frame(camera: F64, frame: F32) -> None:
 
 
 @jit
-def _frustum(frame: F32, tan_x: float, tan_y: float, planes: F32) -> None:
-    """Inward normals of near, left, right, bottom and top, all through the camera."""
+def _frustum(frame: F32, view: Any, window: F64, planes: F32) -> None:
+    """Inward normals of near, left, right, top and bottom of a rectangle of the picture, all through the camera."""
+    left, right = np.float32((window[0] - view[3]) / view[2]), np.float32((window[2] - view[3]) / view[2])
+    top, bottom = np.float32((view[4] - window[1]) / view[2]), np.float32((view[4] - window[3]) / view[2])
     for k in range(3):
-        right, up, ahead = frame[0, k], frame[1, k], frame[2, k]
-        planes[0, k] = ahead
-        planes[1, k] = ahead * np.float32(tan_x) + right
-        planes[2, k] = ahead * np.float32(tan_x) - right
-        planes[3, k] = ahead * np.float32(tan_y) + up
-        planes[4, k] = ahead * np.float32(tan_y) - up
+        planes[0, k] = frame[2, k]
+        planes[1, k] = frame[0, k] - left * frame[2, k]
+        planes[2, k] = right * frame[2, k] - frame[0, k]
+        planes[3, k] = top * frame[2, k] - frame[1, k]
+        planes[4, k] = frame[1, k] - bottom * frame[2, k]
 
 
 @jit
-def _outside(box: F32, planes: F32, count: int, frame: F32) -> bool:
+def _outside(boxes: F32, i: int, planes: F32, frame: F32) -> bool:
     """Whether a box lies wholly behind one of the planes."""
-    x0, y0, z0 = box[0] - frame[3, 0], box[1] - frame[3, 1], box[2] - frame[3, 2]
-    x1, y1, z1 = box[3] - frame[3, 0], box[4] - frame[3, 1], box[5] - frame[3, 2]
-    for k in range(count):
+    x0, y0, z0 = boxes[i, 0] - frame[3, 0], boxes[i, 1] - frame[3, 1], boxes[i, 2] - frame[3, 2]
+    x1, y1, z1 = boxes[i, 3] - frame[3, 0], boxes[i, 4] - frame[3, 1], boxes[i, 5] - frame[3, 2]
+    for k in range(5):
         a, b, c = planes[k, 0], planes[k, 1], planes[k, 2]
         reach = a * (x1 if a > _ZERO else x0) + b * (y1 if b > _ZERO else y0) + c * (z1 if c > _ZERO else z0)
         if reach < _SLACK:
@@ -70,132 +70,123 @@ def rasterise(
     wall_height: float,
     room_start: I32,
     room_groups: I32,
-    drawn: I32,
-    stamp: int,
     cull: bool,
     inverse_depth: F32,
     faces: I32,
 ) -> None:
     """Fill ``inverse_depth`` and ``faces`` (H, W); 0 and -1 where there is nothing.
 
-    ``drawn`` (np,) int32 remembers by ``stamp`` which parts this frame has drawn. Without ``cull`` every part is
-    drawn, which must give the same picture.
+    Without ``cull`` every part is drawn, which must give the same picture.
     """
     height, width = faces.shape
     inverse_depth[:] = _ZERO
     faces[:] = -1
     frame = np.empty((4, 3), np.float32)
     camera_frame(camera, frame)
-    tan_x = camera[7]
-    tan_y = tan_x * height / width
-    planes = np.empty((7, 3), np.float32)
-    _frustum(frame, tan_x, tan_y, planes)
-    n_rooms = rooms.shape[0]
-    low, high = np.empty(n_rooms), np.empty(n_rooms)
-    order = np.empty(n_rooms, np.int64)
-    room_order(rooms, camera[0], camera[1], order)
+    scale = width * 0.5 / camera[7]
+    view = (width, height, scale, width * 0.5 + 0.5 - camera[8], height * 0.5 + 0.5 - camera[9])
+    windows = np.empty((rooms.shape[0], 4))
+    windows[:, 0], windows[:, 1], windows[:, 2], windows[:, 3] = 0.0, 0.0, width, height
     own = room_at(rooms, camera[0], camera[1])
-    portal_culling = cull and own >= 0 and camera[2] < wall_height
-    yaw = math.atan2(camera[4], camera[3])
-    if portal_culling:
-        visible_rooms(rooms, portals, camera[0], camera[1], yaw, own, _half(camera, tan_x, tan_y), low, high)
-    scratch = np.empty((8, max(MOST_CORNERS, 2 * MOST_SIDES, height)), np.float32)
-    view = (width, height, np.float32(width / 2 / tan_x), camera[8], camera[9])
-    for k in range(n_rooms):
+    if cull and own >= 0 and camera[2] < wall_height:
+        visible_rooms(rooms, portals, frame, view, own, windows)
+    order = np.empty(rooms.shape[0], np.int64)
+    room_order(rooms, camera[0], camera[1], order)
+    planes = np.empty((5, 3), np.float32)
+    scratch = np.empty((7, max(MOST_CORNERS, 2 * MOST_SIDES, height)), np.float32)
+    groups, group_boxes, part_boxes = borrowed(tables.groups), borrowed(tables.group_boxes), borrowed(tables.part_boxes)
+    geometry = (
+        borrowed(tables.vertices),
+        borrowed(tables.parts),
+        borrowed(tables.face_planes),
+        borrowed(tables.face_topology),
+        borrowed(frame),
+        borrowed(scratch),
+    )
+    target = (borrowed(inverse_depth.reshape(-1)), borrowed(faces.reshape(-1)), width)
+    for k in range(rooms.shape[0]):
         r = order[k]
-        if portal_culling and low[r] > high[r]:
+        if windows[r, 0] >= windows[r, 2]:
             continue
-        count = 5
-        if portal_culling and r != own and high[r] - low[r] < 3.1:
-            planes[5, 0], planes[5, 1] = -math.sin(yaw + low[r]), math.cos(yaw + low[r])
-            planes[6, 0], planes[6, 1] = math.sin(yaw + high[r]), -math.cos(yaw + high[r])
-            planes[5, 2] = planes[6, 2] = _ZERO
-            count = 7
+        _frustum(frame, view, windows[r], planes)
+        x0, x1 = max(0, int(windows[r, 0])), min(width, int(windows[r, 2]) + 1)
+        y0, y1 = max(0, int(windows[r, 1])), min(height, int(windows[r, 3]) + 1)
+        window = (np.int32(x0), np.int32(y0), np.int32(x1), np.int32(y1))
         for i in range(room_start[r], room_start[r + 1]):
             g = room_groups[i]
-            if cull and _outside(tables.group_boxes[g], planes, count, frame):
+            if cull and _outside(group_boxes, g, planes, frame):
                 continue
-            first = tables.groups[g, 0]
-            for p in range(first, first + tables.groups[g, 1]):
-                if drawn[p] == stamp or (cull and _outside(tables.part_boxes[p], planes, count, frame)):
-                    continue
-                drawn[p] = stamp
-                _draw_part(p, tables, frame, view, scratch, inverse_depth, faces)
+            first = groups[g, 0]
+            for p in range(first, first + groups[g, 1]):
+                if not cull or not _outside(part_boxes, p, planes, frame):
+                    _draw_part(p, geometry, view, window, target)
 
 
 @jit
-def _half(camera: F64, tan_x: float, tan_y: float) -> float:
-    return half_angle(camera[5], camera[6], tan_x, tan_y)
-
-
-@jit
-def _draw_part(p: int, tables: Any, frame: F32, view: Any, scratch: F32, inverse_depth: F32, faces: I32) -> None:
+def _draw_part(p: int, geometry: Any, view: Any, window: Any, target: Any) -> None:
     """Project the corners of a part and draw those of its faces that look at the camera."""
-    width, height, scale, sample_x, sample_y = view
-    middle_x = np.float32(width * 0.5 + (0.5 - sample_x))
-    middle_y = np.float32(height * 0.5 + (0.5 - sample_y))
+    scale, middle_x, middle_y = np.float32(view[2]), np.float32(view[3]), np.float32(view[4])
+    vertices, parts, face_planes, face_topology, frame, scratch = geometry
     cx, cy, cz = frame[3, 0], frame[3, 1], frame[3, 2]
     rx, ry = frame[0, 0], frame[0, 1]
     ux, uy, uz = frame[1, 0], frame[1, 1], frame[1, 2]
     fx, fy, fz = frame[2, 0], frame[2, 1], frame[2, 2]
-    xs, ys, ws = scratch[0], scratch[1], scratch[2]
-    first = tables.parts[p, 0]
-    vertices = tables.vertices
+    first, corners = parts[p, 0], parts[p, 1]
     nearest = np.float32(1e9)
-    for i in range(tables.parts[p, 1]):
+    for i in range(corners):
         dx, dy, dz = vertices[first + i, 0] - cx, vertices[first + i, 1] - cy, vertices[first + i, 2] - cz
-        xs[i] = dx * rx + dy * ry
-        ys[i] = dx * ux + dy * uy + dz * uz
-        ws[i] = dx * fx + dy * fy + dz * fz
-        nearest = min(nearest, ws[i])
+        scratch[0, i] = dx * rx + dy * ry
+        scratch[1, i] = dx * ux + dy * uy + dz * uz
+        scratch[2, i] = dx * fx + dy * fy + dz * fz
+        nearest = min(nearest, scratch[2, i])
     whole = nearest >= _NEAR
     if whole:
         left, right, top, bottom = np.float32(1e9), np.float32(-1e9), np.float32(1e9), np.float32(-1e9)
-        for i in range(tables.parts[p, 1]):
-            inverse = scale / ws[i]
-            xs[i] = middle_x + xs[i] * inverse
-            ys[i] = middle_y - ys[i] * inverse
-            left, right = min(left, xs[i]), max(right, xs[i])
-            top, bottom = min(top, ys[i]), max(bottom, ys[i])
-        if _first(left) >= _last(right, width) or _first(top) >= _last(bottom, height):
+        for i in range(corners):
+            inverse = scale / scratch[2, i]
+            scratch[0, i] = middle_x + scratch[0, i] * inverse
+            scratch[1, i] = middle_y - scratch[1, i] * inverse
+            left, right = min(left, scratch[0, i]), max(right, scratch[0, i])
+            top, bottom = min(top, scratch[1, i]), max(bottom, scratch[1, i])
+        if max(_first(left), window[0]) >= _last(right, window[2]):
+            return
+        if max(_first(top), window[1]) >= _last(bottom, window[3]):
             return
     step = _ONE / scale
-    px, py = scratch[3], scratch[4]
-    for f in range(tables.parts[p, 2], tables.parts[p, 2] + tables.parts[p, 3]):
-        nx, ny, nz = tables.face_planes[f, 0], tables.face_planes[f, 1], tables.face_planes[f, 2]
-        distance = tables.face_planes[f, 3] - (nx * cx + ny * cy + nz * cz)
+    for f in range(parts[p, 2], parts[p, 2] + parts[p, 3]):
+        nx, ny, nz = face_planes[f, 0], face_planes[f, 1], face_planes[f, 2]
+        distance = face_planes[f, 3] - (nx * cx + ny * cy + nz * cz)
         if distance >= np.float32(-1e-6):
             continue
-        start, corners = tables.face_topology[f, 0], tables.face_topology[f, 1]
+        start, corners = face_topology[f, 0], face_topology[f, 1]
         if whole:
             for k in range(corners):
                 j = INDEX[start + k]
-                px[k], py[k] = xs[j], ys[j]
+                scratch[3, k], scratch[4, k] = scratch[0, j], scratch[1, j]
         else:
             corners = _clip_near(start, corners, scratch, scale, middle_x, middle_y)
         over = _ONE / distance
         a = (nx * rx + ny * ry) * step * over
         b = -(nx * ux + ny * uy + nz * uz) * step * over
         c = (nx * fx + ny * fy + nz * fz) * over + a * (_HALF - middle_x) + b * (_HALF - middle_y)
-        _fill(f, corners, a, b, c, scratch, inverse_depth, faces)
+        _fill(f, corners, a, b, c, window, scratch, target)
 
 
 @jit
 def _clip_near(start: int, corners: int, scratch: F32, scale: float, middle_x: float, middle_y: float) -> int:
     """Cut a face at the near plane and project what is left; returns its corners."""
-    xs, ys, ws, px, py = scratch[0], scratch[1], scratch[2], scratch[3], scratch[4]
     m = 0
     for k in range(corners):
         i, j = INDEX[start + k], INDEX[start + (k + 1 if k + 1 < corners else 0)]
-        if ws[i] >= _NEAR:
-            inverse = scale / ws[i]
-            px[m], py[m] = middle_x + xs[i] * inverse, middle_y - ys[i] * inverse
+        if scratch[2, i] >= _NEAR:
+            inverse = scale / scratch[2, i]
+            scratch[3, m], scratch[4, m] = middle_x + scratch[0, i] * inverse, middle_y - scratch[1, i] * inverse
             m += 1
-        if (ws[i] >= _NEAR) != (ws[j] >= _NEAR):
-            t = (_NEAR - ws[i]) / (ws[j] - ws[i])
+        if (scratch[2, i] >= _NEAR) != (scratch[2, j] >= _NEAR):
+            t = (_NEAR - scratch[2, i]) / (scratch[2, j] - scratch[2, i])
             inverse = scale / _NEAR
-            px[m] = middle_x + (xs[i] + t * (xs[j] - xs[i])) * inverse
-            py[m] = middle_y - (ys[i] + t * (ys[j] - ys[i])) * inverse
+            scratch[3, m] = middle_x + (scratch[0, i] + t * (scratch[0, j] - scratch[0, i])) * inverse
+            scratch[4, m] = middle_y - (scratch[1, i] + t * (scratch[1, j] - scratch[1, i])) * inverse
             m += 1
     return m
 
@@ -213,43 +204,45 @@ def _last(position: float, size: int) -> int:
 
 
 @jit
-def _fill(f: int, m: int, a: float, b: float, c: float, scratch: F32, inverse_depth: F32, faces: I32) -> None:
+def _fill(
+    f: int, m: int, a: float, b: float, c: float, window: Any, scratch: F32, target: Any
+) -> None:
     """Scan-convert a convex polygon with m corners and the depth plane ``a x + b y + c``.
 
     Corners run counter-clockwise, so edges that go down the picture bound it on the left.
     """
-    height, width = faces.shape
-    px, py, left, right = scratch[3], scratch[4], scratch[5], scratch[6]
     top, bottom = np.float32(1e9), np.float32(-1e9)
     for k in range(m):
-        top, bottom = min(top, py[k]), max(bottom, py[k])
-    y0, y1 = _first(top), _last(bottom, height)
+        top, bottom = min(top, scratch[4, k]), max(bottom, scratch[4, k])
+    y0, y1 = max(_first(top), window[1]), _last(bottom, window[3])
     if m < 3 or y0 >= y1:
         return
     for k in range(m):
         l = k + 1 if k + 1 < m else 0
-        if py[k] < py[l]:
-            _edge(px[k], py[k], px[l], py[l], left, height)
-        elif py[k] > py[l]:
-            _edge(px[l], py[l], px[k], py[k], right, height)
+        if scratch[4, k] < scratch[4, l]:
+            _edge(scratch[3, k], scratch[4, k], scratch[3, l], scratch[4, l], scratch, 5, y0, y1)
+        elif scratch[4, k] > scratch[4, l]:
+            _edge(scratch[3, l], scratch[4, l], scratch[3, k], scratch[4, k], scratch, 6, y0, y1)
+    depths, faces, width = target
     face = np.int32(f)
     for y in range(y0, y1):
-        x0, x1 = _first(left[y]), _last(right[y], width)
+        x0, x1 = max(_first(scratch[5, y]), window[0]), _last(scratch[6, y], window[2])
         if x0 >= x1:
             continue
         row_z = c + b * np.float32(y)
-        z_row, f_row = inverse_depth[y, x0:x1], faces[y, x0:x1]
-        for x in range(x1 - x0):
-            z = row_z + a * np.float32(x + x0)
-            nearer = z > z_row[x] or (z == z_row[x] and face < f_row[x])
-            z_row[x] = z if nearer else z_row[x]
-            f_row[x] = face if nearer else f_row[x]
+        begin = y * width
+        for x in range(np.uint64(x0), np.uint64(x1)):
+            i = np.uint64(begin) + x
+            z = row_z + a * np.float32(np.int32(x))
+            nearer = (z > depths[i]) | ((z == depths[i]) & (face < faces[i]))
+            depths[i] = z if nearer else depths[i]
+            faces[i] = face if nearer else faces[i]
 
 
 @jit
-def _edge(x_top: float, y_top: float, x_low: float, y_low: float, bound: F32, height: int) -> None:
+def _edge(x_top: float, y_top: float, x_low: float, y_low: float, bounds: F32, side: int, y0: int, y1: int) -> None:
     """Where an edge crosses the centre of each row."""
-    start, end = _first(y_top), _last(y_low, height)
+    start, end = max(_first(y_top), y0), _last(y_low, y1)
     slope = (x_low - x_top) / (y_low - y_top)
     for y in range(start, end):
-        bound[y] = x_top + (np.float32(y) + _HALF - y_top) * slope
+        bounds[side, y] = x_top + (np.float32(y) + _HALF - y_top) * slope

@@ -61,8 +61,6 @@ class RasterRenderer:
         canonical = width == height == VIEW_PX and fov_deg == VIEW_FOV_DEG and sample == (0.5, 0.5)
         self._view: RasterRenderer | None = None if canonical else self._counting_view()
         self._arena: Arena | None = None
-        self._drawn = np.empty(0, np.int32)
-        self._stamp = 0
 
     def _counting_view(self) -> RasterRenderer:
         return RasterRenderer(textured=False, builder=self._builder, cull=self._cull)
@@ -89,8 +87,6 @@ class RasterRenderer:
 
     def _show(self, arena: Arena) -> None:
         self._arena = arena
-        self._drawn = np.zeros(len(arena.tables.parts), np.int32)
-        self._stamp = 0
         if self._view is not None:
             self._view._show(arena)
 
@@ -157,7 +153,6 @@ class RasterRenderer:
     def _rasterise(self, x: float, y: float, z: float, heading: float, pitch_deg: float) -> None:
         arena, camera = self.arena, self._camera
         camera[:7] = (x, y, z, *heading_cos_sin(heading), *pitch_cos_sin(pitch_deg))
-        self._stamp += 1
         rasterise(
             camera,
             arena.tables,
@@ -166,8 +161,6 @@ class RasterRenderer:
             arena.house.spec.wall_height_m,
             arena.room_start,
             arena.room_groups,
-            self._drawn,
-            self._stamp,
             self._cull,
             self._depth,
             self._faces,
