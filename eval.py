@@ -15,9 +15,9 @@ from typing import Any
 import hydra
 from hydra.core.hydra_config import HydraConfig
 from omegaconf import DictConfig, OmegaConf
-from rich.console import Console
 
 from ucon.commands.entry import one_line_errors, run_entry
+from ucon.commands.output import wide_console
 from ucon.commands.wiring import Factory
 from ucon.core.errors import ConfigError
 from ucon.evaluation.folder import RunFolder
@@ -45,7 +45,7 @@ def evaluate_and_report(cfg: DictConfig, out: Path) -> None:
     played, seconds = play_missing(config, episodes, folder, done, out)
     figures = summary(played, folder.hashes, seconds)
     folder.finish(played, figures, OmegaConf.to_yaml(OmegaConf.create(config)))
-    console = Console()
+    console = wide_console()
     console.print(results_table([figures]))
     console.print(f"{failure_line(figures)}\n{seconds:.1f} s for {len(played) - len(done)} episodes; results in {out}")
 

@@ -18,8 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print the differences of every pair, the first run minus the later one."""
-    from rich.console import Console
-
+    from ucon.commands.output import wide_console
     from ucon.core.errors import ConfigError
     from ucon.evaluation.compare import compare_runs, comparison_table
 
@@ -29,14 +28,13 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         print(json.dumps([pair.to_json() for pair in pairs], indent=1))
     else:
-        Console().print(comparison_table(pairs))
+        wide_console().print(comparison_table(pairs))
     return 0
 
 
 def print_sweep(folder: Path) -> None:
     """Tables of all finished runs below a sweep's folder, and what habits and agents are worth in it."""
-    from rich.console import Console
-
+    from ucon.commands.output import wide_console
     from ucon.evaluation.compare import compare_records, comparison_table
     from ucon.evaluation.record import read_records
     from ucon.evaluation.report import results_table
@@ -46,7 +44,7 @@ def print_sweep(folder: Path) -> None:
         return
     runs = [(json.loads((p / "summary.json").read_text()), read_records(p)) for p in paths]
     runs.sort(key=lambda run: (run[0]["agent"], _LEVEL_ORDER.get(run[0]["habit_level"], 9)))
-    console = Console()
+    console = wide_console()
     console.print(results_table([summary for summary, _ in runs], title=str(folder)))
     pairs = []
     for (a, records_a), (b, records_b) in combinations(runs, 2):

@@ -1,4 +1,4 @@
-"""Standard output that holds nothing but a command's own result."""
+"""Standard output that holds nothing but a command's own result, whole."""
 
 from __future__ import annotations
 
@@ -6,6 +6,20 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+#: Tables are as wide as they need to be: in a narrow terminal lines break, but no figure is cut off.
+_LEAST_WIDTH = 132
+
+
+def wide_console() -> Console:
+    """A console for tables on standard output."""
+    from rich.console import Console
+
+    return Console(width=max(Console().width, _LEAST_WIDTH))
 
 
 @contextmanager

@@ -27,6 +27,11 @@ def episode_sets() -> dict[str, Path]:
     return found
 
 
+def set_path(name: str) -> Path:
+    """Where a named set is kept: ``mini`` in the package, the others in ``episodes/`` of the clone."""
+    return (_PACKAGE if name == "mini" else _CLONE) / f"{name}{SUFFIX}"
+
+
 def load_episodes(name_or_path: str | Path) -> tuple[Episode, ...]:
     """Episodes of a named set or a file.
 

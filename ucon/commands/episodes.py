@@ -1,0 +1,84 @@
+"""``python -m ucon episodes make SET`` and ``episodes verify SET``: the fixed evaluation sets."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ucon.task.episode import Episode
+
+_SHOWN = 20
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
+    maker = actions.add_parser("make", help="sample, check and write a set")
+    maker.add_argument("name", metavar="SET", help="mini, val or test")
+    maker.add_argument("--out", type=Path, help="file to write; default: where the set is looked for")
+    maker.add_argument("--limit", type=int, help="only the first so many episodes")
+    maker.add_argument("--habits", metavar="PATH", help="habit dataset by path; default: the embedded book")
+    maker.add_argument("--workers", type=int, default=2, help="processes (default 2)")
+    verifier = actions.add_parser("verify", help="replay every stored solution")
+    verifier.add_argument("names", metavar="SET", nargs="+", help="named set or file")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Carry out the chosen action; ``verify`` ends with 1 where an episode does not hold."""
+    from ucon.commands.output import stdout_to_stderr
+
+    with stdout_to_stderr():
+        return _make(args) if args.action == "make" else _verify(args)
+
+
+def _make(args: argparse.Namespace) -> int:
+    from ucon.commands.habits import load_dataset
+    from ucon.task.make import make_episodes
+    from ucon.task.plan import set_orders
+    from ucon.task.sets import save_episodes, set_path
+
+    dataset = load_dataset(args.habits)
+    orders = list(set_orders(args.name, dataset))[: args.limit]
+    with _bar(f"making {args.name}", len(orders)) as progress:
+        custom = dataset if args.habits else None
+        episodes = make_episodes(orders, custom, workers=args.workers, progress=progress)
+    path = args.out or set_path(args.name)
+    save_episodes(episodes, path)
+    sys.stderr.write(f"{len(episodes)} episodes written to {path} ({path.stat().st_size / 1024:.0f} KB)\n")
+    return _report(path, episodes)
+
+
+def _verify(args: argparse.Namespace) -> int:
+    from ucon.task.sets import load_episodes
+
+    return max(_report(name, load_episodes(name)) for name in args.names)
+
+
+def _report(name: str | Path, episodes: Sequence[Episode]) -> int:
+    from ucon.task.make import verify_episode
+
+    problems = []
+    with _bar(f"verifying {name}", len(episodes)) as progress:
+        for number, episode in enumerate(episodes, 1):
+            if wrong := verify_episode(episode):
+                problems.append(f"{episode.id}: {wrong}")
+            progress(number, len(episodes))
+    for line in problems[:_SHOWN]:
+        sys.stderr.write(f"  {line}\n")
+    sys.stderr.write(f"{name}: {len(problems)} of {len(episodes)} episodes do not hold\n")
+    return 1 if problems else 0
+
+
+@contextmanager
+def _bar(label: str, total: int) -> Iterator[Callable[[int, int], None]]:
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True)) as bar:
+        task = bar.add_task(label, total=total)
+        yield lambda done, _: bar.update(task, completed=done)

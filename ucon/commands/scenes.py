@@ -1,0 +1,62 @@
+"""``python -m ucon scenes``: the homes as a list, as JSON, or as a sheet of plans and first-person views."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    parser.add_argument("--scene", action="append", metavar="NAME", help="only this home (may be repeated)")
+    parser.add_argument("--sheet", type=Path, metavar="FILE.png", help="draw plans and views into a picture")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def run(args: argparse.Namespace) -> int:
+    """List the homes, or draw them."""
+    from ucon.commands.output import stdout_to_stderr, wide_console
+    from ucon.scenes import SCENES
+
+    names = tuple(args.scene or SCENES)
+    with stdout_to_stderr():
+        rows = [describe(name) for name in names]
+        if args.sheet:
+            draw(names, args.sheet)
+    if args.json:
+        print(json.dumps(rows, indent=1))
+    else:
+        from rich.table import Table
+
+        table = Table(*rows[0])
+        for row in rows:
+            table.add_row(*map(str, row.values()))
+        wide_console().print(table)
+    return 0
+
+
+def describe(name: str) -> dict[str, Any]:
+    """Figures of one home, from its specification."""
+    from ucon.scenes import home_spec, scene_split
+
+    spec = home_spec(name)
+    area = sum((r.rect[2] - r.rect[0]) * (r.rect[3] - r.rect[1]) for r in spec.rooms)
+    return {
+        "scene": name,
+        "kind": spec.kind,
+        "split": scene_split(name),
+        "rooms": len(spec.rooms),
+        "area_m2": round(area, 1),
+        "items": len(spec.items),
+        "categories": len({item.category for item in spec.items}),
+        "hash": spec.hash[:12],
+    }
+
+
+def draw(names: tuple[str, ...], path: Path) -> None:
+    """Write the sheet."""
+    from ucon.sim.sheets import scene_sheet
+
+    scene_sheet(names, path)
