@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 TOUCH_M = 0.002
 FLAT_M = 0.02
-"""Lower than this is walked over and stood on: carpets."""
+"""What ends below this is walked over and stood on: carpets."""
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -60,9 +60,9 @@ def _outside(box: NDArray[np.float64], inner: NDArray[np.float64], height_m: flo
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _hits_any(box: NDArray[np.float64], solids: NDArray[np.float64], as_void: bool) -> bool:
-    flat = not as_void and box[5] - box[2] <= FLAT_M
+    flat = not as_void and box[5] <= FLAT_M
     for k in range(len(solids)):
-        other_flat = solids[k, 5] - solids[k, 2] <= FLAT_M
+        other_flat = solids[k, 5] <= FLAT_M
         if flat != other_flat:
             continue
         if _overlap(box, solids[k], 2 if flat else 3):
@@ -95,7 +95,7 @@ def allowed(
             if _outside(box, inner, height_m, 1e-5) or _hits_any(box, solids, False):
                 good = False
                 break
-            if box[5] - box[2] > FLAT_M:
+            if box[5] > FLAT_M:
                 for k in range(len(voids)):
                     if _overlap(box, voids[k], 3):
                         good = False

@@ -151,6 +151,10 @@ def countertop(k: Kit) -> None:
     """A base unit of any length: stone slab on a closed body with the seams of doors."""
     x, y, z = k.size
     front, body = x / 2, (222, 220, 214)
+    if z < 0.3:  # a bare slab, laid on cabinets that stand below it
+        k.box((-x / 2, front), (-y / 2, y / 2), (0, z), k.color, Material.CONCRETE)
+        k.top_surface(0.01)
+        return
     k.box((-x / 2, front), (-y / 2, y / 2), (z - 0.04, z), k.color, Material.CONCRETE)
     k.box((-x / 2, front - 0.03), (-y / 2, y / 2), (0.1, z - 0.04), body)
     k.box((-x / 2, front - 0.08), (-y / 2, y / 2), (0, 0.1), DARK)

@@ -105,7 +105,7 @@ def mirror(k: Kit) -> None:
         k.box((-x / 2, x / 2), (c, d), (0, z), (150, 118, 78), Material.WOOD)
     k.box((-x / 2, x / 2), (-y / 2 + rim, y / 2 - rim), (0, rim), (150, 118, 78), Material.WOOD)
     k.box((-x / 2, x / 2), (-y / 2 + rim, y / 2 - rim), (z - rim, z), (150, 118, 78), Material.WOOD)
-    k.rod((x * 0.22, -y * 0.2, z * 0.5), (x * 0.22, y * 0.1, z * 0.8), (0.004, 0.04), WHITE)
+    k.rod((x * 0.22, -y * 0.2, z * 0.5), (x * 0.22, y * 0.1, z * 0.8), (0.04, 0.004), WHITE)
     hang_below(k, 0.3)
 
 
