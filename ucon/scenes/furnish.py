@@ -34,6 +34,8 @@ CARPETS: tuple[Vec3, ...] = (
     (1.0, 1.5, g.CARPET_M),
     (0.7, 1.1, g.CARPET_M),
 )
+HALL_M2, SPREAD_M = 40.0, 9.0
+"""In halls tables spread out over the floor instead of crowding in the middle."""
 
 
 class Furnisher:
@@ -84,6 +86,10 @@ class Furnisher:
                 cost[rows] += 1.5 * np.abs(along[rows] - (low + high) / 2)
             elif prefer == "edge":
                 cost[rows] += 1.0 * np.minimum(along[rows] - low, high - along[rows])
+        same = [i.position for i in self.canvas.items if i.category == group.pieces[0].category]
+        if same and prefer in ("corner", "edge") and not key.startswith("run/"):  # spread plants and lamps out
+            apart = np.hypot(poses[:, None, 0] - [p[0] for p in same], poses[:, None, 1] - [p[1] for p in same]).min(1)
+            cost -= 0.6 * np.minimum(apart, 2.0)
         if prefer == "middle":
             cost -= 0.35 * self._door_distance(poses)
         return self.canvas.try_place(group, poses, cost)
@@ -102,7 +108,8 @@ class Furnisher:
         poses = self.canvas.free_poses(turns)
         x0, y0, x1, y1 = self.canvas.inner
         tx, ty = target or ((x0 + x1) / 2, (y0 + y1) / 2)
-        cost = np.hypot(poses[:, 0] - tx, poses[:, 1] - ty) + self.noise(key, len(poses), 0.4)
+        spread = SPREAD_M if (x1 - x0) * (y1 - y0) > HALL_M2 and key.startswith("table/") else 0.4
+        cost = np.hypot(poses[:, 0] - tx, poses[:, 1] - ty) + self.noise(key, len(poses), spread)
         return self.canvas.try_place(group, poses, cost)
 
     def facing(self, group: Group, key: str, target: tuple[float, float], apart_m: float) -> bool:
@@ -360,12 +367,14 @@ class Furnisher:
         w = self.wants
         if self.type == "shared_office" and w["desk"] >= 4:
             self._office_rows()
-        chairs = [c for c in SEATS for _ in range(w[c])]
+        seats = sorted(SEATS, key=lambda c: -w[c])
+        chairs = [c for c in seats for _ in range(w[c])]
         if self.type in WORK_ROOMS or (self.type not in SEAT_ROOMS and len(chairs) < 3):
             self._desks()
         seat_tables = [t for t in TABLES for _ in range(w[t])]
         for k, table in enumerate(seat_tables):
-            chairs = [c for c in SEATS for _ in range(w[c])]
+            seats = sorted(SEATS, key=lambda c: -w[c])
+            chairs = [c for c in seats for _ in range(w[c])]
             left = len(seat_tables) - k
             n = min(8, -(-len(chairs) // left) if left > 1 else len(chairs))
             if self.type not in SEAT_ROOMS and k > 0:
@@ -451,6 +460,9 @@ class Furnisher:
         """Everything else that is big: at a wall, else in the middle."""
         rest = [c for c in self.wants if catalogue()[c].mount == "floor" and c != "carpet"]
         rest = [c for c in rest if np.prod(g.size_of(c)[:2]) >= 0.25]
+        self._islands(rest)
+        rest = [c for c in rest if self.wants[c]]
+        roomy = self.canvas.wall_length(0) * self.canvas.wall_length(1) > 20
         for category in sorted(rest, key=lambda c: (-float(np.prod(g.size_of(c)[:2])), c)):
             size = g.size_of(category)
             turn = 1 if size[0] > size[1] * 1.3 and category not in ("treadmill", "toilet") else 0
@@ -463,10 +475,21 @@ class Furnisher:
                     middle.pieces[0].x = 0.0
                     done = self.middle(middle, key) or self.wall(group, key, "edge")
                 else:
-                    done = self.wall(group, key, "edge")
+                    done = self.wall(group, key, "edge") or (roomy and self.middle(group, key, turns=(0, 1, 2, 3)))
                 if not done:
                     break
                 self.take(category)
+
+    def _islands(self, rest: list[str]) -> None:
+        """Lines of appliances in the middle of a large kitchen."""
+        if self.type != "kitchen" or self.canvas.wall_length(0) * self.canvas.wall_length(1) < 30:
+            return
+        units = [(c, g.size_of(c)) for c in sorted(rest) for _ in range(self.wants[c])]
+        for k in range(0, len(units) - 1, 4):
+            group = g.counter_run(units[k : k + 4], False, [], self.tint)
+            group.margin_m = 0.6
+            if self.middle(group, f"island/{k}", turns=(0, 1, 2, 3)):
+                self._count(group)
 
     def small_floor(self) -> None:
         """Lamps, plants and bins in corners."""
