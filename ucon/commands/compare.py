@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from itertools import combinations
+from itertools import combinations, permutations
 from pathlib import Path
 from typing import Any
 
@@ -46,12 +46,11 @@ def print_sweep(folder: Path) -> None:
     runs.sort(key=lambda run: (run[0]["agent"], _LEVEL_ORDER.get(run[0]["habit_level"], 9)))
     console = wide_console()
     console.print(results_table([summary for summary, _ in runs], title=str(folder)))
-    pairs = []
-    for (a, records_a), (b, records_b) in combinations(runs, 2):
-        if _worth_comparing(a, b):
-            common = {r.episode for r in records_a} & {r.episode for r in records_b}
-            if common:
-                pairs.append(compare_records(records_b, records_a, (_label(b), _label(a))))
+    pairs = [
+        compare_records(records_a, records_b, (_label(a), _label(b)))
+        for (a, records_a), (b, records_b) in permutations(runs, 2)
+        if _answers_something(a, b) and {r.episode for r in records_a} & {r.episode for r in records_b}
+    ]
     if pairs:
         console.print(comparison_table(pairs, ("success_rate", "spl")))
 
@@ -59,11 +58,11 @@ def print_sweep(folder: Path) -> None:
 _LEVEL_ORDER = {"none": 0, "full": 1, "gt": 2, "retrieval": 3, "context": 4}
 
 
-def _worth_comparing(a: dict[str, Any], b: dict[str, Any]) -> bool:
-    """Levels of one agent against its ``none``; agents against each other at one level."""
+def _answers_something(a: dict[str, Any], b: dict[str, Any]) -> bool:
+    """Whether ``a - b`` is worth a row: a level of an agent minus its ``none``, or two agents at one level."""
     if a["agent"] == b["agent"]:
-        return "none" in (a["habit_level"], b["habit_level"]) or a["habit_level"] == b["habit_level"]
-    return bool(a["habit_level"] == b["habit_level"])
+        return bool(b["habit_level"] == "none" != a["habit_level"])
+    return bool(a["habit_level"] == b["habit_level"] and a["agent"] < b["agent"])
 
 
 def _label(summary: dict[str, Any]) -> str:

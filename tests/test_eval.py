@@ -1,0 +1,96 @@
+"""``eval.py`` from end to end, in processes of its own."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from ucon.evaluation.record import read_records
+
+ROOT = Path(__file__).parents[1]
+QUICK = ("episodes=mini", "limit=4", "pictures=0", "progress=false")
+
+
+def evaluate(*overrides: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "eval.py", *overrides]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=300)
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    out = tmp_path_factory.mktemp("run") / "frontier"
+    result = evaluate("agent=frontier", "habit_level=none", *QUICK, f"out={out}")
+    assert result.returncode == 0, result.stderr[-2000:]
+    return out, result
+
+
+def test_writes_what_scripts_rely_on(run):
+    out, result = run
+    summary = json.loads((out / "summary.json").read_text())
+    assert set(summary) >= {
+        "success_rate",
+        "spl",
+        "n",
+        "success_rate_ci95",
+        "spl_ci95",
+        "seconds",
+        "hashes",
+        "versions",
+    }
+    assert set(summary["hashes"]) == {"config", "episodes", "habits", "code"}
+    assert all(len(value) == 64 for value in summary["hashes"].values())
+    assert summary["n"] == 4 == len(read_records(out))
+    assert "frontier" in result.stdout
+    assert "_target_: models.agents.frontier.FrontierAgent" in (out / "config.yaml").read_text()
+    assert not (out / "episodes.jsonl.partial").exists()
+
+
+def test_a_second_run_gives_the_same_bytes(run, tmp_path):
+    result = evaluate("agent=frontier", "habit_level=none", *QUICK, "workers=0", f"out={tmp_path}/again")
+    assert result.returncode == 0, result.stderr[-2000:]
+    assert (tmp_path / "again" / "episodes.jsonl").read_bytes() == (run[0] / "episodes.jsonl").read_bytes()
+
+
+def test_a_finished_run_is_not_played_again(run):
+    result = evaluate("agent=frontier", "habit_level=none", *QUICK, f"out={run[0]}")
+    assert result.returncode == 0, result.stderr[-2000:]
+    assert "for 0 episodes" in result.stdout
+
+
+def test_another_run_is_refused_its_folder(run):
+    result = evaluate("agent=random", "habit_level=none", *QUICK, f"out={run[0]}")
+    assert result.returncode == 2
+    assert "belongs to another run (different config)" in result.stderr
+
+
+def test_an_interrupted_run_goes_on(tmp_path):
+    out = tmp_path / "run"
+    overrides = ("agent=frontier", "habit_level=none", "limit=30", "pictures=0", "progress=false", f"out={out}")
+    process = subprocess.Popen([sys.executable, "eval.py", *overrides], cwd=ROOT, stderr=subprocess.PIPE, text=True)
+    partial = out / "episodes.jsonl.partial"
+    deadline = time.monotonic() + 120
+    while time.monotonic() < deadline and not (partial.is_file() and partial.read_text().count("\n") > 3):
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    _, stderr = process.communicate(timeout=60)
+    assert process.returncode == 130, stderr
+    assert stderr.strip().splitlines()[-1].startswith("error: interrupted")
+    kept = partial.read_text().count("\n") - 1
+    result = evaluate(*overrides)
+    assert result.returncode == 0, result.stderr[-2000:]
+    assert f"for {30 - kept} episodes" in result.stdout
+    whole = evaluate(*overrides[:-1], f"out={tmp_path}/whole")
+    assert whole.returncode == 0
+    assert (out / "episodes.jsonl").read_bytes() == (tmp_path / "whole" / "episodes.jsonl").read_bytes()
+
+
+def test_a_sweep_ends_in_a_comparison(tmp_path):
+    result = evaluate("-m", "agent=random,frontier", "habit_level=none,gt", *QUICK, f"out={tmp_path}/sweep")
+    assert result.returncode == 0, result.stderr[-2000:]
+    assert len(list((tmp_path / "sweep").glob("*/summary.json"))) == 4
+    assert "paired differences" in result.stdout
+    assert "frontier none - random none" in result.stdout
