@@ -9,10 +9,13 @@ import numpy as np
 
 from ucon.objects.catalogue import catalogue
 from ucon.objects.model import Category
+from ucon.sim.placement.kernels import rug_tops
 from ucon.sim.placement.slots import Pose, Slot, clear, flipped, nearest_node_m, slot_boxes, slots_at
 from ucon.sim.placement.surroundings import Surroundings
 from ucon.sim.shapes import Array, Solid
 
+RUG_M = 0.045
+"""What lies on the floor and is thinner than this is stood on, not avoided."""
 SEEN_BEST_M = 1.1
 """Levels above this are looked at from the side: what stands far back on them is hidden by their edge."""
 
@@ -52,6 +55,9 @@ def ordered(
     noise = request.rng.random(len(centres))
     order = np.argsort(noise + penalty, kind="stable")
     boxes = slot_boxes(centres, z, pose)
+    if isinstance(z, float) and abs(z) < RUG_M:
+        z = z + rug_tops(request.scene.parts.boxes, boxes, RUG_M)
+        boxes = slot_boxes(centres, z, pose)
     turned = flipped(request.shape, pose, request.rng)
     found = 0
     for start in range(0, len(order), 64):

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ucon.sim.house import STRUCTURE
 from ucon.sim.placement.common import Request, depth_penalty, ordered
+from ucon.sim.placement.kernels import ring
 from ucon.sim.placement.reasons import RefusedError
 from ucon.sim.placement.slots import Pose, Slot, poses
 from ucon.sim.placement.surroundings import COMPARTMENT, FLOOR, Surroundings, turned_box
@@ -22,8 +23,12 @@ GAPS_M = (0.02, 0.05, 0.08)
 FAR_GAPS_M = (0.12, 0.18, 0.25)
 HANGING_M = 0.30
 """Horizontal reach of "next to" and "under" for what hangs on a wall."""
+BESIDE_FURNITURE_M = 0.60
+"""Reach of "next to" for tall things on the floor beside the furniture that the anchor stands on."""
 _SAME_LEVEL_M = 0.03
 _PER_STAGE = 10
+_RING_STEP_M = 0.06
+_RING_MOST = 30
 _DOORWAY_M = 0.5
 
 
@@ -101,6 +106,34 @@ def _beside(request: Request) -> Iterator[Slot]:
             for pose in poses(request.shape, lay=request.row.mount != "floor"):
                 for row in stage:
                     yield from _ring(request, row, pose, gaps)
+    if is_on_furniture(scene, request.anchor) and reaches(request.shape.extent[2], box):
+        yield from _beside_furniture(request)
+
+
+def is_on_furniture(scene: Surroundings, anchor: int) -> bool:
+    """Whether an instance stands on something rather than on the floor."""
+    return bool(scene.boxes[anchor][2] > 0.25)
+
+
+def reaches(height_m: float, box: Array) -> bool:
+    """Whether something of this height on the floor stands up to what has box (6,) on the furniture beside it."""
+    return height_m >= box[2] - 0.25
+
+
+def _beside_furniture(request: Request) -> Iterator[Slot]:
+    """Slots on the floor for what is tall: a floor lamp next to the lamp on the table, a stool next to a glass."""
+    scene, box = request.scene, request.anchor_box
+    reach = box + np.array([-BESIDE_FURNITURE_M, -BESIDE_FURNITURE_M, 0, BESIDE_FURNITURE_M, BESIDE_FURNITURE_M, 0])
+    rows = [r for r in _rows_near(scene, reach) if scene.levels.kind[r] == FLOOR]
+    for pose in poses(request.shape, lay=False):
+        for row in rows:
+            level = scene.levels.box[row]
+            half = pose.extent[:2] / 2
+            centres = _lattice(reach[[0, 1, 3, 4]] + np.concatenate([-half, half]))
+            away = gap_m(_footprints(centres, pose), box)
+            keep = _on_level(level, centres, pose) & (away <= BESIDE_FURNITURE_M)
+            penalty = 4.0 * away[keep] + 10.0 * _in_doorway(scene, centres[keep], pose)
+            yield from ordered(request, centres[keep], 0.0, pose, penalty, keep=_PER_STAGE)
 
 
 def _stages(request: Request, near: list[int]) -> list[list[int]]:
@@ -135,7 +168,7 @@ def _ring(request: Request, row: int, pose: Pose, gaps: tuple[float, ...]) -> It
     level = scene.levels.box[row]
     if pose.extent[2] > level[5] - level[2]:
         return
-    centres = np.concatenate([_around(box, pose.extent, gap) for gap in gaps])
+    centres = ring(box, pose.extent[0] / 2, pose.extent[1] / 2, np.array(gaps), _RING_STEP_M, _RING_MOST)
     full = np.concatenate([np.zeros(2), [level[2]], pose.extent[:2], [level[2] + pose.extent[2]]])
     near = gap_m(_footprints(centres, pose), box) <= limit_m(full, box)
     centres = centres[near & _on_level(level, centres, pose)]
@@ -143,17 +176,6 @@ def _ring(request: Request, row: int, pose: Pose, gaps: tuple[float, ...]) -> It
     if scene.levels.kind[row] == FLOOR and len(centres):
         penalty = np.asarray(penalty + 10.0 * _in_doorway(scene, centres, pose), np.float64)
     yield from ordered(request, centres, level[2], pose, penalty, keep=_PER_STAGE)
-
-
-def _around(box: Array, extent: Array, gap: float) -> Array:
-    """Footprint centres (n, 2) all around a box at one gap, corners included."""
-    half = extent[:2] / 2
-    low, high = box[:2] - gap - half, box[3:5] + gap + half
-    xs = np.linspace(low[0], high[0], int(np.clip((high[0] - low[0]) / 0.06 + 1, 3, 30)))
-    ys = np.linspace(low[1], high[1], int(np.clip((high[1] - low[1]) / 0.06 + 1, 3, 30)))[1:-1]
-    sides = [np.stack([xs, np.full_like(xs, y)], 1) for y in (low[1], high[1])]
-    sides += [np.stack([np.full_like(ys, x), ys], 1) for x in (low[0], high[0])]
-    return np.concatenate(sides)
 
 
 def _along_walls(request: Request) -> Iterator[Slot]:

@@ -10,12 +10,14 @@ from ucon.sim.house import STRUCTURE
 from ucon.sim.placement.common import Request, alternate, depth_penalty, ordered
 from ucon.sim.placement.reasons import RefusedError
 from ucon.sim.placement.slots import Pose, Slot, centres_in, poses
-from ucon.sim.placement.surroundings import FLOOR, SURFACE
+from ucon.sim.placement.surroundings import FLOOR, SURFACE, Surroundings
 from ucon.sim.shapes import Array
 
 OVERHANG = 0.3
 """How much longer than the surface an object may be, as a share."""
 _PER_LEVEL = 8
+_SAME_HEIGHT_M = 0.005
+_JOINT_M = 0.03
 
 
 def candidates(request: Request) -> Iterator[Slot]:
@@ -31,10 +33,31 @@ def candidates(request: Request) -> Iterator[Slot]:
     rows = scene.levels_of(request.anchor, FLOOR if on_floor else SURFACE)
     if not len(rows):
         raise RefusedError("not_a_support", f"{request.anchor_name} has no level surface on top")
-    fitting = [(scene.levels.box[row], pose) for row in rows for pose in _fitting(request, scene.levels.box[row])]
+    levels = [scene.levels.box[row] if on_floor else _widened(scene, row) for row in rows]
+    fitting = [(level, pose) for level in levels for pose in _fitting(request, level)]
     if not fitting:
         raise RefusedError("too_large", f"{request.category} is larger than the top of {request.anchor_name}")
     return _slots(request, fitting, on_floor)
+
+
+def _widened(scene: Surroundings, row: int) -> Array:
+    """A surface with the halves of neighbours at the same height that continue it: one counter, several pieces."""
+    level = scene.levels.box[row].copy()
+    own = scene.levels.box[row]
+    for other in np.flatnonzero(scene.levels.kind == SURFACE):
+        box = scene.levels.box[other]
+        if other == row or abs(box[2] - own[2]) > _SAME_HEIGHT_M:
+            continue
+        for axis in (0, 1):
+            along = 1 - axis
+            if box[along] > own[along] + _JOINT_M or box[3 + along] < own[3 + along] - _JOINT_M:
+                continue
+            half = (box[3 + axis] - box[axis]) / 2
+            if abs(box[axis] - own[3 + axis]) < _JOINT_M:
+                level[3 + axis] = own[3 + axis] + half
+            if abs(box[3 + axis] - own[axis]) < _JOINT_M:
+                level[axis] = own[axis] - half
+    return level
 
 
 def _fitting(request: Request, level: Array) -> list[Pose]:

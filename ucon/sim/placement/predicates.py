@@ -11,8 +11,19 @@ import numpy as np
 
 from ucon.objects.model import Relation
 from ucon.sim.house import STRUCTURE
+from ucon.sim.placement.common import RUG_M
 from ucon.sim.placement.inside import PROTRUDING_SHARE
-from ucon.sim.placement.nextto import HANGING_M, gap_m, is_hanging, limit_m, under_rect, under_spaces
+from ucon.sim.placement.nextto import (
+    BESIDE_FURNITURE_M,
+    HANGING_M,
+    gap_m,
+    is_hanging,
+    is_on_furniture,
+    limit_m,
+    reaches,
+    under_rect,
+    under_spaces,
+)
 from ucon.sim.placement.surroundings import COMPARTMENT, FLOOR, SURFACE, Surroundings
 from ucon.sim.shapes import Array
 
@@ -77,7 +88,11 @@ def is_under(scene: Surroundings, anchor: int, box: Array) -> bool:
 
 
 def is_nextto(scene: Surroundings, anchor: int, box: Array) -> bool:
-    """Boxes overlap in height and are at most :func:`limit_m` apart; wall items are next to what is below them."""
+    """Boxes overlap in height and are at most :func:`limit_m` apart.
+
+    Wall items are next to what is below them; tall things on the floor are next to what stands on the furniture
+    beside them.
+    """
     if scene.categories[anchor] == "walls":
         boxes = scene.parts.boxes[scene.parts.owner == anchor]
         return bool(gap_m(boxes, box).min() <= 0.10)
@@ -85,6 +100,8 @@ def is_nextto(scene: Surroundings, anchor: int, box: Array) -> bool:
     gap = float(gap_m(own, box))
     if is_hanging(scene, anchor):
         return gap <= HANGING_M + 0.1 and bool(box[2] < own[5])
+    if is_on_furniture(scene, anchor) and box[2] < RUG_M and reaches(float(box[5] - box[2]), own):
+        return gap <= BESIDE_FURNITURE_M + _SLACK_M
     beside = bool(box[2] <= own[5] + _BESIDE_M and box[5] >= own[2] - _BESIDE_M)
     overlapping = gap <= 0.0 and bool((np.minimum(own[3:], box[3:]) - np.maximum(own[:3], box[:3]) > 0.02).all())
     return beside and gap <= limit_m(own, box) + _SLACK_M and not overlapping

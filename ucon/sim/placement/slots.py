@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from ucon.core.geometry import yaw_matrix
 from ucon.objects.model import Vec3
+from ucon.scenes.spec import GRID_M
+from ucon.sim.placement.kernels import are_clear, node_distances
 from ucon.sim.placement.surroundings import Surroundings
 from ucon.sim.shapes import Array, Solid, enclosing, primitive_boxes
 
@@ -19,6 +21,7 @@ LIFT_M = 0.001
 _TOUCH_M = 0.0005
 _STEP_M = 0.04
 _MAX_PER_AXIS = 24
+_NODE_REACH = 5
 _SLENDER = 0.14
 """Base over height below which an object is laid down rather than stood up."""
 
@@ -135,10 +138,7 @@ def clear(scene: Surroundings, boxes: Array) -> NDArray[np.bool_]:
     if not len(boxes):
         return np.zeros(0, bool)
     around = np.concatenate([boxes[:, :3].min(axis=0), boxes[:, 3:].max(axis=0)])
-    parts = scene.parts.boxes[scene.parts_near(around)]
-    low, high = boxes[:, None, :3] + _TOUCH_M, boxes[:, None, 3:] - _TOUCH_M
-    meets = np.all((parts[None, :, :3] < high) & (parts[None, :, 3:] > low), axis=2)
-    return np.asarray(~np.any(meets, axis=1))
+    return are_clear(scene.parts.boxes[scene.parts_near(around)], boxes, _TOUCH_M)
 
 
 def slots_at(centres: Array, z: float | Array, pose: Pose, order: NDArray[np.int64]) -> Iterator[Slot]:
@@ -152,12 +152,6 @@ def slots_at(centres: Array, z: float | Array, pose: Pose, order: NDArray[np.int
 
 def nearest_node_m(scene: Surroundings, centres: Array) -> Array:
     """Distance (n,) from points (n, 2) to the nearest free node: what is near can be seen and reached."""
-    nodes = scene.free_xy
-    if not len(nodes) or not len(centres):
-        return np.zeros(len(centres))
-    around = np.concatenate([centres.min(axis=0) - 1.5, centres.max(axis=0) + 1.5])
-    near = nodes[((nodes >= around[:2]) & (nodes <= around[2:])).all(axis=1)]
-    if not len(near):
-        return np.full(len(centres), 1.5)
-    delta = centres[:, None, :] - near[None]
-    return np.sqrt((delta * delta).sum(axis=2).min(axis=1))
+    grid = scene.house.grid
+    ox, oy = grid.origin_xy
+    return node_distances(scene.free, ox, oy, GRID_M, np.ascontiguousarray(centres), _NODE_REACH)

@@ -16,6 +16,7 @@ from ucon.objects.catalogue import catalogue
 from ucon.scenes.spec import WALL_THICKNESS_M
 from ucon.sim.arrangement import Arrangement
 from ucon.sim.house import STRUCTURE, House
+from ucon.sim.placement.kernels import rows_meeting
 from ucon.sim.shapes import (
     Array,
     Solid,
@@ -112,11 +113,6 @@ class Surroundings:
             free[taken[:, 0], taken[:, 1]] = False
         return free
 
-    @cached_property
-    def free_xy(self) -> Array:
-        """World positions (n, 2) of the free nodes."""
-        return self.house.grid.xy(np.argwhere(self.free))
-
     def is_present(self, instance: int) -> bool:
         """Whether an instance exists and was not taken away."""
         return 0 <= instance < len(self.categories) and instance not in self.arrangement.removed
@@ -132,8 +128,7 @@ class Surroundings:
 
     def parts_near(self, box: Array) -> Index:
         """Rows of :attr:`parts` that meet a box (6,)."""
-        b = self.parts.boxes
-        return np.flatnonzero((b[:, :3] < box[3:]).all(axis=1) & (b[:, 3:] > box[:3]).all(axis=1))
+        return rows_meeting(self.parts.boxes, np.asarray(box, float))
 
     def room_at(self, x: float, y: float, default: int) -> int:
         """Room that contains a point."""

@@ -1,0 +1,98 @@
+"""The hot loops of placement, compiled."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def rows_meeting(boxes: Array, box: Array) -> NDArray[np.int64]:
+    """Rows of ``boxes`` (m, 6) that meet a box (6,)."""
+    found = np.empty(len(boxes), np.int64)
+    count = 0
+    for k in range(len(boxes)):
+        b = boxes[k]
+        if b[0] < box[3] and b[3] > box[0] and b[1] < box[4] and b[4] > box[1] and b[2] < box[5] and b[5] > box[2]:
+            found[count] = k
+            count += 1
+    return found[:count].copy()
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def are_clear(parts: Array, boxes: Array, touch: float) -> NDArray[np.bool_]:
+    """Whether each of ``boxes`` (n, 6), shrunk by ``touch``, meets none of ``parts`` (m, 6)."""
+    result = np.ones(len(boxes), np.bool_)
+    for i in range(len(boxes)):
+        b = boxes[i]
+        for k in range(len(parts)):
+            p = parts[k]
+            if (
+                p[0] < b[3] - touch
+                and p[3] > b[0] + touch
+                and p[1] < b[4] - touch
+                and p[4] > b[1] + touch
+                and p[2] < b[5] - touch
+                and p[5] > b[2] + touch
+            ):
+                result[i] = False
+                break
+    return result
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def rug_tops(parts: Array, boxes: Array, most: float) -> Array:
+    """Height (n,) of the highest of ``parts`` that lies flat below ``most`` under each of ``boxes`` (n, 6); 0: none."""
+    result = np.zeros(len(boxes))
+    for k in range(len(parts)):
+        p = parts[k]
+        if p[5] > most or p[5] <= 0.0:
+            continue
+        for i in range(len(boxes)):
+            b = boxes[i]
+            if p[0] < b[3] and p[3] > b[0] and p[1] < b[4] and p[4] > b[1]:
+                result[i] = max(result[i], p[5])
+    return result
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def node_distances(free: NDArray[np.bool_], ox: float, oy: float, step: float, xy: Array, reach: int) -> Array:
+    """Distance from points (n, 2) to the nearest free node, at most about ``reach`` cells."""
+    nx, ny = free.shape
+    result = np.full(len(xy), reach * step)
+    for k in range(len(xy)):
+        ci, cj = math.floor((xy[k, 0] - ox) / step), math.floor((xy[k, 1] - oy) / step)
+        for i in range(max(ci - reach, 0), min(ci + reach + 1, nx)):
+            for j in range(max(cj - reach, 0), min(cj + reach + 1, ny)):
+                if free[i, j]:
+                    dx, dy = ox + (i + 0.5) * step - xy[k, 0], oy + (j + 0.5) * step - xy[k, 1]
+                    result[k] = min(result[k], math.sqrt(dx * dx + dy * dy))
+    return result
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def ring(box: Array, half_x: float, half_y: float, gaps: Array, step: float, most: int) -> Array:
+    """Footprint centres (n, 2) all around a box (6,) at the given gaps, corners included."""
+    points = np.empty((len(gaps) * 4 * (most + 1), 2))
+    count = 0
+    for gap in gaps:
+        x0, x1 = box[0] - gap - half_x, box[3] + gap + half_x
+        y0, y1 = box[1] - gap - half_y, box[4] + gap + half_y
+        nx = min(max(int((x1 - x0) / step), 2), most)
+        ny = min(max(int((y1 - y0) / step), 2), most)
+        for k in range(nx + 1):
+            x = x0 + (x1 - x0) * k / nx
+            points[count, 0], points[count, 1] = x, y0
+            points[count + 1, 0], points[count + 1, 1] = x, y1
+            count += 2
+        for k in range(1, ny):
+            y = y0 + (y1 - y0) * k / ny
+            points[count, 0], points[count, 1] = x0, y
+            points[count + 1, 0], points[count + 1, 1] = x1, y
+            count += 2
+    return points[:count].copy()
