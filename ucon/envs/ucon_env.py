@@ -17,7 +17,7 @@ from ucon.envs.knowledge import HabitSource
 from ucon.envs.topdown import TopDownMap
 from ucon.envs.tracks import Tracks
 from ucon.sim.cache import load_house
-from ucon.sim.render import RasterRenderer, make_renderer
+from ucon.sim.render import RasterRenderer, Renderer
 from ucon.sim.state import SceneState
 from ucon.task.actions import Action
 from ucon.task.episode import Episode
@@ -106,7 +106,7 @@ class UcONEnv(gym.Env[Obs, int]):
         self._observe, self._detector, self._planner = observe, detector, planner
         self._world_kind, self._reward, self._privileged = world, reward or Reward(), privileged
         self._max_habits = max_habits
-        self._renderer = make_renderer(renderer, width_px, height_px, fov_deg)
+        self._renderer = _make_renderer(renderer, width_px, height_px, fov_deg)
         self._canonical = (width_px, height_px, fov_deg) == (CANONICAL_PX, CANONICAL_PX, CANONICAL_FOV_DEG)
         self._frame_renderer: RasterRenderer | None = None
         self._world: Any = None
@@ -295,6 +295,15 @@ class UcONEnv(gym.Env[Obs, int]):
             "step": spaces.Discrete(self.rules.max_steps + 1),
         }
         return spaces.Dict(entries)
+
+
+def _make_renderer(name: str, width_px: int, height_px: int, fov_deg: float) -> Renderer:
+    _check_choice("renderer", name, ("raster", "tiny"))
+    if name == "raster":
+        return RasterRenderer(width_px, height_px, fov_deg)
+    from ucon.sim.render.tiny import TinyRenderer  # PyBullet is needed for it, and for nothing else here
+
+    return TinyRenderer(width_px, height_px, fov_deg)
 
 
 def _check_choice(option: str, value: Any, choices: tuple[Any, ...]) -> None:
