@@ -418,7 +418,7 @@ class Furnisher:
         for table in ("desk", "breakfast_table", "pedestal_table", "console_table", "coffee_table"):
             for k in range(w[table]):
                 chair = next((c for c in ("swivel_chair", "straight_chair", "armchair") if w[c]), None)
-                if table in ("console_table", "coffee_table") or self.type == "lobby" and table != "desk":
+                if table in ("console_table", "coffee_table") or (self.type == "lobby" and table != "desk"):
                     chair = None
                 size = {"breakfast_table": (0.7, 1.2, 0.75), "coffee_table": (0.5, 0.9, 0.43)}.get(table)
                 for option in dict.fromkeys((chair, None)):

@@ -97,7 +97,7 @@ def desk(table: str, size: Vec3, chair: str | None, chair_size: Vec3 | None, tin
 
 def table_with_seats(table: str, size: Vec3, seat: str, n: int, tint: int, around_m: float = 0.0) -> Group:
     """A table in the middle with ``n`` seats that face it: along the long sides first, then at the heads."""
-    sx, sy, sz = size
+    sx, sy, _sz = size
     seat_size = size_of(seat)
     group = Group([Piece(table, size, 0.0, 0.0, tint=tint)], margin_m=0.1)
     pitch = seat_size[1] + 0.06

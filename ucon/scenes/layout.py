@@ -174,7 +174,7 @@ def _place_hub(
     if length <= FOLD_CELLS and (length < FOLD_CELLS * 0.7 or rng.random() < 0.5):
         plan.add(hub.name, (0, 0, length, width))
         return
-    first = int(round(length * rng.uniform(0.5, 0.62)))
+    first = round(length * rng.uniform(0.5, 0.62))
     second = length - first
     plan.add(hub.name, (0, 0, first, width))
     start = int(rng.choice([0, first - width, (first - width) // 2]))

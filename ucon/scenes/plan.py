@@ -75,5 +75,5 @@ def _draw_item(draw: ImageDraw.ImageDraw, item: Item, box: object, labels: bool)
         fx, fy = x + cx * (sx / 2 - 0.04), y + cy * (sy / 2 - 0.04)
         wide = (0.03, sy / 3) if item.quarter_turns % 2 == 0 else (sx / 3, 0.03)
         draw.rectangle(box(fx - wide[0], fy - wide[1], fx + wide[0], fy + wide[1]), fill=(30, 30, 30))  # type: ignore[operator]
-    if labels and (min(sx, sy) > 0.3 or wall and max(sx, sy) > 0.5) and item.size[2] > 0.02:
+    if labels and (min(sx, sy) > 0.3 or (wall and max(sx, sy) > 0.5)) and item.size[2] > 0.02:
         draw.text((area[0] + 1, area[1]), item.category.replace("_", " ")[:12], fill=(10, 10, 10), font=_font(8))

@@ -226,49 +226,55 @@ def _names(types: list[str]) -> list[str]:
     return names
 
 
+#: Joint of a room to its parent where it is not a doorway.
+_JOINTS = {
+    "living_room": "opening_1.2",
+    "kitchen": "opening_1.2",
+    "entryway": "open",
+    "lobby": "opening_2.0",
+    "bar": "opening_2.0",
+    "garden": "opening_1.5",
+}
+
+
 def _edges(names: list[str], types: list[str], hub: str, kind: str) -> list[tuple[str, str, str]]:
     """Kitchen by dining by living room, bathrooms and closets by bedrooms, the rest at the hub."""
     by_type: dict[str, list[str]] = {}
     for name, room_type in zip(names, types, strict=True):
         by_type.setdefault(room_type, []).append(name)
-    living = by_type.get("living_room", [hub])[0]
-    dining = by_type.get("dining_room", [living])[0]
-    sleepers = by_type.get("bedroom", []) + by_type.get("childs_room", [])
     edges = []
     for name, room_type in zip(names, types, strict=True):
-        number = int(name.rsplit("_", 1)[1])
-        parent, joint = hub, "doorway"
-        home = kind in ("house", "flat")
-        if room_type == "living_room":
-            joint = "opening_1.2"
-        elif room_type == "dining_room" and home:
-            parent, joint = (living, "opening_2.0") if number == 0 else (hub, "doorway")
-        elif room_type == "kitchen" and home:
-            parent, joint = dining, "opening_1.2"
-        elif room_type == "kitchen":
-            joint = "opening_1.2"
-        elif room_type == "pantry_room":
-            parent = by_type.get("kitchen", [hub])[0]
-        elif room_type == "bathroom" and number > 0 and sleepers:
-            parent = sleepers[(number - 1) % len(sleepers)]
-        elif room_type == "closet" and sleepers:
-            parent = sleepers[number % len(sleepers)]
-        elif room_type == "garden":
-            parent, joint = living, "opening_1.5"
-        elif room_type == "entryway":
-            joint = "open"
-        elif room_type in ("lobby", "bar"):
-            joint = "opening_2.0"
-        if name != hub:
-            edges.append((parent, name, joint))
-    order = {hub: 0}
+        if name == hub:
+            continue
+        parent = _parent(room_type, int(name.rsplit("_", 1)[1]), hub, by_type, kind)
+        wide = room_type == "dining_room" and parent != hub
+        edges.append((parent, name, "opening_2.0" if wide else _JOINTS.get(room_type, "doorway")))
+    reached = {hub}
     done: list[tuple[str, str, str]] = []
     while len(done) < len(edges):  # parents before children
         for edge in edges:
-            if edge[0] in order and edge[1] not in order:
-                order[edge[1]] = len(order)
+            if edge[0] in reached and edge[1] not in reached:
+                reached.add(edge[1])
                 done.append(edge)
     return done
+
+
+def _parent(room_type: str, number: int, hub: str, by_type: dict[str, list[str]], kind: str) -> str:
+    """The room that a room opens to."""
+    living = by_type.get("living_room", [hub])[0]
+    sleepers = by_type.get("bedroom", []) + by_type.get("childs_room", [])
+    if kind in ("house", "flat"):
+        if room_type == "dining_room" and number == 0:
+            return living
+        if room_type == "kitchen":
+            return by_type.get("dining_room", [living])[0]
+    if room_type == "bathroom" and number > 0 and sleepers:
+        return sleepers[(number - 1) % len(sleepers)]
+    if room_type == "closet" and sleepers:
+        return sleepers[number % len(sleepers)]
+    if room_type == "pantry_room":
+        return by_type.get("kitchen", [hub])[0]
+    return living if room_type == "garden" else hub
 
 
 def _room(name: str, room_type: str, kind: str, seed: int, edges: list[tuple[str, str, str]]) -> RoomProgram:
