@@ -156,12 +156,20 @@ class Kit:
     ) -> None:
         """A cylinder or cone filling the box, along ``axis``; ``taper`` scales its end at the larger coordinate."""
         sx, sy, sz = self._extent(x, y, z)
+        turn = 1.0
+        if taper > 1.0:  # Parts taper towards their top only: stand it on its head.
+            grown = (
+                sx if axis == "x" else sx * taper,
+                sy if axis == "y" else sy * taper,
+                sz * (taper if axis != "z" else 1),
+            )
+            (sx, sy, sz), taper, turn = grown, 1.0 / taper, -1.0
         if axis == "x":
-            size, rpy = (sz, sy, sx), (0.0, pi / 2, 0.0)
+            size, rpy = (sz, sy, sx), (0.0, turn * pi / 2, 0.0)
         elif axis == "y":
-            size, rpy = (sx, sz, sy), (-pi / 2, 0.0, 0.0)
+            size, rpy = (sx, sz, sy), (-turn * pi / 2, 0.0, 0.0)
         else:
-            size, rpy = (sx, sy, sz), (0.0, 0.0, 0.0)
+            size, rpy = (sx, sy, sz), (0.0 if turn > 0 else pi, 0.0, 0.0)
         self._put("cylinder", size, self._middle(x, y, z), color, material, link, rpy, taper)
 
     def rod(

@@ -1,5 +1,5 @@
 """Builders of shapes, one module a family; importing a module registers its builders."""
 
-from ucon.objects.shapes import appliances, bathroom, cabinets, furniture, generic, structure, vessels
+from ucon.objects.shapes import appliances, bathroom, cabinets, food, furniture, generic, packages, structure, vessels
 
-__all__ = ["appliances", "bathroom", "cabinets", "furniture", "generic", "structure", "vessels"]
+__all__ = ["appliances", "bathroom", "cabinets", "food", "furniture", "generic", "packages", "structure", "vessels"]

@@ -131,7 +131,7 @@ def chest(k: Kit) -> None:
     k.surface((-x / 2 + 0.02, x / 2 - 0.02), (-y / 2 + 0.02, y / 2 - 0.02), z, 1.0, link=joint)
 
 
-@shape("carton", "packing_box")
+@shape("box_open")
 def flap_box(k: Kit) -> None:
     """A cardboard box with two flaps."""
     x, y, z = k.size
