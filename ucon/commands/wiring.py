@@ -29,16 +29,24 @@ class Factory:
         from hydra.utils import instantiate
 
         try:
-            return instantiate(self.config, _convert_="all", **self.extra)
+            # Partial, so that Hydra resolves the configuration but never looks into `extra`.
+            return instantiate(self.config | {"_partial_": True}, _convert_="all")(**self.extra)
         except InstantiationException as error:
-            cause = error.__cause__
-            while cause is not None:
-                if isinstance(cause, UconError):
-                    raise cause from None
-                if isinstance(cause, TypeError) and "argument" in str(cause):
-                    raise ConfigError(f"{self.config.get('_target_')}: {cause}; see its file in configs/") from None
-                cause = cause.__cause__
+            _raise_users_error(error.__cause__, self.config["_target_"])
             raise
+        except TypeError as error:
+            _raise_users_error(error, self.config["_target_"])
+            raise
+
+
+def _raise_users_error(error: BaseException | None, target: str) -> None:
+    """Raise the :class:`UconError` among the causes, or one about an argument that ``target`` does not take."""
+    while error is not None:
+        if isinstance(error, UconError):
+            raise error from None
+        if isinstance(error, TypeError) and "argument" in str(error):
+            raise ConfigError(f"{target}: {error}; see its file in configs/") from None
+        error = error.__cause__
 
 
 def official_habits(path: str) -> HabitDataset:
