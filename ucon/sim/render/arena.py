@@ -62,7 +62,7 @@ def _bake_home(house: House, builder: ModelBuilder) -> Tables:
         looks = [int(p.material) if kind == "floors" or spec.rooms[room].outdoor else look for p in parts]
         face = {"floors": TOP, "ceilings": BOTTOM}.get(kind, -1)
         mesh = mesh_of_parts(parts, looks, face)
-        meshes.append((mesh, np.eye(3), np.zeros(3), room if kind == "floors" else -1))
+        meshes.append((mesh, np.eye(3), np.zeros(3), room))
     tables = empty_tables(len(meshes), *_sizes([mesh for mesh, *_ in meshes]))
     at = (0, 0, 0)
     for group, (mesh, turn, shift, room) in enumerate(meshes):

@@ -244,5 +244,5 @@ def _edge(x_top: float, y_top: float, x_low: float, y_low: float, bounds: F32, s
     """Where an edge crosses the centre of each row."""
     start, end = max(_first(y_top), y0), _last(y_low, y1)
     slope = (x_low - x_top) / (y_low - y_top)
-    for y in range(start, end):
-        bounds[side, y] = x_top + (np.float32(y) + _HALF - y_top) * slope
+    for y in range(np.uint64(start), np.uint64(max(start, end))):
+        bounds[side, y] = x_top + (np.float32(np.int32(y)) + _HALF - y_top) * slope

@@ -126,6 +126,7 @@ class RasterRenderer:
             self.arena.tables,
             self._camera,
             self.arena.rooms,
+            self.arena.house.spec.wall_height_m,
             self.textured,
             _NO_RGB if rgb is None else rgb,
             _NO_DEPTH if depth is None else depth,

@@ -11,7 +11,7 @@ import numpy as np
 
 from ucon.sim.render.kernels import F32, F64, I16, I32, U8, jit
 from ucon.sim.render.shapes import INDEX
-from ucon.sim.render.tessellate import Mesh
+from ucon.sim.render.tessellate import CEILING, Mesh
 
 
 class Tables(NamedTuple):
@@ -26,7 +26,7 @@ class Tables(NamedTuple):
     face_color: U8
     """(nf, 4) lit colour and look."""
     face_axes: U8
-    """(nf, 2) texture axes (0: xy, 1: yz, 2: xz; +4 where the grain runs along the first), and room + 1 of a floor."""
+    """(nf, 2) texture axes (0: xy, 1: yz, 2: xz; +4 where the grain runs along the first), and room + 1 of structure."""
     parts: I32
     """(np, 5) first corner, corners, first face, faces, link."""
     part_boxes: F32  # (np, 6)
@@ -61,7 +61,7 @@ def write_group(
 ) -> tuple[int, int, int]:
     """Append a mesh as group number ``group`` at (part, face, corner) ``at``; returns where the next one goes.
 
-    ``room`` marks the floor of a room, which is shaded towards its walls.
+    ``room`` marks the structure of a room, which is shaded towards its corners.
     """
     part, face, vertex = at
     np_, nf, nv = len(mesh.parts), len(mesh.normals), len(mesh.vertices)
@@ -146,7 +146,7 @@ def _bake_face(f: int, f_base: int, v: int, vertices: F32, planes: F32, color: U
     n0, n1, n2 = planes[f, 0], planes[f, 1], planes[f, 2]
     corner = v + INDEX[topology[row, 0]]
     planes[f, 3] = n0 * vertices[corner, 0] + n1 * vertices[corner, 1] + n2 * vertices[corner, 2]
-    light = _light(n0, n1, n2)
+    light = _light(n0, n1, n2) if color[f, 3] != CEILING else 0.92
     for k in range(3):
         color[f, k] = np.uint8(min(255.0, colors[row, k] * light))
     if abs(n2) >= 0.7:
@@ -160,4 +160,4 @@ def _bake_face(f: int, f_base: int, v: int, vertices: F32, planes: F32, color: U
 @jit
 def _light(x: float, y: float, z: float) -> float:
     """Soft daylight from above and one side: all six directions of a room differ."""
-    return 0.80 + 0.16 * z + 0.07 * x + 0.03 * y + 0.05 * abs(x)
+    return 0.80 + (0.16 if z > 0.0 else 0.08) * z + 0.07 * x + 0.03 * y + 0.05 * abs(x)
