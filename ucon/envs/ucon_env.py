@@ -17,7 +17,7 @@ from ucon.envs.knowledge import HabitSource
 from ucon.envs.topdown import TopDownMap
 from ucon.envs.tracks import Tracks
 from ucon.sim.cache import load_house
-from ucon.sim.render import RasterRenderer, Renderer
+from ucon.sim.render import SKY_DEPTH_M, RasterRenderer, Renderer
 from ucon.sim.state import SceneState
 from ucon.task.actions import Action
 from ucon.task.episode import Episode
@@ -31,6 +31,7 @@ CANONICAL_PX = 128
 CANONICAL_FOV_DEG = 90.0
 NO_ACTION = len(Action)
 FRAME_PX = 384
+MAX_POSE = 1000.0
 
 Obs = dict[str, Any]
 
@@ -247,8 +248,8 @@ class UcONEnv(gym.Env[Obs, int]):
                 "episode": self.episode,
             }
         obs["pose"] = self._frame.pose(self.search.pose)
-        obs["target"] = self._target_embedding
-        obs["habits"], obs["habits_mask"] = self._habits, self._habits_mask
+        obs["target"] = self._target_embedding.copy()
+        obs["habits"], obs["habits_mask"] = self._habits.copy(), self._habits_mask.copy()
         obs["last_action"], obs["collision"] = self._last_action, self._collision
         obs["step"] = 0
         return obs, info
@@ -283,10 +284,10 @@ class UcONEnv(gym.Env[Obs, int]):
         entries: dict[str, spaces.Space[Any]] = {}
         if self._observe == "pixels":
             entries["rgb"] = spaces.Box(0, 255, (height, width, 3), np.uint8)
-            entries["depth"] = spaces.Box(0.0, np.inf, (height, width), np.float32)
+            entries["depth"] = spaces.Box(0.0, SKY_DEPTH_M, (height, width), np.float32)
         dimension = self.source.dimension
         entries |= {
-            "pose": spaces.Box(-np.inf, np.inf, (4,), np.float32),
+            "pose": spaces.Box(-MAX_POSE, MAX_POSE, (4,), np.float32),
             "target": spaces.Box(-1.0, 1.0, (dimension,), np.float32),
             "habits": spaces.Box(-1, np.iinfo(np.int32).max, (self._max_habits,), np.int32),
             "habits_mask": spaces.MultiBinary(self._max_habits),
