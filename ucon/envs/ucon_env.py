@@ -192,7 +192,9 @@ class UcONEnv(gym.Env[Obs, int]):
         if self._map is None:
             self._map = TopDownMap(self._world.house, self._world.boxes, self._world.free, FRAME_PX)
         boxes = self._world.boxes
-        top = self._map.draw(self._path, self.search.pose.heading, boxes[self.search.target], boxes[self.search.opened])
+        top = self._map.draw(
+            self._ledger.path_xy, self.search.pose.heading, boxes[self.search.target], boxes[self.search.opened]
+        )
         return np.concatenate([frame, top], axis=1)
 
     def close(self) -> None:
