@@ -75,7 +75,7 @@ def import_anchor(house: House, arrangement: Arrangement, category: str, rng: np
                 reason = "blocks_path"
                 continue
             settled = _hung(slot, anchor) if row.mount == "wall" else settle(scene, shape, slot)
-            if settled is None or not _stands(request, settled):
+            if not isinstance(settled, Settled) or not _stands(request, settled):
                 reason = "unstable"
                 continue
             return replace(placed_object(request, "ontop", settled), relation="imported")

@@ -17,7 +17,7 @@ from ucon.sim.placement.common import Request
 from ucon.sim.placement.floor import can_spare, nodes_taken
 from ucon.sim.placement.predicates import holds
 from ucon.sim.placement.reasons import Reason, RefusedError
-from ucon.sim.placement.settle import Settled, settle
+from ucon.sim.placement.settle import Miss, Settled, settle
 from ucon.sim.placement.slots import Slot
 from ucon.sim.placement.surroundings import Surroundings
 from ucon.sim.shapes import enclosing, object_box, primitive_boxes, quat_of_matrix, solid
@@ -84,11 +84,13 @@ def _first(request: Request, relation: Relation) -> PlacedObject:
         if not can_spare(request.scene, nodes_taken(request.scene, slot.box)):
             reason = "blocks_path"
             continue
-        settles += 1
         settled = settle(request.scene, request.shape, slot)
-        if settled is not None and _is_right(request, relation, settled):
+        if settled is Miss.BLOCKED:
+            continue
+        if isinstance(settled, Settled) and _is_right(request, relation, settled):
             return placed_object(request, relation, settled)
         reason = "unstable"
+        settles += 1
         if settles >= _MAX_SETTLES:
             break
     raise RefusedError(reason, f"no place found for {request.category} {relation} {request.anchor_name}")

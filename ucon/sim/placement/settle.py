@@ -9,6 +9,7 @@ from __future__ import annotations
 import atexit
 import os
 from dataclasses import dataclass
+from enum import Enum
 
 import numpy as np
 
@@ -46,6 +47,13 @@ class Settled:
     """Instances that it touches."""
 
 
+class Miss(Enum):
+    """Why an object cannot rest at a slot."""
+
+    BLOCKED = "no_free_slot"
+    UNSTABLE = "unstable"
+
+
 class _Scratch:
     """One empty client, reused by all settlings of a process."""
 
@@ -72,8 +80,8 @@ class _Scratch:
 _scratch: _Scratch | None = None
 
 
-def settle(scene: Surroundings, shape: Solid, slot: Slot) -> Settled | None:
-    """Let an object fall at a slot; None where it penetrates something, falls, tips or does not come to rest."""
+def settle(scene: Surroundings, shape: Solid, slot: Slot) -> Settled | Miss:
+    """Let an object fall at a slot; a :class:`Miss` where it penetrates something, falls, tips or stays restless."""
     scratch = _client()
     p, client = scratch.bullet, scratch.client
     factory = scratch.reset()
@@ -93,15 +101,15 @@ def settle(scene: Surroundings, shape: Solid, slot: Slot) -> Settled | None:
     )
     p.performCollisionDetection(physicsClientId=client)
     if any(point[8] < -_BLOCKED_M for point in p.getContactPoints(bodyA=body, physicsClientId=client)):
-        return None
+        return Miss.BLOCKED
     _steps(scratch, SETTLE_STEPS)
     rest, _ = _pose(scratch, body)
     if np.linalg.norm(rest - start) > _FALL_M:
-        return None
+        return Miss.UNSTABLE
     end, turn = _watch(scratch, body, rest)
     upright = float(np.trace(turn @ slot.pose.turn.T) - 1) / 2
     if np.linalg.norm(end - rest) > STABLE_M or upright < TILT_COS:
-        return None
+        return Miss.UNSTABLE
     touched = {
         owners[other]
         for other in owners

@@ -134,11 +134,12 @@ def slot_boxes(centres: Array, z: float | Array, pose: Pose) -> Array:
 
 
 def clear(scene: Surroundings, boxes: Array) -> NDArray[np.bool_]:
-    """Which boxes (n, 6) meet no part of the home or of other objects, (n,) bool."""
+    """Which boxes (n, 6) meet no part of anything, (n,) bool; slanted parts are left to PyBullet."""
     if not len(boxes):
         return np.zeros(0, bool)
     around = np.concatenate([boxes[:, :3].min(axis=0), boxes[:, 3:].max(axis=0)])
-    return are_clear(scene.parts.boxes[scene.parts_near(around)], boxes, _TOUCH_M)
+    rows = scene.parts_near(around)
+    return are_clear(scene.parts.boxes[rows[~scene.parts.slanted[rows]]], boxes, _TOUCH_M)
 
 
 def slots_at(centres: Array, z: float | Array, pose: Pose, order: NDArray[np.int64]) -> Iterator[Slot]:

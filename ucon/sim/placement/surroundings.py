@@ -31,6 +31,7 @@ from ucon.sim.structure import structure_parts
 
 Index = NDArray[np.int64]
 SURFACE, COMPARTMENT, FLOOR = 0, 1, 2
+_STRAIGHT = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +50,8 @@ class Parts:
     boxes: Array
     owner: Index
     number: Index
+    slanted: NDArray[np.bool_]
+    """Whether the box is larger than the part, which stands at an angle: only PyBullet can say what it meets."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,8 +187,16 @@ def _parts(standing: tuple[Standing, ...] | list[Standing], numbers: range) -> P
     owner = [np.full(len(b), number) for b, number in zip(boxes, numbers, strict=True)]
     index = [np.arange(len(b)) for b in boxes]
     if not boxes:
-        return Parts(np.zeros((0, 6)), np.zeros(0, np.int64), np.zeros(0, np.int64))
-    return Parts(np.concatenate(boxes), np.concatenate(owner), np.concatenate(index))
+        none = np.zeros(0, np.int64)
+        return Parts(np.zeros((0, 6)), none, none, none.astype(bool))
+    slanted = [_slanted(s) for s in standing]
+    return Parts(np.concatenate(boxes), np.concatenate(owner), np.concatenate(index), np.concatenate(slanted))
+
+
+def _slanted(standing: Standing) -> NDArray[np.bool_]:
+    """Parts (k,) that are not turned by multiples of 90 degrees."""
+    turn = np.abs(standing.turn @ standing.shape.turn)
+    return np.asarray(((turn > _STRAIGHT) & (turn < 1 - _STRAIGHT)).any(axis=(1, 2)))
 
 
 def _levels(standing: tuple[Standing, ...] | list[Standing], numbers: range) -> Levels:
@@ -224,6 +235,7 @@ def _join_parts(a: Parts, keep: NDArray[np.bool_] | slice, b: Parts) -> Parts:
         np.concatenate([a.boxes[keep], b.boxes]),
         np.concatenate([a.owner[keep], b.owner]),
         np.concatenate([a.number[keep], b.number]),
+        np.concatenate([a.slanted[keep], b.slanted]),
     )
 
 
