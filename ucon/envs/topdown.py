@@ -13,6 +13,7 @@ from ucon.task.actions import AHEAD
 Image = NDArray[np.uint8]
 
 _FREE, _OUTSIDE, _BLOCKED = (238, 236, 230), (58, 62, 70), (196, 190, 180)
+_WALL, _HEDGE = (84, 80, 76), (70, 110, 64)
 _PATH, _AGENT, _TARGET, _OPENED = (64, 110, 190), (24, 60, 140), (214, 60, 48), (226, 160, 60)
 
 
@@ -25,6 +26,10 @@ class TopDownMap:
         self._scale = size_px / (max(nx, ny) * GRID_M)
         self._size = size_px
         self._height_m = ny * GRID_M
+        self._margin = (
+            (size_px - nx * GRID_M * self._scale) / 2,
+            (size_px - ny * GRID_M * self._scale) / 2,
+        )
         base = np.full((size_px, size_px, 3), _OUTSIDE, np.uint8)
         for i, j in np.argwhere(house.grid.room >= 0):
             color = _FREE if free[i, j] else _BLOCKED
@@ -35,6 +40,7 @@ class TopDownMap:
             box = boxes[k]
             if np.isfinite(box).all() and box[5] > 0.1 and item.category not in ("door", "room_light"):
                 cv2.rectangle(base, self._px(box[0], box[4]), self._px(box[3], box[1]), (150, 138, 120), 1)
+        self._draw_walls(base, house)
         self._base = base
 
     def draw(
@@ -60,7 +66,16 @@ class TopDownMap:
         cv2.line(image, self._px(x, y), tip, _AGENT, 2, cv2.LINE_AA)
         return image
 
+    def _draw_walls(self, image: Image, house: House) -> None:
+        wide = max(1, round(0.12 * self._scale))
+        for room in house.spec.rooms:
+            x0, y0, x1, y1 = room.rect
+            cv2.rectangle(image, self._px(x0, y1), self._px(x1, y0), _HEDGE if room.outdoor else _WALL, wide)
+        for hole in house.spec.openings:
+            ends = [(hole.coord, at) if hole.axis == 0 else (at, hole.coord) for at in (hole.lo, hole.hi)]
+            cv2.line(image, self._px(*ends[0]), self._px(*ends[1]), _FREE, wide + 1)
+
     def _px(self, x: float, y: float) -> tuple[int, int]:
-        u = (x - self._origin[0]) * self._scale
-        v = (self._height_m - (y - self._origin[1])) * self._scale
+        u = self._margin[0] + (x - self._origin[0]) * self._scale
+        v = self._margin[1] + (self._height_m - (y - self._origin[1])) * self._scale
         return round(float(u)), round(float(v))
