@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from tests.sim.homes import hand_house
-from ucon.core.errors import ConfigError, DataError
+from ucon.core.errors import DataError, UconError
 from ucon.sim import cache
 from ucon.sim.homefile import house_from_bytes, house_to_bytes
 
@@ -99,7 +99,7 @@ def test_packed_homes_are_used_first_and_verified(folder, monkeypatch):
 
 
 def test_unknown_home_is_one_clear_error(folder):
-    with pytest.raises(ConfigError, match="Rs_imt"):
+    with pytest.raises(UconError, match="Rs_imt"):
         cache.load_house("Rs_imt")
 
 

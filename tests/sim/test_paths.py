@@ -1,4 +1,5 @@
 from collections import deque
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -46,7 +47,7 @@ def test_path_walks_down_to_a_source():
     assert cells[0] == (5, 0)
     assert cells[-1] == (0, 0)
     assert len(cells) - 1 == dist[5, 0] == 13
-    assert all(abs(a - c) + abs(b - d) == 1 for (a, b), (c, d) in zip(cells, cells[1:], strict=False))
+    assert all(abs(a - c) + abs(b - d) == 1 for (a, b), (c, d) in pairwise(cells))
     assert paths.metres(dist[5, 0]) == 3.25
 
 
