@@ -4,13 +4,17 @@ from ucon.retrieval.base import QUERY, Retriever, mrr, phrase, query_text, recal
 from ucon.retrieval.bm25 import BM25Retriever
 from ucon.retrieval.dense import DenseRetriever, dataset_vectors
 from ucon.retrieval.levels import LEVELS, Level, habits_at_level
+from ucon.retrieval.reader import AnchorBelief, AnchorReader, Reading
 
 __all__ = [
     "LEVELS",
     "QUERY",
+    "AnchorBelief",
+    "AnchorReader",
     "BM25Retriever",
     "DenseRetriever",
     "Level",
+    "Reading",
     "Retriever",
     "dataset_vectors",
     "habits_at_level",

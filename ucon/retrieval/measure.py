@@ -1,0 +1,107 @@
+"""Measures retrieval and the anchor reader on held-out categories: ``python -m ucon.retrieval.measure [--json]``.
+
+Each knowledge base holds 20 test categories; the truth is the distribution over placements that the sampler draws
+from. Candidates are all known anchors.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.habits.book import book
+from ucon.habits.knowledge import MODES, KnowledgeBase, Mode
+from ucon.habits.splits import Split
+from ucon.habits.types import RELATIONS, HabitDataset
+from ucon.retrieval.base import Retriever, mrr, recall_at
+from ucon.retrieval.bm25 import BM25Retriever
+from ucon.retrieval.dense import DenseRetriever
+from ucon.retrieval.levels import LEVELS, habits_at_level
+from ucon.retrieval.reader import AnchorReader
+from ucon.retrieval.sampling import anchor_distribution, location_distribution, sampled_kb
+
+Row = dict[str, float]
+
+
+def measure_retrieval(kbs: Sequence[KnowledgeBase], retriever: Retriever) -> Row:
+    """Means over all targets: MRR, recall of the target's habits, recall of its supporting habits."""
+    rows: list[Row] = []
+    for kb in kbs:
+        for target in kb.entries:
+            ranking, own = retriever.rank(target, kb), kb.rows_about(target)
+            supporting = [row for row in own if kb.dataset.habits[row].supports]
+            found = {f"recall_at_{k}": recall_at(ranking, own, k) for k in (10, 20)}
+            rows.append({"mrr": mrr(ranking, own), **found, "supporting_at_20": recall_at(ranking, supporting, 20)})
+    return _means(rows)
+
+
+def measure_reader(kbs: Sequence[KnowledgeBase], level: str, reader: AnchorReader, retriever: Retriever) -> Row:
+    """Means over all targets: hit@1, hit@5, NLL, expected visits, relation accuracy, stated against true top mass."""
+    rows: list[Row] = []
+    for kb in kbs:
+        for target, entries in kb.entries.items():
+            texts = [kb.dataset.texts[row] for row in habits_at_level(level, kb, target, retriever)]
+            belief = reader.belief(target, texts, reader.known, trusted=level == "gt")
+            truth = anchor_distribution(entries)
+            y = np.asarray([truth.get(name, 0.0) for name in belief.candidates])
+            rows.append(_scores(belief.p, y) | _relation(belief.relation, location_distribution(entries), reader.known))
+    return _means(rows)
+
+
+def _scores(p: NDArray[np.float64], y: NDArray[np.float64]) -> Row:
+    order = np.argsort(-p, kind="stable")
+    visits = float((y[order] * np.arange(1, len(y) + 1)).sum())
+    nll = float(-(y * np.log(np.maximum(p, 1e-12))).sum())
+    hits = {f"hit_at_{k}": float(y[order[:k]].sum()) for k in (1, 5)}
+    top = order[:3]
+    return {
+        **hits,
+        "nll": nll,
+        "visits": visits,
+        "top_3_stated": float(p[top].sum()),
+        "top_3_true": float(y[top].sum()),
+    }
+
+
+def _relation(p: NDArray[np.float64], truth: dict[tuple[str, str], float], known: Sequence[str]) -> Row:
+    right = sum(
+        value for (anchor, relation), value in truth.items() if RELATIONS[p[known.index(anchor)].argmax()] == relation
+    )
+    return {"relation": float(right)}
+
+
+def _means(rows: Sequence[Row]) -> Row:
+    return {key: round(float(np.nanmean([row[key] for row in rows])), 4) for key in rows[0]}
+
+
+def measure(
+    data: HabitDataset, split: Split = "test", n_kbs: int = 20, modes: Sequence[Mode] = MODES, say: Callable = print
+) -> dict[str, dict[str, Row]]:
+    """All figures by mode; ``say`` is called with a line for each."""
+    dense, reader = DenseRetriever(), AnchorReader()
+    out: dict[str, dict[str, Row]] = {}
+    for mode in modes:
+        kbs = [sampled_kb(data, split, 10_000 + seed, mode) for seed in range(n_kbs)]
+        size = float(np.mean([len(kb) for kb in kbs]))
+        rows = {"dense": measure_retrieval(kbs, dense), "bm25": measure_retrieval(kbs, BM25Retriever())}
+        rows |= {level: measure_reader(kbs, level, reader, dense) for level in LEVELS}
+        for name, row in rows.items():
+            say(f"{mode:9s} N={size:.0f} {name:10s} " + "  ".join(f"{k} {v:.3f}" for k, v in row.items()))
+        out[mode] = rows
+    return out
+
+
+def main() -> None:
+    """Print a line per figure, or JSON."""
+    as_json = "--json" in sys.argv[1:]
+    found = measure(book(), say=(lambda _: None) if as_json else print)
+    if as_json:
+        print(json.dumps(found, indent=1))  # noqa: T201
+
+
+if __name__ == "__main__":
+    main()
