@@ -1,0 +1,236 @@
+"""UcON-v0 through the Gymnasium API: contract, determinism, and no privileged fact in what an agent gets."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import replace
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+from ucon.core.errors import ConfigError, EpisodeError
+from ucon.envs.ucon_env import UcONEnv
+from ucon.retrieval.levels import LEVELS
+from ucon.task.actions import Action
+from ucon.task.episode import Episode
+from ucon.task.reward import Reward
+
+ACTIONS = [0, 0, 1, 0, 2, 3, 5, 4, 4, 0, 0, 1, 5, 0, 3, 0, 0, 2, 0, 0]
+
+
+def same(a: Any, b: Any) -> bool:
+    if isinstance(a, dict):
+        return a.keys() == b.keys() and all(same(a[k], b[k]) for k in a)
+    if isinstance(a, np.ndarray):
+        return a.dtype == b.dtype and a.tobytes() == b.tobytes()
+    if hasattr(a, "__slots__"):
+        return all(same(getattr(a, k), getattr(b, k)) for k in a.__slots__)
+    return bool(a == b)
+
+
+def rollout(env: UcONEnv, episode: Episode | None = None, seed: int | None = None) -> list[Any]:
+    options = {} if episode is None else {"episode": episode}
+    seen: list[Any] = [env.reset(seed=seed, options=options)]
+    seen += [env.step(action) for action in ACTIONS]
+    return seen
+
+
+@pytest.mark.filterwarnings("ignore:.*")
+@pytest.mark.parametrize("observe", ["pixels", "symbolic"])
+@pytest.mark.parametrize("task", ["paper", "released_code"])
+def test_gymnasium_check_env(observe: str, task: str) -> None:
+    env = gym.make("UcON-v0", observe=observe, task=task, render_mode="rgb_array")
+    check_env(env.unwrapped)
+
+
+def test_torchrl_check_env_specs() -> None:
+    from torchrl.envs import GymWrapper
+    from torchrl.envs.utils import check_env_specs
+
+    check_env_specs(GymWrapper(gym.make("UcON-v0")))
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_two_environments_with_one_seed_are_identical(level: str, episodes: tuple[Episode, ...]) -> None:
+    make = lambda: UcONEnv(episodes, habit_level=level, detector=True)  # noqa: E731
+    a, b = rollout(make(), seed=3), rollout(make(), seed=3)
+    assert all(same(x, y) for x, y in zip(a, b, strict=True))
+    other = rollout(make(), seed=4)
+    assert not all(same(x, y) for x, y in zip(a, other, strict=True))
+
+
+def test_an_episode_does_not_depend_on_what_was_played_before(episodes: tuple[Episode, ...]) -> None:
+    fresh = rollout(UcONEnv(episodes, detector=True), episodes[1])
+    used = UcONEnv(episodes, detector=True)
+    for episode in episodes:
+        rollout(used, episode)
+    assert all(same(x, y) for x, y in zip(fresh, rollout(used, episodes[1]), strict=True))
+
+
+def test_the_stored_solution_succeeds_and_is_shortest(episodes: tuple[Episode, ...]) -> None:
+    env = UcONEnv(episodes, observe="symbolic")
+    for episode in episodes:
+        env.reset(options={"episode": episode})
+        for digit in episode.solution[:-1]:
+            assert env.step(int(digit))[2:4] == (False, False)
+        _, reward, terminated, _, info = env.step(int(Action.DONE))
+        assert terminated
+        assert info["episode_metrics"]["spl"] == 1.0
+        assert float(reward) == pytest.approx(10.0 - 0.01)
+
+
+def test_step_limit_truncates(episodes: tuple[Episode, ...]) -> None:
+    env = UcONEnv(episodes, observe="symbolic")
+    env.reset(options={"episode": 0})
+    for number in range(1, 301):
+        _, _, terminated, truncated, info = env.step(int(Action.ROTATE_LEFT))
+        assert not terminated
+        assert truncated == (number == 300)
+    assert info["episode_metrics"]["steps"] == 300
+
+
+def test_blocked_move_costs_a_step_and_raises_the_flag(episodes: tuple[Episode, ...]) -> None:
+    env = UcONEnv(episodes, observe="symbolic")
+    obs, _ = env.reset(options={"episode": 0})
+    assert obs["collision"] == 0
+    for _ in range(200):
+        before = obs["pose"]
+        obs, *_ = env.step(int(Action.MOVE_AHEAD))
+        if obs["collision"]:
+            assert (obs["pose"] == before).all()
+            return
+        assert np.abs(obs["pose"][:2] - before[:2]).sum() == pytest.approx(0.25, abs=1e-6)
+    pytest.fail("never met a wall")
+
+
+def test_progress_reward_sums_to_the_distance_closed(episodes: tuple[Episode, ...]) -> None:
+    env = UcONEnv(episodes, observe="symbolic", reward=Reward(success=0.0, step=0.0, progress=1.0))
+    for episode in episodes:
+        env.reset(options={"episode": episode})
+        total = sum(float(env.step(int(d))[1]) for d in episode.solution)
+        assert total == pytest.approx(episode.shortest_path_m)
+
+
+def _names(value: Any, found: set[str]) -> set[str]:
+    if isinstance(value, dict):
+        for key, item in value.items():
+            found.add(str(key))
+            _names(item, found)
+    return found
+
+
+def test_nothing_privileged_is_given(episodes: tuple[Episode, ...]) -> None:
+    allowed_info = {"target", "scene", "episode", "habits", "habit_rows", "nav", "free", "start", "detections"} | {
+        "tracks", "opened", "depth", "episode_metrics",
+    }  # fmt: skip
+    env = UcONEnv(episodes, observe="symbolic", detector=True)
+    for episode in episodes:
+        obs, info = env.reset(options={"episode": episode})
+        assert _names(info, set()) <= allowed_info
+        assert set(obs) == set(env.observation_space)
+        # Track numbers follow what is seen, not the simulator's numbering, in which the target is among the last.
+        assert sorted(info["detections"].track) == list(range(len(info["detections"].track)))
+        assert info["tracks"].max() == len(info["detections"].track) - 1
+        for action in ACTIONS:
+            obs, _, _, _, info = env.step(action)
+            assert _names(info, set()) <= allowed_info
+    assert "privileged" in UcONEnv(episodes, privileged=True).reset(seed=0)[1]
+
+
+def test_observation_does_not_depend_on_where_the_target_is(episodes: tuple[Episode, ...]) -> None:
+    """Another target placed in the same arrangement changes nothing but the target and what is told about it."""
+    first = episodes[0]
+    others = [k for k, origin in enumerate(first.placed_by) if origin[0] and k != first.target]
+    env = UcONEnv(episodes, habit_level="full", detector=True)
+    a, _ = env.reset(options={"episode": first})
+    b, _ = env.reset(options={"episode": replace(first, target=others[0])})
+    assert not same(a.pop("target"), b.pop("target"))
+    assert same(a, b)
+
+
+def test_levels_give_what_they_say(episodes: tuple[Episode, ...]) -> None:
+    rows = {}
+    for level in LEVELS:
+        env = UcONEnv(episodes, habit_level=level)
+        obs, info = env.reset(options={"episode": 0})
+        rows[level] = set(info["habit_rows"].tolist())
+        assert int(obs["habits_mask"].sum()) == len(info["habits"]) == len(rows[level])
+        assert env.habit_table.shape[1] == len(obs["target"])
+    assert rows["none"] == set()
+    assert len(rows["retrieval"]) == 20
+    assert rows["gt"] < rows["full"]
+    assert rows["retrieval"] < rows["full"]
+
+
+def test_render_shows_frame_and_map(episodes: tuple[Episode, ...]) -> None:
+    env = UcONEnv(episodes, render_mode="rgb_array")
+    env.reset(options={"episode": 0})
+    frame = env.render()
+    assert frame is not None
+    assert frame.shape == (384, 768, 3)
+    assert frame[:, :384].std() > 10
+    assert frame[:, 384:].std() > 10
+
+
+def test_other_sizes_judge_by_the_same_view(episodes: tuple[Episode, ...]) -> None:
+    """What is visible is decided at 128 x 128, whatever the observation."""
+    envs = [UcONEnv(episodes, width_px=w, height_px=h, detector=True) for w, h in ((128, 128), (64, 48), (200, 160))]
+    seen = []
+    for env in envs:
+        obs, info = env.reset(options={"episode": 2})
+        assert obs["rgb"].shape == (*info["tracks"].shape, 3)
+        seen.append(info["detections"])
+    assert all(same(seen[0], other) for other in seen[1:])
+
+
+@pytest.mark.parametrize(
+    ("kwargs", "error", "message"),
+    [
+        ({"observe": "pixel"}, ConfigError, "observe='pixel'"),
+        ({"habit_level": "ful"}, ConfigError, "did you mean full"),
+        ({"task": "papr"}, ConfigError, "did you mean paper"),
+        ({"renderer": "gl"}, ConfigError, "renderer='gl'"),
+        ({"world": "dead"}, ConfigError, "world='dead'"),
+        ({"episodes": ()}, EpisodeError, "no episodes"),
+        ({"episodes": "nothing_here"}, EpisodeError, "unknown episode set"),
+        ({"max_habits": 3}, ConfigError, "raise max_habits"),
+    ],
+)
+def test_bad_options_end_in_one_clear_line(kwargs: dict[str, Any], error: type[Exception], message: str) -> None:
+    with pytest.raises(error, match=message):
+        UcONEnv(**kwargs).reset(seed=0)
+
+
+def test_bad_episodes_are_refused(episodes: tuple[Episode, ...]) -> None:
+    env = UcONEnv(episodes)
+    for wanted in ("no/such", 10_000):
+        with pytest.raises(EpisodeError):
+            env.reset(options={"episode": wanted})
+    with pytest.raises(EpisodeError, match="make the episodes anew"):
+        env.reset(options={"episode": replace(episodes[0], home_hash="0" * 64)})
+    with pytest.raises(EpisodeError, match="choose those habits"):
+        env.reset(options={"episode": replace(episodes[0], habits_hash="0" * 64)})
+
+
+def test_runs_without_pybullet_and_torch() -> None:
+    """An episode in a compiled home imports neither PyBullet nor a deep learning library."""
+    code = """
+import sys
+class Block:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in ("pybullet", "pybullet_data", "torch", "transformers"):
+            raise ImportError(name + " is blocked")
+sys.meta_path.insert(0, Block())
+import gymnasium
+env = gymnasium.make("UcON-v0", detector=True)
+env.reset(seed=0)
+for action in (0, 1, 5, 0, 2, 3, 6):
+    env.step(action)
+print("fine")
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False)
+    assert done.stdout.strip().endswith("fine"), done.stderr
