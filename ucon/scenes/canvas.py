@@ -25,6 +25,7 @@ Score = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 CLEARANCE_M = 0.18
 BODY_Z_M = (0.05, 1.8)
 STEP_M = 0.125
+SWEEP_Z_M = 0.3
 MAX_TRIES = 14
 MIN_NODES = 5
 
@@ -84,6 +85,8 @@ class Canvas:
         self.items: list[Item] = []
         self.solids: Boxes = np.zeros((0, 6))
         self.voids: Boxes = np.zeros((0, 6))
+        self.sweeps: Boxes = np.zeros((0, 6))
+        """The clear spaces above tables: what leaves of hanging and standing cabinets sweep."""
         self.fronts: list[tuple[float, float, float, float]] = []
         self.doors: list[tuple[int, float, float]] = []
         """(wall, lo, hi) of every opening, along the wall."""
@@ -227,5 +230,6 @@ class Canvas:
             )
         self.solids = np.vstack([self.solids, boxes])
         self.voids = np.vstack([self.voids, voids])
+        self.sweeps = np.vstack([self.sweeps, voids[voids[:, 2] > SWEEP_Z_M]])
         self.fronts += self._fronts(group, pose)
         self.free &= ~self._blocked(boxes)

@@ -37,6 +37,24 @@ ADDITIONS: Mapping[str, tuple[tuple[str, float], ...]] = {
     "copy_room": (("shelf", 0.7), ("paper_sheet", 0.6)),
     "sauna": (("bench", 0.5), ("bucket", 0.6)),
 }
+#: Small things of daily life on tables and shelves, as (category, probability, most).
+DAILY: Mapping[str, tuple[tuple[str, float, int], ...]] = {
+    "living_room": (("hardback", 0.8, 4), ("candle_holder", 0.4, 1), ("picture_frame", 0.5, 2), ("bowl", 0.3, 1)),
+    "television_room": (("hardback", 0.7, 4), ("picture_frame", 0.4, 1), ("mug", 0.4, 1)),
+    "bedroom": (("paperback_book", 0.6, 2), ("alarm_clock", 0.5, 1), ("picture_frame", 0.5, 2), ("vase", 0.2, 1)),
+    "childs_room": (("paperback_book", 0.7, 3), ("toy_figure", 0.7, 2), ("pencil_holder", 0.5, 1)),
+    "kitchen": (("plate", 0.6, 3), ("mug", 0.7, 3), ("jar", 0.5, 2), ("soap_dispenser", 0.5, 1), ("stockpot", 0.5, 1)),
+    "dining_room": (("bowl", 0.5, 1), ("candle_holder", 0.4, 2), ("plate", 0.3, 4)),
+    "bathroom": (("hand_towel", 0.5, 1), ("bottle_of_shampoo", 0.5, 1)),
+    "private_office": (("hardback", 0.8, 4), ("folder", 0.5, 2), ("mug", 0.4, 1)),
+    "playroom": (("hardback", 0.6, 3), ("toy_figure", 0.6, 2)),
+    "corridor": (("vase", 0.4, 1), ("picture_frame", 0.3, 1)),
+    "entryway": (("hat", 0.4, 1), ("vase", 0.3, 1)),
+    "storage_room": (("jar", 0.3, 2), ("canister", 0.3, 2)),
+    "closet": (("gym_shoe", 0.4, 1), ("shoulder_bag", 0.3, 1)),
+    "garage": (("bucket", 0.4, 1),),
+    "pantry_room": (("canister", 0.5, 3), ("bottle_of_wine", 0.4, 2)),
+}
 #: What a bathroom or bedroom cannot do without.
 ESSENTIAL: Mapping[str, tuple[str, ...]] = {"bathroom": ("sink", "toilet", "mirror"), "bedroom": ("bed",)}
 #: Common anchors a house or flat should have, and the room types they belong in, best first.
@@ -95,6 +113,10 @@ def _room(room: RoomProgram, seed: int, kind: str) -> RoomProgram:
         if kind not in ("house", "flat") and room.type in ("bathroom", "corridor", "dining_room"):
             continue
         furniture[category] = 1
+    for category, share, most in DAILY.get(room.type, ()) if kind in ("house", "flat") else ():
+        rng = stream(seed, "daily", room.name, category)
+        if rng.random() < share and category not in furniture and category not in room.surface:
+            furniture[category] = int(rng.integers(1, most + 1))
     return replace(room, furniture=furniture)
 
 

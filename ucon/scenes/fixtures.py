@@ -17,6 +17,9 @@ from ucon.scenes.spec import LINTEL_M, Item, Opening
 
 HANG_CLEAR_M = 0.30
 """Nothing tall stands this close before a picture or window."""
+LID_GAP_M = 0.10
+"""Chests stand this far from the wall, so that their lids open."""
+LID_TOP_M = 1.0
 FRAME_DEPTH_M = 0.12
 HEIGHTS_M = {"picture": 1.35, "painting": 1.3, "poster": 1.2, "mirror": 1.0, "electric_switch": 1.1, "window": 0.9}
 LIGHTS = ("room_light", "chandelier", "downlight", "square_light")
@@ -153,7 +156,7 @@ class Fixer:
             if base.openable:
                 box = (0.0, -size[1] / 2, z, size[0], size[1] / 2, z + size[2])
                 group.fronts.append(g.front_rect(box))
-                group.voids = [g.front_void(box, 0.45)]
+                group.voids = [g.front_void(box, max(0.45, g.leaf_m(size[1])))]
                 group.margin_m = 0.12
             poses = self.canvas.wall_poses(group, (0, 1, 2, 3), 0.0)
             if not len(poses):
@@ -232,10 +235,7 @@ class Fixer:
         if size[2] < 0.1:
             return False
         group = g.single(category, size)
-        if catalogue()[category].openable:
-            group.fronts, group.margin_m = [], 0.05
-            group.voids = []
-        poses = self.canvas.wall_poses(group, (0, 1, 2, 3), 0.03)
+        poses = self.canvas.wall_poses(group, (0, 1, 2, 3), LID_GAP_M)
         return self.canvas.try_place(group, poses, self._noise(f"floor/{category}/{k}", len(poses), 5.0))
 
     def hosts(self, category: str) -> list[int]:
@@ -276,7 +276,7 @@ class Fixer:
         xs = np.linspace(x0 + size[0] / 2 + 0.005, x1 - size[0] / 2 - 0.005, max(1, int((x1 - x0 - size[0]) / 0.1) + 1))
         ys = np.linspace(y0 + size[1] / 2 + 0.005, y1 - size[1] / 2 - 0.005, max(1, int((y1 - y0 - size[1]) / 0.1) + 1))
         spots = np.array([(x, y) for x in xs for y in ys])
-        behind = category in ("monitor", "standing_tv", "table_lamp", "microwave", "coffee_maker")
+        behind = category in ("monitor", "standing_tv", "table_lamp", "microwave", "coffee_maker", "pillow")
         order = np.argsort(
             spots[:, 0] * 4 + np.abs(spots[:, 1]) + rng.uniform(0, 0.2, len(spots))
             if behind
@@ -286,6 +286,11 @@ class Fixer:
         c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[host.quarter_turns]
         px, py, pz = host.position
         group.pieces[0].z = pz + z + 0.001
+        if catalogue()[category].openable and size[2] > 0.15:
+            if category != "microwave" and pz + z + size[2] > LID_TOP_M:
+                return False  # nobody could look into it
+            low, half = pz + z + 0.001, size[1] / 2  # its door swings over the edge
+            group.voids.append((size[0] / 2, -half, low, size[0] / 2 + 0.5, half, low + size[2]))
         poses = np.array([(px + c * x - s * y, py + s * x + c * y, host.quarter_turns) for x, y in spots[order]], float)
         return self._settle(group, poses, index)
 
@@ -293,7 +298,7 @@ class Fixer:
         """Like ``try_place`` but inside the host's box and without regard to voids: it blocks nobody."""
         canvas = self.canvas
         voids, free, box = canvas.voids, canvas.free.copy(), canvas.solids[host].copy()
-        canvas.voids, canvas.solids[host] = np.zeros((0, 6)), 0.0
+        canvas.voids, canvas.solids[host] = canvas.sweeps, 0.0
         done = canvas.try_place(group, poses, np.arange(len(poses), dtype=float), walkable=False)
         canvas.voids, canvas.free, canvas.solids[host] = voids, free, box
         return done

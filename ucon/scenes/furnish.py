@@ -34,6 +34,13 @@ CARPETS: tuple[Vec3, ...] = (
     (1.0, 1.5, g.CARPET_M),
     (0.7, 1.1, g.CARPET_M),
 )
+SMALL_CARPETS: dict[str, tuple[Vec3, ...]] = {
+    "bathroom": ((0.6, 0.9, g.CARPET_M), (0.45, 0.7, g.CARPET_M)),
+    "corridor": ((0.8, 2.2, g.CARPET_M), (0.7, 1.1, g.CARPET_M)),
+    "entryway": ((0.7, 1.1, g.CARPET_M), (0.5, 0.8, g.CARPET_M)),
+    "kitchen": ((0.7, 1.4, g.CARPET_M),),
+}
+"""Mats and runners."""
 HALL_M2, SPREAD_M = 40.0, 9.0
 """In halls tables spread out over the floor instead of crowding in the middle."""
 
@@ -504,7 +511,7 @@ class Furnisher:
     def carpets(self) -> None:
         """Carpets lie under what is there, in the middle."""
         for k in range(self.wants["carpet"]):
-            for size in CARPETS:
+            for size in SMALL_CARPETS.get(self.type, CARPETS if k == 0 else CARPETS[2:]):
                 group = Group([Piece("carpet", size, 0.0, 0.0, tint=self.tint + k)], margin_m=0.1)
                 if self.middle(group, f"carpet/{k}"):
                     self.take("carpet")

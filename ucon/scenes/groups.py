@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from ucon.objects.catalogue import catalogue
 from ucon.objects.model import Box3, Vec3
-from ucon.scenes.canvas import BODY_Z_M, Group, Piece
+from ucon.scenes.canvas import BODY_Z_M, Group, Piece, piece_box
 from ucon.scenes.grid import FLAT_M
 
 FRONT_M = 0.75
@@ -36,6 +36,11 @@ def front_void(box: Box3, depth_m: float = FRONT_M, grow_m: float = 0.0) -> Box3
     low = box[2] if box[2] > 0.9 else FLAT_M
     high = box[5] if box[2] > 0.9 else min(max(box[5], 1.0), BODY_Z_M[1])
     return (box[3], box[1] - grow_m, low, box[3] + depth_m, box[4] + grow_m, high)
+
+
+def leaf_m(width_m: float) -> float:
+    """How far a cabinet door of one or two leaves reaches out when open."""
+    return (width_m if width_m <= 0.6 else width_m / 2) + 0.03
 
 
 def front_rect(box: Box3) -> tuple[float, float, float, float]:
@@ -113,7 +118,11 @@ def table_with_seats(table: str, size: Vec3, seat: str, n: int, tint: int, aroun
     if n > len(spots):
         spots += [(0.0, sy / 2 + near, 3), (0.0, -sy / 2 - near, 1)]
     for x, y, turns in spots[:n]:
-        group.pieces.append(Piece(seat, seat_size, x, y, turns=turns, tint=tint))
+        chair = Piece(seat, seat_size, x, y, turns=turns, tint=tint)
+        if not any(
+            _overlap(piece_box(chair), piece_box(other)) for other in group.pieces
+        ):  # wide seats at small tables
+            group.pieces.append(chair)
     if around_m > 0:
         boxes = group.boxes()
         low, high = boxes[:, :2].min(0), boxes[:, 3:5].max(0)
@@ -204,6 +213,10 @@ def sofa_set(
     return group
 
 
+def _overlap(a: Box3, b: Box3) -> bool:
+    return all(min(a[3 + k], b[3 + k]) - max(a[k], b[k]) > 1e-6 for k in range(2))
+
+
 Unit = tuple[str, Vec3]
 
 
@@ -234,6 +247,16 @@ def _units(group: Group, units: list[Unit], start: float, turns: int, slabs: boo
             spot = (x, centre) if turns == 0 else (centre, x)
             z = 1.55 if above == "range_hood" else TOP_Z_M
             group.pieces.append(Piece(above, top, spot[0], spot[1], z, turns, tint))
+            if above == "top_cabinet":
+                void = (
+                    top[0] - WALL_GAP_M,
+                    centre - top[1] / 2,
+                    z,
+                    top[0] + leaf_m(top[1]),
+                    centre + top[1] / 2,
+                    z + top[2],
+                )
+                group.voids.append(void if turns == 0 else (void[1], void[0], void[2], void[4], void[3], void[5]))
         at += size[1] + SIDE_M
     return at - SIDE_M
 

@@ -66,7 +66,9 @@ def _wishes(name: str, programs: dict[str, RoomProgram]) -> RoomProgram:
     if name in programs:
         return programs[name]
     leg = programs[name.removesuffix("_b")]  # second leg of a folded corridor
-    return RoomProgram(name, leg.type, leg.size_m, {}, {}, {"electric_switch": 1, "room_light": 1})
+    return RoomProgram(
+        name, leg.type, leg.size_m, {"picture": 2, "pot_plant": 1}, {}, {"electric_switch": 1, "room_light": 1}
+    )
 
 
 def exterior_walls(plan: Plan, index: int) -> list[tuple[int, float, float]]:
