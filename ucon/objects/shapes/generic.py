@@ -65,3 +65,22 @@ def ring(
         a, b = 2 * pi * (i - 0.5) / sides, 2 * pi * (i + 0.5) / sides
         px, py, qx, qy = ax * cos(a), ay * sin(a), ax * cos(b), ay * sin(b)
         k.panel((cx + px, cy + py), (cx + qx, cy + qy), wall, z, color, material)
+
+
+def torus(
+    k: Kit,
+    middle: float,
+    thick: float,
+    z: tuple[float, float],
+    color: RGB | None = None,
+    material: Material | None = None,
+    count: int = 8,
+) -> None:
+    """A flat ring of bars: ``middle`` radius and ``thick`` width as fractions of the footprint."""
+    for i in range(count):
+        a, b = 2 * pi * i / count, 2 * pi * (i + 1.08) / count
+        height = (z[1] - z[0]) * k.size[2]
+        width = thick * min(k.size[0], k.size[1])
+        p = (middle * cos(a), middle * sin(a), (z[0] + z[1]) / 2)
+        q = (middle * cos(b), middle * sin(b), (z[0] + z[1]) / 2)
+        k.rod(p, q, (height, width), color, material)
