@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.agents.base import Controller, ControllerAgent, Info
-from models.agents.frontier import Indifferent
+from models.agents.frontier import CoverageWeights, Indifferent
 from models.agents.search import SearchController
 from ucon.objects.catalogue import catalogue
 from ucon.perception.places import Places, with_fallback
@@ -106,14 +106,15 @@ class BeliefAgent(ControllerAgent):
         self,
         reader: LocationReader | Callable[[Info], Locations],
         weights: BeliefWeights | None = None,
-        turn: float = 0.6,
-        overhead: float = 2.0,
+        coverage: CoverageWeights | None = None,
+        costs: Costs | None = None,
     ) -> None:
         """``reader``: a reader of habits, or a function of the first info that gives the distribution itself."""
         super().__init__()
         self._reader = reader
         self._weights = weights or BeliefWeights()
-        self._costs = Costs(overhead=overhead, turn=turn)
+        self._coverage = coverage or CoverageWeights()
+        self._costs = costs or Costs()
 
     def start(self, info: Info) -> Controller:
         """See :class:`models.agents.base.ControllerAgent`."""
@@ -121,5 +122,5 @@ class BeliefAgent(ControllerAgent):
             locations = self._reader(info)
         else:
             locations = self._reader.locations(str(info["target"]), info["habits"], catalogue().names)
-        coverage = Indifferent(ontop=1.0, inside=1.0, under=0.3, nextto=0.6, unknown=0.8, near=0.15)
+        coverage = Indifferent(str(info["target"]), self._coverage)
         return SearchController(info, Believing(locations, coverage, self._weights), self._costs)

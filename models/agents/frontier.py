@@ -2,21 +2,40 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from models.agents.base import Controller, ControllerAgent, Info
 from models.agents.search import SearchController
-from ucon.perception.places import INSIDE, NEXTTO, ONTOP, UNDER, Places, affordance
+from ucon.perception.places import Places, affordance, has_room
 from ucon.perception.semantic_map import SemanticMap
 from ucon.perception.viewpoints import Costs, Expectation
 
 
-class Indifferent:
-    """Expects the target anywhere that can hold it, whatever the target is."""
+@dataclass(frozen=True)
+class CoverageWeights:
+    """Mass of one thing's top, inside, space below and surroundings, and of a square metre."""
 
-    def __init__(self, ontop: float, inside: float, under: float, nextto: float, unknown: float, near: float) -> None:
-        self._kinds = {ONTOP: ontop, INSIDE: inside, UNDER: under, NEXTTO: nextto}
-        self._unknown, self._near = unknown, near
+    ontop: float = 1.0
+    inside: float = 1.0
+    """Behind doors."""
+    inside_open: float = 0.5
+    """In open shelves, baskets, bowls."""
+    under: float = 0.3
+    nextto: float = 0.6
+    nextto_small: float = 0.3
+    unknown: float = 0.8
+    """Unexplored."""
+    near: float = 0.15
+    """Seen from too far to have shown the target."""
+
+
+class Indifferent:
+    """Expects the target anywhere that has room for it."""
+
+    def __init__(self, target: str, weights: CoverageWeights) -> None:
+        self._target, self._weights = target, weights
         self._mass = np.zeros((0, 4))
         self._named = 0
 
@@ -29,17 +48,18 @@ class Indifferent:
             for track in range(len(self._mass), n):
                 grown[track] = self._of(known.category[track])
             self._mass = grown
-        return Expectation(self._mass, self._unknown, self._near)
+        return Expectation(self._mass, self._weights.unknown, self._weights.near)
 
     def _of(self, category: str) -> tuple[float, float, float, float]:
         if category in ("", "floors", "walls", "ceilings"):
             return 0.0, 0.0, 0.0, 0.0
-        has = affordance(category)
+        has, w = affordance(category), self._weights
+        ontop, inside, under = has_room(self._target, category)
         return (
-            self._kinds[ONTOP] * has.ontop,
-            self._kinds[INSIDE] * has.inside,
-            self._kinds[UNDER] * has.under,
-            self._kinds[NEXTTO] * (1.0 if has.furniture else 0.5),
+            w.ontop * (has.ontop and ontop),
+            (w.inside if has.openable else w.inside_open) * (has.inside and inside),
+            w.under * (has.under and under),
+            w.nextto if has.furniture else w.nextto_small,
         )
 
 
@@ -48,22 +68,12 @@ class FrontierAgent(ControllerAgent):
 
     name = "frontier"
 
-    def __init__(
-        self,
-        ontop: float = 1.0,
-        inside: float = 1.0,
-        under: float = 0.3,
-        nextto: float = 0.6,
-        unknown: float = 0.8,
-        near: float = 0.15,
-        turn: float = 0.6,
-        overhead: float = 2.0,
-    ) -> None:
-        """Weights of the relations for each thing, of unexplored and barely seen square metres, and of costs."""
+    def __init__(self, weights: CoverageWeights | None = None, costs: Costs | None = None) -> None:
+        """What coverage expects, and what actions cost."""
         super().__init__()
-        self._weights = (ontop, inside, under, nextto, unknown, near)
-        self._costs = Costs(overhead=overhead, turn=turn)
+        self._weights = weights or CoverageWeights()
+        self._costs = costs or Costs()
 
     def start(self, info: Info) -> Controller:
         """See :class:`models.agents.base.ControllerAgent`."""
-        return SearchController(info, Indifferent(*self._weights), self._costs)
+        return SearchController(info, Indifferent(str(info["target"]), self._weights), self._costs)

@@ -21,6 +21,9 @@ from ucon.perception.semantic_map import SemanticMap, frame_depth
 from ucon.perception.viewpoints import OPEN_REACH_M, Choice, Costs, Expectation, Viewpoints
 from ucon.task.actions import Action
 
+#: A container that did not open this often is let be.
+MOST_REFUSALS = 3
+
 
 class Expecting(Protocol):
     """Says where the target may be, given what was seen."""
@@ -118,7 +121,7 @@ class SearchController:
         bar = 0.0 if self.choice is None else self.choice.score
         if not tracks or worth / self.viewpoints.costs.open < max(bar, 1e-6):
             return None
-        if all(self.refused.get(t, 0) >= 2 for t in tracks):
+        if all(self.refused.get(t, 0) >= MOST_REFUSALS for t in tracks):
             return None
         for track in tracks:
             self.refused[track] = self.refused.get(track, 0) + 1
@@ -127,6 +130,7 @@ class SearchController:
     def _search(self, expected: Expectation) -> Action:
         arrived = self.choice is not None and self.map.view == self.choice.view
         if arrived:
+            self._closed_after_all()
             self.viewpoints.disappoint(self.map, self.places, expected, self._openable_now())
             self.choice = None
         if self.choice is None or not self._plan or self._age >= self.REPLAN_STEPS:
@@ -134,8 +138,15 @@ class SearchController:
         self._age += 1
         return self._plan.popleft() if self._plan else Action.ROTATE_LEFT
 
+    def _closed_after_all(self) -> None:
+        """Lose faith in opening what this view was chosen to open and does not show."""
+        if self.choice is not None and self.choice.opens:
+            for track in self.closed():
+                if self.map.gap_m(int(track), self.map.view.xy) <= OPEN_REACH_M:
+                    self.refused[int(track)] = self.refused.get(int(track), 0) + 1
+
     def _openable_now(self) -> NDArray[np.int64]:
-        return np.array([t for t in self.closed() if self.refused.get(int(t), 0) < 2], np.int64)
+        return np.array([t for t in self.closed() if self.refused.get(int(t), 0) < MOST_REFUSALS], np.int64)
 
     def _choose(self, expected: Expectation) -> None:
         self.planner.update(self.map)

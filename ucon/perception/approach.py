@@ -21,7 +21,7 @@ class Approach:
     """Finds poses from which a track is visible and in reach, forgetting those that did not work."""
 
     def __init__(self) -> None:
-        self._failed: set[View] = set()
+        self._failed: dict[View, int] = {}
         self._best = (0.0, 1.0)
 
     def arrived(self, known: SemanticMap, track: int) -> bool:
@@ -43,7 +43,7 @@ class Approach:
 
     def failed(self, view: View) -> None:
         """Remember that the thing was not visible from a view."""
-        self._failed.add(view)
+        self._failed[view] = self._failed.get(view, 0) + 1
 
     def goal(self, known: SemanticMap, planner: Planner, track: int) -> View | None:
         """The cheapest pose that should do, or None; the planner must be up to date."""
@@ -53,10 +53,10 @@ class Approach:
         best, best_cost = None, float(UNREACHED)
         for i, j in self._nodes(known, planner, track, reach):
             x, y = (i - HALF) * CELL_M, (j - HALF) * CELL_M
-            clear = sight(x, y, CAMERA_M, center[0], center[1], center[2], known.height, HALF)
+            clear = sight(x, y, CAMERA_M, center[0], center[1], center[2], known.height, known.walls, HALF)
             for view, depth in _facing(i, j, center - (x, y, CAMERA_M)):
-                cost = planner.cost(view) + (0 if clear else 6) + (0 if self._pixels(depth) >= 6 else 4)
-                cost += 40 * (view in self._failed)
+                cost = planner.cost(view) + (0 if clear else 25) + (0 if self._pixels(depth) >= 6 else 4)
+                cost += 30 * self._failed.get(view, 0)
                 if cost < best_cost:
                     best, best_cost = view, float(cost)
         return best

@@ -35,7 +35,7 @@ def integrate(
 ) -> None:
     """Put one frame into the cell maps and the boxes of its tracks.
 
-    depth (H, W) metres along the optical axis; tracks (H, W); cells = (height, near, floor, blocked); kind, frozen,
+    depth (H, W) optical metres; tracks (H, W); cells = (height, near, floor, blocked, walls); kind, frozen,
     closest (T,), box (T, 6). Structure is read at every second pixel, things at every one: a thing may be four pixels.
     """
     rows, columns = depth.shape
@@ -68,7 +68,7 @@ def _widen(box: F64, x: float, y: float, z: float) -> None:
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _mark(cells: Any, half: int, x: float, y: float, z: float, d: float, kind: int, frozen: bool) -> None:
     """Note one point in the cell maps."""
-    height, near, floor, blocked = cells
+    height, near, floor, blocked, walls = cells
     i, j = int(np.floor(x / CELL_M + 0.5)) + half, int(np.floor(y / CELL_M + 0.5)) + half
     if i < 1 or j < 1 or i >= height.shape[0] - 1 or j >= height.shape[1] - 1:
         return
@@ -81,7 +81,24 @@ def _mark(cells: Any, half: int, x: float, y: float, z: float, d: float, kind: i
     if z < LINTEL_M and z > height[i, j]:
         height[i, j] = z
     if z < TALL_M and not frozen:
-        _block(blocked, i, j, x - (i - half) * CELL_M, y - (j - half) * CELL_M)
+        dx, dy = x - (i - half) * CELL_M, y - (j - half) * CELL_M
+        _block(blocked, i, j, dx, dy)
+        if kind == WALLS:
+            _wall(walls, i, j, dx, dy)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _wall(walls: U8, i: int, j: int, dx: float, dy: float) -> None:
+    """Mark the cell border that a wall point lies by: walls stand on borders, their faces 5 cm beside them.
+
+    Points near a corner of the cell could belong to either border and are left out. ``walls`` (2, n, n): border of
+    (i, j) towards (i + 1, j), and towards (i, j + 1).
+    """
+    ax, ay = abs(dx), abs(dy)
+    if ax > 0.06 and ay < 0.06:
+        walls[0, i - (dx < 0.0), j] = 1
+    elif ay > 0.06 and ax < 0.06:
+        walls[1, i, j - (dy < 0.0)] = 1
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
@@ -131,7 +148,7 @@ def _trace(explored: U8, half: int, x: float, y: float, dx: float, dy: float, n:
 def look(depth: F32, camera: F64, reach_m: float, places: F64, active: Flags, unseen: F64, miss: float) -> int:
     """Lower ``unseen`` (n,) of the places (n, 3) that this frame shows from within ``reach_m``; returns the count.
 
-    A place counts as shown where the ray through it ends at it or behind it (8 cm of grace).
+    A place counts as shown where the ray through it ends at it or behind it (5 cm of grace).
     """
     rows, columns = depth.shape
     x, y, cam_z, c, s, cp, sp, focal_px = camera
@@ -146,7 +163,7 @@ def look(depth: F32, camera: F64, reach_m: float, places: F64, active: Flags, un
             continue
         u = int(np.floor(0.5 * columns + focal_px * right / optical))
         v = int(np.floor(0.5 * rows - focal_px * up / optical))
-        if 0 <= u < columns and 0 <= v < rows and depth[v, u] > optical - 0.08:
+        if 0 <= u < columns and 0 <= v < rows and depth[v, u] > optical - 0.05:
             unseen[n] *= miss
             shown += 1
     return shown

@@ -10,7 +10,7 @@ from ucon.perception.map_kernels import CELL_M, F32, F64
 
 ONTOP, INSIDE, UNDER, NEXTTO = range(4)
 #: Most points that one thing can have.
-MOST = 64
+MOST = 96
 _SPACING_M = 0.5
 #: Things smaller than this have one point next to them: whoever sees the thing sees what stands by it.
 SMALL_M = 0.45
@@ -28,8 +28,8 @@ def make_points(box: F64, offers: NDArray[np.bool_], lift_m: float, height: F32,
     if offers[0]:
         n = _lattice(box, 4, z1 + lift_m, 0.0, 1, ONTOP, out, n)
     if offers[1]:
-        levels = min(max(int(np.round((z1 - z0) / 0.45)), 1), 4)
-        n = _lattice(box, 2, z0 + 0.5 * (z1 - z0) / levels, (z1 - z0) / levels, levels, INSIDE, out, n)
+        levels = min(max(int(np.round((z1 - z0) / 0.4)), 1), 5)
+        n = _lattice(box, 3, z0 + min(0.06, 0.3 * (z1 - z0)), (z1 - z0) / levels, levels, INSIDE, out, n)
     if offers[2]:
         n = _lattice(box, 3, 0.08, 0.0, 1, UNDER, out, n)
     return _around(box, height, half, out, n)

@@ -17,7 +17,18 @@ from ucon.objects.models import build_model
 from ucon.perception.place_kernels import INSIDE, MOST, NEXTTO, ONTOP, UNDER, inherit, make_points
 from ucon.perception.semantic_map import HALF, SemanticMap
 
-__all__ = ["INSIDE", "NEXTTO", "ONTOP", "UNDER", "Affordance", "Places", "affordance", "sight_range_m", "with_fallback"]
+__all__ = [
+    "INSIDE",
+    "NEXTTO",
+    "ONTOP",
+    "UNDER",
+    "Affordance",
+    "Places",
+    "affordance",
+    "has_room",
+    "sight_range_m",
+    "with_fallback",
+]
 
 #: A track's points are made anew when a side of its box moved by this much.
 GROWTH_M = 0.15
@@ -60,6 +71,19 @@ def sight_range_m(category: str, min_pixels: float = 5.0) -> float:
     x, y, z = sorted(book[category].size) if category in book else (0.1, 0.1, 0.1)
     area = (x * y + x * z + y * z) / 3
     return float(np.clip(64.0 * np.sqrt(area / min_pixels), 1.2, 4.5))
+
+
+@lru_cache(maxsize=65536)
+def has_room(target: str, category: str) -> tuple[bool, bool, bool]:
+    """Whether a target's catalogue size goes on top of, into, and under a thing of a category."""
+    book = catalogue()
+    if target not in book or category not in book:
+        return True, True, True
+    small, middle, large = sorted(book[target].size)
+    wide, deep, high = book[category].size
+    ontop = small <= 1.1 * min(wide, deep) and middle <= 1.1 * max(wide, deep)
+    inside = all(a <= b for a, b in zip((small, middle, large), sorted((wide, deep, high)), strict=True))
+    return ontop, inside, small <= 0.7 * high
 
 
 class Places:

@@ -46,6 +46,7 @@ class SemanticMap:
     Attributes:
         explored: uint8, sight lines passed over the cell. height: float32, tallest thing seen in it below 1.9 m.
         near: float32, least optical depth at which anything in it was seen. floor: uint8, floor seen.
+        walls: (2, 257, 257) uint8, a wall stands between (i, j) and (i + 1, j), or (i, j + 1).
         blocked: uint8, an obstacle was seen within the robot's radius of the node. bumped: uint8, a move failed.
         category: name of each track ("" until detected). box: (T, 6) float64 x0 y0 z0 x1 y1 z1 of the points seen.
         opened: (T,) bool. pixels: (T,) int32 pixels in the last frame. closest: (T,) float32 least depth seen from.
@@ -59,6 +60,7 @@ class SemanticMap:
         self.explored, self.floor, self.blocked, self.bumped, self.visited = (grid(np.uint8) for _ in range(5))
         self.height = grid(np.float32, -1.0)
         self.near = grid(np.float32, 1e3)
+        self.walls = np.zeros((2, SIZE, SIZE), np.uint8)
         self.step = 0
         self.fresh = 0
         self.views: list[View] = []
@@ -135,7 +137,7 @@ class SemanticMap:
 
     def _integrate(self, view: View, depth: NDArray[np.float32], image: NDArray[np.int16]) -> None:
         n = self.n_tracks
-        cells = (self.height, self.near, self.floor, self.blocked)
+        cells = (self.height, self.near, self.floor, self.blocked, self.walls)
         camera = _camera(view, depth)
         kernels.integrate(
             depth, image, camera, HALF, cells, self.kind[:n], self.opened[:n], self.box[:n], self.closest[:n]

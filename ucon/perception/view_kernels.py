@@ -1,7 +1,6 @@
 """Hot loops that value views: how much unexplored space and how much expected mass a pose would show.
 
-A view is (node, heading 0..3, pitch -30, 0 or 30). Sight lines are judged on the height map: a line to a place is
-blocked where something seen stands higher than the line, except within 0.36 m of the place itself.
+A view is (node, heading 0..3, pitch -30, 0 or 30). Sight lines are judged on the height map and the walls seen.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ucon.perception.map_kernels import CELL_M, F32, F64, I32
+from ucon.perception.map_kernels import CELL_M, F32, F64, I32, U8
 
 PITCHES_DEG = (-30, 0, 30)
 OPAQUE_M = 1.2
@@ -24,17 +23,36 @@ LEAST_TRUST = float(np.exp(-3.0 / 2.0))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def sight(x: float, y: float, cam_z: float, px: float, py: float, pz: float, height: F32, half: int) -> bool:
-    """Whether nothing known stands between a camera and a point."""
+def sight(x: float, y: float, cam_z: float, px: float, py: float, pz: float, height: F32, walls: U8, half: int) -> bool:
+    """Whether nothing known stands between a camera and a point.
+
+    Walls block everywhere; things as high as they are, except within 0.36 m of the point.
+    """
     dx, dy = px - x, py - y
     length = np.sqrt(dx * dx + dy * dy)
-    n = int((length - 0.36) / 0.2)
+    n = int(np.ceil(length / 0.2))
+    open_part = 1.0 - 0.36 / max(length, 0.36)
+    li, lj = int(np.floor(x / CELL_M + 0.5)) + half, int(np.floor(y / CELL_M + 0.5)) + half
     for k in range(1, n + 1):
-        t = 0.2 * k / length
+        t = min(k * 0.2 / length, 1.0)
         i, j = int(np.floor((x + t * dx) / CELL_M + 0.5)) + half, int(np.floor((y + t * dy) / CELL_M + 0.5)) + half
-        if height[i, j] > cam_z + t * (pz - cam_z) + 0.02:
+        if (i != li or j != lj) and _walled(li, lj, i, j, walls):
+            return False
+        li, lj = i, j
+        if t <= open_part and height[i, j] > cam_z + t * (pz - cam_z) + 0.02:
             return False
     return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _walled(i0: int, j0: int, i1: int, j1: int, walls: U8) -> bool:
+    """Whether a wall stands between two neighbouring cells; diagonally two borders must be closed."""
+    i, j = min(i0, i1), min(j0, j1)
+    if j0 == j1:
+        return walls[0, i, j0] > 0
+    if i0 == i1:
+        return walls[1, i0, j] > 0
+    return walls[0, i, j0] + walls[0, i, j1] + walls[1, i0, j] + walls[1, i1, j] > 1
 
 
 def _rays() -> tuple[NDArray[np.int32], NDArray[np.float64]]:
@@ -102,7 +120,7 @@ def _ray(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def place_gain(
-    index: I32, place: F64, weight: F64, reach_m: float, cam_z: float, height: F32, half: int, out: F64
+    index: I32, place: F64, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8, half: int, out: F64
 ) -> None:
     """Add to out (n, 4, 3) the weight of the places (m, 3) that each view would show from within ``reach_m``.
 
@@ -122,7 +140,7 @@ def place_gain(
                     continue
                 x, y = (i - half) * CELL_M, (j - half) * CELL_M
                 dx, dy, dz = px - x, py - y, pz - cam_z
-                if dx * dx + dy * dy > reach_m * reach_m or not sight(x, y, cam_z, px, py, pz, height, half):
+                if dx * dx + dy * dy > reach_m * reach_m or not sight(x, y, cam_z, px, py, pz, height, walls, half):
                     continue
                 _share(dx, dy, dz, w, reach_m, out[n])
 
@@ -149,7 +167,7 @@ def _share(dx: float, dy: float, dz: float, w: float, reach_m: float, out: F64) 
 @njit(cache=True, nogil=True, error_model="numpy")
 def fade_places(
     x: float, y: float, cam_z: float, heading: int, pitch: int, place: F64, weight: F64, reach_m: float, height: F32,
-    half: int, unseen: F64, factor: float,
+    walls: U8, half: int, unseen: F64, factor: float,
 ) -> None:  # fmt: skip
     """Multiply ``unseen`` by ``factor`` for the places that a view expected to show (and evidently does not)."""
     view = np.zeros((4, 3))
@@ -157,7 +175,7 @@ def fade_places(
         if weight[m] <= 0.0:
             continue
         px, py, pz = place[m]
-        if not sight(x, y, cam_z, px, py, pz, height, half):
+        if not sight(x, y, cam_z, px, py, pz, height, walls, half):
             continue
         view[:] = 0.0
         _share(px - x, py - y, pz - cam_z, 1.0, reach_m, view)
@@ -167,7 +185,7 @@ def fade_places(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def open_gain(
-    index: I32, boxes: F64, weight: F64, reach_m: float, cam_z: float, height: F32, half: int, out: F64
+    index: I32, boxes: F64, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8, half: int, out: F64
 ) -> None:
     """Add to out (n, 4, 3) the weight of the closed containers (m, 6) that Open would open from each view."""
     span = int(reach_m / CELL_M) + 1
@@ -189,5 +207,5 @@ def open_gain(
                     continue
                 px, py = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
                 pz = min(max(cam_z - 0.2, z0), z1)
-                if sight(x, y, cam_z, px, py, pz, height, half):
+                if sight(x, y, cam_z, px, py, pz, height, walls, half):
                     _share(px - x, py - y, pz - cam_z, w, 4.0, out[n])

@@ -16,6 +16,8 @@ from ucon.perception.semantic_map import CAMERA_M, HALF, SIZE, SemanticMap, View
 OPEN_REACH_M = 0.98
 #: Within this many cells every node is considered, beyond it one in four.
 FINE_CELLS = 4
+#: Places shown once are left alone until everything else was looked at.
+SEEN = 0.15
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,12 +135,16 @@ class Viewpoints:
         looks = space[:, :, None] * np.array([0.95, 1.0, 0.6])
         opens = np.zeros_like(looks)
         weight = self.weights(places, expected, closed)
-        worth = weight > 1e-9
+        worth = (weight > 1e-9) & (places.unseen > SEEN)
         xyz = np.ascontiguousarray(places.xyz[worth])
-        kernels.place_gain(self._index, xyz, weight[worth], self.reach_m, CAMERA_M, known.height, HALF, looks)
+        kernels.place_gain(
+            self._index, xyz, weight[worth], self.reach_m, CAMERA_M, known.height, known.walls, HALF, looks
+        )
         if len(closed):
             inside = expected.mass[closed, INSIDE]
-            kernels.open_gain(self._index, known.box[closed], inside, OPEN_REACH_M, CAMERA_M, known.height, HALF, opens)
+            kernels.open_gain(
+                self._index, known.box[closed], inside, OPEN_REACH_M, CAMERA_M, known.height, known.walls, HALF, opens
+            )
         return looks, opens
 
     def weights(self, places: Places, expected: Expectation, closed: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -163,6 +169,6 @@ class Viewpoints:
         pitch = kernels.PITCHES_DEG.index(view.pitch_deg)
         weight = self.weights(places, expected, closed)
         kernels.fade_places(
-            x, y, CAMERA_M, view.heading, pitch, places.xyz, weight, self.reach_m, known.height, HALF, places.unseen,
-            factor,
+            x, y, CAMERA_M, view.heading, pitch, places.xyz, weight, self.reach_m, known.height, known.walls, HALF,
+            places.unseen, factor,
         )  # fmt: skip
