@@ -15,17 +15,19 @@ Frame = NDArray[np.uint8]
 _FPS = 6
 #: VP9 plays in browsers; MPEG-4 part 2 is what every OpenCV has.
 _CODECS = ("vp09", "mp4v")
+_STRIP_PX = 26
 #: How long the last frame stays, so that one sees how it ended.
 _HOLD_FRAMES = 9
 #: A still picture for viewers without video; longer films are thinned out to this many frames.
 _GIF_FRAMES = 120
 
 
-def save_film(frames: Sequence[Frame], folder: Path, name: str, fps: int = _FPS) -> list[Path]:
+def save_film(frames: Sequence[Frame], captions: Sequence[str], folder: Path, name: str, fps: int = _FPS) -> list[Path]:
     """Write ``name.png`` (map at the end) and ``name.mp4``; where OpenCV has no video encoder, ``name.gif``.
 
     Args:
         frames: what ``env.render()`` returned, (H, 2H, 3) uint8 each: camera left, map right.
+        captions: one line of text above each frame.
         folder: made if missing.
         name: file name without suffix.
         fps: frames a second.
@@ -36,13 +38,21 @@ def save_film(frames: Sequence[Frame], folder: Path, name: str, fps: int = _FPS)
     folder.mkdir(parents=True, exist_ok=True)
     height = frames[0].shape[0]
     top_down = folder / f"{name}.png"
-    Image.fromarray(frames[-1][:, height:]).save(top_down)
+    Image.fromarray(_captioned(frames[-1][:, height:], captions[-1])).save(top_down)
+    frames = [_captioned(frame, caption) for frame, caption in zip(frames, captions, strict=True)]
     film = folder / f"{name}.mp4"
     if not _write_mp4(frames, film, fps):
         film.unlink(missing_ok=True)
         film = folder / f"{name}.gif"
         _write_gif(frames, film, fps)
     return [top_down, film]
+
+
+def _captioned(frame: Frame, caption: str) -> Frame:
+    """The frame with a line of text in a strip above it."""
+    strip = np.full((_STRIP_PX, frame.shape[1], 3), 28, np.uint8)
+    cv2.putText(strip, caption, (8, 18), cv2.FONT_HERSHEY_SIMPLEX, 0.45, (235, 235, 235), 1, cv2.LINE_AA)
+    return np.concatenate([strip, frame])
 
 
 def _write_mp4(frames: Sequence[Frame], path: Path, fps: int) -> bool:

@@ -16,6 +16,7 @@ from typing import Any, Protocol
 import gymnasium as gym
 
 from ucon.evaluation.record import EpisodeRecord, EpisodeTiming
+from ucon.task.actions import Action
 from ucon.task.episode import Episode
 
 #: Habit levels whose habits come ranked, so that recall and reciprocal rank mean something.
@@ -145,8 +146,19 @@ def _played(slot: _Slot, agent: Policy, spec: RunSpec) -> Played:
     if slot.frames is not None and spec.pictures is not None:
         from ucon.evaluation.pictures import save_film
 
-        save_film(slot.frames, spec.pictures, f"{slot.index:03d}_{episode.scene}_{record.target}")
+        name = f"{slot.index:03d}_{episode.scene.replace(':', '-')}_{record.target}"
+        save_film(slot.frames, _captions(record), spec.pictures, name)
     return Played(slot.index, record, EpisodeTiming(record.episode, round(seconds, 4), round(float(language_s), 4)))
+
+
+def _captions(record: EpisodeRecord) -> list[str]:
+    """One line for every frame of a film: what is looked for, what was done, how it ended."""
+    find = f"find: {record.target.replace('_', ' ')}"
+    names = [Action(int(digit)).name.lower().replace("_", " ") for digit in record.actions]
+    lines = [find, *(f"{find}   step {number}: {name}" for number, name in enumerate(names, 1))]
+    ending = "found" if record.success else record.failure_cause.replace("_", " ")
+    lines[-1] = f"{find}   {ending} after {record.steps} steps"
+    return lines
 
 
 def _record(slot: _Slot, episode: Episode, agent: str, spec: RunSpec, calls: int, tokens: int) -> EpisodeRecord:
