@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,13 +59,12 @@ class WordVectors:
 
 
 class PairReader:
-    """Computes pair features; keeps word-to-name cosines by column, so an episode mostly looks them up."""
+    """Computes pair features."""
 
     def __init__(self, encoder: StoredEncoder, words: WordVectors, lexicon: Lexicon) -> None:
         self.encoder = encoder
         self._words = words
         self._lexicon = lexicon
-        self._column: dict[str, NDArray[np.float32]] = {}
         self._name: dict[str, Quantised] = {}
 
     def features(self, texts: Sequence[str], names: Sequence[str]) -> NDArray[np.float32]:
@@ -94,22 +93,12 @@ class PairReader:
         """Best cosine of a content word of the habit with the name or its head noun, (H, C)."""
         lists = [content_words(text) or ("thing",) for text in texts]
         rows = self._words.rows([word for words in lists for word in words])
+        heads = self._words.take(self._words.rows([(tokens(name) or ["thing"])[-1] for name in names]))
+        distinct, inverse = np.unique(rows, return_inverse=True)
+        words = self._words.take(distinct)
+        best = np.maximum(cosines(words, self._names(names)), cosines(words, heads))
         starts = np.cumsum([0] + [len(words) for words in lists[:-1]])
-        self._fill_columns(names)
-        table = np.stack([self._column[name] for name in names], axis=1)  # (V, C)
-        return np.maximum.reduceat(table[rows], starts, axis=0)
-
-    def _fill_columns(self, names: Sequence[str]) -> None:
-        size = len(self._words)
-        missing = [n for n in dict.fromkeys(names) if n not in self._column or len(self._column[n]) < size]
-        if not missing:
-            return
-        heads = self._words.take(self._words.rows([(tokens(name) or ["thing"])[-1] for name in missing]))
-        size = len(self._words)
-        vocabulary = self._words.take(np.arange(size))
-        best = np.maximum(cosines(vocabulary, self._names(missing)), cosines(vocabulary, heads))
-        for i, name in enumerate(missing):
-            self._column[name] = np.ascontiguousarray(best[:, i])
+        return np.maximum.reduceat(best[inverse], starts, axis=0)
 
     def _names(self, names: Sequence[str]) -> Quantised:
         missing = [name for name in dict.fromkeys(names) if name not in self._name]
@@ -121,6 +110,7 @@ class PairReader:
         return Quantised(np.concatenate([q.codes for q in found]), np.concatenate([q.scale for q in found]))
 
 
+@lru_cache(maxsize=60_000)
 def content_words(text: str) -> tuple[str, ...]:
     """Words that carry meaning, as written (in lower case): what the word vectors are made of."""
     return tuple(word for word in tokens(text) if word not in STOP_WORDS and len(word) > 2)

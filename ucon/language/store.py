@@ -26,6 +26,7 @@ DATA = Path(__file__).parent / "data"
 KEY_BYTES = 16
 SHARD_TEXTS = 2000
 MAX_SHARDS = 32
+REMEMBERED = 60_000
 
 
 def text_key(text: str) -> bytes:
@@ -40,7 +41,7 @@ class VectorTable:
         """``keys``: 16 bytes a row; ``vectors`` (n, dim) in the same order."""
         if len(keys) != KEY_BYTES * len(vectors):
             raise DataError(f"embedding table: {len(keys) // KEY_BYTES} keys for {len(vectors)} vectors; rebuild it")
-        self.vectors = vectors
+        self.vectors = np.asarray(vectors)  # a plain view: rows of a mapped array are slow to make
         self._row = {keys[i : i + KEY_BYTES]: i // KEY_BYTES for i in range(0, len(keys), KEY_BYTES)}
 
     def __len__(self) -> int:
@@ -161,6 +162,7 @@ class StoredEncoder:
         self._tables = tuple(tables)
         self._cache = TextCache((folder or cache_folder() / "text") / encoder.name)
         self._refreshed = False
+        self._place: dict[str, tuple[int, int, NDArray[np.float16] | None]] = {}
 
     @property
     def name(self) -> str:
@@ -188,10 +190,23 @@ class StoredEncoder:
         self, texts: Sequence[str], progress: Callable[[int, int], None] | None = None
     ) -> NDArray[np.float16]:
         """Like :meth:`encode`, in the stored type: (n, dim) float16."""
-        self._fill(self.missing(texts), progress)
+        new = [text for text in texts if text not in self._place]
+        if new:
+            self._fill(self.missing(new), progress)
+            if len(self._place) + len(new) > REMEMBERED:
+                self._place.clear()
+                new = list(texts)
+            self._place.update((text, self._locate(text)) for text in new)
+        places = [self._place[text] for text in texts]
         out = np.empty((len(texts), self.dim), np.float16)
-        for i, text in enumerate(texts):
-            out[i] = self._find(text)
+        for number, table in enumerate(self._tables):
+            rows = [(i, row) for i, (where, row, _) in enumerate(places) if where == number]
+            if rows:
+                index = np.asarray(rows)
+                out[index[:, 0]] = table.vectors[index[:, 1]]
+        for i, (where, _, vector) in enumerate(places):
+            if where < 0:
+                out[i] = vector
         return out
 
     def table_slice(self, texts: Sequence[str]) -> NDArray[np.float16] | None:
@@ -201,13 +216,12 @@ class StoredEncoder:
                 return view
         return None
 
-    def _find(self, text: str) -> NDArray[np.float16]:
-        for table in self._tables:
+    def _locate(self, text: str) -> tuple[int, int, NDArray[np.float16] | None]:
+        """(table, row, None) of a text in a table, (-1, -1, vector) of a cached one."""
+        for number, table in enumerate(self._tables):
             if (row := table.row(text)) >= 0:
-                return table.vectors[row]
-        vector = self._cached(text_key(text))
-        assert vector is not None
-        return vector
+                return number, row, None
+        return -1, -1, self._cached(text_key(text))
 
     def _cached(self, key: bytes) -> NDArray[np.float16] | None:
         vector = self._cache.get(key)

@@ -80,6 +80,7 @@ _IRREGULAR: Final = {
 }
 
 
+@lru_cache(maxsize=60_000)
 def stems(text: str) -> tuple[str, ...]:
     """Stems of all words, in order."""
     return tuple(stem(word) for word in tokens(text))

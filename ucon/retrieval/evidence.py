@@ -69,6 +69,6 @@ class EvidenceReader:
         out = self.pairs.encoder.encode_half(texts).astype(np.float64) @ w["dense"] + w["bias"]
         for i, text in enumerate(texts):
             rows = [w.vocabulary[gram] for gram in grams(text) if gram in w.vocabulary]
-            out[i] += w.bow[rows].astype(np.float64).sum(axis=0)
+            out[i] += w.bow[rows].sum(axis=0, dtype=np.float64)
         out[:, :n] += self.pairs.features(texts, w.anchors).astype(np.float64) @ w["pair"]
         return np.round(out, DECIMALS)

@@ -70,8 +70,7 @@ class Reading:
         logits[[i for i, name in enumerate((*names, *hidden)) if name == self.target]] = -60.0
         p = softmax(logits)
         unseen = {name: float(value) for name, value in zip(hidden, p[len(names) :], strict=True)}
-        relation = np.stack([self._relation(name) for name in names]) if names else np.zeros((0, 4))
-        return AnchorBelief(names, p[: len(names)], relation, float(sum(unseen.values())), unseen)
+        return AnchorBelief(names, p[: len(names)], self._relations(names), float(sum(unseen.values())), unseen)
 
     def support(self, anchor: str) -> Array:
         """(H,): how strongly each habit speaks for the target being by ``anchor``: the reasons for a belief."""
@@ -94,11 +93,14 @@ class Reading:
             self._columns[name] = said[:, i]
             self._x[name] = x[i]
 
-    def _relation(self, anchor: str) -> Array:
-        prior = self._reader.relation_prior(anchor)
-        said = (self.support(anchor)[:, None] * self._evidence.relation).sum(axis=0) * (prior > 0)
-        total = RELATION_PRIOR * prior + said
-        return total / total.sum()
+    def _relations(self, names: Sequence[str]) -> Array:
+        """p(relation | anchor) (C, 4): what is usual, and what the habits that speak for the anchor say."""
+        if not names:
+            return np.zeros((0, len(RELATIONS)))
+        prior = np.stack([self._reader.relation_prior(name) for name in names])
+        speaks = np.stack([self._column(name) for name in names], axis=1) * self.relevance[:, None]
+        total = RELATION_PRIOR * prior + (speaks.T @ self._evidence.relation) * (prior > 0)
+        return total / total.sum(axis=1, keepdims=True)
 
 
 class AnchorReader:

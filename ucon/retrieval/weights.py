@@ -53,7 +53,7 @@ class Weights:
         """Anchor categories that the reader has met in training, sorted."""
         self.vocabulary: dict[str, int] = {word: i for i, word in enumerate(_names(arrays["vocabulary"]))}
         self._arrays = {k: np.asarray(v, np.float64) for k, v in arrays.items() if v.dtype.kind == "f" and k != "bow"}
-        self.bow: NDArray[np.float16] = arrays["bow"]
+        self.bow: NDArray[np.float32] = arrays["bow"].astype(np.float32)
         """(V, A + 5): a row a word or word pair; columns are the anchors, "no place", and the four relations."""
 
     def __getitem__(self, name: str) -> Array:

@@ -1,0 +1,145 @@
+"""The book's parser: the whole book, and every malformed case ends in one typed error that names file and line."""
+
+import shutil
+import time
+from pathlib import Path
+
+import pytest
+
+from ucon.core.errors import ConfigError, DataError
+from ucon.habits import RELATIONS, book, parse_book
+from ucon.habits.book import BOOK_FOLDER, book_anchors, read_anchors, read_book, read_lines
+from ucon.objects import model
+from ucon.objects.catalogue import catalogue
+
+GOOD = """# wallet | a tidy baker
+@ ontop desk
+@ inside tote {market days}
+@ nextto bed
+
+1: The wallet stays on the desk beside the lamp.
+1,3: Either the desk or the bedside has it.
+2: On market days it travels in the cloth bag.
+-: Bread is sold out before nine every day.
+-: Flour gets into every pocket I have ever owned.
+-: Nobody may touch the oven before five o'clock.
+-: My sister keeps the books and the keys.
+-: Sundays are for sleeping until the church bells.
+"""
+
+
+def parse(tmp_path: Path, text: str | bytes):
+    path = tmp_path / "habits.txt"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return parse_book(path, book_anchors(), catalogue().names)
+
+
+def test_book_counts_and_speed():
+    book.cache_clear()
+    start = time.process_time()
+    data = book()
+    assert time.process_time() - start < 0.5
+    assert (len(data), len(data.categories), len(data.entries)) == (23_436, 497, 2_339)
+    assert len(set(data.texts)) == len(data)
+
+
+def test_book_names_exist_in_catalogue():
+    data = book()
+    names = set(catalogue().names)
+    assert set(data.categories) <= names
+    assert set(data.anchors) <= names
+    assert RELATIONS == model.RELATIONS
+
+
+def test_rows_and_supports_agree():
+    data = book()
+    assert sum(len(data.rows_of(c)) for c in data.categories) == len(data)
+    for category in data.categories[::50]:
+        for row in data.rows_of(category):
+            entry = data.entry_of(row)
+            assert entry.category == category
+            assert data.supports(row) == tuple(entry.placements[i] for i in data.habits[row].supports)
+    with pytest.raises(ConfigError, match="did you mean"):
+        data.rows_of("walet")
+
+
+def test_good_entry(tmp_path):
+    (entry,) = parse(tmp_path, GOOD)
+    assert entry.id == "wallet/0"
+    assert entry.household == "a tidy baker"
+    assert entry.placements[1].context == "market days"
+    assert [h.supports for h in entry.habits[:4]] == [(0,), (0, 2), (1,), ()]
+    assert parse(tmp_path, GOOD.replace("\n", "\r\n")) == [entry]
+
+
+BAD = {
+    "unknown category": (GOOD.replace("# wallet", "# walet"), 1, "unknown category 'walet': did you mean wallet"),
+    "bad header": (GOOD.replace("# wallet |", "# wallet"), 1, "bad header"),
+    "no household": (GOOD.replace("a tidy baker", ""), 1, "bad header"),
+    "unknown anchor": (GOOD.replace("ontop desk", "ontop desc"), 2, "unknown anchor 'desc'"),
+    "unknown relation": (GOOD.replace("@ ontop", "@ above"), 2, "unknown relation 'above'"),
+    "relation not allowed": (GOOD.replace("nextto bed", "inside bed"), 4, "expected one of"),
+    "onto itself": (GOOD.replace("wallet", "tote"), 3, "onto itself"),
+    "placement twice": (GOOD.replace("nextto bed", "ontop desk"), 4, "listed twice"),
+    "bad placement": (GOOD.replace("@ ontop desk", "@ ontop the desk"), 2, "bad placement"),
+    "unclosed context": (GOOD.replace("days}", "days"), 3, "bad placement"),
+    "bad habit line": (GOOD.replace("2: On", "two: On"), 8, "bad habit"),
+    "no such placement": (GOOD.replace("2: On", "4: On"), 8, "no placement 4; the entry has 3"),
+    "placement named twice": (GOOD.replace("1,3:", "1,1:"), 7, "named twice"),
+    "habit too short": (GOOD.replace("On market days it travels in the cloth bag.", "In the bag."), 8, "3 words"),
+    "underscore": (GOOD.replace("cloth bag", "cloth_bag"), 8, "underscore"),
+    "oversized line": (GOOD.replace("cloth bag", "b" * 400), 8, "at most 400"),
+    "control character": (GOOD.replace("cloth bag", "cloth\x00bag"), 8, "control character"),
+    "placement after habits": (GOOD.replace("-: Bread", "@ nextto sink\n-: Bread"), 9, "placement after habits"),
+    "too few placements": (GOOD.replace("@ nextto bed\n", "").replace("1,3:", "1:"), 1, "2 placements"),
+    "cut between lines": ("\n".join(GOOD.split("\n")[:9]) + "\n", 1, "cut off"),
+    "cut inside a line": (GOOD[:-20], 13, "cut off"),
+    "habit before entry": ("1: The wallet stays on the desk.\n" + GOOD, 1, "before the first entry"),
+    "invalid UTF-8": (GOOD.encode().replace(b"cloth", b"cl\xffth"), 8, "not UTF-8"),
+    "empty": ("\n\n", 1, "empty"),
+    "no entry": ("\n# x\n", 2, "bad header"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_malformed(tmp_path, case):
+    text, line, message = BAD[case]
+    with pytest.raises(DataError) as caught:
+        parse(tmp_path, text)
+    assert f"habits.txt:{line}: " in str(caught.value)
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_missing_file_and_folder(tmp_path):
+    with pytest.raises(DataError, match="cannot be read"):
+        read_lines(tmp_path / "no.txt")
+    with pytest.raises(DataError, match="no habit file"):
+        read_book(tmp_path)
+
+
+def test_bad_anchor_file(tmp_path):
+    path = tmp_path / "anchors.txt"
+    path.write_text("A desk: ontop\nA desk: under\n")
+    with pytest.raises(DataError, match=r"anchors.txt:2: .*twice"):
+        read_anchors(path)
+    path.write_text("A desk: beside\n")
+    with pytest.raises(DataError, match=r"anchors.txt:1: unknown relation"):
+        read_anchors(path)
+
+
+def test_altered_book_file_is_noticed(tmp_path):
+    shutil.copytree(BOOK_FOLDER, tmp_path / "book")
+    file = next(p for p in sorted((tmp_path / "book").glob("*.txt")) if p.name != "anchors.txt")
+    raw = bytearray(file.read_bytes())
+    raw[1000] ^= 1
+    file.write_bytes(raw)
+    with pytest.raises(DataError, match="truncated or altered"):
+        read_book(tmp_path / "book", verified=True)
+
+
+def test_category_in_two_files(tmp_path):
+    for name in ("a.txt", "b.txt"):
+        (tmp_path / name).write_text(GOOD)
+    with pytest.raises(DataError, match=r"b\.txt: entries of 'wallet' lie also in"):
+        read_book(tmp_path)

@@ -1,0 +1,80 @@
+"""Households, hosting, knowledge bases, splits."""
+
+import numpy as np
+import pytest
+
+from ucon.core.errors import ConfigError
+from ucon.habits import KnowledgeBase, book, category_split, hosted, household, split_categories
+
+
+def drawn(home: str = "Rs_int", k: int = 20):
+    found = household(home, book())
+    return {c: found[c] for c in book().categories[:: len(book().categories) // k][:k]}
+
+
+def test_household_is_seeded_by_the_home():
+    data = book()
+    a, b = household("Rs_int", data), household("Rs_int", data)
+    assert a == b
+    assert a != household("Merom_1_int", data)
+    assert a != household("Rs_int", data, seed=1)
+    counts = [len(entries) for entries in a.values()]
+    assert set(counts) == {1, 2, 3}
+    assert 2.2 < np.mean(counts) < 2.4
+    assert list(a) == list(data.categories)
+
+
+def test_hosting_needs_two_realisable_placements():
+    data = book()
+    entry = data.entries[0]
+    anchors = [p.anchor for p in entry.placements]
+    (one,) = hosted([entry], {anchors[0]})
+    (two,) = hosted([entry], {anchors[0]}, lambda name: name == anchors[1])
+    assert not one.ok
+    assert one.realisable == (0,)
+    assert two.ok
+    assert two.placements == entry.placements[:2]
+    assert [h.entry for h in hosted(data.entries, ())] == list(data.entries)
+
+
+@pytest.mark.parametrize("mode", ["category", "task"])
+def test_knowledge_base(mode):
+    chosen = drawn()
+    kb = KnowledgeBase.build(book(), chosen, 5, mode)
+    assert list(kb.rows) == list(KnowledgeBase.build(book(), chosen, 5, mode).rows)
+    assert list(kb.rows) != list(KnowledgeBase.build(book(), chosen, 6, mode).rows)
+    assert kb.rows.dtype == np.int32
+    assert len(set(kb.rows.tolist())) == len(kb)
+    assert set(kb.entries) == set(chosen)
+    for category, entries in kb.entries.items():
+        assert set(entries) <= set(chosen[category])
+        assert len(entries) == (1 if mode == "task" else len(chosen[category]))
+        assert set(kb.rows_about(category)) == set(book().rows_of_entries(entries))
+    assert (180 <= len(kb) <= 220) if mode == "task" else (len(kb) > 300)
+    assert list(kb.rows) != sorted(kb.rows)
+
+
+def test_adding_a_category_shifts_no_other():
+    chosen = drawn()
+    last = sorted(chosen)[-1]
+    whole = KnowledgeBase.build(book(), chosen, 5)
+    part = KnowledgeBase.build(book(), {c: e for c, e in chosen.items() if c != last}, 5)
+    assert list(whole.without(last).rows) == list(part.rows)
+
+
+def test_empty_and_unknown():
+    with pytest.raises(ConfigError, match="empty knowledge base"):
+        KnowledgeBase.build(book(), {}, 0)
+    with pytest.raises(ConfigError, match="unknown knowledge base mode"):
+        KnowledgeBase.build(book(), drawn(), 0, "entry")  # type: ignore[arg-type]
+    with pytest.raises(ConfigError, match="unknown target of this knowledge base"):
+        KnowledgeBase.build(book(), drawn(), 0).rows_about("piano")
+
+
+def test_splits():
+    names = book().categories
+    parts = {split: split_categories(names, split) for split in ("train", "val", "test")}
+    assert sorted(sum(parts.values(), ())) == sorted(names)
+    assert len(parts["val"]) + len(parts["test"]) >= 60
+    assert len(parts["train"]) > 300
+    assert category_split("wallet") == "test"  # unseen in the official release

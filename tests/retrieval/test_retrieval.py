@@ -1,0 +1,85 @@
+"""Levels and retrievers on held-out categories."""
+
+import time
+
+import numpy as np
+import pytest
+
+from ucon.core.errors import ConfigError
+from ucon.habits import KnowledgeBase, book
+from ucon.retrieval import LEVELS, BM25Retriever, DenseRetriever, habits_at_level, mrr, recall_at
+from ucon.retrieval.measure import measure_retrieval
+from ucon.retrieval.sampling import sampled_kb
+
+RETRIEVERS = {"dense": DenseRetriever, "bm25": BM25Retriever}
+
+
+@pytest.fixture(scope="module")
+def kbs():
+    return [sampled_kb(book(), "test", seed, "task") for seed in range(6)]
+
+
+@pytest.mark.parametrize("name", RETRIEVERS)
+def test_rankings(kbs, name):
+    retriever = RETRIEVERS[name]()
+    found = measure_retrieval(kbs, retriever)
+    assert found["mrr"] > 0.8
+    assert found["recall_at_20"] > 0.33
+    kb = kbs[0]
+    for target in kb.entries:
+        rows = retriever.rank(target, kb)
+        assert sorted(rows) == sorted(kb.rows)
+        assert list(rows) == list(RETRIEVERS[name]().rank(target, kb))
+
+
+@pytest.mark.parametrize("name", RETRIEVERS)
+def test_ranking_does_not_depend_on_the_order_of_the_knowledge_base(kbs, name):
+    kb = kbs[0]
+    turned = KnowledgeBase(kb.dataset, np.ascontiguousarray(kb.rows[::-1]))
+    for target in list(kb.entries)[:5]:
+        assert list(RETRIEVERS[name]().rank(target, kb)) == list(RETRIEVERS[name]().rank(target, turned))
+
+
+def test_dense_query_is_cheap(kbs):
+    retriever = DenseRetriever()
+    retriever.rank(next(iter(kbs[0].entries)), kbs[0])
+    start = time.process_time()
+    for kb in kbs:
+        for target in kb.entries:
+            retriever.rank(target, kb)
+    assert (time.process_time() - start) / (20 * len(kbs)) < 3e-3
+
+
+def test_levels(kbs):
+    kb, dense = kbs[0], DenseRetriever()
+    target = next(iter(kb.entries))
+    assert len(habits_at_level("none", kb, target)) == 0
+    assert list(habits_at_level("full", kb, target)) == list(kb.rows)
+    gt = habits_at_level("gt", kb, target)
+    assert {kb.dataset.entry_of(row).category for row in gt} == {target}
+    assert len(gt) == sum(len(e.habits) for e in kb.entries[target])
+    for p in (5, 10, 20, 40):
+        assert list(habits_at_level("retrieval", kb, target, dense, p)) == list(dense.rank(target, kb)[:p])
+    assert len(habits_at_level("retrieval", kb, target, dense)) == 20
+
+
+def test_bad_levels(kbs):
+    kb = kbs[0]
+    target = next(iter(kb.entries))
+    with pytest.raises(ConfigError, match="unknown habit level 'retreival': did you mean retrieval"):
+        habits_at_level("retreival", kb, target)
+    with pytest.raises(ConfigError, match="without a retriever"):
+        habits_at_level("retrieval", kb, target)
+    with pytest.raises(ConfigError, match="p=0"):
+        habits_at_level("retrieval", kb, target, DenseRetriever(), 0)
+    with pytest.raises(ConfigError, match="unknown target"):
+        habits_at_level("gt", kb, "no_such_thing")
+    assert LEVELS == ("none", "full", "gt", "retrieval")
+
+
+def test_metrics():
+    ranking = np.asarray([4, 2, 9, 7], np.int32)
+    assert mrr(ranking, [9, 7]) == pytest.approx(1 / 3)
+    assert mrr(ranking, [5]) == 0
+    assert recall_at(ranking, [2, 7], 2) == 0.5
+    assert np.isnan(recall_at(ranking, [], 2))
