@@ -53,11 +53,12 @@ def ordered(
     if not len(centres):
         return
     noise = request.rng.random(len(centres))
-    order = np.argsort(noise + penalty, kind="stable")
     boxes = slot_boxes(centres, z, pose)
     if isinstance(z, float) and abs(z) < RUG_M:
-        z = z + rug_tops(request.scene.parts.boxes, boxes, RUG_M)
+        rugs = rug_tops(request.scene.parts.boxes, boxes, RUG_M)
+        z, penalty = z + rugs[:, 0], penalty + 5.0 * rugs[:, 1]  # Half on a rug it would stand askew.
         boxes = slot_boxes(centres, z, pose)
+    order = np.argsort(noise + penalty, kind="stable")
     turned = flipped(request.shape, pose, request.rng)
     found = 0
     for start in range(0, len(order), 64):

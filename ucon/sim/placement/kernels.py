@@ -47,8 +47,8 @@ def are_clear(parts: Array, boxes: Array, touch: float) -> NDArray[np.bool_]:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def rug_tops(parts: Array, boxes: Array, most: float) -> Array:
-    """Height (n,) of the highest of ``parts`` that lies flat below ``most`` under each of ``boxes`` (n, 6); 0: none."""
-    result = np.zeros(len(boxes))
+    """What lies flat under ``boxes`` (n, 6): (n, 2) top of the highest of ``parts`` below ``most``; 1 at an edge."""
+    result = np.zeros((len(boxes), 2))
     for k in range(len(parts)):
         p = parts[k]
         if p[5] > most or p[5] <= 0.0:
@@ -56,7 +56,9 @@ def rug_tops(parts: Array, boxes: Array, most: float) -> Array:
         for i in range(len(boxes)):
             b = boxes[i]
             if p[0] < b[3] and p[3] > b[0] and p[1] < b[4] and p[4] > b[1]:
-                result[i] = max(result[i], p[5])
+                result[i, 0] = max(result[i, 0], p[5])
+                if p[0] > b[0] or p[3] < b[3] or p[1] > b[1] or p[4] < b[4]:
+                    result[i, 1] = 1.0
     return result
 
 

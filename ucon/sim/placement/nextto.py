@@ -21,7 +21,7 @@ from ucon.sim.shapes import Array
 
 GAPS_M = (0.02, 0.05, 0.08)
 FAR_GAPS_M = (0.12, 0.18, 0.25)
-HANGING_M = 0.30
+HANGING_M = 0.45
 """Horizontal reach of "next to" and "under" for what hangs on a wall."""
 BESIDE_FURNITURE_M = 0.60
 """Reach of "next to" for tall things on the floor beside the furniture that the anchor stands on."""
@@ -88,7 +88,8 @@ def below_hanging(request: Request, rect: Array, ceiling_m: float) -> Iterator[S
         rows = [r for r in rows if scene.levels.kind[r] == FLOOR]
     for row in rows:
         level = scene.levels.box[row]
-        for pose in poses(request.shape, lay=request.row.mount != "floor"):
+        stand = bool(scene.levels.kind[row] == FLOOR)
+        for pose in poses(request.shape, lay=request.row.mount != "floor", stand=stand):
             if level[2] + pose.extent[2] > min(level[5], ceiling_m):
                 continue
             centres = _lattice(rect)
@@ -103,7 +104,8 @@ def _beside(request: Request) -> Iterator[Slot]:
     near = [r for r in _rows_near(scene, reach) if scene.levels.owner[r] != request.anchor]
     for stage in _stages(request, near):
         for gaps in (GAPS_M, FAR_GAPS_M):
-            for pose in poses(request.shape, lay=request.row.mount != "floor"):
+            on_floor = all(scene.levels.kind[row] == FLOOR for row in stage)
+            for pose in poses(request.shape, lay=request.row.mount != "floor", stand=on_floor):
                 for row in stage:
                     yield from _ring(request, row, pose, gaps)
     if is_on_furniture(scene, request.anchor) and reaches(request.shape.extent[2], box):
@@ -125,7 +127,8 @@ def _beside_furniture(request: Request) -> Iterator[Slot]:
     scene, box = request.scene, request.anchor_box
     reach = box + np.array([-BESIDE_FURNITURE_M, -BESIDE_FURNITURE_M, 0, BESIDE_FURNITURE_M, BESIDE_FURNITURE_M, 0])
     rows = [r for r in _rows_near(scene, reach) if scene.levels.kind[r] == FLOOR]
-    for pose in poses(request.shape, lay=False):
+    tall = [pose for pose in poses(request.shape, lay=False, stand=True) if reaches(pose.extent[2], box)]
+    for pose in tall:
         for row in rows:
             level = scene.levels.box[row]
             half = pose.extent[:2] / 2
@@ -183,7 +186,7 @@ def _along_walls(request: Request) -> Iterator[Slot]:
     scene = request.scene
     row = next(r for r in np.flatnonzero(scene.levels.kind == FLOOR) if scene.levels.number[r] == _room(request))
     level = scene.levels.box[row]
-    for pose in poses(request.shape, lay=False):
+    for pose in poses(request.shape, lay=False, stand=True):
         half = pose.extent[:2] / 2 + 0.02
         low, high = level[:2] + half, level[3:5] - half
         if (high <= low).any():

@@ -24,7 +24,8 @@ from ucon.sim.placement.nextto import (
     under_rect,
     under_spaces,
 )
-from ucon.sim.placement.surroundings import COMPARTMENT, FLOOR, SURFACE, Surroundings
+from ucon.sim.placement.ontop import cover_of, floor_levels, tops
+from ucon.sim.placement.surroundings import COMPARTMENT, Surroundings
 from ucon.sim.shapes import Array
 
 LEVEL_M = 0.02
@@ -47,15 +48,16 @@ def holds(scene: Surroundings, relation: Relation, anchor: int, box: Array, cont
 def is_ontop(scene: Surroundings, anchor: int, box: Array, contacts: Collection[int]) -> bool:
     """It touches the anchor, its bottom is at a surface's height and its middle above that surface.
 
-    On the floor a rug may lie between.
+    On the floor a rug may lie between; a slab that covers the anchor counts as its top.
     """
     on_floor = scene.categories[anchor] in STRUCTURE
-    rows = scene.levels_of(anchor, FLOOR if on_floor else SURFACE)
     middle = _middle(box)
-    levels = scene.levels.box[rows]
-    at_height = np.abs(levels[:, 2] - box[2]) <= (2 * LEVEL_M if on_floor else LEVEL_M)
+    rows = floor_levels(scene, anchor) if on_floor else tops(scene, anchor)
+    levels = np.array(rows).reshape(-1, 6)
+    at_height = np.abs(levels[:, 2] - box[2]) <= (RUG_M if on_floor else LEVEL_M)
     above = ((levels[:, :2] <= middle + _SLACK_M) & (middle - _SLACK_M <= levels[:, 3:5])).all(axis=1)
-    return bool((at_height & above).any()) and (on_floor or anchor in contacts)
+    touched = on_floor or anchor in contacts or not cover_of(scene, anchor).isdisjoint(contacts)
+    return bool((at_height & above).any()) and touched
 
 
 def is_inside(scene: Surroundings, anchor: int, box: Array) -> bool:

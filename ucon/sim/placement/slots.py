@@ -56,12 +56,13 @@ class Slot:
         return np.concatenate([self.pose.low + self.position, self.pose.high + self.position])
 
 
-def poses(shape: Solid, *, lay: bool) -> list[Pose]:
-    """Orientations to try, best first: upright, then on a side if ``lay`` or if it would not stand.
+def poses(shape: Solid, *, lay: bool, stand: bool = False) -> list[Pose]:
+    """Orientations to try, best first: upright, then on a side if ``lay`` or if it is long and thin.
 
-    What is slender lies first. Each comes in two quarter turns; half turns are left to the sampler.
+    What is slender lies first, except where it should ``stand``: a broom on the floor. Each comes in two quarter
+    turns; half turns are left to the sampler.
     """
-    return list(_poses(_Key(shape), lay))
+    return list(_poses(_Key(shape), lay, stand))
 
 
 class _Key:
@@ -80,12 +81,12 @@ class _Key:
 
 
 @lru_cache(maxsize=4096)
-def _poses(key: _Key, lay: bool) -> tuple[Pose, ...]:
+def _poses(key: _Key, lay: bool, stand: bool) -> tuple[Pose, ...]:
     extent = key.shape.extent
     slender = min(extent[0], extent[1]) < _SLENDER * extent[2]
     down = [_PITCH, _ROLL] if extent[0] <= extent[1] else [_ROLL, _PITCH]
     upright = [np.eye(3)]
-    order = [*down, *upright] if slender else upright + (down if lay or is_long(extent) else [])
+    order = [*down, *upright] if slender and not stand else upright + (down if lay or is_long(extent) else [])
     return tuple(_pose(key.shape, yaw_matrix(quarter) @ turn) for turn in order for quarter in (0, 1))
 
 
