@@ -119,9 +119,7 @@ def check_view(width: int, height: int, fov_deg: float) -> None:
         raise ConfigError(f"field of view of {fov_deg} degrees: expected 1 to 170")
 
 
-def check_buffer(
-    name: str, array: np.ndarray, shape: tuple[int, ...], dtype: type[np.generic]
-) -> None:
+def check_buffer(name: str, array: np.ndarray, shape: tuple[int, ...], dtype: type[np.generic]) -> None:
     """Refuse a buffer that the kernels cannot write.
 
     Raises:

@@ -204,9 +204,7 @@ def _last(position: float, size: int) -> int:
 
 
 @jit
-def _fill(
-    f: int, m: int, a: float, b: float, c: float, window: Any, scratch: F32, target: Any
-) -> None:
+def _fill(f: int, m: int, a: float, b: float, c: float, window: Any, scratch: F32, target: Any) -> None:
     """Scan-convert a convex polygon with m corners and the depth plane ``a x + b y + c``.
 
     Corners run counter-clockwise, so edges that go down the picture bound it on the left.

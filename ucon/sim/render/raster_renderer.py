@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import SceneError
-from ucon.sim.arrangement import Arrangement
-from ucon.sim.house import House
+from ucon.objects.model import Material, ObjectModel, Part
+from ucon.scenes.spec import HomeSpec, Item, Room
+from ucon.sim.arrangement import Arrangement, PlacedObject
+from ucon.sim.house import House, NavGrid
 from ucon.sim.render.arena import Arena, ModelBuilder, catalogue_model
 from ucon.sim.render.base import (
     VIEW_FOV_DEG,
@@ -166,3 +168,18 @@ class RasterRenderer:
             self._depth,
             self._faces,
         )
+
+
+def warm_up() -> None:
+    """Compile every kernel, or load it from the disk: once at set-up, and in a parent before it starts workers."""
+    part = Part("box", (0.2, 0.2, 0.2), (0.0, 0.0, 0.1), (128, 128, 128))
+    room = Room("room", "room", (0.0, 0.0, 2.0, 2.0), (128, 128, 128), Material.TILE, (128, 128, 128))
+    spec = HomeSpec("warm_up", "house", 2.5, (room,), (), (Item("thing", part.size, (1.0, 1.5, 0.0), 0, 0),))
+    grid = NavGrid((0.0, 0.0), np.ones((8, 8), bool), np.zeros((8, 8), np.int16))
+    house = House(spec, grid, np.zeros((4, 6)))
+    placed = PlacedObject("thing", (1.5, 1.5, 0.0), (0.0, 0.0, 0.0, 1.0), 0, "ontop", 1)
+    renderer = RasterRenderer(8, 8, builder=lambda category, size, tint: ObjectModel(category, part.size, (part,)))
+    renderer.load(house, Arrangement(objects=(placed,)))
+    rgb, depth = np.empty((8, 8, 3), np.uint8), np.empty((8, 8), np.float32)
+    instance, counts = np.empty((8, 8), np.int16), np.empty(renderer.n_instances, np.int32)
+    renderer.render(1.0, 0.5, 1.25, 1, 0, rgb, depth, instance, counts)

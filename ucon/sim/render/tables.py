@@ -11,7 +11,7 @@ import numpy as np
 
 from ucon.sim.render.kernels import F32, F64, I16, I32, U8, jit
 from ucon.sim.render.shapes import INDEX
-from ucon.sim.render.tessellate import CEILING, Mesh
+from ucon.sim.render.tessellate import CEILING, WALL, Mesh
 
 
 class Tables(NamedTuple):
@@ -135,7 +135,9 @@ def _bake(
 
 
 @jit
-def _bake_face(f: int, f_base: int, v: int, vertices: F32, planes: F32, color: U8, axes: U8, mesh: Any, turn: F64) -> None:
+def _bake_face(
+    f: int, f_base: int, v: int, vertices: F32, planes: F32, color: U8, axes: U8, mesh: Any, turn: F64
+) -> None:
     """Plane, lit colour and texture axes of one face whose part begins at corner ``v``."""
     _, normals, topology, colors, grains = mesh
     row = f - f_base
@@ -149,12 +151,13 @@ def _bake_face(f: int, f_base: int, v: int, vertices: F32, planes: F32, color: U
     light = _light(n0, n1, n2) if color[f, 3] != CEILING else 0.92
     for k in range(3):
         color[f, k] = np.uint8(min(255.0, colors[row, k] * light))
+    grain = 4 * (color[f, 3] != WALL)
     if abs(n2) >= 0.7:
-        axes[f, 0] = 0 + 4 * (along[0] > along[1])
+        axes[f, 0] = 0 + grain * (along[0] > along[1])
     elif abs(n0) > abs(n1):
-        axes[f, 0] = 1 + 4 * (along[1] > along[2])
+        axes[f, 0] = 1 + grain * (along[1] > along[2])
     else:
-        axes[f, 0] = 2 + 4 * (along[0] > along[2])
+        axes[f, 0] = 2 + grain * (along[0] > along[2])
 
 
 @jit

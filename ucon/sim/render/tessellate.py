@@ -112,9 +112,7 @@ def _newell(vertices: F64, first: int, index: I16, start: int, corners: int, nor
 
 
 @jit
-def _place(
-    figures: F64, solids: I32, table: I32, vertices: F64, normals: F64, grain: F64, topology: I16
-) -> None:
+def _place(figures: F64, solids: I32, table: I32, vertices: F64, normals: F64, grain: F64, topology: I16) -> None:
     """Scale, taper, turn and move the unit solids of all parts."""
     turn = np.empty((3, 3))
     for p in range(figures.shape[0]):

@@ -13,6 +13,9 @@ from ucon.objects.model import Material
 from ucon.sim.render.kernels import F32, jit
 from ucon.sim.render.tessellate import MIRROR, WALL
 
+BLOCK = np.uint64(16)
+"""Pixels that an inner loop works on at once."""
+
 OPEN_SKY = 31
 """Look of a pixel that shows nothing."""
 
@@ -58,16 +61,16 @@ def paint_corners(
 ) -> None:
     """Darken floors, walls and ceilings softly towards the corners of the room; skirting boards on walls."""
     dark, slope = np.float32(0.86), np.float32(0.3)
+    skirting = _SKIRTING_M if look == WALL else np.float32(-1e9)
     u0, u1 = _bounds(u_axis, room, rooms, height)
     v0, v1 = _bounds(v_axis, room, rooms, height)
-    for x in range(x0, x1):
-        u, v = rows[1, x], rows[2, x]
-        near_u, near_v = min(u - u0, u1 - u), min(v - v0, v1 - v)
-        rows[3, x] *= min(_ONE, dark + slope * near_u) * min(_ONE, dark + slope * near_v)
-    if look == WALL:
-        up = 1 if u_axis == 2 else 2
-        for x in range(x0, x1):
-            rows[3, x] *= _SKIRTING if rows[up, x] < _SKIRTING_M else _ONE
+    for start in range(x0, x1, BLOCK):
+        for k in range(BLOCK):
+            x = start + np.uint64(k)
+            u, v = rows[1, x], rows[2, x]
+            near_u, near_v = min(u - u0, u1 - u), min(v - v0, v1 - v)
+            shade = min(_ONE, dark + slope * near_u) * min(_ONE, dark + slope * near_v)
+            rows[3, x] *= shade * (_SKIRTING if v < skirting else _ONE)
 
 
 @jit
@@ -99,16 +102,20 @@ def _fade(cell: float, foot: float) -> float:
 
 
 @jit
-def _cells(x0: int, x1: int, size_u: float, size_v: float, amount: float, foot_u: float, foot_v: float, rows: F32) -> None:
+def _cells(
+    x0: int, x1: int, size_u: float, size_v: float, amount: float, foot_u: float, foot_v: float, rows: F32
+) -> None:
     """Every cell its own brightness."""
     strength = np.float32(amount) * _fade(size_u, foot_u) * _fade(size_v, foot_v)
     if strength <= np.float32(0.004):
         return
     per_u, per_v = np.float32(1.0 / size_u), np.float32(1.0 / size_v)
-    for x in range(x0, x1):
-        i = np.int32(rows[1, x] * per_u + _SHIFT)
-        j = np.int32(rows[2, x] * per_v + _SHIFT + np.float32(_MIX[i & 255] & 15) * np.float32(0.25))
-        rows[3, x] *= _ONE + strength * _NOISE[(i + _MIX[j & 255]) & 255]
+    for start in range(x0, x1, BLOCK):
+        for k in range(BLOCK):
+            x = start + np.uint64(k)
+            i = np.int32(rows[1, x] * per_u + _SHIFT)
+            j = np.int32(rows[2, x] * per_v + _SHIFT + np.float32(_MIX[i & 255] & 15) * np.float32(0.25))
+            rows[3, x] *= _ONE + strength * _NOISE[(i + _MIX[j & 255]) & 255]
 
 
 @jit
@@ -119,13 +126,15 @@ def _boards(x0: int, x1: int, foot_u: float, foot_v: float, rows: F32) -> None:
         return
     per_u, per_v = np.float32(1 / 0.15), np.float32(1 / 1.2)
     reach, inverse, most, joint = _joint(0.008, 0.15, foot_u)
-    for x in range(x0, x1):
-        a = rows[1, x] * per_u + _SHIFT
-        i = np.int32(a)
-        j = np.int32(rows[2, x] * per_v + _SHIFT + _NOISE[i & 255])
-        away = (_HALF - abs(a - np.float32(i) - _HALF)) * np.float32(0.15)
-        line = min(max((reach - away) * inverse, _ZERO), most)
-        rows[3, x] *= _ONE + strength * _NOISE[(i + _MIX[j & 255]) & 255] - joint * line
+    for start in range(x0, x1, BLOCK):
+        for k in range(BLOCK):
+            x = start + np.uint64(k)
+            a = rows[1, x] * per_u + _SHIFT
+            i = np.int32(a)
+            j = np.int32(rows[2, x] * per_v + _SHIFT + _NOISE[i & 255])
+            away = (_HALF - abs(a - np.float32(i) - _HALF)) * np.float32(0.15)
+            line = min(max((reach - away) * inverse, _ZERO), most)
+            rows[3, x] *= _ONE + strength * _NOISE[(i + _MIX[j & 255]) & 255] - joint * line
 
 
 @jit
@@ -137,14 +146,16 @@ def _tiles(x0: int, x1: int, foot_u: float, foot_v: float, rows: F32) -> None:
     reach_v, inverse_v, most_v, joint_v = _joint(0.010, 0.33, foot_v)
     if joint_u <= _ZERO and joint_v <= _ZERO:
         return
-    for x in range(x0, x1):
-        a, b = rows[1, x] * per + _SHIFT, rows[2, x] * per + _SHIFT
-        i, j = np.int32(a), np.int32(b)
-        away_u = (_HALF - abs(a - np.float32(i) - _HALF)) * np.float32(0.33)
-        away_v = (_HALF - abs(b - np.float32(j) - _HALF)) * np.float32(0.33)
-        line_u = joint_u * min(max((reach_u - away_u) * inverse_u, _ZERO), most_u)
-        line_v = joint_v * min(max((reach_v - away_v) * inverse_v, _ZERO), most_v)
-        rows[3, x] *= _ONE + strength * _NOISE[(i + _MIX[j & 255]) & 255] - max(line_u, line_v)
+    for start in range(x0, x1, BLOCK):
+        for k in range(BLOCK):
+            x = start + np.uint64(k)
+            a, b = rows[1, x] * per + _SHIFT, rows[2, x] * per + _SHIFT
+            i, j = np.int32(a), np.int32(b)
+            away_u = (_HALF - abs(a - np.float32(i) - _HALF)) * np.float32(0.33)
+            away_v = (_HALF - abs(b - np.float32(j) - _HALF)) * np.float32(0.33)
+            line_u = joint_u * min(max((reach_u - away_u) * inverse_u, _ZERO), most_u)
+            line_v = joint_v * min(max((reach_v - away_v) * inverse_v, _ZERO), most_v)
+            rows[3, x] *= _ONE + strength * _NOISE[(i + _MIX[j & 255]) & 255] - max(line_u, line_v)
 
 
 @jit
@@ -159,7 +170,9 @@ def _joint(wide: float, cell: float, foot: float) -> tuple[float, float, float, 
 def _sheen(x0: int, x1: int, per_metre: float, amount: float, rows: F32) -> None:
     """Broad slanting reflections."""
     per, amount = np.float32(per_metre), np.float32(amount)
-    for x in range(x0, x1):
-        a = (rows[1, x] + rows[2, x] * np.float32(0.6)) * per + _SHIFT
-        wave = abs(a - np.float32(np.int32(a)) - _HALF) * np.float32(4.0) - _ONE
-        rows[3, x] *= _ONE + amount * wave
+    for start in range(x0, x1, BLOCK):
+        for k in range(BLOCK):
+            x = start + np.uint64(k)
+            a = (rows[1, x] + rows[2, x] * np.float32(0.6)) * per + _SHIFT
+            wave = abs(a - np.float32(np.int32(a)) - _HALF) * np.float32(4.0) - _ONE
+            rows[3, x] *= _ONE + amount * wave
