@@ -69,11 +69,11 @@ def test_another_run_is_refused_its_folder(run):
 
 def test_an_interrupted_run_goes_on(tmp_path):
     out = tmp_path / "run"
-    overrides = ("agent=frontier", "habit_level=none", "limit=30", "pictures=0", "progress=false", f"out={out}")
+    overrides = ("agent=frontier", "habit_level=none", "limit=12", "pictures=0", "progress=false", f"out={out}")
     process = subprocess.Popen([sys.executable, "eval.py", *overrides], cwd=ROOT, stderr=subprocess.PIPE, text=True)
     partial = out / "episodes.jsonl.partial"
     deadline = time.monotonic() + 120
-    while time.monotonic() < deadline and not (partial.is_file() and partial.read_text().count("\n") > 3):
+    while time.monotonic() < deadline and not (partial.is_file() and partial.read_text().count("\n") > 2):
         time.sleep(0.05)
     process.send_signal(signal.SIGINT)
     _, stderr = process.communicate(timeout=60)
@@ -82,7 +82,7 @@ def test_an_interrupted_run_goes_on(tmp_path):
     kept = partial.read_text().count("\n") - 1
     result = evaluate(*overrides)
     assert result.returncode == 0, result.stderr[-2000:]
-    assert f"for {30 - kept} episodes" in result.stdout
+    assert f"for {12 - kept} episodes" in result.stdout
     whole = evaluate(*overrides[:-1], f"out={tmp_path}/whole")
     assert whole.returncode == 0
     assert (out / "episodes.jsonl").read_bytes() == (tmp_path / "whole" / "episodes.jsonl").read_bytes()

@@ -72,7 +72,7 @@ def test_mistakes_end_in_one_line(words, expected):
         (["limti=3"], "did you mean limit"),
         (["env.hieght_px=3"], r"did you mean env\.height_px"),
         (["habits=official"], r"give habits\.path="),
-        (["habits=official", "habits.path=nowhere", "workers=0", "limit=1"], "nowhere: no such file"),
+        (["agent=random", "habits=official", "habits.path=nowhere", "limit=1"], "nowhere: no such file"),
         (["episodes=nowhere"], "nowhere"),
         (["limit=0"], "from 1 up"),
         (["workers=many", "limit=1"], "workers=many"),
