@@ -43,7 +43,8 @@ def _steel_sink(k: Kit) -> None:
     rim = 0.62 * z
     low = rim - 0.24
     bowl = (-y / 2 + 0.05, y * 0.12)
-    ix, iy = tub(k, (-x / 2 + 0.06, x / 2 - 0.04), bowl, (low, rim), 0.02, 0.03, SILVER, shade(SILVER, 0.75))
+    k.box((-x / 2 + 0.06, -x / 2 + 0.1), bowl, (rim - 0.04, rim), SILVER, Material.METAL)
+    ix, iy = tub(k, (-x / 2 + 0.1, x / 2 - 0.04), bowl, (low, rim), 0.02, 0.03, SILVER, shade(SILVER, 0.75))
     k.box((-x / 2, x / 2), (bowl[1], y / 2), (rim - 0.04, rim), SILVER, Material.METAL)
     k.box((-x / 2, -x / 2 + 0.06), (-y / 2, y / 2), (rim - 0.04, rim + 0.12), SILVER, Material.METAL)
     for fx in (-x / 2 + 0.02, x / 2 - 0.06):
@@ -52,8 +53,8 @@ def _steel_sink(k: Kit) -> None:
     k.box((x / 2 - 0.04, x / 2), (-y / 2, bowl[1]), (rim - 0.05, rim), SILVER, Material.METAL)
     tap = -y * 0.17
     k.box((-x / 2 + 0.06, -x / 2 + 0.1), (tap - 0.02, tap + 0.02), (rim, z), SILVER, Material.METAL)
-    k.box((-x / 2 + 0.1, 0.0), (tap - 0.015, tap + 0.015), (z - 0.04, z), SILVER, Material.METAL)
-    k.box((-0.04, 0.0), (tap - 0.015, tap + 0.015), (rim + 0.2, z - 0.04), SILVER, Material.METAL)
+    k.box((-x / 2 + 0.1, -0.04), (tap - 0.015, tap + 0.015), (z - 0.04, z), SILVER, Material.METAL)
+    k.box((-0.08, -0.04), (tap - 0.015, tap + 0.015), (rim + 0.2, z - 0.04), SILVER, Material.METAL)
     k.space(ix, iy, (low + 0.03, low + 0.03 + 0.21 * OPEN_TOP_HEADROOM))
     k.surface((-x / 2 + 0.08, x / 2 - 0.02), (bowl[1] + 0.02, y / 2 - 0.02), rim)
     k.below((-x / 2 + 0.1, x / 2 - 0.08), (-y / 2 + 0.1, y / 2 - 0.1), low)

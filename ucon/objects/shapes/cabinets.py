@@ -233,7 +233,7 @@ def mailbox(k: Kit) -> None:
     k.cyl((-x / 2, front - HANDLE), (-y / 2, y / 2), (flat - y / 2, z), axis="x")
     joint = drop_door(k, front, (-y / 2, y / 2), (low, flat), shade(k.color, 1.35), SILVER)
     k.box((0.05, 0.25), (y / 2 - 0.004, y / 2), (flat - 0.03, flat), (200, 40, 40))
-    k.space((max(ix[0], ix[1] - 0.4), ix[1] - 0.005), iy, iz, opened_by=(joint,))
+    k.space((max(ix[0], ix[1] - 0.4), ix[1] - 0.005), iy, (iz[0], flat - y / 2), opened_by=(joint,))
 
 
 @shape("cash_register")

@@ -56,7 +56,7 @@ def table(k: Kit) -> None:
         if k.name == "console_table":
             k.box((-x / 2 + 0.03, x / 2 - 0.03), (-y / 2 + 0.03, y / 2 - 0.03), (0.3, 0.32), shade(k.color, 0.9))
             k.space((-x / 2 + 0.05, x / 2 - 0.03), (-y / 2 + 0.09, y / 2 - 0.09), (0.32, z - slab - apron))
-            under_all(k, 0.3, 0.02)
+            k.below((-x / 2 + 0.02, x / 2 - 0.02), (-y / 2 + 0.07, y / 2 - 0.07), 0.3)
         elif k.name == "conference_table":
             k.box((-x * 0.3, x * 0.3), (-y * 0.3, y * 0.3), (0.35, 0.37), shade(k.color, 0.9))
             k.box((-x * 0.05, x * 0.05), (-y * 0.25, y * 0.25), (0, 0.35), shade(k.color, 0.7))
@@ -234,7 +234,7 @@ def crib(k: Kit) -> None:
     k.box((-x / 2 + 0.03, x / 2 - 0.03), (-y / 2 + 0.03, y / 2 - 0.03), (base - 0.1, base), (186, 206, 226), CUSHION)
     for s in (-1, 1):
         a, b = sorted((s * y / 2, s * (y / 2 - 0.03)))
-        k.box((-x / 2, x / 2), (a, b), (0.1, z))
+        k.box((-x / 2, x / 2), (a, b), (0, z))
         c, d = sorted((s * x / 2, s * (x / 2 - 0.03)))
         k.box((c, d), (-y / 2 + 0.03, y / 2 - 0.03), (z * 0.78, z * 0.84))
         for i in range(4):
@@ -356,7 +356,7 @@ def lounge_chair(k: Kit) -> None:
     k.box((x * 0.24, x / 2), (-y * 0.36, y * 0.36), (seat * 0.6, seat * 0.85), leather, CUSHION)
     k.cyl((x * 0.33, x * 0.41), (-0.04, 0.04), (0, seat * 0.6), SILVER, Material.METAL)
     k.surface((-x * 0.25, x * 0.13), (-y * 0.38, y * 0.38), seat, 0.4)
-    k.below((x * 0.12, x * 0.24), (-y * 0.3, y * 0.3), seat * 0.8)
+    k.below((x * 0.14, x * 0.24), (-y * 0.3, y * 0.3), seat * 0.8)
 
 
 @shape("swivel_chair")
@@ -466,7 +466,7 @@ def bookshelf(k: Kit) -> None:
         low = leg + i * height
         k.box((-x / 2 + 0.012, x / 2), inner, (low, low + board), shade(k.color, 1.08))
         if i < count:
-            k.space((-x / 2 + 0.014, x / 2 - 0.005), inner, (low + board, low + height))
+            k.space((-x / 2 + 0.014, x / 2 - 0.012), inner, (low + board, low + height))
     if k.name == "grocery_shelf":
         k.box((x / 2 - 0.01, x / 2), inner, (z - 0.1, z - 0.02), RED)
     k.surface((-x / 2 + 0.01, x / 2 - 0.01), (-y / 2 + board, y / 2 - board), z, 0.4)
@@ -558,11 +558,15 @@ def serving_cart(k: Kit) -> None:
     for sx in (-1, 1):
         a, b = sorted((sx * x / 2, sx * (x / 2 - 0.025)))
         for sy in (-1, 1):
-            c, d = sorted((sy * (y / 2 - 0.03) + 0.03, sy * (y / 2 - 0.055) + 0.03))
+            c = -y / 2 + 0.06 if sy < 0 else y / 2 - 0.025
+            d = c + 0.025
             top = z if sy < 0 else high - 0.025
             k.box((a, b), (c, d), (0.08, top), SILVER, Material.METAL)
-            k.cyl((a, b), (c - 0.03, d + 0.02), (0, 0.08), BLACK, axis="x")
+            k.cyl((a, b), (d - 0.08, d), (0, 0.08), BLACK, axis="x")
     k.box((-x / 2, x / 2), (-y / 2, -y / 2 + 0.025), (z - 0.025, z), SILVER, Material.METAL)
+    for sx in (-1, 1):
+        a, b = sorted((sx * x / 2, sx * (x / 2 - 0.025)))
+        k.box((a, b), (-y / 2 + 0.025, -y / 2 + 0.085), (z - 0.025, z), SILVER, Material.METAL)
     k.space((-x / 2 + 0.03, x / 2 - 0.03), (-y / 2 + 0.1, y / 2 - 0.03), (low, high - 0.025))
     k.surface((-x / 2 + 0.02, x / 2 - 0.02), (-y / 2 + 0.1, y / 2 - 0.01), high, 0.6)
 

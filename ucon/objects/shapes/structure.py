@@ -115,7 +115,7 @@ def wall_picture(k: Kit) -> None:
     x, y, z = k.size
     poster = k.name == "poster"
     rim = 0.0 if poster else 0.09 * min(y, z)
-    front = x / 2 if poster else x * 0.25
+    front = x * 0.3 if poster else x * 0.25
     if not poster:
         wood = (96, 66, 40)
         for s in (-1, 1):
@@ -130,7 +130,7 @@ def wall_picture(k: Kit) -> None:
     k.box((-x / 2, front), (-y1, y1), (middle, z1), sky, Material.PAPER)
     k.box((-x / 2, front), (-y1, y1), (z0, middle), ground, Material.PAPER)
     size = 0.14 * min(y, z)
-    lift = min(0.002, 0.2 * x)
+    lift = 0.15 * x
     k.cyl((front - lift, front + lift), (y1 * 0.35 - size, y1 * 0.35 + size), (z1 * 0.78 - size, z1 * 0.78 + size),
           sun, Material.PAPER, axis="x")  # fmt: skip
     k.box((front - lift, front + lift), (-y1 * 0.8, y1 * 0.1), (middle, middle + 0.16 * z), hill, Material.PAPER)
@@ -374,7 +374,7 @@ def tent(k: Kit) -> None:
     """Two sloping sides, closed at the back, open in front."""
     x, y, z = k.size
     for s in (-1, 1):
-        k.rod((0, s * (y / 2 - 0.02), 0.02), (0, 0.0, z - 0.02), (x, 0.025), k.color, Material.FABRIC)
+        k.rod((0, s * (y / 2 - 0.03), 0.02), (0, 0.0, z - 0.02), (0.025, x), k.color, Material.FABRIC)
     k.box((-x / 2, x / 2), (-y / 2, y / 2), (0, 0.01), shade(k.color, 0.6), Material.FABRIC)
     k.box((-x / 2, -x / 2 + 0.02), (-y * 0.3, y * 0.3), (0.01, z * 0.4), shade(k.color, 0.85), Material.FABRIC)
     k.box((-x / 2, -x / 2 + 0.02), (-y * 0.15, y * 0.15), (z * 0.4, z * 0.7), shade(k.color, 0.85), Material.FABRIC)

@@ -58,7 +58,7 @@ def basket(k: Kit) -> None:
         )
     elif hanging:
         for s in (-1, 1):
-            k.rod((0, s * (y / 2 - 0.02), top), (0, s * 0.01, z), 0.01, DARK)
+            k.rod((0, s * (y / 2 - 0.02), top), (0, s * 0.01, z - 0.005), 0.01, DARK)
         k.ball((-x * 0.3, x * 0.1), (y * 0.15, y * 0.42), (top * 0.6, top * 1.35), GREEN, Material.PLANT)
     else:
         for s in (-1, 1):
@@ -93,20 +93,18 @@ def trash_can(k: Kit) -> None:
 def bucket(k: Kit) -> None:
     """A round bucket with its bail standing up."""
     x, y, z = k.size
-    top = z * 0.78
-    floor = 0.04
     steel = k.name == "ice_bucket"
+    top, floor = z * (1.0 if steel else 0.78), 0.04
     ring(k, x * 0.47, y * 0.47, (floor, top), 0.008)
     k.cyl((-x * 0.42, x * 0.42), (-y * 0.42, y * 0.42), (0, floor), shade(k.color, 0.6))
     if steel:
         for s in (-1, 1):
             c, d = sorted((s * y / 2, s * y * 0.45))
             k.box((-0.05, 0.05), (c, d), (top * 0.7, top * 0.8), SILVER, Material.METAL)
-        k.box((-x / 2, -x / 2 + 0.02), (-0.01, 0.01), (top, z), SILVER, Material.METAL)
-        k.box((-x / 2, x * 0.1), (-0.012, 0.012), (z - 0.02, z), SILVER, Material.METAL)
+        k.box((-x / 2, -x * 0.44), (-0.03, 0.03), (top * 0.5, top * 0.6), SILVER, Material.METAL)
         k.cyl((x * 0.44, x / 2), (-0.03, 0.03), (top * 0.5, top * 0.6), SILVER, axis="x")
     else:
-        k.path([(0, -y * 0.49, top - 0.02), (0, -y * 0.34, z - 0.01), (0, y * 0.34, z - 0.01), (0, y * 0.49, top - 0.02)],
+        k.path([(0, -y * 0.46, top - 0.02), (0, -y * 0.34, z - 0.01), (0, y * 0.34, z - 0.01), (0, y * 0.46, top - 0.02)],
                0.012, GREY, Material.METAL)  # fmt: skip
         k.box((-0.03, 0.03), (-0.05, 0.05), (z - 0.022, z), WHITE)
         for s in (-1, 1):
@@ -172,7 +170,7 @@ def crate(k: Kit) -> None:
         k.surfaces.clear()
         return
     if k.name == "litter_box":
-        open_box(k, 0.015, z=(0.0, 0.32 * z), floor_color=(206, 196, 176))
+        open_box(k, 0.02, z=(0.0, 0.32 * z), floor_color=(206, 196, 176))
         k.box((-x / 2, -x / 2 + 0.02), (-y / 2, y / 2), (0.32 * z, z))
         for s in (-1, 1):
             c, d = sorted((s * y / 2, s * (y / 2 - 0.02)))
@@ -414,19 +412,16 @@ def tray(k: Kit) -> None:
                  inside=shade(k.color, 0.8))  # fmt: skip
     for s in (-1, 1):
         if deep or k.name == "tray":
-            edge = (y / 2, y / 2 - 0.03) if deep else (y / 2 - 0.001, y / 2 - 0.03)
+            edge = (y / 2, y / 2 - 0.03) if deep else (y / 2 - 0.001, y / 2 - 0.011)
             c, d = sorted((s * edge[0], s * edge[1]))
             low = z * 0.8 if deep else z * 0.9
             reach = 0.06
             k.box((-reach, reach), (c, d) if deep else (min(c, d), max(c, d)), (low, z + (0 if deep else 0.0005)),
                   shade(k.color, 0.6))  # fmt: skip
-    k.space(ix, iy, (floor, floor + max(0.07, (z - floor) * OPEN_TOP_HEADROOM)))
-    if not deep:
+    if k.category.container:
+        k.space(ix, iy, (floor, floor + max(0.07, (z - floor) * OPEN_TOP_HEADROOM)))
+    if k.category.support:
         k.surface(ix, iy, floor)
-    if k.name == "griddle":
-        for i in range(4):
-            x0 = (-0.36 + 0.22 * i) * x
-            k.box((x0, x0 + 0.02), iy, (floor, floor + 0.002), GREY)
 
 
 @shape("vase")
