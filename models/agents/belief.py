@@ -7,9 +7,8 @@ it would have shown the target; a flat tail makes the search fall back to covera
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +16,10 @@ from numpy.typing import NDArray
 from models.agents.base import Controller, ControllerAgent, Info
 from models.agents.frontier import CoverageWeights, Indifferent
 from models.agents.search import SearchController
-from ucon.objects.catalogue import catalogue
 from ucon.perception.places import Places, with_fallback
 from ucon.perception.semantic_map import CELL_M, SemanticMap
 from ucon.perception.viewpoints import Costs, Expectation
+from ucon.retrieval.reader import AnchorReader
 
 
 @dataclass(frozen=True)
@@ -32,12 +31,24 @@ class Locations:
     """(A, 4) joint probability of anchor and relation (ontop, inside, under, nextto); the rest is anywhere."""
 
 
-class LocationReader(Protocol):
-    """Turns habits into a distribution over places."""
+#: Says where the target of an episode may be, from the info at its reset.
+Locate = Callable[[Info], Locations]
 
-    def locations(self, target: str, habits: Sequence[str], candidates: Sequence[str]) -> Locations:
-        """Where ``target`` is, if its anchor is one of ``candidates``."""
-        ...
+
+class ReadHabits:
+    """Locations by the anchor reader: common sense, and what the given habits say."""
+
+    def __init__(self, reader: AnchorReader | None = None) -> None:
+        self._reader = reader
+
+    def __call__(self, info: Info) -> Locations:
+        """Read ``info["habits"]`` about ``info["target"]``; at level ``gt`` all of them are about it."""
+        if self._reader is None:
+            self._reader = AnchorReader()
+        trusted = info.get("habit_level") == "gt"
+        reading = self._reader.read(str(info["target"]), tuple(info["habits"]), trusted=trusted)
+        belief = reading.belief(self._reader.known)
+        return Locations(belief.candidates, belief.p[:, None] * belief.relation)
 
 
 @dataclass(frozen=True)
@@ -104,23 +115,19 @@ class BeliefAgent(ControllerAgent):
 
     def __init__(
         self,
-        reader: LocationReader | Callable[[Info], Locations],
+        locate: Locate | None = None,
         weights: BeliefWeights | None = None,
         coverage: CoverageWeights | None = None,
         costs: Costs | None = None,
     ) -> None:
-        """``reader``: a reader of habits, or a function of the first info that gives the distribution itself."""
+        """``locate``: gives the distribution over places; by default it is read from the habits."""
         super().__init__()
-        self._reader = reader
+        self._locate = locate or ReadHabits()
         self._weights = weights or BeliefWeights()
         self._coverage = coverage or CoverageWeights()
         self._costs = costs or Costs()
 
     def start(self, info: Info) -> Controller:
         """See :class:`models.agents.base.ControllerAgent`."""
-        if callable(self._reader):
-            locations = self._reader(info)
-        else:
-            locations = self._reader.locations(str(info["target"]), info["habits"], catalogue().names)
         coverage = Indifferent(str(info["target"]), self._coverage)
-        return SearchController(info, Believing(locations, coverage, self._weights), self._costs)
+        return SearchController(info, Believing(self._locate(info), coverage, self._weights), self._costs)
