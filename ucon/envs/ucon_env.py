@@ -148,6 +148,7 @@ class UcONEnv(gym.Env[Obs, int]):
         info |= {
             "scene": self.episode.scene,
             "episode": self.episode.id,
+            "habit_level": self.habit_level,
             "habits": self._knowledge.texts,
             "habit_rows": self._knowledge.rows,
         }
