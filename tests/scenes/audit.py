@@ -167,9 +167,11 @@ def item_problems(spec: HomeSpec) -> list[str]:
         by_room.setdefault(item.room, []).append(k)
     for members in by_room.values():
         for n, i in enumerate(members):
-            for j in members[:n]:
-                if overlap(boxes[i], boxes[j]) > OVERLAP_M and _parts_meet(spec.items[i], spec.items[j]):
-                    found.append(f"{spec.items[i].category} in {spec.items[j].category} at {spec.items[i].position}")
+            found += [
+                f"{spec.items[i].category} in {spec.items[j].category} at {spec.items[i].position}"
+                for j in members[:n]
+                if overlap(boxes[i], boxes[j]) > OVERLAP_M and _parts_meet(spec.items[i], spec.items[j])
+            ]
     return found
 
 
@@ -191,9 +193,8 @@ def window_problems(spec: HomeSpec) -> list[str]:
             edge = other.rect[2 + axis] if low else other.rect[axis]
             if edge == wall and other.rect[1 - axis] < at + half and other.rect[3 - axis] > at - half:
                 found.append(f"window of {spec.rooms[item.room].name} looks into {other.name}")
-        for o in spec.openings:
-            if o.axis == axis and o.coord == wall and o.lo < at + half and o.hi > at - half:
-                found.append(f"window of {spec.rooms[item.room].name} in an opening")
+        if any(o.axis == axis and o.coord == wall and o.lo < at + half and o.hi > at - half for o in spec.openings):
+            found.append(f"window of {spec.rooms[item.room].name} in an opening")
     return found
 
 

@@ -19,7 +19,6 @@ HANG_CLEAR_M = 0.30
 """Nothing tall stands this close before a picture or window."""
 LID_GAP_M = 0.10
 """Chests stand this far from the wall, so that their lids open."""
-LID_TOP_M = 1.0
 FRAME_DEPTH_M = 0.12
 HEIGHTS_M = {"picture": 1.35, "painting": 1.3, "poster": 1.2, "mirror": 1.0, "electric_switch": 1.1, "window": 0.9}
 LIGHTS = ("room_light", "chandelier", "downlight", "square_light")
@@ -163,6 +162,10 @@ class Fixer:
                 self.missing[category] += n - k
                 return
             cost = self._noise(f"{category}/{k}", len(poses), 3.0)
+            if category == "radiator":  # under windows
+                panes = [i for i in self.canvas.items if i.category == "window"]
+                for pane in panes:
+                    cost -= 2.0 * (np.hypot(*(poses[:, :2] - pane.position[:2]).T) < 0.4)
             if category in ("top_cabinet", "wall_mounted_shelf"):
                 cost -= 2.0 * self._over_furniture(poses)
             if not self.canvas.try_place(group, poses, cost):
@@ -232,7 +235,7 @@ class Fixer:
 
     def _on_floor(self, category: str, k: int) -> bool:
         size = g.size_of(category)
-        if size[2] < 0.1:
+        if size[2] < 0.1 and category not in ON_FLOOR:
             return False
         group = g.single(category, size)
         poses = self.canvas.wall_poses(group, (0, 1, 2, 3), LID_GAP_M)
@@ -287,7 +290,7 @@ class Fixer:
         px, py, pz = host.position
         group.pieces[0].z = pz + z + 0.001
         if catalogue()[category].openable and size[2] > 0.15:
-            if category != "microwave" and pz + z + size[2] > LID_TOP_M:
+            if category != "microwave":
                 return False  # nobody could look into it
             low, half = pz + z + 0.001, size[1] / 2  # its door swings over the edge
             group.voids.append((size[0] / 2, -half, low, size[0] / 2 + 0.5, half, low + size[2]))

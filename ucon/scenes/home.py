@@ -23,6 +23,7 @@ N_TRIES = 3
 OUTDOOR_HEIGHT_M = 20.0
 YARD_CELLS = 12
 """A wall is an outside wall if no room lies within 3 m behind it."""
+EARLY_HUNG = ("radiator", "urinal")
 WALL_FIRST = ("wall_mounted_tv", "mirror", "painting", "picture", "poster")
 
 
@@ -122,7 +123,7 @@ def furnish_room(
 def _regret(missing: Counter[str]) -> float:
     """Floor area of the furniture that found no place, m2."""
     book = catalogue()
-    stands = [c for c in missing if book[c].mount == "floor" and book[c].role != "movable"]
+    stands = [c for c in missing if (book[c].mount == "floor" or c in EARLY_HUNG) and book[c].role != "movable"]
     return float(sum(missing[c] * np.prod(book[c].size[:2]) for c in stands))
 
 
@@ -141,6 +142,9 @@ def _fill(
     fixer.switches(0 if wish.type == "garden" else wish.fixtures.get("electric_switch", 0))
     if not late_windows:
         fixer.windows(n_windows)
+    for category in EARLY_HUNG:  # they reach down to where furniture would stand
+        if category in floor:
+            fixer.hang(category, floor.pop(category))
     furnisher = Furnisher(canvas, wish.type, floor, seed, key)
     left = furnisher.run()
     for category in sorted(hung, key=lambda c: (c not in WALL_FIRST, c)):

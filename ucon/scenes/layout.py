@@ -28,6 +28,10 @@ FOLD_CELLS = 56
 WALL_CELLS = {"doorway": 6, "opening_1.2": 7, "opening_1.5": 8, "opening_2.0": 10, "open": 6}
 GAP_CELLS = {"doorway": 4, "opening_1.2": 5, "opening_1.5": 6, "opening_2.0": 8}
 N_PLANS = 12
+MANY_ROOMS = 12
+"""Larger homes draw twice as many plans."""
+WALK_CELLS = 130
+"""Plans with longer walks than this (32.5 m) are worse."""
 
 
 @dataclass
@@ -52,8 +56,9 @@ def lay_out(program: HomeProgram, seed: int, name: str) -> Plan:
     """The best of several seeded floor plans of ``program``."""
     program = _raise_small_rooms(program)
     best: tuple[float, Plan] | None = None
+    enough = N_PLANS * (1 + (len(program.rooms) > MANY_ROOMS))
     for attempt in range(4 * N_PLANS):
-        if attempt >= N_PLANS and best is not None:
+        if attempt >= enough and best is not None:
             break
         plan = _grow(program, seed, attempt)
         if plan is None:
@@ -357,18 +362,35 @@ def _cost(plan: Plan, program: HomeProgram) -> float:
     used = float((rects[:, 2:] - rects[:, :2]).prod(1).sum())
     outline = float(size.prod())
     ratio = float(size.max() / size.min())
-    reach = _far(plan)
-    return (outline - used) * 1.0 + 0.2 * outline + 60.0 * max(0.0, ratio - 1.6) + 4.0 * max(0.0, reach - 100)
+    reach = longest_walk(plan)
+    return (outline - used) * 1.0 + 0.2 * outline + 60.0 * max(0.0, ratio - 1.6) + 12.0 * max(0.0, reach - WALK_CELLS)
 
 
-def _far(plan: Plan) -> float:
-    """Rough longest walk in cells: twice the deepest chain of room centres from the first room."""
-    centre = {n: ((r[0] + r[2]) / 2, (r[1] + r[3]) / 2) for n, r in zip(plan.names, plan.rects, strict=True)}
-    walk = {plan.names[0]: 0.0}
+def longest_walk(plan: Plan) -> float:
+    """Longest shortest walk between room corners through the openings, in cells, furniture aside."""
+    doors: dict[str, list[int]] = {name: [] for name in plan.names}
+    points: list[tuple[float, float]] = []
     for a, b, _ in plan.edges:
-        walk[b] = walk[a] + abs(centre[a][0] - centre[b][0]) + abs(centre[a][1] - centre[b][1])
-    longest = sorted(walk.values())[-2:]
-    return float(sum(longest))
+        wall = shared_wall(plan.rect(a), plan.rect(b))
+        if wall is not None:
+            middle = (wall[2] + wall[3]) / 2
+            doors[a].append(len(points))
+            doors[b].append(len(points))
+            points.append((wall[1], middle) if wall[0] == 0 else (middle, wall[1]))
+    xy = np.array(points)  # (m, 2)
+    walk = np.full((len(points), len(points)), np.inf)
+    for members in doors.values():
+        part = xy[members]
+        walk[np.ix_(members, members)] = np.abs(part[:, None] - part[None]).sum(-1)
+    for k in range(len(points)):
+        walk = np.minimum(walk, walk[:, k, None] + walk[None, k])
+    reach = np.zeros(len(points))  # from each opening to the far corner of the rooms it leads to
+    for name, members in doors.items():
+        x0, y0, x1, y1 = plan.rect(name)
+        for k in members:
+            far = max(xy[k, 0] - x0, x1 - xy[k, 0]) + max(xy[k, 1] - y0, y1 - xy[k, 1])
+            reach[k] = max(reach[k], far)
+    return float((walk + reach[:, None] + reach[None]).max())
 
 
 def block_plan(program: HomeProgram) -> Plan:
