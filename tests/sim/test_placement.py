@@ -215,3 +215,11 @@ def test_the_pose_is_plain_data():
     assert type(placed.holder) is int
     assert type(placed.room) is int
     assert replace(placed) == placed
+
+
+@pytest.mark.parametrize("relation", ["ontop", "under", "nextto"])
+def test_what_stands_in_the_open_is_not_hidden_in_a_cupboard(relation):
+    results, _ = success(relation, 60, FAST_SCENES)
+    placed = [result for _, _, result in results if isinstance(result, PlacedObject)]
+    assert len(placed) >= 20
+    assert not [one for one in placed if one.holder >= 0]

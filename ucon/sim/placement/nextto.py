@@ -16,7 +16,7 @@ from ucon.sim.placement.common import Request, depth_penalty, ordered
 from ucon.sim.placement.kernels import ring
 from ucon.sim.placement.reasons import RefusedError
 from ucon.sim.placement.slots import Pose, Slot, poses
-from ucon.sim.placement.surroundings import COMPARTMENT, FLOOR, Surroundings, turned_box
+from ucon.sim.placement.surroundings import COMPARTMENT, FLOOR, SURFACE, Surroundings, turned_box
 from ucon.sim.shapes import Array
 
 GAPS_M = (0.02, 0.05, 0.08)
@@ -82,7 +82,11 @@ def below_hanging(request: Request, rect: Array, ceiling_m: float) -> Iterator[S
     """Slots on the highest level below what hangs on a wall, then on lower ones, then on the floor."""
     scene, box = request.scene, request.anchor_box
     reach = np.array([rect[0], rect[1], 0.0, rect[2], rect[3], 0.0])
-    rows = [r for r in _rows_near(scene, reach) if scene.levels.box[r, 2] < min(box[5], ceiling_m)]
+    rows = [
+        r
+        for r in _rows_near(scene, reach)
+        if scene.levels.box[r, 2] < min(box[5], ceiling_m) and scene.levels.kind[r] != COMPARTMENT
+    ]
     rows.sort(key=lambda r: (scene.levels.kind[r] == FLOOR, -scene.levels.box[r, 2]))
     if request.row.mount == "floor":
         rows = [r for r in rows if scene.levels.kind[r] == FLOOR]
@@ -143,18 +147,28 @@ def _stages(request: Request, near: list[int]) -> list[list[int]]:
     """Levels to try: the anchor's own, tops of its neighbours, the floor."""
     levels, box = request.scene.levels, request.anchor_box
     z, kind = levels.box[:, 2], levels.kind
+    middle = (box[:3] + box[3:]) / 2
     same = [r for r in near if abs(z[r] - box[2]) <= _SAME_LEVEL_M and kind[r] != FLOOR]
-    tops = [r for r in near if box[2] + 0.3 <= z[r] <= box[5] + 0.05 and kind[r] != COMPARTMENT and kind[r] != FLOOR]
+    same = [r for r in same if kind[r] != COMPARTMENT or _contains(levels.box[r], middle)]
+    if is_hidden(request.scene, request.anchor):
+        return [same]
+    tops = [r for r in near if box[2] + 0.3 <= z[r] <= box[5] + 0.05 and kind[r] == SURFACE]
     floor = [r for r in near if kind[r] == FLOOR]
     if request.row.mount == "floor":
         return [floor, same] if box[2] < 0.3 else [same]
     if box[2] > 0.3:
         return [same, tops]
-    return [same, tops, floor] if not _is_on_floor(request, same) else [tops, floor]
+    return [same, tops, floor]
 
 
-def _is_on_floor(request: Request, same: list[int]) -> bool:
-    return not same
+def is_hidden(scene: Surroundings, instance: int) -> bool:
+    """Whether an instance is inside a container that must be opened."""
+    box = scene.boxes[instance]
+    return scene.holder_at((box[:3] + box[3:]) / 2, but=instance)[0] >= 0
+
+
+def _contains(box: Array, point: Array) -> bool:
+    return bool((box[:3] <= point).all() and (point <= box[3:]).all())
 
 
 def _stands_on_level(request: Request) -> bool:

@@ -98,8 +98,14 @@ def _first(request: Request, relation: Relation) -> PlacedObject:
 
 def _is_right(request: Request, relation: Relation, settled: Settled) -> bool:
     box = enclosing(primitive_boxes(request.shape, settled.position, settled.turn))
-    scene = request.scene
-    return holds(scene, relation, request.anchor, box, settled.contacts) and can_spare(scene, nodes_taken(scene, box))
+    scene, anchor = request.scene, request.anchor
+    if relation != "inside":
+        # What stands by something in the open must not end up in a cupboard that happens to be there.
+        own = scene.boxes[anchor]
+        expected = scene.holder_at((own[:3] + own[3:]) / 2, but=anchor)[0]
+        if scene.holder_at((box[:3] + box[3:]) / 2)[0] != expected:
+            return False
+    return holds(scene, relation, anchor, box, settled.contacts) and can_spare(scene, nodes_taken(scene, box))
 
 
 def placed_object(request: Request, relation: Relation, settled: Settled) -> PlacedObject:

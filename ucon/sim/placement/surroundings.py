@@ -146,11 +146,11 @@ class Surroundings:
         n = self.house.n_instances
         return int(self.house.instance_room[instance]) if instance < n else self.arrangement.objects[instance - n].room
 
-    def holder_at(self, point: Array) -> tuple[int, int]:
-        """Instance and compartment that hide or carry what is at a point (3,); (-1, -1) for none."""
+    def holder_at(self, point: Array, but: int = -1) -> tuple[int, int]:
+        """Instance and compartment that hide or carry what is at a point (3,), ``but`` one; (-1, -1) for none."""
         box = self.levels.box
         inside = (box[:, :3] <= point + 1e-6).all(axis=1) & (point <= box[:, 3:] + 1e-6).all(axis=1)
-        rows = np.flatnonzero(inside & self.levels.hides & (self.levels.kind == COMPARTMENT))
+        rows = np.flatnonzero(inside & self.levels.hides & (self.levels.owner != but))
         return (int(self.levels.owner[rows[0]]), int(self.levels.number[rows[0]])) if len(rows) else (-1, -1)
 
 
