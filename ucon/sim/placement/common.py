@@ -73,7 +73,7 @@ def ordered(
 def depth_penalty(request: Request, centres: Array, z: float) -> Array | float:
     """Penalty (n,) for standing far from where the agent can be, strong on levels above its chest."""
     weight = 6.0 if z > SEEN_BEST_M else 1.0
-    distance = nearest_node_m(request.scene, centres)
+    distance = nearest_node_m(request.scene, centres, request.scene.room_of(request.anchor))
     return weight * (distance - distance.min(initial=np.inf)) if len(distance) else 0.0
 
 

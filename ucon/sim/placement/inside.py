@@ -18,6 +18,7 @@ PROTRUDING_SHARE = 0.6
 """An open compartment (basket, bowl, shelf) must hold at least this share of the object's height."""
 _PER_SPACE = 6
 _WALL_M = 0.002
+_LOOK_DOWN_M = 1.0
 
 
 def candidates(request: Request) -> Iterator[Slot]:
@@ -59,8 +60,28 @@ def _slots(request: Request, stages: list[list[tuple[Array, Pose]]]) -> Iterator
         yield from alternate([_in_space(request, level, pose) for level, pose in shuffled])
 
 
+def _seen_from_above(request: Request, level: Array) -> bool:
+    """Whether nothing but the anchor's own lid or handle is above a compartment, and it is low enough to look into."""
+    if level[5] > _LOOK_DOWN_M:
+        return False
+    middle = (level[:2] + level[3:5]) / 2
+    above = np.concatenate([middle - 0.03, [level[5]], middle + 0.03, [level[5] + 0.3]])
+    rows = request.scene.parts_near(above)
+    shape = request.scene.standing[request.anchor].shape
+    fixed = [r for r in rows if request.scene.parts.owner[r] == request.anchor]
+    return all(shape.link[request.scene.parts.number[r]] >= 0 or _is_thin(request, r) for r in fixed)
+
+
+def _is_thin(request: Request, row: int) -> bool:
+    box = request.scene.parts.boxes[row]
+    return bool(min(box[3] - box[0], box[4] - box[1]) < 0.06)
+
+
 def _in_space(request: Request, level: Array, pose: Pose) -> Iterator[Slot]:
     rect = level[[0, 1, 3, 4]] + np.array([_WALL_M, _WALL_M, -_WALL_M, -_WALL_M])
     centres = centres_in(rect, pose.extent)
     penalty = 2.0 * np.asarray(depth_penalty(request, centres, level[2]))
+    if _seen_from_above(request, level) and len(centres):
+        # The near side of a basket or chest hides what stands close behind it.
+        penalty = 4.0 * np.hypot(*(centres - (level[:2] + level[3:5]) / 2).T)
     return ordered(request, centres, level[2], pose, penalty, keep=_PER_SPACE)

@@ -17,6 +17,7 @@ from ucon.sim.placement.kernels import ring
 from ucon.sim.placement.reasons import RefusedError
 from ucon.sim.placement.slots import Pose, Slot, poses
 from ucon.sim.placement.surroundings import COMPARTMENT, FLOOR, SURFACE, Surroundings, turned_box
+from ucon.sim.placement.tops import cover_row
 from ucon.sim.shapes import Array
 
 GAPS_M = (0.02, 0.05, 0.08)
@@ -221,7 +222,8 @@ def _room(request: Request) -> int:
 def _rows_near(scene: Surroundings, reach: Array) -> list[int]:
     b = scene.levels.box
     meets = (b[:, :2] < reach[3:5]).all(axis=1) & (b[:, 3:5] > reach[:2]).all(axis=1)
-    return [int(r) for r in np.flatnonzero(meets)]
+    rows = [int(r) for r in np.flatnonzero(meets)]
+    return [r for r in rows if scene.levels.kind[r] != SURFACE or cover_row(scene, r) is None]
 
 
 def _on_level(level: Array, centres: Array, pose: Pose) -> NDArray[np.bool_]:

@@ -24,8 +24,8 @@ from ucon.sim.placement.nextto import (
     under_rect,
     under_spaces,
 )
-from ucon.sim.placement.ontop import cover_of, floor_levels, tops
 from ucon.sim.placement.surroundings import COMPARTMENT, Surroundings
+from ucon.sim.placement.tops import cover_of, floor_levels, tops
 from ucon.sim.shapes import Array
 
 LEVEL_M = 0.02

@@ -152,8 +152,9 @@ def slots_at(centres: Array, z: float | Array, pose: Pose, order: NDArray[np.int
         yield Slot((float(x), float(y), float(heights[k] + LIFT_M - pose.low[2])), pose)
 
 
-def nearest_node_m(scene: Surroundings, centres: Array) -> Array:
-    """Distance (n,) from points (n, 2) to the nearest free node: what is near can be seen and reached."""
+def nearest_node_m(scene: Surroundings, centres: Array, room: int) -> Array:
+    """Distance (n,) from points (n, 2) to the nearest free node of a room: what is near can be seen and reached."""
     grid = scene.house.grid
     ox, oy = grid.origin_xy
-    return node_distances(scene.free, ox, oy, GRID_M, np.ascontiguousarray(centres), _NODE_REACH)
+    free = scene.free & (grid.room == room)
+    return node_distances(free, ox, oy, GRID_M, np.ascontiguousarray(centres), _NODE_REACH)

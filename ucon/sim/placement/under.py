@@ -13,6 +13,7 @@ from ucon.sim.placement.reasons import RefusedError
 from ucon.sim.placement.slots import Pose, Slot, centres_in, poses
 from ucon.sim.shapes import Array
 
+LOW_M = 0.35
 _SPILL = 0.5
 """Share of the footprint that may show beyond the anchor's edge; the centre stays below it."""
 
@@ -43,12 +44,14 @@ def _fits(space: Array, pose: Pose) -> bool:
 
 
 def _slots(request: Request, fitting: list[tuple[Array, Pose]]) -> Iterator[Slot]:
-    for inner in (True, False):
+    for first in (True, False):
         for space, pose in fitting:
+            # Under what is low only the rim can be seen, so there things stick out a little.
+            inner = first != (space[5] - space[2] < LOW_M)
             rect = space[[0, 1, 3, 4]]
             if not inner:
                 spill = pose.extent[:2] * _SPILL
                 rect = rect + np.array([-spill[0], -spill[1], spill[0], spill[1]])
             centres = centres_in(rect, pose.extent)
-            penalty = 3.0 * np.asarray(depth_penalty(request, centres, space[2]))
+            penalty = (3.0 if inner else 12.0) * np.asarray(depth_penalty(request, centres, space[2]))
             yield from ordered(request, centres, space[2], pose, penalty, keep=8)
