@@ -24,17 +24,19 @@ from ucon.habits.splits import category_split, split_categories
 from ucon.habits.types import RELATIONS, HabitDataset
 from ucon.language.pairs import PairReader, default_pair_reader
 from ucon.language.store import write_manifest_of
+from ucon.objects.catalogue import catalogue
 from ucon.retrieval.base import phrase
 from ucon.retrieval.dense import DenseRetriever, dataset_vectors
 from ucon.retrieval.evidence import grams
 from ucon.retrieval.gate import gate_features
 from ucon.retrieval.levels import LEVELS, habits_at_level
-from ucon.retrieval.reader import N_MIX, UNKNOWN_PRIOR, AnchorReader
+from ucon.retrieval.reader import N_MIX, AnchorReader
 from ucon.retrieval.sampling import anchor_distribution, location_distribution, sampled_kb
 from ucon.retrieval.weights import WEIGHTS, Weights, pack_names
 
 Arrays = dict[str, NDArray]
 MIN_COUNT, MAX_GRAMS = 5, 48
+N_CLUTTER = 40
 
 
 def fit_prior(data: HabitDataset, pairs: PairReader, anchors: Sequence[str], l2: float = 1e-4) -> Arrays:
@@ -224,17 +226,18 @@ def _mix_cases(data: HabitDataset, n_kbs: int) -> Any:
 def _mix_sample(
     reader: AnchorReader, target: str, texts: list[str], trusted: bool, truth: dict[str, float], rng: Any
 ) -> tuple[NDArray, NDArray]:
-    """Inputs (A, 6) and truth (A,). In every second case a fifth of the anchors is read as if never met."""
+    """Inputs (A + N_CLUTTER, 6) and truth of the known anchors and of other things that stand about in homes.
+
+    In every second case a tenth of the anchors is read as if never met, so that unknown names can win by evidence.
+    """
     reading = reader.read(target, texts, trusted=trusted)
-    x = reading.known_features.copy()
-    if rng.random() < 0.5:
-        hidden = np.flatnonzero(rng.random(len(reader.known)) < 0.2)
-        names = [reader.known[i] for i in hidden]
-        said = reader.evidence.unknown(texts, names, reader.evidence.read(texts).place)
-        prior = np.full(len(names), UNKNOWN_PRIOR)
-        gated = reading.relevance[:, None] * said
-        x[hidden] = reader.mix_features(prior, gated, np.zeros(len(names)), reading.context)
-    return x, np.asarray([truth.get(name, 0.0) for name in reader.known])
+    hidden = [name for name in reader.known if rng.random() < 0.1] if rng.random() < 0.5 else []
+    others = [name for name in catalogue().names if name not in reader.number and name != target]
+    names = [*hidden, *rng.choice(others, size=N_CLUTTER, replace=False)]
+    unknown = reading.unknown_features([str(name) for name in names])
+    x = np.concatenate([reading.known_features, unknown[len(hidden) :]])
+    x[[reader.number[name] for name in hidden]] = unknown[: len(hidden)]
+    return x, np.asarray([truth.get(name, 0.0) for name in reader.known] + [0.0] * N_CLUTTER)
 
 
 def _step(optimiser: torch.optim.Optimizer, loss: torch.Tensor) -> None:

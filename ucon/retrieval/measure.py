@@ -1,7 +1,7 @@
 """Measures retrieval and the anchor reader on held-out categories: ``python -m ucon.retrieval.measure [--json]``.
 
 Each knowledge base holds 20 test categories; the truth is the distribution over placements that the sampler draws
-from. Candidates are all known anchors.
+from. Candidates are all known anchors; lines marked "clutter" add 85 other things of the catalogue, as a home would.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from ucon.habits.book import book
 from ucon.habits.knowledge import MODES, KnowledgeBase, Mode
 from ucon.habits.splits import Split
 from ucon.habits.types import RELATIONS, HabitDataset
+from ucon.objects.catalogue import catalogue
 from ucon.retrieval.base import Retriever, mrr, recall_at
 from ucon.retrieval.bm25 import BM25Retriever
 from ucon.retrieval.dense import DenseRetriever
@@ -39,13 +40,18 @@ def measure_retrieval(kbs: Sequence[KnowledgeBase], retriever: Retriever) -> Row
     return _means(rows)
 
 
-def measure_reader(kbs: Sequence[KnowledgeBase], level: str, reader: AnchorReader, retriever: Retriever) -> Row:
-    """Means over all targets: hit@1, hit@5, NLL, expected visits, relation accuracy, stated against true top mass."""
+def measure_reader(
+    kbs: Sequence[KnowledgeBase], level: str, reader: AnchorReader, retriever: Retriever, clutter: Sequence[str] = ()
+) -> Row:
+    """Means over all targets: hit@1, hit@5, NLL, expected visits, relation accuracy, stated against true top mass.
+
+    ``clutter`` adds candidates that are no anchors of the book, as homes have them.
+    """
     rows: list[Row] = []
     for kb in kbs:
         for target, entries in kb.entries.items():
             texts = [kb.dataset.texts[row] for row in habits_at_level(level, kb, target, retriever)]
-            belief = reader.belief(target, texts, reader.known, trusted=level == "gt")
+            belief = reader.belief(target, texts, [*reader.known, *clutter], trusted=level == "gt")
             truth = anchor_distribution(entries)
             y = np.asarray([truth.get(name, 0.0) for name in belief.candidates])
             rows.append(_scores(belief.p, y) | _relation(belief.relation, location_distribution(entries), reader.known))
@@ -83,14 +89,16 @@ def measure(
 ) -> dict[str, dict[str, Row]]:
     """All figures by mode; ``say`` is called with a line for each."""
     dense, reader = DenseRetriever(), AnchorReader()
+    clutter = [name for name in catalogue().names if name not in reader.number][::9]
     out: dict[str, dict[str, Row]] = {}
     for mode in modes:
         kbs = [sampled_kb(data, split, 10_000 + seed, mode) for seed in range(n_kbs)]
         size = float(np.mean([len(kb) for kb in kbs]))
         rows = {"dense": measure_retrieval(kbs, dense), "bm25": measure_retrieval(kbs, BM25Retriever())}
         rows |= {level: measure_reader(kbs, level, reader, dense) for level in LEVELS}
+        rows |= {f"{level}+clutter": measure_reader(kbs, level, reader, dense, clutter) for level in ("none", "gt")}
         for name, row in rows.items():
-            say(f"{mode:9s} N={size:.0f} {name:10s} " + "  ".join(f"{k} {v:.3f}" for k, v in row.items()))
+            say(f"{mode:9s} N={size:.0f} {name:12s} " + "  ".join(f"{k} {v:.3f}" for k, v in row.items()))
         out[mode] = rows
     return out
 

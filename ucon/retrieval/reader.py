@@ -82,8 +82,13 @@ class Reading:
         self._read_unknown([anchor])
         return self._columns[anchor]
 
+    def unknown_features(self, names: Sequence[str]) -> Array:
+        """Inputs (n, 6) of the mixing weights for names that training never met."""
+        self._read_unknown(names)
+        return np.stack([self._x[name] for name in names]) if names else np.zeros((0, N_MIX))
+
     def _read_unknown(self, names: Sequence[str]) -> None:
-        new = [name for name in names if name not in self._columns]
+        new = [name for name in dict.fromkeys(names) if name not in self._columns]
         if not new:
             return
         said = self._reader.evidence.unknown(self.texts, new, self._evidence.place)
