@@ -23,7 +23,7 @@ $(STAMP): pyproject.toml constraints.txt
 	  if [ -z "$(PYTHON)" ]; then echo "Python 3.10 or 3.11 is needed; install one, or name it: make setup PYTHON=/path/to/python3.11" >&2; exit 2; fi; \
 	  echo "making $(VENV) with $(PYTHON)"; $(PYTHON) -m venv $(VENV); \
 	fi
-	$(PY) -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	$(PY) -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt --editable '.[dev]'
 	@touch $@
 
 $(WARM): $(STAMP)

@@ -37,9 +37,10 @@ def measure(*, renderer: bool = True) -> dict[str, Any]:
 
     figures: dict[str, Any] = {}
     if renderer:
-        from ucon.sim.render.bench import bench_renderer
+        from ucon.sim.cache import load_house
+        from ucon.sim.render.bench import BENCH_SCENES, bench_renderer
 
-        figures |= bench_renderer()
+        figures |= bench_renderer([load_house(name) for name in BENCH_SCENES])
     return figures | bench_environment(load_episodes("mini"), _belief())
 
 

@@ -44,6 +44,9 @@ class Renderer(Protocol):
     def n_instances(self) -> int:
         """Instances of the home and of the episode."""
 
+    def close(self) -> None:
+        """Release what the renderer holds."""
+
     def load(self, house: House, arrangement: Arrangement | None = None) -> None:
         """Show this home in this episode, everything closed."""
 

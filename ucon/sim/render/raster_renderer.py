@@ -153,6 +153,9 @@ class RasterRenderer:
         self.render(x, y, z, heading, pitch_deg, counts=counts)
         return counts
 
+    def close(self) -> None:
+        """Nothing to release; other renderers hold a client."""
+
     def _rasterise(self, x: float, y: float, z: float, heading: float, pitch_deg: float) -> None:
         arena, camera = self.arena, self._camera
         camera[:7] = (x, y, z, *heading_cos_sin(heading), *pitch_cos_sin(pitch_deg))
