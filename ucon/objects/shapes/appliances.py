@@ -7,8 +7,9 @@ from itertools import pairwise
 from ucon.objects.kit import BLACK, DARK, GREY, RED, SILVER, WHITE, YELLOW, Kit, shade, shape
 from ucon.objects.model import Material
 from ucon.objects.shapes.cabinets import hang_below
-from ucon.objects.shapes.casework import BOARD, HANDLE, RIGHT_ANGLE, carcass, drop_door, leaves
+from ucon.objects.shapes.casework import BOARD, HANDLE, RIGHT_ANGLE, carcass, drop_door, leaves, seen_depth
 
+Span = tuple[float, float]
 FRONT = BOARD + HANDLE
 LINER = (226, 230, 232)
 
@@ -28,14 +29,25 @@ def fridge(k: Kit) -> None:
     (lower,) = leaves(k, front, span, (plinth, split), shade(k.color, 1.05), pair=False, thickness=0.04)
     (upper,) = leaves(k, front, span, (split, z), shade(k.color, 1.05), pair=False, thickness=0.04)
     x0, edge = ix[0] + 0.004, ix[1] - 0.004
-    k.space((x0, edge), iy, (iz[0], split - wall / 2), opened_by=(lower,))
+    deepest = edge - seen_depth(iz[0], split - wall / 2)
+    k.space((max(x0, deepest), edge), iy, (iz[0], split - wall / 2), opened_by=(lower,))
     low, high = split + wall / 2, iz[1]
-    levels = [low, low + (high - low) * 0.36, low + (high - low) * 0.68, high]
+    levels = [low, low + (high - low) * 0.34, low + (high - low) * 0.64, high]
     for i, (bottom, top) in enumerate(pairwise(levels)):
         if i:
             k.box((x0, edge - 0.06), iy, (bottom - 0.012, bottom), (200, 222, 228), Material.GLASS)
-        k.space((x0, edge - 0.06 * (i > 0)), iy, (bottom, top - 0.012), opened_by=(upper,))
+        deepest = edge - seen_depth(bottom, top - 0.012, 0.06 if i < 2 else 0.0)
+        k.space((max(x0, deepest), edge - 0.06 * (i > 0)), iy, (bottom, top - 0.012), opened_by=(upper,))
     k.top_surface(0.02, clearance=0.4)
+
+
+def two_levels(k: Kit, x: Span, y: Span, z: Span, rack: float, thick: float, setback: float, joint: int) -> None:
+    """The spaces above and below a rack whose top is at ``rack`` and which ends ``setback`` before the front."""
+    front = x[1] - 0.005
+    deepest = max(x[0], front - seen_depth(rack, z[1]))
+    k.space((deepest, front - setback), y, (rack, z[1]), opened_by=(joint,))
+    deepest = max(x[0], front - seen_depth(z[0], rack - thick, setback))
+    k.space((deepest, front), y, (z[0], rack - thick), opened_by=(joint,))
 
 
 @shape("oven")
@@ -53,8 +65,7 @@ def oven(k: Kit) -> None:
     joint = drop_door(k, front, (-y / 2, y / 2), (0.1, z - 0.1), shade(k.color, 1.15), SILVER, (70, 76, 84))
     middle = (iz[0] + iz[1]) / 2
     k.box((ix[0], ix[1] - 0.1), iy, (middle - 0.01, middle), GREY, Material.METAL)
-    k.space((ix[0], ix[1] - 0.1), iy, (middle, iz[1]), opened_by=(joint,))
-    k.space((ix[0], ix[1] - 0.005), iy, (iz[0], middle - 0.01), opened_by=(joint,))
+    two_levels(k, ix, iy, iz, middle, 0.01, 0.1, joint)
     k.top_surface(0.02)
 
 
@@ -69,9 +80,8 @@ def dishwasher(k: Kit) -> None:
     k.box((-x / 2, front - HANDLE), (-y / 2, y / 2), (z - 0.03, z), DARK)
     joint = drop_door(k, front, (-y / 2, y / 2), (0.08, z - 0.03), shade(k.color, 1.1))
     middle = (iz[0] + iz[1]) / 2
-    k.box((ix[0], ix[1] - 0.14), iy, (middle - 0.012, middle), (120, 150, 190), Material.METAL)
-    k.space((ix[0], ix[1] - 0.14), iy, (middle, iz[1]), opened_by=(joint,))
-    k.space((ix[0], ix[1] - 0.005), iy, (iz[0], middle - 0.012), opened_by=(joint,))
+    k.box((ix[0], ix[1] - 0.1), iy, (middle - 0.012, middle), (120, 150, 190), Material.METAL)
+    two_levels(k, ix, iy, iz, middle, 0.012, 0.1, joint)
     k.top_surface(0.02)
 
 
@@ -103,7 +113,8 @@ def front_loader(k: Kit) -> None:
     glass = radius * 0.7
     k.cyl((face + 0.03, front), (-glass, glass), (middle - glass, middle + glass), (52, 60, 72), Material.GLASS,
           axis="x", taper=0.85, link=joint)  # fmt: skip
-    k.space((-x / 2 + BOARD, face - BOARD - 0.002), inner_y, (floor, ceiling), opened_by=(joint,))
+    deepest = max(-x / 2 + BOARD, face - BOARD - seen_depth(floor, middle + mouth))
+    k.space((deepest, face - BOARD - 0.002), (-mouth - 0.02, mouth + 0.02), (floor, ceiling), opened_by=(joint,))
     k.top_surface(0.01)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ucon.objects.kit import BLACK, DARK, GREY, SILVER, WHITE, Kit, shade, shape
 from ucon.objects.model import Material
-from ucon.objects.shapes.casework import BOARD, HANDLE, Span, carcass, drawer, drop_door, leaves, lid, tub
+from ucon.objects.shapes.casework import BOARD, HANDLE, Span, carcass, drawer, drop_door, leaves, seen_depth, lid, tub
 
 FRONT = BOARD + HANDLE
 GAP_LID = 0.005
@@ -19,7 +19,10 @@ def shelved(k: Kit, x: Span, y: Span, z: Span, count: int, joints: tuple[int, ..
         low = z[0] + i * (height + BOARD)
         if i:
             k.box((x[0], edge), y, (low - BOARD, low), shade(k.color, 1.2), k.material)
-        k.space((x[0], edge if i else front), y, (low, low + height), opened_by=joints)
+        ground = k.category.bottom_z_m
+        setback = 0.0 if i == count - 1 else front - edge
+        back = max(x[0], front - seen_depth(ground + low, ground + low + height, setback))
+        k.space((back, edge if i else front), y, (low, low + height), opened_by=joints)
 
 
 def _base_cabinet(k: Kit, plinth: float, shelves: int) -> None:
@@ -30,7 +33,7 @@ def _base_cabinet(k: Kit, plinth: float, shelves: int) -> None:
     k.box((-x / 2, back - 0.03), (-y / 2 + 0.02, y / 2 - 0.02), (0, plinth), shade(k.color, 0.45))
     inner = carcass(k, (-x / 2, back), (-y / 2, y / 2), (plinth, z - slab))
     joints = leaves(k, front, (-y / 2 + 0.002, y / 2 - 0.002), (plinth, z - slab - 0.002), shade(k.color, 1.12))
-    shelved(k, *inner, count=shelves, joints=joints, depth_frac=0.78)
+    shelved(k, *inner, count=shelves, joints=joints, depth_frac=0.72)
     k.box((-x / 2, front), (-y / 2, y / 2), (z - slab, z), shade(k.color, 0.8) if k.has("no_top") else k.color)
     k.top_surface(0.01)
 
@@ -84,12 +87,15 @@ def wardrobe(k: Kit) -> None:
     k.cyl((-0.012, 0.012), left, (rail - 0.012, rail + 0.012), SILVER, Material.METAL, axis="y")
     k.space(clear, left, (iz[0], rail - 0.05), opened_by=(joints[0],))
     levels = [iz[0], iz[0] + 0.45, iz[0] + 0.9]
+    board = (clear[0], clear[1] - 0.14)
     for low, high in zip(levels, [*levels[1:], min(iz[1], iz[0] + 1.35)], strict=True):
         if low > iz[0]:
-            k.box(clear, right, (low - BOARD, low), shade(k.color, 1.2))
-        k.space(clear, right, (low, high - BOARD), opened_by=(joints[-1],))
+            k.box(board, right, (low - BOARD, low), shade(k.color, 1.2))
+        span = board if low > iz[0] else clear
+        deepest = clear[1] - seen_depth(low, high - BOARD, clear[1] - board[1])
+        k.space((max(span[0], deepest), span[1]), right, (low, high - BOARD), opened_by=(joints[-1],))
     if iz[1] - levels[-1] > 0.5:
-        k.box(clear, right, (levels[-1] + 0.43, levels[-1] + 0.45), shade(k.color, 1.2))
+        k.box(board, right, (levels[-1] + 0.43, levels[-1] + 0.45), shade(k.color, 1.2))
     k.top_surface(0.02, clearance=0.3)
 
 
@@ -109,7 +115,8 @@ def drawer_unit(k: Kit) -> None:
         travel = 0.8 * x * (count - i) / count
         y_span = (-y / 2 + 0.002, y / 2 - 0.002)
         body = (ix[0] + 0.01, ix[1])
-        drawer(k, body, front, y_span, (low, low + height - 0.001), travel, shade(k.color, 1.1))
+        above = 0.8 * x * (count - i - 1) / count
+        drawer(k, body, front, y_span, (low, low + height - 0.001), travel, shade(k.color, 1.1), above)
         if i:
             k.box(
                 (ix[1] - BOARD, ix[1]), (-y / 2 + BOARD, y / 2 - BOARD), (low - 0.01, low + 0.01), shade(k.color, 0.7)
@@ -192,7 +199,14 @@ def handled_case(k: Kit) -> None:
     top = z - grip
     split, wall = top - 0.2 * top, 0.008
     ix, iy = tub(k, (-x / 2, x / 2 - 0.008), (-y / 2, y / 2), (0, split), wall, wall, inside=shade(k.color, 0.6))
-    joint = lid(k, (-x / 2, x / 2 - 0.008), (-y / 2, y / 2), (split, top - 0.003 * aid), shade(k.color, 0.88))
+    joint = lid(
+        k,
+        (-x / 2, x / 2 - 0.008),
+        (-y / 2, y / 2),
+        (split, top - 0.003 * aid),
+        shade(k.color, 0.88),
+        z - top + 0.003 * aid,
+    )
     if aid:
         red = (200, 30, 30)
         k.box((-0.045, 0.037), (-0.013, 0.013), (top - 0.003, top), red, link=joint)
@@ -274,9 +288,9 @@ def lidded_cooker(k: Kit) -> None:
     """A rounded cooker with a hinged lid."""
     x, y, z = k.size
     body, wall = 0.8 * z, min(0.04, 0.1 * y)
-    floor = 0.45 * z if z > 0.6 else 0.12 * z
+    floor = 0.55 * z if z > 0.6 else 0.12 * z
     ix, iy = tub(k, (-x / 2, x / 2 - 0.01), (-y / 2, y / 2), (0, body), wall, floor, inside=GREY)
-    joint = lid(k, (-x / 2, x / 2 - 0.01), (-y / 2, y / 2), (body, 0.94 * z), shade(k.color, 0.85))
+    joint = lid(k, (-x / 2, x / 2 - 0.01), (-y / 2, y / 2), (body, 0.94 * z), shade(k.color, 0.85), 0.06 * z)
     k.box((x * 0.1, x * 0.3), (-0.06, 0.06), (0.94 * z, z), DARK, link=joint)
     k.box((x / 2 - 0.01, x / 2), (-y * 0.22, y * 0.22), (0.25 * z, 0.55 * z), DARK)
     k.box((x / 2 - 0.01, x / 2 - 0.002), (-y * 0.1, y * 0.1), (0.42 * z, 0.52 * z), (90, 200, 190))

@@ -1,8 +1,8 @@
 """What closes and opens: hollow bodies, door leaves, drop doors, drawers and lids, each with its joint.
 
 Closed, every front overlaps the edges of the body behind it, and every seam between two fronts has a strip or rail
-behind it, so nothing inside can be seen. Leaves swing to 90 degrees about their outer front edge, which keeps an
-open leaf within the width of its own unit: neighbours in a run never touch.
+behind it, so nothing inside can be seen. Leaves swing to 90 degrees about an axis as far from their
+outer edge as the handle is high, which keeps an open leaf within the width of its own unit: neighbours in a run never touch.
 """
 
 from __future__ import annotations
@@ -17,6 +17,22 @@ BOARD = 0.02
 HANDLE = 0.012
 RIGHT_ANGLE = pi / 2
 DROP = radians(85)
+EYE_M = 1.25
+"""Height from which people and robots look."""
+
+
+def seen_depth(floor: float, ceiling: float, setback: float = 0.0) -> float:
+    """How deep behind the front things can lie and still be seen by somebody standing within a metre of them.
+
+    Args:
+        floor: Height above the ground on which they stand.
+        ceiling: Height of the board above them.
+        setback: How far the edge of that board lies behind the front.
+    """
+    if ceiling > EYE_M - 0.05:
+        return 10.0
+    ratio = (ceiling - floor - 0.03) / (EYE_M - ceiling)
+    return setback + 0.95 * ratio / (1 + ratio)
 
 
 def carcass(
@@ -55,12 +71,12 @@ def leaves(
         pair = y[1] - y[0] > 0.6
     if not pair:
         edge, sign, grip = (y[0], -1.0, y[1] - 0.05) if hinge_low_y else (y[1], 1.0, y[0] + 0.05)
-        joint = k.hinge((face, edge, z[0]), (0.0, 0.0, sign), RIGHT_ANGLE)
+        joint = k.hinge((face, edge - sign * HANDLE, z[0]), (0.0, 0.0, sign), RIGHT_ANGLE)
         k.box((back, face), y, z, color, k.material, link=joint)
         k.box((face, front), (grip - 0.01, grip + 0.01), handle_z, handle, Material.METAL, link=joint)
         return (joint,)
-    left = k.hinge((face, y[1], z[0]), (0.0, 0.0, 1.0), RIGHT_ANGLE)
-    right = k.hinge((face, y[0], z[0]), (0.0, 0.0, -1.0), RIGHT_ANGLE)
+    left = k.hinge((face, y[1] - HANDLE, z[0]), (0.0, 0.0, 1.0), RIGHT_ANGLE)
+    right = k.hinge((face, y[0] + HANDLE, z[0]), (0.0, 0.0, -1.0), RIGHT_ANGLE)
     k.box((back, face), (middle, y[1]), z, color, k.material, link=left)
     k.box((back, face), (y[0], middle), z, shade(color or k.color, 0.97), k.material, link=right)
     # The strip behind the seam belongs to one leaf; it stays clear of the body's boards.
@@ -92,10 +108,20 @@ def drop_door(
     return joint
 
 
-def drawer(k: Kit, body_x: Span, front: float, y: Span, z: Span, travel: float, color: RGB | None = None) -> int:
+def drawer(
+    k: Kit,
+    body_x: Span,
+    front: float,
+    y: Span,
+    z: Span,
+    travel: float,
+    color: RGB | None = None,
+    above: float = 0.0,
+) -> int:
     """A front with handle, and the open box behind it; content is carried by the joint.
 
-    The box spans ``body_x``; content goes to the part of it that can be seen with the drawer out.
+    The box spans ``body_x``; content goes to the part of it that can be seen with this drawer and the one above,
+    which comes out by ``above``, open.
     """
     joint = k.slide((front, (y[0] + y[1]) / 2, z[0]), travel)
     face = front - HANDLE
@@ -110,14 +136,15 @@ def drawer(k: Kit, body_x: Span, front: float, y: Span, z: Span, travel: float, 
     k.box(body_x, inner_y, (low, low + 0.008), inside, link=joint)
     k.box(body_x, (inner_y[0] - 0.008, inner_y[0]), (low, high), inside, link=joint)
     k.box(body_x, (inner_y[1], inner_y[1] + 0.008), (low, high), inside, link=joint)
-    reachable = max(body_x[0], body_x[1] - travel - 0.12)
-    k.space((reachable, body_x[1]), inner_y, (low + 0.008, z[1] - 0.025), link=joint, opened_by=(joint,))
+    floor = k.category.bottom_z_m + low
+    deepest = max(body_x[0], body_x[1] - (travel - above) - seen_depth(floor, floor + z[1] - low))
+    k.space((deepest, body_x[1] - 0.035), inner_y, (low + 0.008, z[1] - 0.025), link=joint, opened_by=(joint,))
     return joint
 
 
-def lid(k: Kit, x: Span, y: Span, z: Span, color: RGB | None = None, travel: float = RIGHT_ANGLE) -> int:
-    """A slab that lifts about its top back edge."""
-    joint = k.hinge((x[0], (y[0] + y[1]) / 2, z[1]), (0.0, -1.0, 0.0), travel)
+def lid(k: Kit, x: Span, y: Span, z: Span, color: RGB | None = None, grip: float = 0.0) -> int:
+    """A slab that lifts about its back edge; ``grip`` is the height of what stands on it, which must clear the wall."""
+    joint = k.hinge((x[0], (y[0] + y[1]) / 2, z[1] + grip), (0.0, -1.0, 0.0), RIGHT_ANGLE)
     k.box(x, y, z, color, k.material, link=joint)
     return joint
 
