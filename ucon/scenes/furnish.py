@@ -41,6 +41,7 @@ SMALL_CARPETS: dict[str, tuple[Vec3, ...]] = {
     "kitchen": ((0.7, 1.4, g.CARPET_M),),
 }
 """Mats and runners."""
+AISLE_M = 1.3
 HALL_M2, SPREAD_M = 40.0, 9.0
 """In halls tables spread out over the floor instead of crowding in the middle."""
 
@@ -294,13 +295,12 @@ class Furnisher:
         """Shop shelves: rows in the middle with aisles, the rest along the walls."""
         n = self.wants["grocery_shelf"]
         size = (0.6, 1.7, 1.9)
-        if n >= 6:
-            for row, count in enumerate((6, 6, 6)):
-                if n >= count + 2 and self.middle(
-                    g.shelf_row("grocery_shelf", size, count, self.tint, 1.3), f"row/{row}"
-                ):
-                    self.take("grocery_shelf", count)
-                    n -= count
+        for row in range(4):  # whole double rows first, what is left along the walls
+            group = g.shelf_row("grocery_shelf", size, 6, self.tint, AISLE_M)
+            if n < 8 or not self.middle(group, f"row/{row}"):
+                break
+            self.take("grocery_shelf", 6)
+            n -= 6
         self.place_each("checkout_counter", g.single("checkout_counter", turns=1, clear_m=0.8), "edge")
         self.place_each("grocery_shelf", g.single("grocery_shelf", size, clear_m=1.0), "edge")
 
@@ -374,6 +374,10 @@ class Furnisher:
         w = self.wants
         if self.type == "shared_office" and w["desk"] >= 4:
             self._office_rows()
+        if self.type == "conference_hall" and w["desk"]:
+            group = g.lecture("desk", g.size_of("desk"), "armchair", min(w["armchair"], 12), self.tint)
+            if self.middle(group, "lecture", turns=(0, 1, 2, 3)):
+                self._count(group)
         seats = sorted(SEATS, key=lambda c: -w[c])
         chairs = [c for c in seats for _ in range(w[c])]
         if self.type in WORK_ROOMS or (self.type not in SEAT_ROOMS and len(chairs) < 3):

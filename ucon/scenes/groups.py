@@ -150,6 +150,17 @@ def bench_of_desks(table: str, size: Vec3, chair: str, pairs: int, tint: int) ->
     return group
 
 
+def lecture(table: str, size: Vec3, seat: str, n: int, tint: int) -> Group:
+    """Rows of four seats that look at a desk, with room to walk between and around them."""
+    seat_size = size_of(seat)
+    group = Group([Piece(table, size, 0.0, 0.0, turns=2, tint=tint)], margin_m=0.7)
+    for k in range(n):
+        row, place = divmod(k, 4)
+        x = -size[0] / 2 - 1.1 - row * (seat_size[0] + 0.6)
+        group.pieces.append(Piece(seat, seat_size, x, (place - 1.5) * (seat_size[1] + 0.15), turns=0, tint=tint))
+    return group
+
+
 def shelf_row(category: str, size: Vec3, n: int, tint: int, aisle_m: float) -> Group:
     """A double row of shop shelves, back to back, with an aisle on both sides."""
     group = Group([], margin_m=aisle_m)
