@@ -1,0 +1,105 @@
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "perception"))
+from toy import ToyEnv, two_rooms  # (the path above)
+
+from models.agents.base import Agent
+from models.agents.belief import BeliefAgent, Locations
+from models.agents.frontier import FrontierAgent
+from models.agents.oracle import OracleAgent
+from models.agents.random import RandomAgent
+from ucon.core.errors import ConfigError
+
+TARGETS = ("bowl", "pencil_box", "coffee_cup", "teapot")
+
+
+def in_the_cupboard(info: object) -> Locations:
+    p = np.zeros((2, 4))
+    p[0, 1], p[1, 0] = 0.6, 0.3
+    return Locations(("bottom_cabinet", "breakfast_table"), p)
+
+
+def play(agent: Agent, env: ToyEnv) -> tuple[bool, list[int]]:
+    obs, info = env.reset()
+    agent.reset([info])
+    actions: list[int] = []
+    while True:
+        actions += agent.act([obs], [info])
+        obs, _, done, truncated, info = env.step(actions[-1])
+        if done or truncated:
+            return info["success"], actions
+
+
+SEARCHERS = {"frontier": FrontierAgent, "belief": lambda: BeliefAgent(in_the_cupboard)}
+
+
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("nav", [True, False], ids=["true", "observed"])
+@pytest.mark.parametrize("name", SEARCHERS)
+def test_searchers_find_everything(name: str, nav: bool, target: str) -> None:
+    success, actions = play(SEARCHERS[name](), ToyEnv(two_rooms(), target, (12, 4, 1), nav=nav))
+    assert success
+    assert len(actions) < 120
+
+
+@pytest.mark.parametrize("name", SEARCHERS)
+def test_same_episode_same_actions(name: str) -> None:
+    env = ToyEnv(two_rooms(), "teapot", (12, 4, 1))
+    agent = SEARCHERS[name]()
+    first = play(agent, env)
+    play(agent, ToyEnv(two_rooms(), "bowl", (14, 4, 3)))
+    assert play(agent, env) == first
+    assert play(SEARCHERS[name](), env) == first
+
+
+def test_good_belief_saves_steps() -> None:
+    env = ToyEnv(two_rooms(), "coffee_cup", (12, 4, 1))
+    _, by_belief = play(BeliefAgent(in_the_cupboard), env)
+    _, by_coverage = play(FrontierAgent(), env)
+    assert len(by_belief) <= len(by_coverage)
+
+
+def test_a_batch_is_its_parts() -> None:
+    envs = [ToyEnv(two_rooms(), target, (12, 4, 1)) for target in TARGETS[:2]]
+    alone = [play(FrontierAgent(), env)[1] for env in envs]
+    agent = FrontierAgent()
+    frames = [env.reset() for env in envs]
+    agent.reset([frames[1][1]], slots=[7])
+    agent.reset([frames[0][1]], slots=[3])
+    together: list[list[int]] = [[], []]
+    for step in range(min(map(len, alone)) - 1):
+        actions = agent.act([f[0] for f in frames], [f[1] for f in frames], slots=[3, 7])
+        for k, env in enumerate(envs):
+            together[k].append(actions[k])
+            obs, _, _, _, info = env.step(actions[k])
+            frames[k] = (obs, info)
+        assert together == [a[: step + 1] for a in alone]
+
+
+def test_random_depends_on_seed_and_episode_only() -> None:
+    def draw(seed: int, episode: str, skip: int = 0) -> list[int]:
+        agent = RandomAgent(seed)
+        for k in range(skip):
+            agent.reset([{"episode": f"other {k}"}])
+            agent.act([{}], [{}])
+        agent.reset([{"episode": episode}])
+        return [agent.act([{}], [{}])[0] for _ in range(200)]
+
+    assert draw(0, "a") == draw(0, "a", skip=3)
+    assert draw(0, "a") != draw(0, "b")
+    assert draw(0, "a") != draw(1, "a")
+    assert set(draw(0, "a")) >= set(range(6))
+
+
+def test_oracle_replays_and_says_what_it_needs() -> None:
+    agent = OracleAgent()
+    agent.reset([{"privileged": {"solution": "0126"}}])
+    assert [agent.act([{}], [{}])[0] for _ in range(5)] == [0, 1, 2, 6, 6]
+    with pytest.raises(ConfigError, match="privileged=True"):
+        agent.reset([{"target": "bowl"}])

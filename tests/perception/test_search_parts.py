@@ -1,0 +1,108 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from toy import ToyEnv, two_rooms
+
+from ucon.objects import catalogue
+from ucon.perception.approach import Approach
+from ucon.perception.places import NEXTTO, Places, affordance, has_room, sight_range_m, with_fallback
+from ucon.perception.planner import Planner
+from ucon.perception.semantic_map import CAMERA_M, HALF, SemanticMap, frame_depth
+from ucon.perception.view_kernels import sight
+from ucon.perception.viewpoints import Expectation, Viewpoints
+
+
+def started(target: str = "ring") -> tuple[ToyEnv, SemanticMap, Planner, dict]:
+    env = ToyEnv(two_rooms(), target, (14, 4, 2))
+    known = SemanticMap()
+    obs, info = env.reset()
+    known.update(obs, info)
+    planner = Planner(info["nav"])
+    planner.update(known)
+    return env, known, planner, obs | info
+
+
+@pytest.mark.parametrize("name", catalogue().names)
+def test_every_category_has_a_range_and_somewhere_to_be(name: str) -> None:
+    assert 1.0 < sight_range_m(name) < 5.0
+    mass = with_fallback(np.array([0.4, 0.3, 0.2, 0.1]), name)
+    assert mass.sum() == pytest.approx(1.0)
+    assert (mass[:3][~affordance(name).offers] == 0).all()
+    assert mass[NEXTTO] >= 0.1
+
+
+def test_has_room() -> None:
+    assert has_room("coffee_cup", "bottom_cabinet") == (True, True, True)
+    assert not has_room("sofa", "bottom_cabinet")[1]
+    assert not has_room("bed", "coffee_table")[0]
+
+
+def test_looking_lowers_what_is_shown_and_only_that() -> None:
+    _, known, _, frame = started()
+    places = Places(0.1)
+    places.refresh(known)
+    active = places.share > 0
+    shown = known.look(frame_depth(frame, frame), places.xyz, active, places.unseen, 3.0, 0.1)
+    lowered = places.unseen < 1.0
+    assert shown == lowered.sum() > 0
+    x, _y = known.view.xy
+    ahead = places.xyz[:, 0] - x
+    assert (ahead[lowered] > 0).all()
+    assert (ahead[lowered] <= 3.0).all()
+
+
+def test_shares_add_up() -> None:
+    env, known, _, _ = started()
+    places = Places(0.1)
+    for action in (2, 2, 2, 0, 0, 2, 0, 0):
+        obs, _, _, _, info = env.step(action)
+        known.update(obs, info)
+        places.refresh(known)
+    total = np.zeros((known.n_tracks, 4))
+    np.add.at(total, (places.track, places.relation), places.share)
+    live = total[total > 0]
+    assert live == pytest.approx(1.0)
+
+
+def test_walls_block_sight() -> None:
+    env, known, _, _ = started()
+    for action in (2, 2, 2, 2):
+        obs, _, _, _, info = env.step(action)
+        known.update(obs, info)
+    i, j = np.argwhere(known.walls[0] > 0)[0]
+    x, y = (i - HALF + 0.5) * 0.25, (j - HALF) * 0.25
+    assert not sight(x - 0.6, y, CAMERA_M, x + 0.2, y, 1.0, known.height, known.walls, HALF)
+
+
+def test_the_best_view_faces_the_mass() -> None:
+    _, known, planner, _ = started()
+    places = Places(0.1)
+    places.refresh(known)
+    track = known.instances["sofa"][0]
+    mass = np.zeros((known.n_tracks, 4))
+    mass[track, 0] = 1.0
+    nothing_else = Expectation(mass, 0.0, 0.0)
+    best, _ = Viewpoints(2.0).choose(known, planner, places, nothing_else, np.zeros(0, np.int64))
+    assert best is not None
+    assert best.gain > 0.1
+    middle = 0.5 * (known.box[track, :2] + known.box[track, 3:5])
+    heading = np.array([(1, 0), (0, 1), (-1, 0), (0, -1)][best.view.heading])
+    assert (middle - best.view.xy) @ heading > 0
+
+
+def test_approach_ends_in_success() -> None:
+    env, known, planner, _ = started("bowl")
+    for _ in range(4):
+        obs, _, _, _, info = env.step(2)
+        known.update(obs, info)
+    track = known.instances["bowl"][0]
+    approach = Approach()
+    planner.update(known)
+    goal = approach.goal(known, planner, track)
+    assert goal is not None
+    for action in planner.plan(goal):
+        obs, _, _, _, info = env.step(int(action))
+        known.update(obs, info)
+    assert approach.arrived(known, track)
+    assert env.in_reach()
