@@ -16,6 +16,7 @@ from ucon.sim.shapes import Array, Solid
 
 RUG_M = 0.045
 """What lies on the floor and is thinner than this is stood on, not avoided."""
+_FLOOR_M = 0.002
 SEEN_BEST_M = 1.1
 """Levels above this are looked at from the side: what stands far back on them is hidden by their edge."""
 
@@ -54,7 +55,7 @@ def ordered(
         return
     noise = request.rng.random(len(centres))
     boxes = slot_boxes(centres, z, pose)
-    if isinstance(z, float) and abs(z) < RUG_M:
+    if isinstance(z, float) and abs(z) < _FLOOR_M:
         rugs = rug_tops(request.scene.parts.boxes, boxes, RUG_M)
         z, penalty = z + rugs[:, 0], penalty + 5.0 * rugs[:, 1]  # Half on a rug it would stand askew.
         boxes = slot_boxes(centres, z, pose)

@@ -27,6 +27,7 @@ HANGING_M = 0.45
 BESIDE_FURNITURE_M = 0.60
 """Reach of "next to" for tall things on the floor beside the furniture that the anchor stands on."""
 _SAME_LEVEL_M = 0.03
+UNDER_HANGING_M = 0.35
 _PER_STAGE = 10
 _RING_STEP_M = 0.06
 _RING_MOST = 30
@@ -73,10 +74,10 @@ def under_spaces(scene: Surroundings, anchor: int) -> list[Array]:
 
 def under_rect(spaces: list[Array], box: Array) -> Array:
     """The rectangle (x0, y0, x1, y1) that is "under" or "next to" something that hangs with box (6,)."""
-    if spaces:
-        rows = np.array(spaces)
-        return np.concatenate([rows[:, :2].min(axis=0), rows[:, 3:5].max(axis=0)])
-    return box[[0, 1, 3, 4]] + np.array([-HANGING_M, -HANGING_M, HANGING_M, HANGING_M])
+    rect = box[[0, 1, 3, 4]] + np.array([-1, -1, 1, 1]) * (UNDER_HANGING_M if spaces else HANGING_M)
+    for space in spaces:
+        rect[:2], rect[2:] = np.minimum(rect[:2], space[:2]), np.maximum(rect[2:], space[3:5])
+    return rect
 
 
 def below_hanging(request: Request, rect: Array, ceiling_m: float) -> Iterator[Slot]:
@@ -94,7 +95,7 @@ def below_hanging(request: Request, rect: Array, ceiling_m: float) -> Iterator[S
     for row in rows:
         level = scene.levels.box[row]
         stand = bool(scene.levels.kind[row] == FLOOR)
-        for pose in poses(request.shape, lay=request.row.mount != "floor", stand=stand):
+        for pose in poses(request.shape, lay=False, stand=stand):
             if level[2] + pose.extent[2] > min(level[5], ceiling_m):
                 continue
             centres = _lattice(rect)
@@ -110,7 +111,7 @@ def _beside(request: Request) -> Iterator[Slot]:
     for stage in _stages(request, near):
         for gaps in (GAPS_M, FAR_GAPS_M):
             on_floor = all(scene.levels.kind[row] == FLOOR for row in stage)
-            for pose in poses(request.shape, lay=request.row.mount != "floor", stand=on_floor):
+            for pose in poses(request.shape, lay=False, stand=on_floor):
                 for row in stage:
                     yield from _ring(request, row, pose, gaps)
     if is_on_furniture(scene, request.anchor) and reaches(request.shape.extent[2], box):

@@ -38,10 +38,9 @@ def candidates(request: Request) -> Iterator[Slot]:
 
 
 def _fitting(request: Request, level: Array) -> list[Pose]:
-    lay = request.row.mount != "floor"
     return [
         pose
-        for pose in poses(request.shape, lay=lay)
+        for pose in poses(request.shape, lay=False)
         if pose.extent[2] <= level[5] - level[2] + 1e-6
         and (pose.extent[:2] <= (level[3:5] - level[:2]) * (1 + OVERHANG)).all()
     ]

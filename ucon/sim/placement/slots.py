@@ -57,7 +57,7 @@ class Slot:
 
 
 def poses(shape: Solid, *, lay: bool, stand: bool = False) -> list[Pose]:
-    """Orientations to try, best first: upright, then on a side if ``lay`` or if it is long and thin.
+    """Orientations to try, best first: upright, then on a side if it is long and thin, or anything if ``lay``.
 
     What is slender lies first, except where it should ``stand``: a broom on the floor. Each comes in two quarter
     turns; half turns are left to the sampler.

@@ -32,6 +32,8 @@ from ucon.sim.structure import structure_parts
 Index = NDArray[np.int64]
 SURFACE, COMPARTMENT, FLOOR = 0, 1, 2
 _STRAIGHT = 0.02
+_UPRIGHT = 0.97
+_FLAT_SHARE = 0.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,8 +204,10 @@ def _slanted(standing: Standing) -> NDArray[np.bool_]:
 def _levels(standing: tuple[Standing, ...] | list[Standing], numbers: range) -> Levels:
     rows: list[tuple[Array, int, int, int, bool]] = []
     for number, s in zip(numbers, standing, strict=True):
-        if s.turn[2, 2] < 0.97:
-            continue  # It lies on its side: its surfaces are no longer level.
+        if s.turn[2, 2] < _UPRIGHT:
+            # It lies on its side: a flat thing still has a level top, a hollow one no longer an inside.
+            rows += [(box, number, SURFACE, 0, False) for box in _lying_top(s)]
+            continue
         for k, surface in enumerate(s.shape.model.surfaces):
             local = np.array([surface.x0, surface.y0, surface.z, surface.x1, surface.y1])
             box = turned_box(np.append(local, surface.z + surface.clearance_m), s)
@@ -221,6 +225,17 @@ def _levels(standing: tuple[Standing, ...] | list[Standing], numbers: range) -> 
         np.array([row[3] for row in rows]),
         np.array([row[4] for row in rows]),
     )
+
+
+def _lying_top(standing: Standing) -> list[Array]:
+    """The upper face of a flat thing that has surfaces and lies on its side, as a level; nothing for other things."""
+    boxes = primitive_boxes(standing.shape, standing.position, standing.turn)
+    box = np.concatenate([boxes[:, :3].min(axis=0), boxes[:, 3:].max(axis=0)])
+    flat = box[5] - box[2] < _FLAT_SHARE * min(box[3] - box[0], box[4] - box[1])
+    if not flat or not standing.shape.model.surfaces:
+        return []
+    inset = 0.05 * (box[3:5] - box[:2])
+    return [np.array([*(box[:2] + inset), box[5], *(box[3:5] - inset), box[5] + 1.0])]
 
 
 def turned_box(local: Array, standing: Standing) -> Array:
