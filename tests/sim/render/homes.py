@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ucon.objects.model import Compartment, Joint, Material, ObjectModel, Part, Vec3
+from ucon.core.rng import stream
+from ucon.objects.model import RELATIONS, Compartment, Joint, Material, ObjectModel, Part, Vec3
 from ucon.scenes.spec import GRID_M, HomeSpec, Item, Opening, Room
+from ucon.sim.arrangement import Arrangement, PlacedObject
 from ucon.sim.house import House, NavGrid
+from ucon.sim.render import RasterRenderer
 
 
 def chest(size: Vec3) -> ObjectModel:
@@ -84,13 +87,57 @@ def three_rooms() -> HomeSpec:
 
 def house_of(spec: HomeSpec) -> House:
     """A house whose nodes are all that lie clear of the walls; for pictures only."""
-    x1 = max(r.rect[2] for r in spec.rooms)
-    y1 = max(r.rect[3] for r in spec.rooms)
-    shape = (round(x1 / GRID_M), round(y1 / GRID_M))
+    low = np.min([r.rect[:2] for r in spec.rooms], axis=0)
+    shape = tuple(np.rint((np.max([r.rect[2:] for r in spec.rooms], axis=0) - low) / GRID_M).astype(int))
     free, room = np.zeros(shape, bool), np.full(shape, -1, np.int16)
     for number, r in enumerate(spec.rooms):
-        i0, j0, i1, j1 = (round(v / GRID_M) for v in r.rect)
+        i0, j0, i1, j1 = (round((v - o) / GRID_M) for v, o in zip(r.rect, (*low, *low), strict=True))
         room[i0:i1, j0:j1] = number
         free[i0 + 1 : i1 - 1, j0 + 1 : j1 - 1] = True
     boxes = np.zeros((len(spec.items) + 3 * len(spec.rooms), 6))
-    return House(spec, NavGrid((0.0, 0.0), free, room), boxes)
+    return House(spec, NavGrid((float(low[0]), float(low[1])), free, room), boxes)
+
+
+def frame(renderer: RasterRenderer, *camera: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    shape = (renderer.height, renderer.width)
+    buffers = np.empty((*shape, 3), np.uint8), np.empty(shape, np.float32), np.empty(shape, np.int16)
+    renderer.render(*camera, *buffers)
+    return buffers
+
+
+def camera_poses(house: House, count: int, key: str) -> list[tuple[float, float, float, int, int]]:
+    """Poses anywhere that the camera can be: off the walls, and also in the middle of openings."""
+    random = stream(1, "poses", key, house.spec.name)
+    poses = []
+    openings = house.spec.openings
+    for number in range(count):
+        if openings and number % 3 == 0:
+            hole = openings[random.integers(len(openings))]
+            across = hole.coord + random.uniform(-0.12, 0.12)
+            along = random.uniform(hole.lo + 0.15, hole.hi - 0.15)
+            x, y = (across, along) if hole.axis == 0 else (along, across)
+        else:
+            x0, y0, x1, y1 = house.spec.rooms[random.integers(len(house.spec.rooms))].rect
+            x, y = random.uniform(x0 + 0.15, x1 - 0.15), random.uniform(y0 + 0.15, y1 - 0.15)
+        heading, pitch = int(random.integers(4)), int(random.integers(-2, 3) * 30)
+        poses.append((float(x), float(y), 1.25, heading, pitch))
+    return poses
+
+
+def scattered(house: House, count: int, categories: tuple[str, ...]) -> Arrangement:
+    """Objects in the air all over the home, turned any way, some of them across openings."""
+    random = stream(2, "scatter", house.spec.name)
+    objects = []
+    for number in range(count):
+        turn = random.normal(size=4)
+        room = int(random.integers(len(house.spec.rooms)))
+        x0, y0, x1, y1 = house.spec.rooms[room].rect
+        place = [random.uniform(x0 + 0.3, x1 - 0.3), random.uniform(y0 + 0.3, y1 - 0.3), random.uniform(0.3, 1.8)]
+        if house.spec.openings and number % 4 == 0:
+            hole = house.spec.openings[random.integers(len(house.spec.openings))]
+            place[hole.axis], place[1 - hole.axis] = hole.coord, (hole.lo + hole.hi) / 2
+            room = hole.room_a
+        category = categories[number % len(categories)]
+        quat = tuple(float(v) for v in turn / np.linalg.norm(turn))
+        objects.append(PlacedObject(category, tuple(float(v) for v in place), quat, room, RELATIONS[0], 0))
+    return Arrangement(removed=(1, 2), objects=tuple(objects))

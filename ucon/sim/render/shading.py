@@ -2,7 +2,7 @@
 
 The picture is walked in runs of pixels of one face. What depends on the face is computed once a run; within it the
 texture coordinates (two of the three world coordinates) are linear in the pixel times its depth, so there is no
-division and no branch on the material in the inner loops. These run over whole blocks of 16 pixels, which compile to
+division and no branch on the material in the inner loops. These run over whole blocks of pixels, which compile to
 vector instructions also where runs are short; what they write past the end of a run, the next run overwrites.
 """
 

@@ -16,7 +16,7 @@ from ucon.objects.model import Material
 from ucon.sim.render.kernels import F32, jit
 from ucon.sim.render.tessellate import MIRROR, WALL
 
-BLOCK = np.uint64(16)
+BLOCK = np.uint64(32)
 """Pixels that an inner loop works on at once."""
 
 OPEN_SKY = 31
