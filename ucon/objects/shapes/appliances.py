@@ -26,7 +26,7 @@ def fridge(k: Kit) -> None:
     k.box((ix[0], back), iy, (split - wall / 2, split + wall / 2), LINER)
     k.box((ix[0], ix[0] + 0.004), iy, iz, LINER)
     span = (-y / 2, y / 2)
-    (lower,) = leaves(k, front, span, (plinth, split), shade(k.color, 1.05), pair=False, thickness=0.04)
+    (lower,) = leaves(k, front, span, (plinth, split), shade(k.color, 0.9), pair=False, thickness=0.04)
     (upper,) = leaves(k, front, span, (split, z), shade(k.color, 1.05), pair=False, thickness=0.04)
     x0, edge = ix[0] + 0.004, ix[1] - 0.004
     deepest = edge - seen_depth(iz[0], split - wall / 2)

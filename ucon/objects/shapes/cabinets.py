@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ucon.objects.kit import BLACK, DARK, GREY, SILVER, WHITE, Kit, shade, shape
 from ucon.objects.model import Material
-from ucon.objects.shapes.casework import BOARD, HANDLE, Span, carcass, drawer, drop_door, leaves, seen_depth, lid, tub
+from ucon.objects.shapes.casework import BOARD, HANDLE, Span, carcass, drawer, drop_door, leaves, lid, seen_depth, tub
 
 FRONT = BOARD + HANDLE
 GAP_LID = 0.005
@@ -116,7 +116,7 @@ def drawer_unit(k: Kit) -> None:
         y_span = (-y / 2 + 0.002, y / 2 - 0.002)
         body = (ix[0] + 0.01, ix[1])
         above = 0.8 * x * (count - i - 1) / count
-        drawer(k, body, front, y_span, (low, low + height - 0.001), travel, shade(k.color, 1.1), above)
+        drawer(k, body, front, y_span, (low, low + height - 0.001), travel, shade(k.color, (1.12, 0.98)[i % 2]), above)
         if i:
             k.box(
                 (ix[1] - BOARD, ix[1]), (-y / 2 + BOARD, y / 2 - BOARD), (low - 0.01, low + 0.01), shade(k.color, 0.7)

@@ -1,8 +1,9 @@
 """What closes and opens: hollow bodies, door leaves, drop doors, drawers and lids, each with its joint.
 
 Closed, every front overlaps the edges of the body behind it, and every seam between two fronts has a strip or rail
-behind it, so nothing inside can be seen. Leaves swing to 90 degrees about an axis as far from their
-outer edge as the handle is high, which keeps an open leaf within the width of its own unit: neighbours in a run never touch.
+behind it, so nothing inside can be seen. Leaves swing to 90 degrees about an axis as far from
+their outer edge as the handle is high, which keeps an open leaf within the width of its own unit: neighbours in a
+run never touch.
 """
 
 from __future__ import annotations

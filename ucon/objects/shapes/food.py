@@ -28,50 +28,61 @@ PLANT = Material.PLANT
 WHOLE = ((-0.5, 0.5), (-0.5, 0.5))
 
 
-@shape("food_sphere")
-def round_food(k: Kit) -> None:
-    """Balls with what tells them apart: stems, leaves, stripes, florets, heaps of berries."""
-    k.unit()
+def _broccoli(k: Kit) -> None:
     name = k.name
-    if name in ("broccoli", "cauliflower"):
-        _florets(k, (206, 216, 150) if name == "broccoli" else LEAF)
-    elif name in ("grape", "raspberries", "blackberry", "raspberry", "candied_yam", "olive", "strawberries"):
-        _heap(k)
-    elif name in ("lettuce", "head_cabbage", "artichoke", "brussels_sprouts"):
-        k.ball(*WHOLE, (0, 1), k.color, PLANT)
-        k.ball((-0.1, 0.52), (-0.4, 0.3), (0.1, 0.8), shade(k.color, 1.25), PLANT)
-        k.ball((-0.4, 0.2), (-0.2, 0.52), (0.15, 0.95), shade(k.color, 0.85), PLANT)
-        k.cyl((-0.12, 0.12), (-0.12, 0.12), (0, 0.1), CREAM)
-    elif name in ("ice", "ice_cube"):
-        k.box(*WHOLE, (0, 1), (206, 230, 242), Material.GLASS)
-        k.box((-0.3, 0.3), (-0.3, 0.3), (0.98, 1.01), WHITE, Material.GLASS)
-    elif name == "marshmallow":
-        k.cyl(*WHOLE, (0, 1), (250, 244, 242))
-    elif name == "mushroom":
-        k.cyl((-0.2, 0.2), (-0.2, 0.2), (0, 0.5), CREAM)
-        k.ball(*WHOLE, (0.3, 1.0), (196, 160, 124))
-    elif name == "half_apple":
-        k.ball((-0.5, 0.5), (-0.5, 0.5), (-1, 0.9), RED)
-        k.cyl((-0.46, 0.46), (-0.46, 0.46), (0.0, 0.06), CREAM)
-        k.cyl((-0.44, 0.44), (-0.44, 0.44), (0.88, 1.0), (246, 236, 200))
-    elif name == "walnut":
-        k.ball(*WHOLE, (0, 1), (176, 130, 82), Material.WOOD)
-        k.box((-0.5, 0.5), (-0.03, 0.03), (0.1, 0.96), (136, 96, 58))
-    elif name == "acorn":
-        k.ball(*WHOLE, (0, 0.8), (170, 120, 60))
-        k.ball((-0.5, 0.5), (-0.5, 0.5), (0.45, 0.95), DARKBROWN)
-        k.cyl((-0.06, 0.06), (-0.06, 0.06), (0.9, 1.0), DARKBROWN)
-    elif name == "star_anise":
-        for dx, dy in ((0.4, 0), (-0.4, 0), (0, 0.4), (0, -0.4), (0.28, 0.28), (-0.28, -0.28)):
-            k.rod((0, 0, 0.5), (dx, dy, 0.5), 0.01, BROWN)
-    elif name in ("egg", "hard_boiled_egg", "easter_egg"):
-        color = {"egg": (226, 188, 150), "hard_boiled_egg": (246, 244, 238)}.get(name, (226, 130, 170))
-        k.ball(*WHOLE, (0, 1), color)
-        if name == "easter_egg":
-            k.cyl((-0.14, 0.14), (-0.49, 0.49), (0.02, 0.98), YELLOW, axis="x")
-            k.cyl((0.2, 0.3), (-0.43, 0.43), (0.08, 0.92), (90, 160, 220), axis="x")
-    else:
-        _fruit(k)
+    _florets(k, (206, 216, 150) if name == "broccoli" else LEAF)
+
+
+def _head_of_leaves(k: Kit) -> None:
+    k.ball(*WHOLE, (0, 1), k.color, PLANT)
+    k.ball((-0.1, 0.52), (-0.4, 0.3), (0.1, 0.8), shade(k.color, 1.25), PLANT)
+    k.ball((-0.4, 0.2), (-0.2, 0.52), (0.15, 0.95), shade(k.color, 0.85), PLANT)
+    k.cyl((-0.12, 0.12), (-0.12, 0.12), (0, 0.1), CREAM)
+
+
+def _ice_block(k: Kit) -> None:
+    k.box(*WHOLE, (0, 1), (206, 230, 242), Material.GLASS)
+    k.box((-0.3, 0.3), (-0.3, 0.3), (0.98, 1.01), WHITE, Material.GLASS)
+
+
+def _marshmallow(k: Kit) -> None:
+    k.cyl(*WHOLE, (0, 1), (250, 244, 242))
+
+
+def _mushroom(k: Kit) -> None:
+    k.cyl((-0.2, 0.2), (-0.2, 0.2), (0, 0.5), CREAM)
+    k.ball(*WHOLE, (0.3, 1.0), (196, 160, 124))
+
+
+def _half_apple(k: Kit) -> None:
+    k.ball((-0.5, 0.5), (-0.5, 0.5), (-1, 0.9), RED)
+    k.cyl((-0.46, 0.46), (-0.46, 0.46), (0.0, 0.06), CREAM)
+    k.cyl((-0.44, 0.44), (-0.44, 0.44), (0.88, 1.0), (246, 236, 200))
+
+
+def _walnut(k: Kit) -> None:
+    k.ball(*WHOLE, (0, 1), (176, 130, 82), Material.WOOD)
+    k.cyl((-0.03, 0.03), (-0.49, 0.49), (0.01, 1.0), (136, 96, 58), None, axis="x")
+
+
+def _acorn(k: Kit) -> None:
+    k.ball(*WHOLE, (0, 0.8), (170, 120, 60))
+    k.ball((-0.5, 0.5), (-0.5, 0.5), (0.45, 0.95), DARKBROWN)
+    k.cyl((-0.06, 0.06), (-0.06, 0.06), (0.9, 1.0), DARKBROWN)
+
+
+def _star_anise(k: Kit) -> None:
+    for dx, dy in ((0.4, 0), (-0.4, 0), (0, 0.4), (0, -0.4), (0.28, 0.28), (-0.28, -0.28)):
+        k.rod((0, 0, 0.5), (dx, dy, 0.5), 0.01, BROWN)
+
+
+def _any_egg(k: Kit) -> None:
+    name = k.name
+    color = {"egg": (226, 188, 150), "hard_boiled_egg": (246, 244, 238)}.get(name, (226, 130, 170))
+    k.ball(*WHOLE, (0, 1), color)
+    if name == "easter_egg":
+        k.cyl((-0.14, 0.14), (-0.49, 0.49), (0.02, 0.98), YELLOW, axis="x")
+        k.cyl((0.2, 0.3), (-0.43, 0.43), (0.08, 0.92), (90, 160, 220), axis="x")
 
 
 def _florets(k: Kit, stalk: RGB) -> None:
@@ -82,8 +93,8 @@ def _florets(k: Kit, stalk: RGB) -> None:
 
 def _heap(k: Kit) -> None:
     color = (104, 60, 130) if k.name == "grape" else k.color
-    spots = ((-0.5, -0.5, 0), (0.05, -0.5, 0), (-0.5, 0.05, 0), (0.05, 0.05, 0.05), (-0.25, -0.25, 0.5), (-0.5, -0.2, 0.3),
-             (0.05, -0.2, 0.3), (-0.22, 0.1, 0.35))  # fmt: skip
+    spots = ((-0.5, -0.5, 0), (0.05, -0.5, 0), (-0.5, 0.05, 0), (0.05, 0.05, 0.05), (-0.25, -0.25, 0.5),
+             (-0.5, -0.2, 0.3), (0.05, -0.2, 0.3), (-0.22, 0.1, 0.35))  # fmt: skip
     for i, (x0, y0, z0) in enumerate(spots):
         k.ball((x0, x0 + 0.46), (y0, y0 + 0.46), (z0, z0 + 0.5), shade(color, 0.9 + 0.05 * (i % 3)))
     if k.name == "raspberries":
@@ -92,88 +103,115 @@ def _heap(k: Kit) -> None:
         k.cyl((-0.04, 0.04), (-0.04, 0.04), (0.85, 1.1), LEAF if k.name == "strawberries" else STEM)
 
 
-def _fruit(k: Kit) -> None:
-    name = k.name
-    top = 0.88 if name in ("apple", "orange", "cherry", "pumpkin", "beefsteak_tomato", "strawberry", "pomegranate", "plum",
-                           "peach") else 1.0  # fmt: skip
-    if name == "pumpkin":
-        for x0, y0 in ((-0.5, -0.3), (-0.1, -0.3), (-0.3, -0.5), (-0.3, -0.1)):
-            k.ball((x0, x0 + 0.6), (y0, y0 + 0.6), (0, top), shade(ORANGE, 0.9 + 0.04 * len(k.parts)))
-        k.cyl((-0.06, 0.06), (-0.06, 0.06), (top - 0.08, 1.0), (96, 120, 52))
-        return
-    if name == "strawberry":
-        k.ball(*WHOLE, (0.0, 0.9), RED)
-        k.cyl((-0.34, 0.34), (-0.34, 0.34), (0.78, 0.94), LEAF, None, taper=0.3)
-        k.cyl((-0.05, 0.05), (-0.05, 0.05), (0.9, 1.0), LEAF)
-        return
-    k.ball(*WHOLE, (0, top))
-    if name == "watermelon":
-        for i in range(3):
-            y0 = -0.26 + 0.22 * i
-            k.ball((-0.49, 0.49), (y0, y0 + 0.08), (0.005, 1.005), (28, 70, 34))
-        k.ball((-0.2, 0.2), (-0.503, 0.503), (0.3, 0.7), (120, 170, 80))
-    elif name in ("apple", "cherry", "plum", "peach"):
-        k.cyl((-0.03, 0.03), (-0.03, 0.03), (top - 0.06, 1.0), STEM)
-        k.box((0.02, 0.22), (-0.05, 0.05), (0.92, 0.95), LEAF)
-        if name == "apple":
-            k.ball((0.1, 0.49), (-0.3, 0.1), (0.3, 0.78), (222, 120, 60))
-    elif name == "orange":
-        k.cyl((-0.08, 0.08), (-0.08, 0.08), (top - 0.04, 1.0), LEAF)
-    elif name in ("beefsteak_tomato", "pomegranate"):
-        k.cyl((-0.24, 0.24), (-0.24, 0.24), (top - 0.06, 0.92), LEAF if name[0] == "b" else RED, None, taper=0.4)
-        k.cyl((-0.04, 0.04), (-0.04, 0.04), (0.9, 1.0), LEAF if name[0] == "b" else RED)
-    elif name in ("lemon", "lime"):
-        k.ball((-0.56, -0.36), (-0.16, 0.16), (0.34, 0.66))
-        k.ball((0.36, 0.56), (-0.16, 0.16), (0.34, 0.66))
-    elif name == "avocado":
+def _pumpkin(k: Kit) -> None:
+    for x0, y0 in ((-0.5, -0.3), (-0.1, -0.3), (-0.3, -0.5), (-0.3, -0.1)):
+        k.ball((x0, x0 + 0.6), (y0, y0 + 0.6), (0, 0.88), shade(ORANGE, 0.9 + 0.04 * len(k.parts)))
+    k.cyl((-0.06, 0.06), (-0.06, 0.06), (0.8, 1.0), (96, 120, 52))
+
+
+def _strawberry(k: Kit) -> None:
+    k.ball(*WHOLE, (0.0, 0.9), RED)
+    k.cyl((-0.34, 0.34), (-0.34, 0.34), (0.78, 0.94), LEAF, None, taper=0.3)
+    k.cyl((-0.05, 0.05), (-0.05, 0.05), (0.9, 1.0), LEAF)
+
+
+def _watermelon(k: Kit) -> None:
+    k.ball(*WHOLE, (0, 1))
+    for i in range(3):
+        y0 = -0.26 + 0.22 * i
+        k.ball((-0.49, 0.49), (y0, y0 + 0.08), (0.005, 1.005), (28, 70, 34))
+    k.ball((-0.2, 0.2), (-0.503, 0.503), (0.3, 0.7), (120, 170, 80))
+
+
+def _stalked(k: Kit) -> None:
+    k.ball(*WHOLE, (0, 0.88))
+    k.cyl((-0.03, 0.03), (-0.03, 0.03), (0.82, 1.0), STEM)
+    k.box((0.02, 0.22), (-0.05, 0.05), (0.92, 0.95), LEAF)
+    if k.name == "apple":
+        k.ball((0.1, 0.49), (-0.3, 0.1), (0.3, 0.78), (222, 120, 60))
+
+
+def _crowned(k: Kit) -> None:
+    color = RED if k.name == "pomegranate" else LEAF
+    k.ball(*WHOLE, (0, 0.88))
+    k.cyl((-0.24, 0.24), (-0.24, 0.24), (0.82, 0.92), color, None, taper=0.4)
+    k.cyl((-0.04, 0.04), (-0.04, 0.04), (0.9, 1.0), color)
+
+
+def _pointed(k: Kit) -> None:
+    k.ball((-0.42, 0.42), (-0.5, 0.5), (0, 1))
+    k.cyl((-0.5, -0.3), (-0.2, 0.2), (0.3, 0.7), shade(k.color, 0.92), None, axis="x", taper=1.5)
+    k.cyl((0.3, 0.5), (-0.3, 0.3), (0.2, 0.8), shade(k.color, 0.92), None, axis="x", taper=0.5)
+
+
+def _round(k: Kit) -> None:
+    k.ball(*WHOLE, (0, 0.94 if k.name == "orange" else 1.0))
+    if k.name == "orange":
+        k.cyl((-0.08, 0.08), (-0.08, 0.08), (0.9, 1.0), LEAF)
+    elif k.name == "avocado":
         k.cyl((0.44, 0.52), (-0.06, 0.06), (0.44, 0.56), STEM, axis="x")
-    elif name == "vidalia_onion":
+    elif k.name == "vidalia_onion":
         k.cyl((0.42, 0.56), (-0.1, 0.1), (0.4, 0.6), TAN, axis="x", taper=0.3)
-    elif name == "potato":
+    elif k.name == "potato":
         k.ball((-0.1, 0.5), (-0.4, 0.3), (0.2, 1.0), shade(k.color, 0.92))
 
 
-@shape("food_long")
-def long_food(k: Kit) -> None:
-    """Things that are long: along x or along y, whichever is longer."""
-    k.unit()
+def _one_banana(k: Kit) -> None:
+    _banana(k, 0.0, 0.0, 1.0)
+
+
+def _bunch_of_bananas(k: Kit) -> None:
+    for i in range(3):
+        _banana(k, (i - 1) * 0.3, 0.12 * (i % 2), 0.6)
+
+
+def _bell_pepper(k: Kit) -> None:
+    k.ball((-0.5, 0.4), (-0.5, 0.1), (0, 0.95))
+    k.ball((-0.5, 0.4), (-0.1, 0.5), (0, 0.95), shade(k.color, 0.92))
+    k.cyl((0.34, 0.55), (-0.08, 0.08), (0.5, 0.66), LEAF, axis="x")
+
+
+def _pineapple(k: Kit) -> None:
+    k.ball((-0.5, 0.2), (-0.5, 0.5), (0, 1), (196, 146, 62))
+    for i in range(3):
+        x0 = -0.36 + 0.2 * i
+        k.cyl((x0, x0 + 0.03), (-0.46, 0.46), (0.04, 0.96), (146, 100, 44), axis="x")
+    for dy, dz in ((0, 0.5), (-0.3, 0.8), (0.3, 0.8), (0.0, 0.95), (0, 0.2)):
+        k.rod((0.14, 0, 0.5), (0.5, dy, dz), 0.02, DARKGREEN, PLANT)
+
+
+def _asparagus(k: Kit) -> None:
     x, y, _ = k.size
+    _bundle(k, x >= y)
+
+
+def _pear(k: Kit) -> None:
+    k.ball((-0.5, 0.15), (-0.5, 0.5), (0, 1))
+    k.ball((-0.15, 0.42), (-0.3, 0.3), (0.2, 0.8))
+    k.cyl((0.38, 0.5), (-0.04, 0.04), (0.45, 0.55), STEM, axis="x")
+
+
+def _sweet_corn(k: Kit) -> None:
+    k.ball((-0.45, 0.45), (-0.3, 0.5), (0.05, 1.0), (240, 200, 70))
+    k.ball((-0.5, 0.2), (-0.5, 0.1), (0, 0.8), (120, 170, 80), PLANT)
+    k.ball((-0.2, 0.5), (-0.5, 0.05), (0, 0.85), (104, 154, 70), PLANT)
+
+
+def _clove(k: Kit) -> None:
     name = k.name
-    if name == "banana":
-        _banana(k, 0.0, 0.0, 1.0)
-    elif name == "bunch_of_bananas":
-        for i in range(3):
-            _banana(k, (i - 1) * 0.3, 0.12 * (i % 2), 0.6)
-    elif name == "bell_pepper":
-        k.ball((-0.5, 0.4), (-0.5, 0.1), (0, 0.95))
-        k.ball((-0.5, 0.4), (-0.1, 0.5), (0, 0.95), shade(k.color, 0.92))
-        k.cyl((0.34, 0.55), (-0.08, 0.08), (0.5, 0.66), LEAF, axis="x")
-    elif name == "pineapple":
-        k.ball((-0.5, 0.2), (-0.5, 0.5), (0, 1), (196, 146, 62))
-        for i in range(3):
-            x0 = -0.36 + 0.2 * i
-            k.cyl((x0, x0 + 0.03), (-0.46, 0.46), (0.04, 0.96), (146, 100, 44), axis="x")
-        for dy, dz in ((0, 0.5), (-0.3, 0.8), (0.3, 0.8), (0.0, 0.95), (0, 0.2)):
-            k.rod((0.14, 0, 0.5), (0.5, dy, dz), 0.02, DARKGREEN, PLANT)
-    elif name in ("asparagus", "green_bean", "green_onion", "celery", "pea_pod"):
-        _bundle(k, x >= y)
-    elif name == "pear":
-        k.ball((-0.5, 0.15), (-0.5, 0.5), (0, 1))
-        k.ball((-0.15, 0.42), (-0.3, 0.3), (0.2, 0.8))
-        k.cyl((0.38, 0.5), (-0.04, 0.04), (0.45, 0.55), STEM, axis="x")
-    elif name == "sweet_corn":
-        k.ball((-0.45, 0.45), (-0.3, 0.5), (0.05, 1.0), (240, 200, 70))
-        k.ball((-0.5, 0.2), (-0.5, 0.1), (0, 0.8), (120, 170, 80), PLANT)
-        k.ball((-0.2, 0.5), (-0.5, 0.05), (0, 0.85), (104, 154, 70), PLANT)
-    elif name in ("garlic_clove", "date", "chili"):
-        k.ball(*WHOLE, (0, 0.9), (236, 230, 216) if name == "garlic_clove" else None)
-        k.cyl((-0.1, 0.1), (-0.1, 0.1), (0.7, 1.0), LEAF if name == "chili" else TAN, None, taper=0.3)
-    elif name == "butternut_squash":
-        k.ball((-0.5, 0.05), (-0.5, 0.5), (0, 1))
-        k.cyl((-0.2, 0.44), (-0.32, 0.32), (0.18, 0.82), None, None, axis="x")
-        k.cyl((0.42, 0.5), (-0.08, 0.08), (0.4, 0.6), STEM, axis="x")
-    else:
-        _root(k, x >= y)
+    k.ball(*WHOLE, (0, 0.9), (236, 230, 216) if name == "garlic_clove" else None)
+    k.cyl((-0.1, 0.1), (-0.1, 0.1), (0.7, 1.0), LEAF if name == "chili" else TAN, None, taper=0.3)
+
+
+def _butternut_squash(k: Kit) -> None:
+    k.ball((-0.5, 0.05), (-0.5, 0.5), (0, 1))
+    k.cyl((-0.2, 0.44), (-0.32, 0.32), (0.18, 0.82), None, None, axis="x")
+    k.cyl((0.42, 0.5), (-0.08, 0.08), (0.4, 0.6), STEM, axis="x")
+
+
+def _any_root(k: Kit) -> None:
+    x, y, _ = k.size
+    _root(k, x >= y)
 
 
 def _banana(k: Kit, y0: float, z0: float, width: float) -> None:
@@ -330,86 +368,105 @@ def sweets(k: Kit) -> None:
         k.wedge((0.25, 0.5), (-0.4, 0.4), (0, 0.9), RED, flip=True)
 
 
-@shape("food_lump")
-def lump(k: Kit) -> None:
-    """Bread, pastry, poultry and dishes."""
-    k.unit()
-    name = k.name
-    if name in ("chicken", "turkey", "duck"):
-        roast = (190, 122, 62)
-        k.ball((-0.5, 0.36), (-0.4, 0.4), (0, 1), roast)
-        for s in (-1, 1):
-            k.rod(
-                (0.0, s * 0.3, 0.4),
-                (0.42, s * 0.24, 0.55),
-                0.28 * k.size[2],
-                shade(roast, 0.9),
-                kind="cylinder",
-                taper=0.5,
-            )
-            k.ball((0.38, 0.5), (s * 0.24 - 0.08, s * 0.24 + 0.08), (0.46, 0.66), CREAM)
-            c, d = sorted((s * 0.5, s * 0.3))
-            k.ball((-0.3, 0.1), (c, d), (0.25, 0.7), shade(roast, 0.94))
-    elif name in ("chicken_wing", "chicken_thigh", "turkey_leg", "quail_leg"):
-        k.ball((-0.5, 0.15), (-0.5, 0.5), (0, 1), (186, 116, 58))
-        k.cyl((0.0, 0.44), (-0.2, 0.2), (0.25, 0.7), (196, 130, 72), None, axis="x", taper=0.6)
-        k.ball((0.36, 0.5), (-0.16, 0.16), (0.3, 0.7), CREAM)
-    elif name in ("cupcake", "muffin"):
-        k.cyl(
-            (-0.36, 0.36),
-            (-0.36, 0.36),
-            (0, 0.5),
-            (236, 226, 206) if name == "muffin" else (120, 170, 200),
-            None,
-            taper=1.25,
+def _bird(k: Kit) -> None:
+    roast = (190, 122, 62)
+    k.ball((-0.5, 0.36), (-0.4, 0.4), (0, 1), roast)
+    for s in (-1, 1):
+        k.rod(
+            (0.0, s * 0.3, 0.4),
+            (0.42, s * 0.24, 0.55),
+            0.28 * k.size[2],
+            shade(roast, 0.9),
+            kind="cylinder",
+            taper=0.5,
         )
-        k.ball(*WHOLE, (0.35, 0.9), (226, 140, 170) if name == "cupcake" else (150, 96, 52))
-        k.ball((-0.12, 0.12), (-0.12, 0.12), (0.82, 1.0), RED if name == "cupcake" else DARKBROWN)
-    elif name in ("pizza", "quiche", "cheese_tart"):
-        k.cyl(*WHOLE, (0, 0.8), (206, 150, 84))
-        k.cyl((-0.44, 0.44), (-0.44, 0.44), (0.8, 0.9), (236, 180, 80))
-        for x0, y0 in ((-0.3, -0.1), (0.1, -0.3), (0.05, 0.1), (-0.2, 0.2), (-0.05, -0.12)):
-            k.cyl((x0, x0 + 0.16), (y0, y0 + 0.16), (0.9, 1.0), (190, 50, 40) if name == "pizza" else (220, 160, 70))
-    elif name == "bagel":
-        for i in range(8):
-            a = 2 * pi * i / 8
-            k.ball((0.32 * cos(a) - 0.18, 0.32 * cos(a) + 0.18), (0.32 * sin(a) - 0.18, 0.32 * sin(a) + 0.18), (0, 1),
-                   (196, 140, 80))  # fmt: skip
-    elif name == "croissant":
-        for i, (x0, half) in enumerate(((-0.3, 0.2), (-0.12, 0.3), (0.1, 0.3), (0.3, 0.2))):
-            k.ball((x0 - 0.2, x0 + 0.2), (-half + 0.1 * abs(i - 1.5), half), (0, 0.75 + 0.25 * (i in (1, 2))),
-                   (206 - 12 * (i % 2), 146, 76))  # fmt: skip
-    elif name == "hamburger":
-        k.ball(*WHOLE, (0.3, 1), (206, 146, 80))
-        k.cyl(*WHOLE, (0.38, 0.5), (92, 56, 36))
-        k.cyl((-0.5, 0.5), (-0.5, 0.5), (0.32, 0.4), (90, 160, 70))
-        k.cyl((-0.46, 0.46), (-0.46, 0.46), (0, 0.32), (206, 146, 80))
-    elif name == "hotdog":
-        k.ball((-0.5, -0.02), (-0.46, 0.46), (0, 0.9), (214, 160, 96))
-        k.ball((0.02, 0.5), (-0.46, 0.46), (0, 0.9), (214, 160, 96))
-        k.ball((-0.24, 0.24), (-0.5, 0.5), (0.25, 1.0), (180, 70, 50))
-        k.box((-0.04, 0.04), (-0.36, 0.36), (0.95, 1.02), YELLOW)
-    elif name == "waffle":
-        k.box((-0.5, 0.5), (-0.5, 0.5), (0, 0.6), (206, 150, 80))
-        for i in range(4):
-            t = -0.5 + 0.3 * i
-            k.box((t, t + 0.1), (-0.5, 0.5), (0.6, 1.0), (180, 122, 58))
-            k.box((-0.5, 0.5), (t, t + 0.1), (0.6, 1.0), (180, 122, 58))
-    elif name in ("kabob", "kebab"):
-        k.box((-0.5, 0.5), (-0.05, 0.05), (0.45, 0.55), TAN)
-        for i, color in enumerate(((140, 80, 50), (90, 150, 60), (200, 60, 40), (140, 80, 50), (236, 200, 80))):
-            x0 = -0.34 + 0.15 * i
-            k.box((x0, x0 + 0.13), (-0.5, 0.5), (0, 1), color)
-    elif name == "pretzel":
-        for i in range(7):
-            a = 2 * pi * (i + 0.5) / 8
-            k.ball((0.36 * cos(a) - 0.13, 0.36 * cos(a) + 0.13), (0.36 * sin(a) - 0.13, 0.36 * sin(a) + 0.13), (0, 1),
-                   (150, 90, 44))  # fmt: skip
-        k.rod((-0.3, 0.2, 0.5), (0.3, -0.1, 0.5), 0.025, (150, 90, 44))
-        k.rod((-0.3, -0.2, 0.5), (0.3, 0.1, 0.5), 0.025, (160, 98, 50))
-    else:
-        k.ball(*WHOLE, (-0.4, 1.0))
-        k.box((-0.36, 0.36), (-0.03, 0.03), (0.9, 0.99), shade(k.color, 1.3))
+        k.ball((0.38, 0.5), (s * 0.24 - 0.08, s * 0.24 + 0.08), (0.46, 0.66), CREAM)
+        c, d = sorted((s * 0.5, s * 0.3))
+        k.ball((-0.3, 0.1), (c, d), (0.25, 0.7), shade(roast, 0.94))
+
+
+def _drumstick(k: Kit) -> None:
+    k.ball((-0.5, 0.15), (-0.5, 0.5), (0, 1), (186, 116, 58))
+    k.cyl((0.0, 0.44), (-0.2, 0.2), (0.25, 0.7), (196, 130, 72), None, axis="x", taper=0.6)
+    k.ball((0.36, 0.5), (-0.16, 0.16), (0.3, 0.7), CREAM)
+
+
+def _small_cake(k: Kit) -> None:
+    name = k.name
+    k.cyl(
+        (-0.36, 0.36),
+        (-0.36, 0.36),
+        (0, 0.5),
+        (236, 226, 206) if name == "muffin" else (120, 170, 200),
+        None,
+        taper=1.25,
+    )
+    k.ball(*WHOLE, (0.35, 0.9), (226, 140, 170) if name == "cupcake" else (150, 96, 52))
+    k.ball((-0.12, 0.12), (-0.12, 0.12), (0.82, 1.0), RED if name == "cupcake" else DARKBROWN)
+
+
+def _flat_pie(k: Kit) -> None:
+    name = k.name
+    k.cyl(*WHOLE, (0, 0.8), (206, 150, 84))
+    k.cyl((-0.44, 0.44), (-0.44, 0.44), (0.8, 0.9), (236, 180, 80))
+    for x0, y0 in ((-0.3, -0.1), (0.1, -0.3), (0.05, 0.1), (-0.2, 0.2), (-0.05, -0.12)):
+        k.cyl((x0, x0 + 0.16), (y0, y0 + 0.16), (0.9, 1.0), (190, 50, 40) if name == "pizza" else (220, 160, 70))
+
+
+def _bagel(k: Kit) -> None:
+    for i in range(8):
+        a = 2 * pi * i / 8
+        k.ball((0.32 * cos(a) - 0.18, 0.32 * cos(a) + 0.18), (0.32 * sin(a) - 0.18, 0.32 * sin(a) + 0.18), (0, 1),
+               (196, 140, 80))  # fmt: skip
+
+
+def _croissant(k: Kit) -> None:
+    for i, (x0, half) in enumerate(((-0.3, 0.2), (-0.12, 0.3), (0.1, 0.3), (0.3, 0.2))):
+        k.ball((x0 - 0.2, x0 + 0.2), (-half + 0.1 * abs(i - 1.5), half), (0, 0.75 + 0.25 * (i in (1, 2))),
+               (206 - 12 * (i % 2), 146, 76))  # fmt: skip
+
+
+def _hamburger(k: Kit) -> None:
+    k.ball(*WHOLE, (0.3, 1), (206, 146, 80))
+    k.cyl(*WHOLE, (0.38, 0.5), (92, 56, 36))
+    k.cyl((-0.5, 0.5), (-0.5, 0.5), (0.32, 0.4), (90, 160, 70))
+    k.cyl((-0.46, 0.46), (-0.46, 0.46), (0, 0.32), (206, 146, 80))
+
+
+def _hotdog(k: Kit) -> None:
+    k.ball((-0.5, -0.02), (-0.46, 0.46), (0, 0.9), (214, 160, 96))
+    k.ball((0.02, 0.5), (-0.46, 0.46), (0, 0.9), (214, 160, 96))
+    k.ball((-0.24, 0.24), (-0.5, 0.5), (0.25, 1.0), (180, 70, 50))
+    k.box((-0.04, 0.04), (-0.36, 0.36), (0.95, 1.02), YELLOW)
+
+
+def _waffle(k: Kit) -> None:
+    k.box((-0.5, 0.5), (-0.5, 0.5), (0, 0.6), (206, 150, 80))
+    for i in range(4):
+        t = -0.5 + 0.3 * i
+        k.box((t, t + 0.1), (-0.5, 0.5), (0.6, 1.0), (180, 122, 58))
+        k.box((-0.5, 0.5), (t, t + 0.1), (0.6, 1.0), (180, 122, 58))
+
+
+def _skewer(k: Kit) -> None:
+    k.box((-0.5, 0.5), (-0.05, 0.05), (0.45, 0.55), TAN)
+    for i, color in enumerate(((140, 80, 50), (90, 150, 60), (200, 60, 40), (140, 80, 50), (236, 200, 80))):
+        x0 = -0.34 + 0.15 * i
+        k.box((x0, x0 + 0.13), (-0.5, 0.5), (0, 1), color)
+
+
+def _pretzel(k: Kit) -> None:
+    for i in range(7):
+        a = 2 * pi * (i + 0.5) / 8
+        k.ball((0.36 * cos(a) - 0.13, 0.36 * cos(a) + 0.13), (0.36 * sin(a) - 0.13, 0.36 * sin(a) + 0.13), (0, 1),
+               (150, 90, 44))  # fmt: skip
+    k.rod((-0.3, 0.2, 0.5), (0.3, -0.1, 0.5), 0.025, (150, 90, 44))
+    k.rod((-0.3, -0.2, 0.5), (0.3, 0.1, 0.5), 0.025, (160, 98, 50))
+
+
+def _bun(k: Kit) -> None:
+    k.ball(*WHOLE, (-0.4, 1.0))
+    k.box((-0.36, 0.36), (-0.03, 0.03), (0.9, 0.99), shade(k.color, 1.3))
 
 
 @shape("food_slab")
@@ -522,3 +579,106 @@ def _block(k: Kit) -> None:
     else:
         k.box(*WHOLE, (0, 1))
         k.box((-0.4, 0.4), (-0.4, 0.4), (0.99, 1.01), shade(k.color, 0.9))
+
+
+_ROUND = {
+    "broccoli": _broccoli,
+    "cauliflower": _broccoli,
+    "grape": _heap,
+    "raspberries": _heap,
+    "blackberry": _heap,
+    "raspberry": _heap,
+    "candied_yam": _heap,
+    "olive": _heap,
+    "strawberries": _heap,
+    "lettuce": _head_of_leaves,
+    "head_cabbage": _head_of_leaves,
+    "artichoke": _head_of_leaves,
+    "brussels_sprouts": _head_of_leaves,
+    "ice": _ice_block,
+    "ice_cube": _ice_block,
+    "marshmallow": _marshmallow,
+    "mushroom": _mushroom,
+    "half_apple": _half_apple,
+    "walnut": _walnut,
+    "acorn": _acorn,
+    "star_anise": _star_anise,
+    "egg": _any_egg,
+    "hard_boiled_egg": _any_egg,
+    "easter_egg": _any_egg,
+    "pumpkin": _pumpkin,
+    "strawberry": _strawberry,
+    "watermelon": _watermelon,
+    "apple": _stalked,
+    "cherry": _stalked,
+    "plum": _stalked,
+    "peach": _stalked,
+    "beefsteak_tomato": _crowned,
+    "pomegranate": _crowned,
+    "lemon": _pointed,
+    "lime": _pointed,
+}
+
+
+@shape("food_sphere")
+def round_food(k: Kit) -> None:
+    """Balls with what tells them apart: stems, leaves, stripes, florets, heaps of berries."""
+    k.unit()
+    _ROUND.get(k.name, _round)(k)
+
+
+_LONG = {
+    "banana": _one_banana,
+    "bunch_of_bananas": _bunch_of_bananas,
+    "bell_pepper": _bell_pepper,
+    "pineapple": _pineapple,
+    "asparagus": _asparagus,
+    "green_bean": _asparagus,
+    "green_onion": _asparagus,
+    "celery": _asparagus,
+    "pea_pod": _asparagus,
+    "pear": _pear,
+    "sweet_corn": _sweet_corn,
+    "garlic_clove": _clove,
+    "date": _clove,
+    "chili": _clove,
+    "butternut_squash": _butternut_squash,
+}
+
+
+@shape("food_long")
+def long_food(k: Kit) -> None:
+    """Things that are long: along x or along y, whichever is longer."""
+    k.unit()
+    _LONG.get(k.name, _any_root)(k)
+
+
+_LUMPS = {
+    "chicken": _bird,
+    "turkey": _bird,
+    "duck": _bird,
+    "chicken_wing": _drumstick,
+    "chicken_thigh": _drumstick,
+    "turkey_leg": _drumstick,
+    "quail_leg": _drumstick,
+    "cupcake": _small_cake,
+    "muffin": _small_cake,
+    "pizza": _flat_pie,
+    "quiche": _flat_pie,
+    "cheese_tart": _flat_pie,
+    "bagel": _bagel,
+    "croissant": _croissant,
+    "hamburger": _hamburger,
+    "hotdog": _hotdog,
+    "waffle": _waffle,
+    "kabob": _skewer,
+    "kebab": _skewer,
+    "pretzel": _pretzel,
+}
+
+
+@shape("food_lump")
+def lump(k: Kit) -> None:
+    """Bread, pastry, poultry and dishes."""
+    k.unit()
+    _LUMPS.get(k.name, _bun)(k)

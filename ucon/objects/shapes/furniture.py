@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ucon.objects.kit import BLACK, DARK, GREY, RED, SILVER, WHITE, Kit, shade, shape
+from ucon.objects.kit import BLACK, DARK, GOLD, GREY, RED, SILVER, WHITE, Kit, shade, shape
 from ucon.objects.model import Material
 from ucon.objects.shapes.cabinets import hang_below
 from ucon.objects.shapes.generic import open_box
@@ -27,7 +27,21 @@ def under_all(k: Kit, top: float, inset: float) -> None:
     k.below((-x / 2 + inset, x / 2 - inset), (-y / 2 + inset, y / 2 - inset), top)
 
 
-@shape("breakfast_table", "conference_table", "console_table", "dessert_stand", "stand", "coffee_table")
+@shape("dessert_stand")
+def dessert_stand(k: Kit) -> None:
+    """A white stand with two round-edged tiers."""
+    x, y, z = k.size
+    low = 0.45 * z
+    k.box((-x / 2, x / 2), (-y / 2, y / 2), (low - 0.03, low))
+    legs(k, low - 0.03, 0.04)
+    for s in (-1, 1):
+        k.cyl((-0.015, 0.015), (s * y * 0.24 - 0.015, s * y * 0.24 + 0.015), (low, z - 0.03), GOLD, Material.METAL)
+    k.box((-x * 0.3, x * 0.3), (-y * 0.36, y * 0.36), (z - 0.03, z), shade(k.color, 0.96))
+    k.surface((-x * 0.29, x * 0.29), (-y * 0.35, y * 0.35), z)
+    k.below((-x / 2 + 0.07, x / 2 - 0.07), (-y / 2 + 0.07, y / 2 - 0.07), low - 0.03)
+
+
+@shape("breakfast_table", "conference_table", "console_table", "stand", "coffee_table")
 def table(k: Kit) -> None:
     """A top on four legs; a coffee table and a side table have a low board."""
     x, y, z = k.size
@@ -41,11 +55,6 @@ def table(k: Kit) -> None:
         k.box((-x / 2 + 0.02, x * 0.12), (-y / 2 + 0.03, y / 2 - 0.03), (low - 0.018, low), shade(k.color, 0.9))
         k.space((-x / 2 + 0.03, x * 0.12), (-y / 2 + 0.09, y / 2 - 0.09), (low, z - slab))
         k.below((x * 0.12, x / 2 - 0.01), (-y / 2 + 0.09, y / 2 - 0.09), z - slab)
-    elif k.name == "dessert_stand":
-        for side in (-1, 1):
-            y0 = side * y * 0.22
-            k.cyl((-0.1, 0.1), (y0 - 0.1, y0 + 0.1), (z * 0.5, z * 0.53), WHITE)
-            k.cyl((-0.01, 0.01), (y0 - 0.01, y0 + 0.01), (z * 0.53, z - slab), SILVER)
     else:
         apron = 0.06
         for sx in (-1, 1):

@@ -156,7 +156,7 @@ def _flowers(k: Kit) -> None:
 def wreath(k: Kit) -> None:
     """A ring of green with red berries; a centrepiece stands, with a candle."""
     k.unit()
-    standing = k.name != "centerpiece"
+    standing = k.name != "centerpiece"  # thin along x, for a wall or a door
     for i in range(9):
         a = 2 * pi * i / 9
         u, v = 0.36 * cos(a), 0.36 * sin(a)
@@ -215,8 +215,9 @@ def blanket(k: Kit) -> None:
     x, y, z = k.size
     for i in range(3):
         inset = 0.006 * i
-        k.box((-x / 2 + inset, x / 2 - 0.01 * (i % 2)), (-y / 2 + inset, y / 2 - inset), (i * z / 3, (i + 1) * z / 3 - 0.002 * (i < 2)),
-              shade(k.color, (0.88, 1.0, 0.94)[i]))  # fmt: skip
+        layer = (i * z / 3, (i + 1) * z / 3 - 0.002 * (i < 2))
+        width = (-y / 2 + inset, y / 2 - inset)
+        k.box((-x / 2 + inset, x / 2 - 0.01 * (i % 2)), width, layer, shade(k.color, (0.88, 1.0, 0.94)[i]))
     k.box((x / 2 - 0.012, x / 2), (-y / 2 + 0.01, y / 2 - 0.01), (0, z * 0.66), shade(k.color, 0.8))
     if k.name == "quilt":
         for i in range(3):
@@ -266,13 +267,23 @@ def clothing(k: Kit) -> None:
     """Folded or laid out: dress, top, tie."""
     k.unit()
     if k.name == "necktie":
-        k.cyl((-0.5, 0.5), (-0.5, 0.5), (0, 0.6), k.color, FABRIC)
-        k.rod((-0.3, 0, 0.6), (0.45, 0, 0.7), (0.02, 0.05), shade(k.color, 1.2), FABRIC)
-        k.box((-0.1, 0.14), (-0.3, 0.3), (0.6, 1.0), RED, FABRIC)
+        for i in range(5):
+            half = 0.5 - 0.08 * i
+            k.box((-0.44 + 0.16 * i, -0.28 + 0.16 * i), (-half, half), (0, 0.8), RED if i % 2 else k.color, FABRIC)
+        k.box((-0.5, -0.44), (-0.24, 0.24), (0, 0.8), k.color, FABRIC)
+        k.box((0.36, 0.5), (-0.24, 0.24), (0, 1.0), shade(k.color, 1.2), FABRIC)
     elif k.name == "dress":
-        k.wedge((-0.5, 0.5), (-0.5, 0.5), (0, 0.3), k.color, FABRIC)
-        k.box((-0.5, 0.1), (-0.5, 0.5), (0, 0.7), k.color, FABRIC)
-        k.box((0.1, 0.36), (-0.26, 0.26), (0.1, 0.9), shade(k.color, 0.85), FABRIC)
+        for i in range(4):
+            half = 0.5 - 0.08 * i
+            k.box(
+                (-0.5 + 0.15 * i, -0.35 + 0.15 * i),
+                (-half, half),
+                (0, 0.7),
+                shade(k.color, 0.92 + 0.06 * (i % 2)),
+                FABRIC,
+            )
+        k.box((0.1, 0.14), (-0.27, 0.27), (0, 0.9), WHITE, FABRIC)
+        k.box((0.14, 0.36), (-0.3, 0.3), (0, 0.8), shade(k.color, 0.9), FABRIC)
         for s in (-1, 1):
             c, d = sorted((s * 0.22, s * 0.14))
             k.box((0.36, 0.5), (c, d), (0.2, 1.0), k.color, FABRIC)
@@ -318,10 +329,13 @@ def shoe(k: Kit) -> None:
     """Sole and upper, toe in front; heels and boots rise at the back, sandals have straps."""
     k.unit()
     if k.name == "high_heel":
-        k.wedge((-0.5, 0.2), (-0.45, 0.45), (0, 0.62), k.color, None, flip=True)
-        k.box((0.15, 0.5), (-0.45, 0.45), (0, 0.12), RED)
-        k.ball((0.0, 0.5), (-0.5, 0.5), (0.0, 0.4))
-        k.ball((-0.5, -0.1), (-0.45, 0.45), (0.45, 1.0))
+        wide = 0.8 * k.size[1]
+        k.rod((-0.46, 0, 0.6), (0.2, 0, 0.1), (0.014, wide), RED)
+        k.box((0.14, 0.5), (-0.5, 0.5), (0, 0.09), RED)
+        k.ball((0.06, 0.5), (-0.5, 0.5), (0.06, 0.34))
+        k.rod((-0.42, 0, 0.0), (-0.44, 0, 0.6), 0.012, k.color)
+        k.rod((-0.36, 0, 0.68), (0.12, 0, 0.28), (0.02, wide), k.color)
+        k.box((-0.5, -0.32), (-0.4, 0.4), (0.58, 1.0))
         return
     k.box((-0.5, 0.3), (-0.48, 0.48), (0, 0.2), WHITE if k.name != "hiking_boot" else DARK)
     k.cyl((0.1, 0.5), (-0.5, 0.5), (0, 0.2), WHITE if k.name != "hiking_boot" else DARK)
@@ -473,10 +487,9 @@ def stick(k: Kit) -> None:
         k.rod((-0.25, 0.34, 0.5), (0.45, 0.48, 0.5), 0.05, (210, 180, 120), Material.WOOD)
         k.box((-0.42, -0.08), (-0.5, -0.34), (0.1, 0.9), WHITE)
     elif name == "tennis_racket":
-        for a, b in (((0.0, -0.3), (0.0, 0.3)), ((0.0, 0.3), (0.14, 0.5)), ((0.14, 0.5), (0.36, 0.5)), ((0.36, 0.5), (0.5, 0.3)),
-                     ((0.5, 0.3), (0.5, -0.3)), ((0.5, -0.3), (0.36, -0.5)), ((0.36, -0.5), (0.14, -0.5)),
-                     ((0.14, -0.5), (0.0, -0.3))):  # fmt: skip
-            k.rod((a[0], a[1] * 0.96, 0.5), (b[0], b[1] * 0.96, 0.5), 0.02, RED)
+        rim = ((0.0, -0.3), (0.0, 0.3), (0.14, 0.5), (0.36, 0.5), (0.5, 0.3), (0.5, -0.3), (0.36, -0.5), (0.14, -0.5))
+        for (ax, ay), (bx, by) in zip(rim, (*rim[1:], rim[0]), strict=True):
+            k.rod((ax, ay * 0.96, 0.5), (bx, by * 0.96, 0.5), 0.02, RED)
         k.box((0.02, 0.48), (-0.4, 0.4), (0.42, 0.58), (226, 230, 226))
         k.rod((-0.2, 0, 0.5), (0.02, 0.1, 0.5), 0.015, RED)
         k.rod((-0.2, 0, 0.5), (0.02, -0.1, 0.5), 0.015, RED)

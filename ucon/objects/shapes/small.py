@@ -239,9 +239,12 @@ def _keys(k: Kit) -> None:
 
 
 def _coin(k: Kit) -> None:
+    """Drawn as thick as wide, so that it can be seen at all: a pile of three."""
     color = COPPER if k.name == "penny" else SILVER
-    k.cyl(*FULL, (0.0, 0.9), color, METAL)
-    k.cyl((-0.38, 0.38), (-0.38, 0.38), (0.9, 1.0), shade(color, 0.8), METAL)
+    for i, (dx, dy) in enumerate(((0.04, 0.0), (-0.04, 0.03), (0.02, -0.04))):
+        span = (0.34 * i, 0.34 * i + 0.3)
+        k.cyl((-0.44 + dx, 0.44 + dx), (-0.44 + dy, 0.44 + dy), span, shade(color, 1 - 0.12 * (i % 2)), METAL)
+        k.cyl((-0.38 + dx, 0.38 + dx), (-0.38 + dy, 0.38 + dy), (span[1], span[1] + 0.04), shade(color, 0.6), METAL)
 
 
 def _wallet(k: Kit) -> None:
@@ -495,8 +498,8 @@ def _toy_car(k: Kit) -> None:
         for s in (-1, 1):
             c, d = sorted((s * 0.5, s * 0.36))
             k.cyl((fx - 0.13, fx + 0.13), (c, d), (0, 0.36), BLACK, axis="y")
-    for s in (-0.3, 0.3):
-        k.cyl((0.49, 0.51), (s - 0.1, s + 0.1), (0.32, 0.5), YELLOW, axis="x")
+    for side in (-0.3, 0.3):
+        k.cyl((0.49, 0.51), (side - 0.1, side + 0.1), (0.32, 0.5), YELLOW, axis="x")
 
 
 def _toy_figure(k: Kit) -> None:
@@ -526,9 +529,10 @@ def _dreidel(k: Kit) -> None:
 def _seashell(k: Kit) -> None:
     for i in range(5):
         a = -0.8 + 0.4 * i
-        k.rod((-0.44, 0, 0.4), (0.4 * cos(a), 0.42 * sin(a), 0.5), (0.5 * k.size[2], 0.024), shade((230, 190, 160), 0.9 + 0.06 * i),
-              kind="sphere")  # fmt: skip
-    k.ball((-0.5, 0.46), (-0.46, 0.46), (0, 0.8), (240, 214, 186))
+        tip = (0.4 * cos(a), 0.42 * sin(a), 0.5)
+        color = shade((230, 190, 160), 0.9 + 0.06 * i)
+        k.rod((-0.44, 0, 0.4), tip, (0.5 * k.size[2], 0.024), color, kind="sphere")
+    k.ball((-0.5, 0.3), (-0.3, 0.3), (0, 0.7), (240, 214, 186))
 
 
 def _blocks(k: Kit) -> None:

@@ -262,7 +262,7 @@ def vehicle(k: Kit) -> None:
     rv, truck = k.name == "recreational_vehicle", k.name == "pickup_truck"
     wheel = min(0.36, 0.24 * z + 0.02)
     floor = wheel * 0.7
-    belt = (0.45 if rv else 0.5 if truck else 0.55) * z
+    belt = (0.62 if rv else 0.5 if truck else 0.55) * z
     k.box((-x / 2 + 0.02, x / 2 - 0.02), (-y / 2, y / 2), (floor, belt - 0.14))
     for s in (-1, 1):
         c, d = sorted((s * (x / 2 - 0.02), s * (x / 2 - 0.12)))
@@ -288,17 +288,16 @@ def vehicle(k: Kit) -> None:
 
 @shape("boat")
 def boat(k: Kit) -> None:
-    """A hull pointed at both ends with an open middle."""
+    """A hull pointed at both ends with a dark hollow; a paddle lies on the kayak."""
     k.unit()
-    k.box((-0.3, 0.3), (-0.4, 0.4), (0, 0.2))
-    for s in (-1, 1):
-        c, d = sorted((s * 0.5, s * 0.4))
-        k.box((-0.3, 0.3), (c, d), (0.1, 1 if k.name == "skiff" else 0.85))
-    k.wedge((0.3, 0.5), (-0.4, 0.4), (0.1, 0.9), shade(k.color, 0.9))
-    k.wedge((-0.5, -0.3), (-0.4, 0.4), (0.1, 0.9), shade(k.color, 0.9), flip=True)
-    k.box((-0.06, 0.06), (-0.42, 0.42), (0.5, 0.6), shade(k.color, 0.7))
-    if k.name == "kayak":
-        k.box((-0.3, 0.3), (-0.02, 0.02), (0.95, 1.0), TAN)
+    deck = 0.8
+    k.ball((-0.5, 0.5), (-0.5, 0.5), (0, deck * 1.1))
+    k.box((-0.3, 0.3), (-0.44, 0.44), (0.2, deck), shade(k.color, 0.9))
+    kayak = k.name == "kayak"
+    k.cyl((-0.12, 0.12) if kayak else (-0.34, 0.3), (-0.34, 0.34), (deck, deck + 0.1), (40, 34, 30))
+    k.box((-0.03, 0.03), (-0.44, 0.44), (deck, deck + 0.12), shade(k.color, 0.7))
+    k.rod((-0.3, 0.4, 0.95), (0.36, 0.42, 0.95), 0.03, TAN)
+    k.box((0.3, 0.4), (0.34, 0.5), (0.9, 1.0), TAN)
 
 
 @shape("bicycle")

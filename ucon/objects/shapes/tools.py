@@ -279,8 +279,8 @@ def long_tool(k: Kit) -> None:
 
 
 def _coil(k: Kit) -> None:
-    torus(k, 0.4, 0.22, (0, 0.6), k.color, METAL)
-    torus(k, 0.34, 0.2, (0.4, 1.0), shade(k.color, 0.85), METAL)
+    torus(k, 0.4, 0.22, (0, 0.6), k.color, k.material)
+    torus(k, 0.34, 0.2, (0.4, 1.0), shade(k.color, 0.85), k.material)
 
 
 def _log(k: Kit) -> None:
@@ -357,7 +357,7 @@ def _line(k: Kit) -> None:
 _MISC = {
     "copper_wire": _coil, "log": _log, "firewood": _log, "whitewall_tire": _tire, "ceramic_tile": _tile, "tile": _tile,
     "pallet": _pallet, "mousetrap": _mousetrap, "hook": _hook, "plywood": _plain_wood, "paving_stone": _plain_wood,
-    "rope": _line, "bicycle_chain": _line,
+    "rope": _coil, "bicycle_chain": _line,
 }  # fmt: skip
 
 

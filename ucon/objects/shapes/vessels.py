@@ -104,8 +104,8 @@ def bucket(k: Kit) -> None:
         k.box((-x / 2, -x * 0.44), (-0.03, 0.03), (top * 0.5, top * 0.6), SILVER, Material.METAL)
         k.cyl((x * 0.44, x / 2), (-0.03, 0.03), (top * 0.5, top * 0.6), SILVER, axis="x")
     else:
-        k.path([(0, -y * 0.46, top - 0.02), (0, -y * 0.34, z - 0.01), (0, y * 0.34, z - 0.01), (0, y * 0.46, top - 0.02)],
-               0.012, GREY, Material.METAL)  # fmt: skip
+        bail = [(-0.46, top - 0.02), (-0.34, z - 0.01), (0.34, z - 0.01), (0.46, top - 0.02)]
+        k.path([(0, fy * y, fz) for fy, fz in bail], 0.012, GREY, Material.METAL)
         k.box((-0.03, 0.03), (-0.05, 0.05), (z - 0.022, z), WHITE)
         for s in (-1, 1):
             a, b = sorted((s * x / 2, s * x * 0.44))
@@ -128,8 +128,8 @@ def handle_bag(k: Kit) -> None:
     ix, iy = tub(k, (-x / 2 + 0.004, x / 2 - 0.004), (-y / 2, y / 2), (0, top), 0.006, 0.01, inside=shade(k.color, 0.6))
     for s in (-1, 1):
         xx = s * (x / 2 - 0.006)
-        k.path([(xx, -y * 0.25, top - 0.02), (xx, -y * 0.2, z - 0.005), (xx, y * 0.2, z - 0.005), (xx, y * 0.25, top - 0.02)],
-               0.01, shade(k.color, 0.7), material)  # fmt: skip
+        loop = [(-0.25, top - 0.02), (-0.2, z - 0.005), (0.2, z - 0.005), (0.25, top - 0.02)]
+        k.path([(xx, fy * y, fz) for fy, fz in loop], 0.01, shade(k.color, 0.7), material)
     if k.name == "shoulder_bag":
         k.box((x / 2 - 0.004, x / 2), (-y * 0.5, y * 0.5), (top * 0.5, top * 0.56), shade(k.color, 0.6))
         k.box((x / 2 - 0.004, x / 2), (-0.02, 0.02), (top * 0.42, top * 0.64), (208, 168, 62), Material.METAL)
@@ -245,7 +245,7 @@ def colander(k: Kit) -> None:
         k.box((a, b), (-0.04, 0.04), (z * 0.8, z * 0.88), SILVER, Material.METAL)
 
 
-@shape("pan")
+@shape("pan", "copper_pot")
 def pan(k: Kit) -> None:
     """A round pan with a long handle towards the front."""
     x, y, z = k.size
@@ -408,8 +408,8 @@ def tray(k: Kit) -> None:
     deep = k.name == "roasting_pan"
     rim = 0.006 if deep else 0.012
     floor = 0.006
-    ix, iy = tub(k, (-x / 2, x / 2), (-y / 2 + (0.03 if deep else 0), y / 2 - (0.03 if deep else 0)), (0, z), rim, floor,
-                 inside=shade(k.color, 0.8))  # fmt: skip
+    half = y / 2 - (0.03 if deep else 0.0)
+    ix, iy = tub(k, (-x / 2, x / 2), (-half, half), (0, z), rim, floor, inside=shade(k.color, 0.8))
     for s in (-1, 1):
         if deep or k.name == "tray":
             edge = (y / 2, y / 2 - 0.03) if deep else (y / 2 - 0.001, y / 2 - 0.011)
