@@ -8,9 +8,10 @@ import pytest
 
 from ucon.core.errors import DataError
 from ucon.objects.catalogue import catalogue
-from ucon.scenes.layout import block_plan, shared_wall
+from ucon.scenes.layout import block_plan
 from ucon.scenes.procedural import procedural_program
 from ucon.scenes.program import KINDS, HomeProgram, check_program, scene_programs, type_stats
+from ucon.scenes.tidy import shared_wall
 
 
 @pytest.mark.parametrize("scene", list(scene_programs()))

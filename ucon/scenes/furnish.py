@@ -7,7 +7,6 @@ decides how tables are used. Must-haves come before extras, and what finds no pl
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
 
 import numpy as np
 
@@ -15,13 +14,13 @@ from ucon.core.rng import stream
 from ucon.objects.catalogue import catalogue
 from ucon.objects.model import Vec3
 from ucon.scenes import groups as g
-from ucon.scenes.canvas import Canvas, Group, Piece
+from ucon.scenes.canvas import Group, Piece
+from ucon.scenes.counters import CounterPlacer
 
 WORK_ROOMS = ("private_office", "bedroom", "childs_room", "phone_room", "shared_office", "lobby", "garage")
 SEAT_ROOMS = ("dining_room", "kitchen", "break_room", "meeting_room", "conference_hall", "garden", "playroom", "bar")
 TABLES = ("conference_table", "breakfast_table", "pedestal_table", "desk")
 SEATS = ("straight_chair", "armchair", "swivel_chair", "taboret", "garden_chair", "eames_chair")
-RUN = ("fridge", "bottom_cabinet_no_top", "countertop", "dishwasher", "stove", "oven", "burner", "metal_bottom_cabinet")
 BED_SIZES: tuple[Vec3, ...] = ((2.0, 1.6, 0.9), (2.0, 1.4, 0.9), (1.95, 1.2, 0.85), (1.9, 0.95, 0.8))
 NIGHTSTAND: dict[str, Vec3] = {
     "nightstand": (0.42, 0.5, 0.55),
@@ -42,101 +41,10 @@ SMALL_CARPETS: dict[str, tuple[Vec3, ...]] = {
 }
 """Mats and runners."""
 AISLE_M = 1.3
-HALL_M2, SPREAD_M = 40.0, 9.0
-"""In halls tables spread out over the floor instead of crowding in the middle."""
 
 
-class Furnisher:
-    """Fills one canvas. ``wants`` shrinks as things are placed; what is left at the end found no place."""
-
-    def __init__(self, canvas: Canvas, room_type: str, wants: Mapping[str, int], seed: int, name: str) -> None:
-        self.canvas = canvas
-        self.type = room_type
-        self.wants: Counter[str] = Counter({k: wants[k] for k in sorted(wants) if k in catalogue()})
-        self.seed, self.name = seed, name
-        self.tint = int(stream(seed, "tint", name).integers(0, 6))
-
-    # -- placing helpers --------------------------------------------------------------------------------------
-
-    def take(self, category: str, n: int = 1) -> None:
-        """Cross ``n`` off the list."""
-        self.wants[category] -= n
-        if self.wants[category] <= 0:
-            del self.wants[category]
-
-    def noise(self, key: str, n: int, scale: float) -> np.ndarray:
-        """Seeded noise for the poses of one group."""
-        return stream(self.seed, "pose", self.name, key).uniform(0.0, scale, n)
-
-    def wall(
-        self,
-        group: Group,
-        key: str,
-        prefer: str = "any",
-        walls: tuple[int, ...] = (0, 1, 2, 3),
-        gap_m: float = g.WALL_GAP_M,
-    ) -> bool:
-        """Place a group at a wall, preferring its middle, its corners, or anywhere."""
-        poses = self.canvas.wall_poses(group, walls, gap_m)
-        if not len(poses):
-            return False
-        cost = self.noise(key, len(poses), 0.8)
-        along = np.where(poses[:, 2] % 2 == 0, poses[:, 1], poses[:, 0])
-        for wall in walls:
-            rows = poses[:, 2] == wall
-            if not rows.any():
-                continue
-            low, high = along[rows].min(), along[rows].max()
-            cost[rows] += float(self.noise(f"{key}/{wall}", 1, 1.5)[0])
-            if prefer == "corner":
-                cost[rows] += 3.0 * np.minimum(along[rows] - low, high - along[rows])
-            elif prefer == "middle":
-                cost[rows] += 1.5 * np.abs(along[rows] - (low + high) / 2)
-            elif prefer == "edge":
-                cost[rows] += 1.0 * np.minimum(along[rows] - low, high - along[rows])
-        same = [i.position for i in self.canvas.items if i.category == group.pieces[0].category]
-        if same and prefer in ("corner", "edge") and not key.startswith("run/"):  # spread plants and lamps out
-            apart = np.hypot(poses[:, None, 0] - [p[0] for p in same], poses[:, None, 1] - [p[1] for p in same]).min(1)
-            cost -= 0.6 * np.minimum(apart, 2.0)
-        if prefer == "middle":
-            cost -= 0.35 * self._door_distance(poses)
-        return self.canvas.try_place(group, poses, cost)
-
-    def _door_distance(self, poses: np.ndarray) -> np.ndarray:
-        nodes = self.canvas.door_nodes
-        if not nodes:
-            return np.zeros(len(poses))
-        xy = np.array([(self.canvas.nodes_x[i], self.canvas.nodes_y[j]) for i, j in nodes])
-        return np.hypot(poses[:, None, 0] - xy[:, 0], poses[:, None, 1] - xy[:, 1]).min(1)
-
-    def middle(
-        self, group: Group, key: str, target: tuple[float, float] | None = None, turns: tuple[int, ...] = (0, 1)
-    ) -> bool:
-        """Place a group on the floor, near ``target`` or the middle of the room."""
-        poses = self.canvas.free_poses(turns)
-        x0, y0, x1, y1 = self.canvas.inner
-        tx, ty = target or ((x0 + x1) / 2, (y0 + y1) / 2)
-        spread = SPREAD_M if (x1 - x0) * (y1 - y0) > HALL_M2 and key.startswith("table/") else 0.4
-        cost = np.hypot(poses[:, 0] - tx, poses[:, 1] - ty) + self.noise(key, len(poses), spread)
-        return self.canvas.try_place(group, poses, cost)
-
-    def facing(self, group: Group, key: str, target: tuple[float, float], apart_m: float) -> bool:
-        """Place a seat so that it looks at ``target`` from about ``apart_m``."""
-        poses = self.canvas.free_poses((0, 1, 2, 3))
-        dx, dy = target[0] - poses[:, 0], target[1] - poses[:, 1]
-        away = np.hypot(dx, dy)
-        turn = poses[:, 2].astype(int)
-        look = (np.array([1, 0, -1, 0])[turn] * dx + np.array([0, 1, 0, -1])[turn] * dy) / np.maximum(away, 0.1)
-        cost = np.abs(away - apart_m) + 3.0 * (1 - look) + self.noise(key, len(poses), 0.3)
-        keep = look > 0.7
-        return self.canvas.try_place(group, poses[keep], cost[keep])
-
-    def place_each(self, category: str, group: Group, prefer: str, key: str = "", limit: int = 99) -> None:
-        """Place all wanted items of a category at walls."""
-        for k in range(min(self.wants[category], limit)):
-            if not self.wall(group, f"{key}{category}/{k}", prefer):
-                break
-            self.take(category)
+class Furnisher(CounterPlacer):
+    """Fills one canvas; what is left in ``wants`` at the end found no place."""
 
     # -- the order of work ------------------------------------------------------------------------------------
 
@@ -155,81 +63,6 @@ class Furnisher:
         self.small_floor()
         self.carpets()
         return self.wants
-
-    def counters(self) -> None:
-        """Counter runs: straight where they fit, else around a corner, else piece by piece."""
-        w = self.wants
-        kitchen = bool(w["fridge"] or w["oven"] or w["stove"] or w["dishwasher"]) or self.type in (
-            "kitchen",
-            "pantry_room",
-        )
-        if not kitchen and not w["bottom_cabinet_no_top"]:
-            return
-        units = self._units(kitchen)
-        if not units:
-            return
-        slabs = w["countertop"] > 0
-        tops = ["range_hood"] * w["range_hood"] + ["top_cabinet"] * w["top_cabinet"]
-        self._place_run(units, slabs, tops, 0)
-
-    def _units(self, kitchen: bool) -> list[g.Unit]:
-        w = self.wants
-        depth = g.RUN_DEPTH_M
-        wide = 0.6 if self.canvas.wall_length(0) * self.canvas.wall_length(1) < 16 else 0.7
-        cab: g.Unit = ("bottom_cabinet_no_top", (depth, wide, 0.86))
-        sink: g.Unit = ("sink", (depth, 0.62, 0.9))
-        wash: list[g.Unit] = [sink] * (w["sink"] if w["bottom_cabinet_no_top"] or kitchen else 0)
-        wash += [("dishwasher", (depth, 0.6, 0.83))] * w["dishwasher"]
-        heat: list[g.Unit] = [("stove", (depth, 0.68, 0.9))] * w["stove"] + [("oven", (depth, 0.6, 0.88))] * w["oven"]
-        cabs = [cab] * w["bottom_cabinet_no_top"]
-        if kitchen and not cabs:
-            cabs = [("bottom_cabinet", (depth, 0.7, 0.85))] * w["bottom_cabinet"]
-        if w["countertop"] > 0 and not w["bottom_cabinet_no_top"]:
-            cabs += [("countertop", (0.62, 1.0, g.COUNTER_M))] * min(2, w["countertop"])
-        cabs += [("metal_bottom_cabinet", (0.62, 1.2, 0.9))] * w["metal_bottom_cabinet"]
-        a, b = len(cabs) // 3, len(cabs) - len(cabs) // 3
-        fridges: list[g.Unit] = [("fridge", g.size_of("fridge"))] * w["fridge"]
-        return fridges + cabs[:a] + wash + cabs[a : (a + b) // 2 + a // 2] + heat + cabs[(a + b) // 2 + a // 2 :]
-
-    def _count(self, group: Group) -> None:
-        for piece in group.pieces:
-            if self.wants[piece.category] > 0:
-                self.take(piece.category)
-
-    def _place_run(self, units: list[g.Unit], slabs: bool, tops: list[str], depth: int) -> None:
-        length = sum(u[1][1] + g.SIDE_M for u in units)
-        key = f"run/{depth}/{len(units)}/{units[0][0]}"
-        longest = max(self.canvas.wall_length(0), self.canvas.wall_length(1))
-        if length <= longest - 0.3:
-            left = list(tops)
-            group = g.counter_run(units, slabs, left, self.tint)
-            if self.wall(group, key, "corner"):
-                self._count(group)
-                tops[:] = left
-                return
-        if len(units) >= 3 and slabs and self._corner_run(units, slabs, tops, key):
-            return
-        if len(units) > 1:
-            half = len(units) // 2
-            self._place_run(units[:half], slabs, tops, 2 * depth + 1)
-            self._place_run(units[half:], slabs, tops, 2 * depth + 2)
-
-    def _corner_run(self, units: list[g.Unit], slabs: bool, tops: list[str], key: str) -> bool:
-        x0, y0, x1, y1 = self.canvas.inner
-        e = g.WALL_GAP_M
-        poses = np.array([(x0 + e, y0 + e, 0), (x1 - e, y0 + e, 1), (x1 - e, y1 - e, 2), (x0 + e, y1 - e, 3)])
-        splits = sorted(range(1, len(units)), key=lambda k: abs(2 * k - len(units)))
-        for split in splits[:5]:
-            for flip in (False, True):
-                first, second = units[:split][::-1], units[split:]
-                left = list(tops)
-                pair = (second, first) if flip else (first, second)
-                group = g.counter_corner(pair[0], pair[1], slabs, left, self.tint)
-                if self.canvas.try_place(group, poses, self.noise(f"{key}/{split}/{flip}", 4, 1.0)):
-                    self._count(group)
-                    tops[:] = left
-                    return True
-        return False
 
     def bath(self) -> None:
         """Tub and shower in corners, then the rest along the walls, a mirror above every sink."""
@@ -490,17 +323,6 @@ class Furnisher:
                 if not done:
                     break
                 self.take(category)
-
-    def _islands(self, rest: list[str]) -> None:
-        """Lines of appliances in the middle of a large kitchen."""
-        if self.type != "kitchen" or self.canvas.wall_length(0) * self.canvas.wall_length(1) < 30:
-            return
-        units = [(c, g.size_of(c)) for c in sorted(rest) for _ in range(self.wants[c])]
-        for k in range(0, len(units) - 1, 4):
-            group = g.counter_run(units[k : k + 4], False, [], self.tint)
-            group.margin_m = 0.6
-            if self.middle(group, f"island/{k}", turns=(0, 1, 2, 3)):
-                self._count(group)
 
     def small_floor(self) -> None:
         """Lamps, plants and bins in corners."""

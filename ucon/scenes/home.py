@@ -14,10 +14,11 @@ from ucon.scenes.colors import floor_of, wall_colors
 from ucon.scenes.enrich import enriched
 from ucon.scenes.fixtures import LIGHTS, Fixer, door_frame
 from ucon.scenes.furnish import Furnisher
-from ucon.scenes.layout import Plan, lay_out
+from ucon.scenes.layout import lay_out
 from ucon.scenes.openings import cut_openings
 from ucon.scenes.program import HomeProgram, RoomProgram
 from ucon.scenes.spec import GRID_M, HomeSpec, Item, Opening, Room
+from ucon.scenes.tidy import Plan
 
 N_TRIES = 3
 OUTDOOR_HEIGHT_M = 20.0

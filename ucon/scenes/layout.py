@@ -8,7 +8,7 @@ best is kept; if none works out, :func:`block_plan` always does. All lengths her
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,9 +16,7 @@ from ucon.core.errors import SceneError
 from ucon.core.rng import stream
 from ucon.scenes.program import HomeProgram, RoomProgram
 from ucon.scenes.spec import GRID_M
-
-Rect = tuple[int, int, int, int]
-"""x0, y0, x1, y1 in cells."""
+from ucon.scenes.tidy import Plan, Rect, pad, plan_cost, shared_wall, trim_corridors
 
 #: A room of 1.25 x 1.5 m would keep three nodes beside a shelf; small rooms are raised so that five always remain.
 MIN_SIDES_M = {"bathroom": (2.0, 2.25), "corridor": (1.5, 2.5), "entryway": (1.75, 2.0)}
@@ -30,26 +28,6 @@ GAP_CELLS = {"doorway": 4, "opening_1.2": 5, "opening_1.5": 6, "opening_2.0": 8}
 N_PLANS = 12
 MANY_ROOMS = 12
 """Larger homes draw twice as many plans."""
-WALK_CELLS = 130
-"""Plans with longer walks than this (32.5 m) are worse."""
-
-
-@dataclass
-class Plan:
-    """Names, types and rectangles of the placed rooms, and (room, room, joint) for every opening."""
-
-    names: list[str] = field(default_factory=list)
-    rects: list[Rect] = field(default_factory=list)
-    edges: list[tuple[str, str, str]] = field(default_factory=list)
-
-    def rect(self, name: str) -> Rect:
-        """Rectangle of a room by name."""
-        return self.rects[self.names.index(name)]
-
-    def add(self, name: str, rect: Rect) -> None:
-        """Append a room."""
-        self.names.append(name)
-        self.rects.append(rect)
 
 
 def lay_out(program: HomeProgram, seed: int, name: str) -> Plan:
@@ -63,9 +41,9 @@ def lay_out(program: HomeProgram, seed: int, name: str) -> Plan:
         plan = _grow(program, seed, attempt)
         if plan is None:
             continue
-        _trim_corridors(plan, program)
-        _pad(plan, program)
-        cost = _cost(plan, program)
+        trim_corridors(plan, program)
+        pad(plan, program)
+        cost = plan_cost(plan, program)
         if best is None or cost < best[0]:
             best = cost, plan
     plan = best[1] if best else block_plan(program)
@@ -73,19 +51,6 @@ def lay_out(program: HomeProgram, seed: int, name: str) -> Plan:
         if shared_wall(plan.rect(a), plan.rect(b)) is None:
             raise SceneError(f"{name}: no wall between {a} and {b} for a {joint}; report this seed")
     return plan
-
-
-def shared_wall(a: Rect, b: Rect) -> tuple[int, int, int, int] | None:
-    """(axis, coordinate, lo, hi) of the wall that two rooms share, or None."""
-    for axis in (0, 1):
-        lo = max(a[1 - axis], b[1 - axis])
-        hi = min(a[3 - axis], b[3 - axis])
-        if hi > lo:
-            if a[2 + axis] == b[axis]:
-                return axis, b[axis], lo, hi
-            if b[2 + axis] == a[axis]:
-                return axis, a[axis], lo, hi
-    return None
 
 
 def _raise_small_rooms(program: HomeProgram) -> HomeProgram:
@@ -279,118 +244,6 @@ def _contact(rects: np.ndarray, placed: np.ndarray) -> np.ndarray:
         high = np.minimum(rects[:, None, 2 + other], placed[None, :, 2 + other])
         contact += (touch * np.clip(high - low, 0, None)).sum(1)
     return contact
-
-
-def _needed(plan: Plan, index: int) -> list[tuple[int, int, int]]:
-    """(axis, lo, hi) of wall that the openings of a room need."""
-    name = plan.names[index]
-    found = []
-    for a, b, _joint in plan.edges:
-        if name in (a, b):
-            wall = shared_wall(plan.rect(a), plan.rect(b))
-            if wall:
-                found.append((wall[0], wall[2], wall[3]))
-    return found
-
-
-def _trim_corridors(plan: Plan, program: HomeProgram) -> None:
-    """Cut off the ends of corridors that lead nowhere."""
-    types = {room.name: room.type for room in program.rooms}
-    for index, name in enumerate(plan.names):
-        if types.get(name.removesuffix("_b"), "") != "corridor":
-            continue
-        rect = list(plan.rects[index])
-        axis = 0 if rect[2] - rect[0] >= rect[3] - rect[1] else 1
-        spans = []
-        for along, lo, hi in _needed(plan, index):
-            if along == 1 - axis:  # a room at a long side
-                spans.append((lo, hi))
-            else:  # a room at an end keeps that end
-                end = rect[axis], rect[2 + axis]
-                walls = [shared_wall(plan.rect(a), plan.rect(b)) for a, b, _ in plan.edges if name in (a, b)]
-                spans += [(w[1], w[1]) for w in walls if w and w[0] == axis and w[1] in end]
-        lo, hi = min(s[0] for s in spans), max(s[1] for s in spans)
-        if hi - lo >= 8:
-            rect[axis], rect[2 + axis] = lo, hi
-            plan.rects[index] = (rect[0], rect[1], rect[2], rect[3])
-
-
-def _pad(plan: Plan, program: HomeProgram) -> None:
-    """Push walls out by up to 1 m where that closes a gap to another room or to the outline."""
-    types = {room.name: room.type for room in program.rooms}
-    for reach in (2, 4):
-        for index in sorted(range(len(plan.names)), key=lambda i: _area(plan.rects[i])):
-            kind = types.get(plan.names[index].removesuffix("_b"), "")
-            if kind in ("garden", "corridor"):
-                continue
-            for side in range(4):
-                _push(plan, index, side, reach)
-
-
-def _area(rect: Rect) -> int:
-    return (rect[2] - rect[0]) * (rect[3] - rect[1])
-
-
-def _push(plan: Plan, index: int, side: int, reach: int) -> None:
-    rect = plan.rects[index]
-    axis, forward = side % 2, side >= 2
-    others = [r for i, r in enumerate(plan.rects) if i != index]
-    edge = max(r[side] for r in plan.rects) if forward else min(r[side] for r in plan.rects)
-    targets = [edge] + [r[axis] if forward else r[2 + axis] for r in others]
-    limit = min(reach, max(2, (rect[2 + axis] - rect[axis]) // 4))
-    gaps = sorted({(t - rect[side]) if forward else (rect[side] - t) for t in targets})
-    for gap in gaps:
-        if not 0 < gap <= limit:
-            continue
-        grown = list(rect)
-        grown[side] += gap if forward else -gap
-        clash = any(grown[0] < r[2] and grown[2] > r[0] and grown[1] < r[3] and grown[3] > r[1] for r in others)
-        touches = any(
-            (r[axis] if forward else r[2 + axis]) == grown[side]
-            and min(grown[3 - axis], r[3 - axis]) > max(grown[1 - axis], r[1 - axis])
-            for r in others
-        )
-        if not clash and (touches or grown[side] == edge):
-            plan.rects[index] = (grown[0], grown[1], grown[2], grown[3])
-            return
-
-
-def _cost(plan: Plan, program: HomeProgram) -> float:
-    """Lower is better: outline, voids, corridor length, stretched outlines."""
-    rects = np.array(plan.rects)
-    size = rects[:, 2:].max(0) - rects[:, :2].min(0)
-    used = float((rects[:, 2:] - rects[:, :2]).prod(1).sum())
-    outline = float(size.prod())
-    ratio = float(size.max() / size.min())
-    reach = longest_walk(plan)
-    return (outline - used) * 1.0 + 0.2 * outline + 60.0 * max(0.0, ratio - 1.6) + 12.0 * max(0.0, reach - WALK_CELLS)
-
-
-def longest_walk(plan: Plan) -> float:
-    """Longest shortest walk between room corners through the openings, in cells, furniture aside."""
-    doors: dict[str, list[int]] = {name: [] for name in plan.names}
-    points: list[tuple[float, float]] = []
-    for a, b, _ in plan.edges:
-        wall = shared_wall(plan.rect(a), plan.rect(b))
-        if wall is not None:
-            middle = (wall[2] + wall[3]) / 2
-            doors[a].append(len(points))
-            doors[b].append(len(points))
-            points.append((wall[1], middle) if wall[0] == 0 else (middle, wall[1]))
-    xy = np.array(points)  # (m, 2)
-    walk = np.full((len(points), len(points)), np.inf)
-    for members in doors.values():
-        part = xy[members]
-        walk[np.ix_(members, members)] = np.abs(part[:, None] - part[None]).sum(-1)
-    for k in range(len(points)):
-        walk = np.minimum(walk, walk[:, k, None] + walk[None, k])
-    reach = np.zeros(len(points))  # from each opening to the far corner of the rooms it leads to
-    for name, members in doors.items():
-        x0, y0, x1, y1 = plan.rect(name)
-        for k in members:
-            far = max(xy[k, 0] - x0, x1 - xy[k, 0]) + max(xy[k, 1] - y0, y1 - xy[k, 1])
-            reach[k] = max(reach[k], far)
-    return float((walk + reach[:, None] + reach[None]).max())
 
 
 def block_plan(program: HomeProgram) -> Plan:

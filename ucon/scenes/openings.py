@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from ucon.core.errors import SceneError
 from ucon.core.rng import stream
-from ucon.scenes.layout import GAP_CELLS, Plan, Rect, shared_wall
+from ucon.scenes.layout import GAP_CELLS
 from ucon.scenes.spec import GRID_M, LINTEL_M, Opening
+from ucon.scenes.tidy import Plan, Rect, shared_wall
 
 CORNER_CELLS = 2
 """Openings keep 0.5 m from room corners where the wall is long enough."""
