@@ -80,10 +80,10 @@ def test_damaged_file(tmp_path: Path) -> None:
     with pytest.raises(DataError, match="cannot be read"):
         read_catalogue(path)
     path.write_text("\n".join([*LINES[:6], LINES[6][:20]]), encoding="utf-8")
-    with pytest.raises(DataError, match=":7: .* fields, expected"):
+    with pytest.raises(DataError, match=r":7: .* fields, expected"):
         read_catalogue(path)
     path.write_text("\n".join([*LINES[:6], LINES[3]]), encoding="utf-8")
-    with pytest.raises(DataError, match=":7: category .* twice"):
+    with pytest.raises(DataError, match=r":7: category .* twice"):
         read_catalogue(path)
     path.write_text("name,size\n", encoding="utf-8")
     with pytest.raises(DataError, match=":1: columns are name, size"):

@@ -6,8 +6,10 @@ import time
 
 import numpy as np
 import pytest
+from rays import planes
 
 from ucon.core.errors import ConfigError
+from ucon.core.geometry import matrix_from_rpy
 from ucon.objects import build_model, catalogue
 from ucon.objects.bounds import part_box, union_box
 from ucon.objects.kit import SHAPES
@@ -38,10 +40,6 @@ def blocking(model: ObjectModel, space: Box3) -> list[tuple[str, float]]:
         if part.shape == "box" and part.rpy_rad == (0.0, 0.0, 0.0):
             found.append((str(part), depth))
             continue
-        from rays import planes
-
-        from ucon.core.geometry import matrix_from_rpy
-
         normals, offsets = planes(part)
         local = (points - np.array(part.center)) @ matrix_from_rpy(part.rpy_rad)
         if ((local @ normals.T) <= offsets - SLACK).all(1).any():

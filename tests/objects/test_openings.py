@@ -13,7 +13,6 @@ from ucon.objects.model import Compartment, ObjectModel
 
 OPENABLE = tuple(row.name for row in catalogue() if row.openable)
 EYE_M = 1.25
-WIDTHS = (None, 0.55, 1.5)
 
 
 def model_at(name: str, width: float) -> ObjectModel:
@@ -58,7 +57,6 @@ def test_closed_hides_everything(name: str, width: float) -> None:
 def test_open_shows_what_lies_there(name: str, width: float) -> None:
     """A 6 cm cube on the floor of a compartment shows a face to some standing place, nearly wherever it lies."""
     model = model_at(name, width)
-    x, y, _ = model.size
     heights = [base_height(name)]
     if catalogue()[name].mount == "surface":
         heights = [0.0, 0.75]
@@ -89,7 +87,7 @@ def visible_share(model: ObjectModel, c: Compartment, xy: Array, half: Array, he
         marks = np.array([(sx, sy, sz) for sx in (0.9, 0.0) for sy in (-0.8, 0.0, 0.8) for sz in (1.0, 1.96)])
         cube = np.array([*spot, c.box[2]]) + marks * [half[0], half[1], half[2]]
         cube = cube @ turn.T + shift
-        eyes = ahead + [x / 2, cube[0, 1], 0.0]
+        eyes = ahead + np.array([x / 2, cube[0, 1], 0.0])
         if lidded:  # One can walk around it.
             left = ahead[:, [1, 0, 2]] + [cube[0, 0], y / 2, 0.0]
             right = ahead[:, [1, 0, 2]] * [1, -1, 1] + [cube[0, 0], -y / 2, 0.0]
