@@ -87,7 +87,7 @@ def below_hanging(request: Request, rect: Array, ceiling_m: float) -> Iterator[S
     rows = [
         r
         for r in _rows_near(scene, reach)
-        if scene.levels.box[r, 2] < min(box[5], ceiling_m) and scene.levels.kind[r] != COMPARTMENT
+        if scene.levels.box[r, 2] < min(box[5], ceiling_m) and not scene.levels.hides[r]
     ]
     rows.sort(key=lambda r: (scene.levels.kind[r] == FLOOR, -scene.levels.box[r, 2]))
     if request.row.mount == "floor":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import islice
@@ -29,7 +30,7 @@ _SAMPLERS: dict[str, Callable[[Request], Iterator[Slot]]] = {
     "nextto": nextto.candidates,
 }
 _MAX_SLOTS = 60
-_MAX_SETTLES = 12
+_MAX_FALLS = 6
 
 
 def place(
@@ -79,8 +80,11 @@ def with_object(house: House, arrangement: Arrangement, placed: PlacedObject) ->
 def _first(request: Request, relation: Relation) -> PlacedObject:
     """The first slot at which the object settles and the relation holds."""
     reason: Reason = "no_free_slot"
-    settles = 0
+    falls: Counter[float] = Counter()
     for slot in islice(_SAMPLERS[relation](request), _MAX_SLOTS):
+        upright = round(float(slot.pose.turn[2, 2]), 3)
+        if falls[upright] >= _MAX_FALLS:
+            continue  # It does not stand this way; lying down it may.
         if not can_spare(request.scene, nodes_taken(request.scene, slot.box)):
             reason = "blocks_path"
             continue
@@ -90,9 +94,7 @@ def _first(request: Request, relation: Relation) -> PlacedObject:
         if isinstance(settled, Settled) and _is_right(request, relation, settled):
             return placed_object(request, relation, settled)
         reason = "unstable"
-        settles += 1
-        if settles >= _MAX_SETTLES:
-            break
+        falls[upright] += 1
     raise RefusedError(reason, f"no place found for {request.category} {relation} {request.anchor_name}")
 
 
