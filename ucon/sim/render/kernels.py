@@ -10,9 +10,6 @@ from typing import Any, TypeAlias, TypeVar, cast
 
 import numpy as np
 from numba import njit
-from numba.core import cgutils
-from numba.extending import intrinsic
-from numba.np.arrayobj import make_array
 from numpy.typing import NDArray
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -31,20 +28,10 @@ def jit(function: _Function) -> _Function:
     return cast(_Function, compiled)
 
 
-def _borrowed(_context: Any, array: Any) -> Any:
-    """The same array without its reference count.
+def leaf(function: _Function) -> _Function:
+    """Like :func:`jit` for a kernel that allocates nothing: it counts no references to the arrays it is given.
 
-    Counting references (atomically, at each view and each call) would cost more than drawing a small part. The owner
-    must outlive the borrower, which holds for the arguments and locals of a kernel that calls helpers.
+    Counting (atomically, for each array at each call and view) would cost more than drawing a small part.
     """
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        view = make_array(signature.args[0])(context, builder, arguments[0])
-        view.meminfo = cgutils.get_null_value(view.meminfo.type)
-        view.parent = cgutils.get_null_value(view.parent.type)
-        return view._getvalue()
-
-    return array(array), generate
-
-
-borrowed: Any = intrinsic(_borrowed)
+    compiled: Any = njit(cache=True, nogil=True, error_model="numpy", _nrt=False)(function)
+    return cast(_Function, compiled)

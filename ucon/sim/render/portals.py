@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ucon.sim.render.kernels import F32, F64, jit
+from ucon.sim.render.kernels import F32, F64, jit, leaf
 
 _MARGIN_PX = 0.05
 _MARGIN_M = 1e-4
@@ -25,7 +25,7 @@ _AHEAD_M = 1e-3
 """Portals are cut this far in front of the camera before they are projected."""
 
 
-@jit
+@leaf
 def room_at(rooms: F32, x: float, y: float) -> int:
     """Room whose rectangle contains a point, -1 outside of all."""
     for r in range(rooms.shape[0]):
@@ -66,7 +66,7 @@ def visible_rooms(rooms: F32, portals: F64, frame: F32, view: Any, own: int, win
                         pending = True
 
 
-@jit
+@leaf
 def _through(rooms: F32, portal: F64, frame: F32, view: Any, beyond: int, corners: F64, seen: F64) -> bool:
     """Rectangle in which an opening appears, into ``seen``; False where it is not seen from this side."""
     axis = int(portal[0])
@@ -88,7 +88,7 @@ def _through(rooms: F32, portal: F64, frame: F32, view: Any, beyond: int, corner
     return _project(corners, view, seen)
 
 
-@jit
+@leaf
 def _project(corners: F64, view: Any, seen: F64) -> bool:
     """Bounds in the picture of a quadrilateral given by (right, up, ahead), cut in front of the camera."""
     seen[0], seen[1], seen[2], seen[3] = 1e9, 1e9, -1e9, -1e9
@@ -102,26 +102,27 @@ def _project(corners: F64, view: Any, seen: F64) -> bool:
     return seen[0] <= seen[2]
 
 
-@jit
+@leaf
 def _include(right: float, up: float, ahead: float, view: Any, seen: F64) -> None:
     x, y = view[3] + right * view[2] / ahead, view[4] - up * view[2] / ahead
     seen[0], seen[1] = min(seen[0], x - _MARGIN_PX), min(seen[1], y - _MARGIN_PX)
     seen[2], seen[3] = max(seen[2], x + _MARGIN_PX), max(seen[3], y + _MARGIN_PX)
 
 
-@jit
+@leaf
 def _clip(window: F64, seen: F64) -> None:
     seen[0], seen[1] = max(seen[0], window[0]), max(seen[1], window[1])
     seen[2], seen[3] = min(seen[2], window[2]), min(seen[3], window[3])
 
 
-@jit
+@leaf
 def _grow(window: F64, seen: F64) -> bool:
     """Widen a window by a rectangle; whether it grew."""
     if seen[0] >= seen[2] or seen[1] >= seen[3]:
         return False
     if window[0] >= window[2]:
-        window[:] = seen
+        for k in range(4):
+            window[k] = seen[k]
         return True
     grown = seen[0] < window[0] or seen[1] < window[1] or seen[2] > window[2] or seen[3] > window[3]
     window[0], window[1] = min(window[0], seen[0]), min(window[1], seen[1])

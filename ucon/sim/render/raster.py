@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ucon.sim.render.kernels import F32, F64, I32, borrowed, jit
+from ucon.sim.render.kernels import F32, F64, I32, jit, leaf
 from ucon.sim.render.portals import room_at, room_order, visible_rooms
 from ucon.sim.render.shapes import INDEX, MOST_CORNERS, MOST_SIDES
 
@@ -28,7 +28,7 @@ _SLACK = np.float32(-1e-4)
 CAMERA_FIELDS = ("x", "y", "z", "cos_yaw", "sin_yaw", "cos_pitch", "sin_pitch", "tan_half", "sample_x", "sample_y")
 
 
-@jit
+@leaf
 def camera_frame(camera: F64, frame: F32) -> None:
     """Rows of ``frame`` (4, 3): right, up, forward, position."""
     c, s, cp, sp = camera[3], camera[4], camera[5], camera[6]
@@ -38,7 +38,7 @@ def camera_frame(camera: F64, frame: F32) -> None:
     frame[3, 0], frame[3, 1], frame[3, 2] = camera[0], camera[1], camera[2]
 
 
-@jit
+@leaf
 def _frustum(frame: F32, view: Any, window: F64, planes: F32) -> None:
     """Inward normals of near, left, right, top and bottom of a rectangle of the picture, all through the camera."""
     left, right = np.float32((window[0] - view[3]) / view[2]), np.float32((window[2] - view[3]) / view[2])
@@ -51,7 +51,7 @@ def _frustum(frame: F32, view: Any, window: F64, planes: F32) -> None:
         planes[4, k] = frame[1, k] - bottom * frame[2, k]
 
 
-@jit
+@leaf
 def _outside(boxes: F32, i: int, planes: F32, frame: F32) -> bool:
     """Whether a box lies wholly behind one of the planes."""
     x0, y0, z0 = boxes[i, 0] - frame[3, 0], boxes[i, 1] - frame[3, 1], boxes[i, 2] - frame[3, 2]
@@ -97,35 +97,39 @@ def rasterise(
     room_order(rooms, camera[0], camera[1], order)
     planes = np.empty((5, 3), np.float32)
     scratch = np.empty((7, max(MOST_CORNERS, 2 * MOST_SIDES, height)), np.float32)
-    groups, group_boxes, part_boxes = borrowed(tables.groups), borrowed(tables.group_boxes), borrowed(tables.part_boxes)
-    geometry = (
-        borrowed(tables.vertices),
-        borrowed(tables.parts),
-        borrowed(tables.face_planes),
-        borrowed(tables.face_topology),
-        borrowed(frame),
-        borrowed(scratch),
-    )
-    target = (borrowed(inverse_depth.reshape(-1)), borrowed(faces.reshape(-1)), width)
+    boxes = (tables.groups, tables.group_boxes, tables.part_boxes)
+    geometry = (tables.vertices, tables.parts, tables.face_planes, tables.face_topology, frame, scratch)
+    target = (inverse_depth.reshape(-1), faces.reshape(-1), width)
     for k in range(rooms.shape[0]):
         r = order[k]
         if windows[r, 0] >= windows[r, 2]:
             continue
         _frustum(frame, view, windows[r], planes)
-        x0, x1 = max(0, int(windows[r, 0])), min(width, int(windows[r, 2]) + 1)
-        y0, y1 = max(0, int(windows[r, 1])), min(height, int(windows[r, 3]) + 1)
-        window = (np.int32(x0), np.int32(y0), np.int32(x1), np.int32(y1))
-        for i in range(room_start[r], room_start[r + 1]):
-            g = room_groups[i]
-            if cull and _outside(group_boxes, g, planes, frame):
-                continue
-            first = groups[g, 0]
-            for p in range(first, first + groups[g, 1]):
-                if not cull or not _outside(part_boxes, p, planes, frame):
-                    _draw_part(p, geometry, view, window, target)
+        listed = (room_groups, room_start[r], room_start[r + 1])
+        _draw_room(listed, boxes, planes, cull, geometry, view, windows[r], target)
 
 
-@jit
+@leaf
+def _draw_room(
+    listed: Any, boxes: Any, planes: F32, cull: bool, geometry: Any, view: Any, bounds: F64, target: Any
+) -> None:
+    """Draw what touches a room, inside the rectangle of the picture in which the room can be seen."""
+    groups, group_boxes, part_boxes = boxes
+    frame = geometry[4]
+    x0, x1 = max(0, int(bounds[0])), min(view[0], int(bounds[2]) + 1)
+    y0, y1 = max(0, int(bounds[1])), min(view[1], int(bounds[3]) + 1)
+    window = (np.int32(x0), np.int32(y0), np.int32(x1), np.int32(y1))
+    for i in range(listed[1], listed[2]):
+        g = listed[0][i]
+        if cull and _outside(group_boxes, g, planes, frame):
+            continue
+        first = groups[g, 0]
+        for p in range(first, first + groups[g, 1]):
+            if not cull or not _outside(part_boxes, p, planes, frame):
+                _draw_part(p, geometry, view, window, target)
+
+
+@leaf
 def _draw_part(p: int, geometry: Any, view: Any, window: Any, target: Any) -> None:
     """Project the corners of a part and draw those of its faces that look at the camera."""
     scale, middle_x, middle_y = np.float32(view[2]), np.float32(view[3]), np.float32(view[4])
@@ -175,7 +179,7 @@ def _draw_part(p: int, geometry: Any, view: Any, window: Any, target: Any) -> No
         _fill(f, corners, a, b, c, window, scratch, target)
 
 
-@jit
+@leaf
 def _clip_near(start: int, corners: int, scratch: F32, scale: float, middle_x: float, middle_y: float) -> int:
     """Cut a face at the near plane and project what is left; returns its corners."""
     m = 0
@@ -194,19 +198,19 @@ def _clip_near(start: int, corners: int, scratch: F32, scale: float, middle_x: f
     return m
 
 
-@jit
+@leaf
 def _first(position: float) -> int:
     """First pixel whose centre lies beyond ``position``, not below 0."""
     return np.int32(max(position, -_HALF) + _HALF)
 
 
-@jit
+@leaf
 def _last(position: float, size: int) -> int:
     """One past the last pixel whose centre lies before ``position``, at most ``size``."""
     return np.int32(min(max(position, -_HALF), np.float32(size)) + _HALF)
 
 
-@jit
+@leaf
 def _fill(f: int, m: int, a: float, b: float, c: float, window: Any, scratch: F32, target: Any) -> None:
     """Scan-convert a convex polygon with m corners and the depth plane ``a x + b y + c``.
 
@@ -240,7 +244,7 @@ def _fill(f: int, m: int, a: float, b: float, c: float, window: Any, scratch: F3
             faces[i] = face if nearer else faces[i]
 
 
-@jit
+@leaf
 def _edge(x_top: float, y_top: float, x_low: float, y_low: float, bounds: F32, side: int, y0: int, y1: int) -> None:
     """Where an edge crosses the centre of each row."""
     start, end = max(_first(y_top), y0), _last(y_low, y1)

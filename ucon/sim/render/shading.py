@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from ucon.sim.render.base import SKY_DEPTH_M
-from ucon.sim.render.kernels import F32, F64, I16, I32, U8, U32, borrowed, jit
+from ucon.sim.render.kernels import F32, F64, I16, I32, U8, U32, jit, leaf
 from ucon.sim.render.raster import camera_frame
 from ucon.sim.render.tessellate import WINDOW
 from ucon.sim.render.textures import BLOCK, OPEN_SKY, SHADED, outdoors, paint_corners, paint_material
@@ -48,55 +48,70 @@ def resolve(
     height, width = faces.shape
     frame = np.empty((4, 3), np.float32)
     camera_frame(camera, frame)
-    scale = np.float32(width * 0.5 / camera[7])
     padded = width + BLOCK
-    tones, ray, packed = np.zeros((5, padded), np.float32), np.empty((4, 3), np.float32), np.empty(padded, np.uint32)
-    geometry = (borrowed(tables.face_planes), borrowed(tables.face_color), borrowed(tables.face_axes), borrowed(rooms))
-    rows, sight, line = borrowed(tones), borrowed(ray), borrowed(packed)
-    seen, owner, over = borrowed(faces.reshape(-1)), borrowed(tables.face_instance), borrowed(inverse_depth)
-    to_depth, to_instance, to_counts = borrowed(depth), borrowed(instance.reshape(-1)), borrowed(counts)
-    to_rgb = borrowed(rgb.reshape(-1))
-    want_rgb, want_depth = rgb.size > 0, depth.size > 0
-    want_instance, want_counts = instance.size > 0, counts.size > 0
-    for k in range(3):
-        sight[1, k], sight[2, k], sight[3, k] = frame[0, k] / scale, frame[2, k], frame[3, k]
+    rows, line = np.zeros((5, padded), np.float32), np.empty(padded, np.uint32)
+    sight = np.empty((4, 3), np.float32)
+    geometry = (tables.face_planes, tables.face_color, tables.face_axes, rooms, np.float32(wall_height), textured)
+    targets = (instance.reshape(-1), counts, rgb.reshape(-1))
     counts[:] = 0
     for y in range(height):
-        if want_depth or want_rgb:
-            for x in range(width):
-                rows[0, x] = min(_ONE / max(over[y, x], _LEAST), _FARTHEST)
-        if want_depth:
-            for x in range(width):
-                to_depth[y, x] = rows[0, x]
-        if want_rgb:
-            up = np.float32((height * 0.5 - camera[9] - y) / scale)
-            side = np.float32((camera[8] - width * 0.5) / scale)
-            for k in range(3):
-                sight[0, k] = frame[2, k] + up * frame[1, k] + side * frame[0, k]
-            for x in range(width):
-                rows[4, x] = _DIM + _BRIGHT * min(_ONE, _REACH_M / (rows[0, x] + np.float32(0.8)))
-        at = np.uint64(y * width)
-        end = at + np.uint64(width)
-        i = at
-        while i < end:
-            f = seen[i]
-            j = i + _STEP
-            while j < end and seen[j] == f:
-                j += _STEP
-            number = owner[f] if f >= 0 else np.int16(-1)
-            if want_counts and f >= 0:
-                to_counts[number] += np.int32(j - i)
-            if want_instance:
-                for x in range(i, j):
-                    to_instance[x] = number
-            if want_rgb:
-                _color_run(f, i - at, j - at, geometry, wall_height, sight, rows, textured, line)
-            i = j
-        if want_rgb:
-            _unpack(line, y, width, to_rgb)
+        if depth.size > 0 or rgb.size > 0:
+            _depths(y, inverse_depth, rows, depth)
+        if rgb.size > 0:
+            _look_along(y, height, width, camera, frame, sight)
+        _walk_row(y, faces, tables.face_instance, geometry, sight, rows, line, targets)
+        if rgb.size > 0:
+            _unpack(line, y, width, targets[2])
 
 
-@jit
+@leaf
+def _depths(y: int, inverse_depth: F32, rows: F32, depth: F32) -> None:
+    """Depth of a row into row 0 and the output, and into row 4 how bright things at that depth are."""
+    width = inverse_depth.shape[1]
+    for x in range(width):
+        rows[0, x] = min(_ONE / max(inverse_depth[y, x], _LEAST), _FARTHEST)
+    for x in range(width):
+        rows[4, x] = _DIM + _BRIGHT * min(_ONE, _REACH_M / (rows[0, x] + np.float32(0.8)))
+    if depth.size > 0:
+        for x in range(width):
+            depth[y, x] = rows[0, x]
+
+
+@leaf
+def _look_along(y: int, height: int, width: int, camera: F64, frame: F32, sight: F32) -> None:
+    """Rays of a row into ``sight``: the first pixel's, the step to the next one, straight ahead, and the camera."""
+    scale = np.float32(width * 0.5 / camera[7])
+    up = np.float32((height * 0.5 - camera[9] - y) / scale)
+    side = np.float32((camera[8] - width * 0.5) / scale)
+    for k in range(3):
+        sight[0, k] = frame[2, k] + up * frame[1, k] + side * frame[0, k]
+        sight[1, k], sight[2, k], sight[3, k] = frame[0, k] / scale, frame[2, k], frame[3, k]
+
+
+@leaf
+def _walk_row(y: int, faces: I32, owner: I16, geometry: Any, sight: F32, rows: F32, line: U32, targets: Any) -> None:
+    """Find the runs of one face; number, count and colour them."""
+    instance, counts, rgb = targets
+    width = np.uint64(faces.shape[1])
+    at = np.uint64(y) * width
+    x0 = np.uint64(0)
+    while x0 < width:
+        f = faces[y, x0]
+        x1 = x0 + _STEP
+        while x1 < width and faces[y, x1] == f:
+            x1 += _STEP
+        number = owner[f] if f >= 0 else np.int16(-1)
+        if counts.size > 0 and f >= 0:
+            counts[number] += np.int32(x1 - x0)
+        if instance.size > 0:
+            for x in range(x0, x1):
+                instance[at + x] = number
+        if rgb.size > 0:
+            _color_run(f, x0, x1, geometry, sight, rows, line)
+        x0 = x1
+
+
+@leaf
 def _unpack(line: U32, y: int, width: int, rgb: U8) -> None:
     """Write a row of packed colours, whole blocks first."""
     first = np.uint64(y * width * 3)
@@ -108,27 +123,25 @@ def _unpack(line: U32, y: int, width: int, rgb: U8) -> None:
         _put(line[x], first + np.uint64(3) * x, rgb)
 
 
-@jit
+@leaf
 def _put(color: int, i: int, rgb: U8) -> None:
     rgb[i] = np.uint8(color)
     rgb[i + np.uint64(1)] = np.uint8(color >> _G)
     rgb[i + np.uint64(2)] = np.uint8(color >> _B)
 
 
-@jit
+@leaf
 def _color_run(
     f: int,
     x0: int,
     x1: int,
     geometry: Any,
-    wall_height: float,
     sight: F32,
     rows: F32,
-    textured: bool,
     line: U32,
 ) -> None:
     """Colour the pixels x0 to x1 of a row, all of face ``f``, into ``line``."""
-    planes, colors, axes, rooms = geometry
+    planes, colors, axes, rooms, wall_height, textured = geometry
     look = colors[f, 3] if f >= 0 else OPEN_SKY
     if look in (OPEN_SKY, WINDOW):
         sky = outdoors(sight[0, 2], look == WINDOW)
@@ -152,7 +165,7 @@ def _color_run(
     _pack(line, x0, x1, red, green, blue, tone, rows)
 
 
-@jit
+@leaf
 def _pack(line: U32, x0: int, x1: int, red: float, green: float, blue: float, tone: int, rows: F32) -> None:
     """Colour times tone, as one word a pixel."""
     brightest = np.float32(255.0) / max(red, green, blue, _ONE)
@@ -164,14 +177,14 @@ def _pack(line: U32, x0: int, x1: int, red: float, green: float, blue: float, to
             line[x] = color | (np.uint32(np.int32(blue * light)) << _B)
 
 
-@jit
+@leaf
 def _write(line: U32, x0: int, x1: int, red: float, green: float, blue: float) -> None:
     color = np.uint32(np.int32(red)) | (np.uint32(np.int32(green)) << _G) | (np.uint32(np.int32(blue)) << _B)
     for x in range(x0, x1):
         line[x] = color
 
 
-@jit
+@leaf
 def _axes_of(code: int) -> tuple[int, int]:
     """World axes that a face's texture runs along; the second is the way of the grain."""
     plane = code & 3
@@ -179,7 +192,7 @@ def _axes_of(code: int) -> tuple[int, int]:
     return (v, u) if code & 4 else (u, v)
 
 
-@jit
+@leaf
 def _coordinates(u: int, v: int, x0: int, x1: int, sight: F32, rows: F32) -> None:
     """Texture coordinates in metres of a run into rows 1 and 2, its tone before texture into row 3."""
     at_u, from_u, step_u = sight[3, u], sight[0, u], sight[1, u]
@@ -193,7 +206,7 @@ def _coordinates(u: int, v: int, x0: int, x1: int, sight: F32, rows: F32) -> Non
             rows[3, x] = rows[4, x]
 
 
-@jit
+@leaf
 def _footprint(f: int, code: int, depth: float, planes: F32, sight: F32) -> tuple[float, float]:
     """Metres of texture that a pixel covers along both axes, for fading what is too fine to be seen."""
     away = planes[f, 3]

@@ -13,7 +13,7 @@ import numpy as np
 
 from ucon.core.rng import stream
 from ucon.objects.model import Material
-from ucon.sim.render.kernels import F32, jit
+from ucon.sim.render.kernels import F32, leaf
 from ucon.sim.render.tessellate import MIRROR, WALL
 
 BLOCK = np.uint64(32)
@@ -39,7 +39,7 @@ _SHIFT = np.float32(4096.0)
 """Makes coordinates positive, so that cutting off the fraction rounds down."""
 
 
-@jit
+@leaf
 def outdoors(slope: float, pane: bool) -> tuple[float, float, float]:
     """Colour of the sky, or through a window, at the slope of a ray; land below the horizon."""
     height = min(max(np.float32(slope), -_ONE), _ONE)
@@ -50,7 +50,7 @@ def outdoors(slope: float, pane: bool) -> tuple[float, float, float]:
     return np.float32(196) - 66 * t, np.float32(214) - 48 * t, np.float32(190) - 84 * t
 
 
-@jit
+@leaf
 def _bounds(axis: int, room: int, rooms: F32, height: float) -> tuple[float, float]:
     """Extent of a room along a world axis."""
     if axis == 2:
@@ -58,7 +58,7 @@ def _bounds(axis: int, room: int, rooms: F32, height: float) -> tuple[float, flo
     return rooms[room, axis], rooms[room, axis + 2]
 
 
-@jit
+@leaf
 def paint_corners(
     u_axis: int, v_axis: int, look: int, room: int, x0: int, x1: int, rooms: F32, height: float, rows: F32
 ) -> None:
@@ -76,7 +76,7 @@ def paint_corners(
             rows[3, x] *= shade * (_SKIRTING if v < skirting else _ONE)
 
 
-@jit
+@leaf
 def paint_material(look: int, x0: int, x1: int, foot_u: float, foot_v: float, rows: F32) -> None:
     """Texture of a material."""
     if look == _PARQUET:
@@ -98,13 +98,13 @@ def paint_material(look: int, x0: int, x1: int, foot_u: float, foot_v: float, ro
         _sheen(x0, x1, 2.2, 0.16, rows)
 
 
-@jit
+@leaf
 def _fade(cell: float, foot: float) -> float:
     """How much of a pattern shows: all at four pixels a cell, nothing at one and a half."""
     return min(max((np.float32(cell) / foot - np.float32(1.5)) * np.float32(0.4), _ZERO), _ONE)
 
 
-@jit
+@leaf
 def _cells(
     x0: int, x1: int, size_u: float, size_v: float, amount: float, foot_u: float, foot_v: float, rows: F32
 ) -> None:
@@ -121,7 +121,7 @@ def _cells(
             rows[3, x] *= _ONE + strength * _NOISE[(i + _MIX[j & 255]) & 255]
 
 
-@jit
+@leaf
 def _boards(x0: int, x1: int, foot_u: float, foot_v: float, rows: F32) -> None:
     """Boards 0.15 m wide and 1.2 m long, staggered, with dark joints."""
     strength = np.float32(0.12) * _fade(0.15, foot_u) * _fade(1.2, foot_v)
@@ -140,7 +140,7 @@ def _boards(x0: int, x1: int, foot_u: float, foot_v: float, rows: F32) -> None:
             rows[3, x] *= _ONE + strength * _NOISE[(i + _MIX[j & 255]) & 255] - joint * line
 
 
-@jit
+@leaf
 def _tiles(x0: int, x1: int, foot_u: float, foot_v: float, rows: F32) -> None:
     """Square tiles of 0.33 m with grout between them."""
     strength = np.float32(0.05) * _fade(0.33, foot_u) * _fade(0.33, foot_v)
@@ -161,7 +161,7 @@ def _tiles(x0: int, x1: int, foot_u: float, foot_v: float, rows: F32) -> None:
             rows[3, x] *= _ONE + strength * _NOISE[(i + _MIX[j & 255]) & 255] - max(line_u, line_v)
 
 
-@jit
+@leaf
 def _joint(wide: float, cell: float, foot: float) -> tuple[float, float, float, float]:
     """A thin dark line averaged over a pixel: its reach, one over the pixel, its peak and its depth."""
     wide, foot = np.float32(wide), np.float32(foot)
@@ -169,7 +169,7 @@ def _joint(wide: float, cell: float, foot: float) -> tuple[float, float, float, 
     return (wide + foot) * _HALF, inverse, min(_ONE, wide * inverse), np.float32(0.28) * _fade(cell, foot)
 
 
-@jit
+@leaf
 def _sheen(x0: int, x1: int, per_metre: float, amount: float, rows: F32) -> None:
     """Broad slanting reflections."""
     per, amount = np.float32(per_metre), np.float32(amount)
