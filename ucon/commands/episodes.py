@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     maker = actions.add_parser("make", help="sample, check and write a set")
-    maker.add_argument("name", metavar="SET", help="mini, val or test")
+    maker.add_argument("name", metavar="SET", help="mini, val, test, or official (with --habits PATH)")
     maker.add_argument("--out", type=Path, help="file to write; default: where the set is looked for")
     maker.add_argument("--limit", type=int, help="only the first so many episodes")
     maker.add_argument("--habits", metavar="PATH", help="habit dataset by path; default: the embedded book")

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from functools import lru_cache
 
 from ucon.core.errors import EpisodeError, UconError
 from ucon.habits.book import book
@@ -35,41 +34,45 @@ def make_episodes(
         EpisodeError: an order that no seed satisfies.
     """
     done: list[Episode] = []
-    if workers <= 1 or dataset is not None:
-        for order in orders:
-            done.append(_sample(order, dataset))
-            if progress:
-                progress(len(done), len(orders))
-        return done
+    if workers <= 1:
+        _begin(dataset)
+        results = map(_sample, orders)
+        return _collect(results, done, len(orders), progress)
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=context) as pool:
-        for episode in pool.map(_sample, orders, chunksize=4):
-            done.append(episode)
-            if progress:
-                progress(len(done), len(orders))
+    with ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(dataset,)) as pool:
+        return _collect(pool.map(_sample, orders, chunksize=4), done, len(orders), progress)
+
+
+def _collect(
+    results: Iterable[Episode], done: list[Episode], total: int, progress: Callable[[int, int], None] | None
+) -> list[Episode]:
+    for episode in results:
+        done.append(episode)
+        if progress:
+            progress(len(done), total)
     return done
 
 
-def _sample(order: Order, dataset: HabitDataset | None = None) -> Episode:
-    sampler = _book_sampler() if dataset is None else _sampler_of(dataset)
+def _begin(dataset: HabitDataset | None) -> None:
+    """Give this process its sampler; a worker gets the dataset once, not with every order."""
+    global _sampler
+    _sampler = EpisodeSampler(dataset or book())
+
+
+_sampler: EpisodeSampler | None = None
+
+
+def _sample(order: Order) -> Episode:
+    if _sampler is None:
+        raise RuntimeError("a worker without a sampler")
     last = ""
     for again in range(4):
         try:
             seed = order.seed + again * RETRY_SEED_STEP
-            return sampler.sample(order.scene, seed, targets=order.targets, split=order.split, episode_id=order.id)
+            return _sampler.sample(order.scene, seed, targets=order.targets, split=order.split, episode_id=order.id)
         except EpisodeError as error:
             last = str(error)
     raise EpisodeError(f"{order.id}: {last}")
-
-
-@lru_cache(maxsize=1)
-def _book_sampler() -> EpisodeSampler:
-    return EpisodeSampler(book())
-
-
-@lru_cache(maxsize=4)
-def _sampler_of(dataset: HabitDataset) -> EpisodeSampler:
-    return EpisodeSampler(dataset)
 
 
 def verify_episode(episode: Episode) -> str:

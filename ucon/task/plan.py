@@ -18,6 +18,7 @@ from ucon.scenes import SCENES, scene_split
 
 #: First seed of the generated homes kept for testing; validation homes start 10,000 below.
 RESERVED_SEED = 900_000
+OFFICIAL, N_OFFICIAL = "official", 2000
 KINDS = ("house", "flat", "house", "flat", "office", "house", "flat", "restaurant", "house", "shop")
 
 
@@ -39,7 +40,8 @@ class Order:
     scene: str
     seed: int
     split: str
-    targets: tuple[str, ...]
+    targets: tuple[str, ...] | None
+    """Categories that may be the target; None: all."""
 
 
 def set_cells(name: str) -> tuple[Cell, ...]:
@@ -59,7 +61,7 @@ def set_cells(name: str) -> tuple[Cell, ...]:
             Cell("val_category/seen_scene", "val", seen, count),
             Cell("val_category/val_scene", "val", generated(RESERVED_SEED - 10_000, 20), count),
         )
-    raise ConfigError(unknown_name("episode set to make", name, ("test", "val", "mini")))
+    raise ConfigError(unknown_name("episode set to make", name, ("test", "val", "mini", OFFICIAL)))
 
 
 def generated(first_seed: int, count: int) -> tuple[str, ...]:
@@ -68,10 +70,28 @@ def generated(first_seed: int, count: int) -> tuple[str, ...]:
 
 
 def set_orders(name: str, dataset: HabitDataset) -> Iterator[Order]:
-    """What to sample for every episode of a named set, scenes taken in turn."""
+    """What to sample for every episode of a named set, scenes taken in turn.
+
+    ``official`` needs a dataset whose entries are bound to scenes, as those of the official release are.
+    """
+    if name == OFFICIAL:
+        yield from _official_orders(dataset)
+        return
     for cell in set_cells(name):
         targets = split_categories(dataset.categories, cell.category_split)
         for number in range(cell.count):
             scene = cell.scenes[number % len(cell.scenes)]
             seed = derived_seed(0, "set", name, cell.label, number) % (1 << 31)
             yield Order(f"{name}/{cell.label}/{number:03d}", scene, seed, cell.label, targets)
+
+
+def _official_orders(dataset: HabitDataset) -> Iterator[Order]:
+    if not dataset.scenes:
+        raise ConfigError(
+            f"episode set '{OFFICIAL}' with dataset '{dataset.name}', whose entries belong to no scene; "
+            "give the official release: --habits PATH"
+        )
+    for number in range(N_OFFICIAL):
+        scene = dataset.scenes[number % len(dataset.scenes)]
+        seed = derived_seed(0, "set", OFFICIAL, number) % (1 << 31)
+        yield Order(f"{OFFICIAL}/{scene}/{number:04d}", scene, seed, OFFICIAL, None)
