@@ -111,7 +111,7 @@ class UcONEnv(gym.Env[Obs, int]):
         self._canonical = (width_px, height_px, fov_deg) == (CANONICAL_PX, CANONICAL_PX, CANONICAL_FOV_DEG)
         self._frame_renderer: RasterRenderer | None = None
         self._world: Any = None
-        self.action_space = spaces.Discrete(len(Action))
+        self.action_space = spaces.Discrete(len(Action))  # type: ignore[assignment]  # it draws NumPy integers
         self.observation_space = self._make_space(height_px, width_px)
         self._instance = np.empty((height_px, width_px), np.int16)
 
