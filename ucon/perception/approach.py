@@ -37,7 +37,7 @@ class Approach:
             x0, y0, _, x1, y1, z1 = known.box[holder]
             out = np.hypot(max(x0 - x, x - x1, 0.0), max(y0 - y, y - y1, 0.0))
             name = known.category[holder]
-            if 0.02 < out < 0.7 and known.box[track, 2] < z1 + 0.05 and name and affordance(name).drawers:
+            if out < 0.7 and known.box[track, 2] < z1 + 0.05 and name and affordance(name).drawers:
                 return DRAWER_NEAR_M
         return NEAR_M - 0.005
 
