@@ -17,7 +17,7 @@ from ucon.sim.house import House
 from ucon.sim.placement import RefusedError, import_anchor, importable, place, with_object
 
 FACTS = Path(__file__).resolve().parents[2] / "../shared/facts/relations_triples.csv"
-ANCHORS_TRIED = 3
+ANCHORS_TRIED = 8
 
 
 class Triple(NamedTuple):

@@ -43,7 +43,8 @@ class World:
             self._add_item(number)
         for room, kind, parts in structure_parts(self.spec):
             instance = len(self.spec.items) + 3 * room + STRUCTURE.index(kind)
-            self._register(instance, self._factory.separate(solid_of_parts(parts)))
+            if parts:  # An outdoor room has no ceiling.
+                self._register(instance, self._factory.separate(solid_of_parts(parts)))
 
     def __enter__(self) -> World:
         return self
