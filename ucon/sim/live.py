@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ucon.sim.arrangement import Arrangement
 from ucon.sim.house import House
-from ucon.sim.navgrid import free_cells, main_component
+from ucon.sim.navgrid import enclosed_cells, free_cells, main_component
 from ucon.sim.world import World
 
 
@@ -26,8 +26,11 @@ class LiveState:
         present = set(self._world.instances)
         self.openable = np.array([k in present and self._jointed(k) for k in range(len(self.categories))], bool)
         self.open = np.zeros(len(self.categories), bool)
+        grid = house.grid
         self.free: NDArray[np.bool_] = main_component(
-            free_cells(self._world, house.grid.origin_xy, house.grid.room), house.spec.name
+            free_cells(self._world, grid.origin_xy, grid.room),
+            house.spec.name,
+            enclosed_cells(house.spec, grid.origin_xy, grid.shape),
         )
 
     def set_open(self, instance: int, is_open: bool = True) -> None:

@@ -55,8 +55,10 @@ def free_cells(world: World, origin: tuple[float, float], rooms: NDArray[np.int1
     return free
 
 
-def main_component(free: NDArray[np.bool_], name: str) -> NDArray[np.bool_]:
+def main_component(free: NDArray[np.bool_], name: str, enclosed: NDArray[np.bool_] | None = None) -> NDArray[np.bool_]:
     """The largest component of the free nodes.
+
+    ``enclosed`` nodes (inside a shower stall, under a slide) are no floor: they may lie apart without being counted.
 
     Raises:
         SceneError: there is no free node, or the largest component holds less than 99 % of them.
@@ -66,13 +68,31 @@ def main_component(free: NDArray[np.bool_], name: str) -> NDArray[np.bool_]:
         raise SceneError(f"{name}: no free node; the rooms are too full or too small for the agent")
     sizes = np.bincount(labels[labels >= 0])
     main = labels == int(sizes.argmax())
-    share = sizes.max() / sizes.sum()
+    floor = free if enclosed is None else main | (free & ~enclosed)
+    share = main.sum() / floor.sum()
     if share < MAIN_COMPONENT_SHARE:
         raise SceneError(
-            f"{name}: the largest part of the free floor holds {share:.1%} of {sizes.sum()} free nodes, expected at "
+            f"{name}: the largest part of the free floor holds {share:.1%} of {floor.sum()} free nodes, expected at "
             f"least {MAIN_COMPONENT_SHARE:.0%}; some furniture or wall cuts the home in pieces {sorted(sizes.tolist())}"
         )
     return main
+
+
+def enclosed_cells(spec: HomeSpec, origin: tuple[float, float], shape: tuple[int, int]) -> NDArray[np.bool_]:
+    """Nodes (nx, ny) within 0.18 m of an item's whole box: the inside of hollow things, not floor to walk to."""
+    x = origin[0] + (np.arange(shape[0]) + 0.5) * GRID_M
+    y = origin[1] + (np.arange(shape[1]) + 0.5) * GRID_M
+    found = np.zeros(shape, bool)
+    for item in spec.items:
+        depth, width, height = item.size
+        half = (depth / 2, width / 2) if item.quarter_turns % 2 == 0 else (width / 2, depth / 2)
+        low = item.position[2]
+        if item.category == "door" or low >= AGENT_TOP_M or low + height <= AGENT_BOTTOM_M:
+            continue
+        dx = np.maximum(np.abs(x - item.position[0]) - half[0], 0.0)
+        dy = np.maximum(np.abs(y - item.position[1]) - half[1], 0.0)
+        found |= np.hypot(dx[:, None], dy[None, :]) < AGENT_RADIUS_M
+    return found
 
 
 def nav_grid(world: World) -> NavGrid:
