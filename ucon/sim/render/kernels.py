@@ -33,5 +33,6 @@ def leaf(function: _Function) -> _Function:
 
     Counting (atomically, for each array at each call and view) would cost more than drawing a small part.
     """
-    compiled: Any = njit(cache=True, nogil=True, error_model="numpy", _nrt=False)(function)
+    options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
+    compiled: Any = njit(**options)(function)
     return cast(_Function, compiled)

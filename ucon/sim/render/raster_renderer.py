@@ -20,7 +20,7 @@ from ucon.sim.render.base import (
     pitch_cos_sin,
     tan_half,
 )
-from ucon.sim.render.raster import rasterise
+from ucon.sim.render.raster import PAD_PX, rasterise
 from ucon.sim.render.shading import resolve
 
 _NO_RGB = np.empty((0, 0, 3), np.uint8)
@@ -58,8 +58,8 @@ class RasterRenderer:
         self._builder = builder
         self._cull = cull
         self._camera = np.array([0, 0, 0, 1, 0, 1, 0, tan_half(fov_deg), *sample], np.float64)
-        self._depth = np.empty((height, width), np.float32)
-        self._faces = np.empty((height, width), np.int32)
+        self._depth = np.empty(height * width + int(PAD_PX), np.float32)
+        self._faces = np.empty(height * width + int(PAD_PX), np.int32)
         canonical = width == height == VIEW_PX and fov_deg == VIEW_FOV_DEG and sample == (0.5, 0.5)
         self._view: RasterRenderer | None = None if canonical else self._counting_view()
         self._arena: Arena | None = None
@@ -123,6 +123,7 @@ class RasterRenderer:
             counts = None
         self._rasterise(x, y, z, heading, pitch_deg)
         resolve(
+            (self.width, self.height),
             self._faces,
             self._depth,
             self.arena.tables,
@@ -168,6 +169,7 @@ class RasterRenderer:
             arena.room_start,
             arena.room_groups,
             self._cull,
+            (self.width, self.height),
             self._depth,
             self._faces,
         )

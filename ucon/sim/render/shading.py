@@ -32,6 +32,7 @@ _LEAST = np.float32(1.0 / SKY_DEPTH_M)
 
 @jit
 def resolve(
+    size: tuple[int, int],
     faces: I32,
     inverse_depth: F32,
     tables: Any,
@@ -45,7 +46,7 @@ def resolve(
     counts: I32,
 ) -> None:
     """Fill those outputs that are not empty."""
-    height, width = faces.shape
+    width, height = size
     frame = np.empty((4, 3), np.float32)
     camera_frame(camera, frame)
     padded = width + BLOCK
@@ -56,20 +57,22 @@ def resolve(
     counts[:] = 0
     for y in range(height):
         if depth.size > 0 or rgb.size > 0:
-            _depths(y, inverse_depth, rows, depth)
+            _depths(y, width, inverse_depth, rows, depth)
         if rgb.size > 0:
             _look_along(y, height, width, camera, frame, sight)
-        _walk_row(y, faces, tables.face_instance, geometry, sight, rows, line, targets)
+        _walk_row(
+            np.uint64(y * width), np.uint64(width), faces, tables.face_instance, geometry, sight, rows, line, targets
+        )
         if rgb.size > 0:
             _unpack(line, y, width, targets[2])
 
 
 @leaf
-def _depths(y: int, inverse_depth: F32, rows: F32, depth: F32) -> None:
+def _depths(y: int, width: int, inverse_depth: F32, rows: F32, depth: F32) -> None:
     """Depth of a row into row 0 and the output, and into row 4 how bright things at that depth are."""
-    width = inverse_depth.shape[1]
+    at = np.uint64(y * width)
     for x in range(width):
-        rows[0, x] = min(_ONE / max(inverse_depth[y, x], _LEAST), _FARTHEST)
+        rows[0, x] = min(_ONE / max(inverse_depth[at + np.uint64(x)], _LEAST), _FARTHEST)
     for x in range(width):
         rows[4, x] = _DIM + _BRIGHT * min(_ONE, _REACH_M / (rows[0, x] + np.float32(0.8)))
     if depth.size > 0:
@@ -89,16 +92,16 @@ def _look_along(y: int, height: int, width: int, camera: F64, frame: F32, sight:
 
 
 @leaf
-def _walk_row(y: int, faces: I32, owner: I16, geometry: Any, sight: F32, rows: F32, line: U32, targets: Any) -> None:
+def _walk_row(
+    at: int, width: int, faces: I32, owner: I16, geometry: Any, sight: F32, rows: F32, line: U32, targets: Any
+) -> None:
     """Find the runs of one face; number, count and colour them."""
     instance, counts, rgb = targets
-    width = np.uint64(faces.shape[1])
-    at = np.uint64(y) * width
     x0 = np.uint64(0)
     while x0 < width:
-        f = faces[y, x0]
+        f = faces[at + x0]
         x1 = x0 + _STEP
-        while x1 < width and faces[y, x1] == f:
+        while x1 < width and faces[at + x1] == f:
             x1 += _STEP
         number = owner[f] if f >= 0 else np.int16(-1)
         if counts.size > 0 and f >= 0:
@@ -180,8 +183,9 @@ def _pack(line: U32, x0: int, x1: int, red: float, green: float, blue: float, to
 @leaf
 def _write(line: U32, x0: int, x1: int, red: float, green: float, blue: float) -> None:
     color = np.uint32(np.int32(red)) | (np.uint32(np.int32(green)) << _G) | (np.uint32(np.int32(blue)) << _B)
-    for x in range(x0, x1):
-        line[x] = color
+    for start in range(x0, x1, BLOCK):
+        for k in range(BLOCK):
+            line[start + np.uint64(k)] = color
 
 
 @leaf
