@@ -100,7 +100,8 @@ def nav_grid(world: World) -> NavGrid:
     origin, rooms = room_grid(world.spec)
     free = free_cells(world, origin, rooms)
     free &= ~_enclosed(free, origin, world.spec)
-    return NavGrid(origin, main_component(free, world.spec.name), rooms)
+    enclosed = enclosed_cells(world.spec, origin, (rooms.shape[0], rooms.shape[1]))
+    return NavGrid(origin, main_component(free, world.spec.name, enclosed), rooms)
 
 
 def _enclosed(free: NDArray[np.bool_], origin: tuple[float, float], spec: HomeSpec) -> NDArray[np.bool_]:
