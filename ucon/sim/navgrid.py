@@ -99,20 +99,5 @@ def nav_grid(world: World) -> NavGrid:
     """Build the grid of a world with everything closed."""
     origin, rooms = room_grid(world.spec)
     free = free_cells(world, origin, rooms)
-    free &= ~_enclosed(free, origin, world.spec)
     enclosed = enclosed_cells(world.spec, origin, (rooms.shape[0], rooms.shape[1]))
     return NavGrid(origin, main_component(free, world.spec.name, enclosed), rooms)
-
-
-def _enclosed(free: NDArray[np.bool_], origin: tuple[float, float], spec: HomeSpec) -> NDArray[np.bool_]:
-    """Pockets that lie wholly within the footprint of one item (a shower stall, a pen): nobody stands in there."""
-    labels = components(free)
-    inside = np.zeros(free.shape, bool)
-    boxes = np.array([item_box(item) for item in spec.items]).reshape(-1, 6)
-    for number in range(int(labels.max(initial=-1)) + 1):
-        cells = np.argwhere(labels == number)
-        xy = np.asarray(origin) + (cells + 0.5) * GRID_M
-        low, high = xy.min(axis=0), xy.max(axis=0)
-        if ((boxes[:, :2] <= low) & (high <= boxes[:, 3:5])).all(axis=1).any():
-            inside |= labels == number
-    return inside
