@@ -9,7 +9,6 @@ from ucon.core.errors import SceneError
 from ucon.scenes.spec import GRID_M, HomeSpec
 from ucon.sim.house import NavGrid
 from ucon.sim.paths import components
-from ucon.sim.shapes import item_box
 from ucon.sim.world import World
 
 AGENT_RADIUS_M = 0.18
