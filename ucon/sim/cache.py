@@ -55,9 +55,9 @@ def load_house(name: str) -> House:
 def build_house(name: str) -> House:
     """Build and check a home now, past every cache; needs PyBullet."""
     from ucon.scenes import home_spec
-    from ucon.sim.compile import compile_house
+    from ucon.sim.compile import compile_mended
 
-    return compile_house(home_spec(name))
+    return compile_mended(home_spec(name))
 
 
 def pack_homes(names: Iterable[str], folder: Path) -> list[Path]:
