@@ -33,7 +33,7 @@ def compile_house(spec: HomeSpec, *, check: bool = True) -> House:
 
 
 def compile_mended(spec: HomeSpec) -> House:
-    """Like :func:`compile_house`, but small movable things that PyBullet refuses are taken out of the home.
+    """Like :func:`compile_house`, but movable things that PyBullet refuses are taken out of the home.
 
     Homes are generated without limit, by rules that look at boxes alone; where PyBullet finds that a microwave's
     door meets a bowl, the bowl goes. The 22 named scenes need none of it (tested).
@@ -69,7 +69,7 @@ def _build(spec: HomeSpec, check: bool) -> tuple[House, list[Problem]]:
 def _smaller(spec: HomeSpec, problem: Problem) -> int:
     """The movable item of a problem, the smaller of two; -1 where there is none."""
     involved = {k for k in (problem.instance, problem.other) if 0 <= k < len(spec.items)}
-    loose = [k for k in involved if catalogue()[spec.items[k].category].role == "movable"]
+    loose = [k for k in involved if catalogue()[spec.items[k].category].role in ("movable", "movable_furniture")]
     return min(loose, key=lambda k: (float(np.prod(spec.items[k].size)), k), default=-1)
 
 
