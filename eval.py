@@ -22,7 +22,7 @@ from ucon.commands.wiring import Factory
 from ucon.core.errors import ConfigError
 from ucon.evaluation.folder import RunFolder
 from ucon.evaluation.play import Played, RunSpec
-from ucon.evaluation.progress import EvaluationProgress
+from ucon.evaluation.progress import EvaluationProgress, embedding_progress
 from ucon.evaluation.report import failure_line, results_table, run_hashes, summary
 from ucon.evaluation.runner import evaluate
 from ucon.task.episode import Episode
@@ -71,6 +71,8 @@ def play_missing(
         n_pictures=config["pictures"],
     )
     started = time.perf_counter()
+    with embedding_progress(visible=config["progress"]) as on_text:
+        Factory(config["env"]["source"])().prepare(on_text)
     label = f"{config['agent']['_target_'].rsplit('.', 1)[-1]} {spec.habit_level}"
     with EvaluationProgress(label, len(episodes), visible=config["progress"], done=done.values()) as progress:
 

@@ -12,6 +12,7 @@ from ucon.core.errors import ConfigError, EpisodeError, unknown_name
 from ucon.habits.book import book
 from ucon.habits.knowledge import MODES, KnowledgeBase
 from ucon.habits.types import Entry, HabitDataset
+from ucon.language.encoder import Progress
 from ucon.language.store import StoredEncoder, default_encoder
 from ucon.retrieval.base import Retriever, mrr, phrase, recall_at
 from ucon.retrieval.dense import DenseRetriever, dataset_vectors
@@ -88,6 +89,10 @@ class HabitSource:
     def dimension(self) -> int:
         """Length of an embedding."""
         return self.encoder.dim
+
+    def prepare(self, progress: Progress | None = None) -> None:
+        """Make the dataset's embeddings, once for all processes: they are kept on disk. Nothing to do for the book."""
+        dataset_vectors(self.dataset, self.encoder, progress)
 
     @staticmethod
     def check_level(level: str) -> str:

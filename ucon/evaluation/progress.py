@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from types import TracebackType
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TaskID,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 from ucon.evaluation.play import Played
 
@@ -47,3 +56,18 @@ class EvaluationProgress:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._progress.stop()
+
+
+@contextmanager
+def embedding_progress(*, visible: bool = True) -> Iterator[Callable[[int, int], None]]:
+    """A bar for habits that are read by the encoder for the first time; never drawn where all are known."""
+    with Progress(console=Console(stderr=True), transient=True, disable=not visible) as bar:
+        task: TaskID | None = None
+
+        def on_text(done: int, total: int) -> None:
+            nonlocal task
+            if task is None:
+                task = bar.add_task("embedding habits, once", total=total)
+            bar.update(task, completed=done, total=total)
+
+        yield on_text
