@@ -8,6 +8,7 @@ Writes episodes.jsonl, timing.jsonl, summary.json, config.yaml and the first epi
 
 from __future__ import annotations
 
+import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -40,6 +41,7 @@ def evaluate_and_report(cfg: DictConfig, out: Path) -> None:
     """Play what is missing in the output folder ``out``, then write and print the results."""
     config: dict[str, Any] = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)  # type: ignore[assignment]
     episodes = chosen_episodes(config["episodes"], config["limit"])
+    warn_of_other_rules(episodes, config["task"]["name"])
     folder = RunFolder(out, run_hashes(config, episodes))
     done = folder.open()
     played, seconds = play_missing(config, episodes, folder, done, out)
@@ -55,6 +57,17 @@ def chosen_episodes(name: str, limit: int | None) -> tuple[Episode, ...]:
     if limit is not None and (not isinstance(limit, int) or limit < 1):
         raise ConfigError(f"limit={limit}: expected a number of episodes from 1 up, or null for all")
     return load_episodes(name)[:limit]
+
+
+def warn_of_other_rules(episodes: tuple[Episode, ...], task: str) -> None:
+    """Shortest paths hold under the rules by which they were found."""
+    others = sorted({episode.task for episode in episodes} - {task})
+    if others:
+        print(
+            f"warning: episodes made under task={','.join(others)}, played under task={task}: some may have no "
+            "solution, and SPL is measured against the other rules' shortest paths",
+            file=sys.stderr,
+        )
 
 
 def play_missing(

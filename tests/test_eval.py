@@ -1,5 +1,6 @@
 """``eval.py`` from end to end, in processes of its own."""
 
+import functools
 import json
 import signal
 import subprocess
@@ -70,7 +71,16 @@ def test_another_run_is_refused_its_folder(run):
 def test_an_interrupted_run_goes_on(tmp_path):
     out = tmp_path / "run"
     overrides = ("agent=frontier", "habit_level=none", "limit=12", "pictures=0", "progress=false", f"out={out}")
-    process = subprocess.Popen([sys.executable, "eval.py", *overrides], cwd=ROOT, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [sys.executable, "eval.py", *overrides],
+        cwd=ROOT,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=functools.partial(
+            signal.signal, signal.SIGINT, signal.SIG_DFL
+        ),  # a shell's background jobs ignore Ctrl-C
+    )
     partial = out / "episodes.jsonl.partial"
     deadline = time.monotonic() + 120
     while time.monotonic() < deadline and not (partial.is_file() and partial.read_text().count("\n") > 2):

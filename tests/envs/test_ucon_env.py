@@ -27,6 +27,8 @@ def same(a: Any, b: Any) -> bool:
         return a.keys() == b.keys() and all(same(a[k], b[k]) for k in a)
     if isinstance(a, np.ndarray):
         return a.dtype == b.dtype and a.tobytes() == b.tobytes()
+    if isinstance(a, tuple | list):
+        return len(a) == len(b) and all(same(x, y) for x, y in zip(a, b, strict=True))
     if hasattr(a, "__slots__"):
         return all(same(getattr(a, k), getattr(b, k)) for k in a.__slots__)
     return bool(a == b)
@@ -124,8 +126,8 @@ def _names(value: Any, found: set[str]) -> set[str]:
 
 
 def test_nothing_privileged_is_given(episodes: tuple[Episode, ...]) -> None:
-    allowed_info = {"target", "scene", "episode", "habits", "habit_rows", "nav", "free", "start", "detections"} | {
-        "tracks", "opened", "depth", "episode_metrics",
+    allowed_info = {"target", "episode", "habit_level", "habits", "habit_rows", "nav", "free", "start"} | {
+        "detections", "tracks", "opened", "depth", "episode_metrics",
     }  # fmt: skip
     env = UcONEnv(episodes, observe="symbolic", detector=True)
     for episode in episodes:
@@ -133,11 +135,12 @@ def test_nothing_privileged_is_given(episodes: tuple[Episode, ...]) -> None:
         assert _names(info, set()) <= allowed_info
         assert set(obs) == set(env.observation_space)
         # Track numbers follow what is seen, not the simulator's numbering, in which the target is among the last.
-        assert sorted(info["detections"].track) == list(range(len(info["detections"].track)))
+        assert info["detections"].track.tolist() == list(range(len(info["detections"].track)))
         assert info["tracks"].max() == len(info["detections"].track) - 1
         for action in ACTIONS:
             obs, _, _, _, info = env.step(action)
             assert _names(info, set()) <= allowed_info
+            assert (np.diff(info["detections"].track) > 0).all()
     assert "privileged" in UcONEnv(episodes, privileged=True).reset(seed=0)[1]
 
 
@@ -225,7 +228,7 @@ class Block:
         if name.split(".")[0] in ("pybullet", "pybullet_data", "torch", "transformers"):
             raise ImportError(name + " is blocked")
 sys.meta_path.insert(0, Block())
-import gymnasium
+import gymnasium, ucon.envs
 env = gymnasium.make("UcON-v0", detector=True)
 env.reset(seed=0)
 for action in (0, 1, 5, 0, 2, 3, 6):

@@ -58,10 +58,11 @@ def official_habits(path: str) -> HabitDataset:
 
 
 def folder_habits(path: str) -> HabitDataset:
-    """Dataset of the files in a folder, in the habit book's format."""
+    """Dataset of the files in a folder, in the habit book's format; what the catalogue lacks is an error."""
     from ucon.habits.book import read_book
+    from ucon.objects.catalogue import catalogue
 
-    return read_book(existing(path, "habits.path"))
+    return read_book(existing(path, "habits.path"), catalogue().names)
 
 
 def existing(path: str, option: str) -> Path:

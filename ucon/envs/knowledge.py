@@ -116,6 +116,8 @@ class HabitSource:
         ids = episode.entries if self.mode == "category" else episode.task_entries
         drawn: dict[str, list[Entry]] = {}
         for name in ids:
+            if name not in dataset.entry_number:
+                raise EpisodeError(f"episode {episode.id}: {unknown_name('entry', name, dataset.entry_number)}")
             entry = dataset.entries[dataset.entry_number[name]]
             drawn.setdefault(entry.category, []).append(entry)
         base = KnowledgeBase.build(dataset, drawn, episode.seed)

@@ -1,4 +1,4 @@
-"""Gymnasium ids. Found through the package's entry point, so ``gymnasium.make("UcON-v0")`` needs no import."""
+"""Gymnasium ids. ``import ucon.envs`` registers them; Gymnasium 1 looks for no plugins by itself."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, slots=True)
 class Detections:
-    """What is seen in one frame: parallel arrays, largest first among the newly seen."""
+    """What is seen in one frame: parallel arrays by track; tracks count up by size among the newly seen."""
 
     track: NDArray[np.int16]
     pixels: NDArray[np.int32]
@@ -40,6 +40,7 @@ class Tracks:
             for instance in new[np.lexsort((new, -counts[new]))]:
                 self._track[instance] = len(self.instance)
                 self.instance.append(int(instance))
+        seen = seen[np.argsort(self._track[seen])]
         return Detections(self._track[seen], counts[seen], tuple(self._categories[k] for k in seen))
 
     def image(self, instances: NDArray[np.int16]) -> NDArray[np.int16]:

@@ -20,6 +20,7 @@ from ucon.sim.cache import load_house
 from ucon.sim.render import SKY_DEPTH_M, RasterRenderer, Renderer
 from ucon.sim.state import SceneState
 from ucon.task.actions import Action
+from ucon.task.check import check_home
 from ucon.task.episode import Episode
 from ucon.task.ledger import Ledger
 from ucon.task.reward import Reward
@@ -60,9 +61,10 @@ class UcONEnv(gym.Env[Obs, int]):
     | step | Discrete(max_steps + 1) | steps taken |
 
     ### Info
-    ``target`` (category), ``habits`` (texts, at reset), ``scene``, ``episode`` (id), ``detections`` and ``tracks``
-    (with ``detector=True``), ``nav`` (free grid in the agent's frame, with ``planner="true"``, at reset), ``opened``
-    (tracks), at the end ``episode_metrics``. With ``privileged=True`` also ``privileged`` (solution, target instance).
+    ``target`` (category); at reset ``habits`` (texts), ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for
+    seeds and logs) and with ``planner="true"`` ``nav`` (free grid in the agent's frame); with ``detector=True``
+    ``detections``, ``tracks`` and ``opened`` (tracks); at the end ``episode_metrics``. With ``privileged=True`` also
+    ``privileged`` (scene, episode, solution, target instance, pose): for trainers and oracles only.
 
     ### Rewards
     :class:`ucon.task.reward.Reward`: +10 for a successful Done and -0.01 a step by default.
@@ -125,11 +127,7 @@ class UcONEnv(gym.Env[Obs, int]):
         super().reset(seed=seed)
         self.episode = self._choose(options or {})
         house = load_house(self.episode.scene)
-        if house.spec.hash != self.episode.home_hash:
-            raise EpisodeError(
-                f"episode {self.episode.id}: made for home {self.episode.home_hash[:12]}, {self.episode.scene} is now "
-                f"{house.spec.hash[:12]}; make the episodes anew (python -m ucon episodes make)"
-            )
+        check_home(self.episode, house)
         self._enter(house)
         start = self.episode.start
         pose = Pose(start.i, start.j, start.heading, self.rules.start_height, 0)
@@ -146,7 +144,6 @@ class UcONEnv(gym.Env[Obs, int]):
         obs, info = self._look(opened=())
         self._ledger = Ledger(self.episode, self.search)
         info |= {
-            "scene": self.episode.scene,
             "episode": self.episode.id,
             "habit_level": self.habit_level,
             "habits": self._knowledge.texts,
@@ -248,6 +245,7 @@ class UcONEnv(gym.Env[Obs, int]):
                 "solution": self.episode.solution,
                 "target_instance": self.search.target,
                 "pose": self.search.pose,
+                "scene": self.episode.scene,
                 "episode": self.episode,
             }
         obs["pose"] = self._frame.pose(self.search.pose)

@@ -83,12 +83,12 @@ def _lines(path: Path, raw: bytes) -> list[str]:
     return lines
 
 
-def read_anchors(path: Path) -> dict[str, frozenset[str]]:
-    """Anchors of a file like ``anchors.txt``: lines ``class name: relation ...``."""
-    return _anchors(path, read_lines(path))
+def read_anchors(path: Path, categories: Collection[str] | None = None) -> dict[str, frozenset[str]]:
+    """Anchors of a file like ``anchors.txt``: lines ``class name: relation ...``, names among ``categories``."""
+    return _anchors(path, read_lines(path), categories)
 
 
-def _anchors(path: Path, lines: Sequence[str]) -> dict[str, frozenset[str]]:
+def _anchors(path: Path, lines: Sequence[str], categories: Collection[str] | None = None) -> dict[str, frozenset[str]]:
     anchors: dict[str, frozenset[str]] = {}
     for number, line in enumerate(lines, 1):
         if not line.strip() or line.startswith("#"):
@@ -96,6 +96,8 @@ def _anchors(path: Path, lines: Sequence[str]) -> dict[str, frozenset[str]]:
         match = re.fullmatch(r"[ABM] (\w+):((?: \w+)+)", line)
         if match is None:
             raise DataError(f"{path}:{number}: '{line[:60]}', expected 'A|B|M anchor: relation ...'")
+        if categories is not None and match[1] not in categories:
+            raise DataError(f"{path}:{number}: {unknown_name('category', match[1], categories)}")
         relations = frozenset(match[2].split())
         for relation in sorted(relations - set(RELATIONS)):
             raise DataError(f"{path}:{number}: {unknown_name('relation', relation, RELATIONS)}")
@@ -228,7 +230,7 @@ def read_book(folder: Path, categories: Collection[str] | None = None, *, verifi
         DataError: naming file and line; also where one category's entries lie in two files.
     """
     own = folder / ANCHORS
-    anchors = read_anchors(own) if own.is_file() and folder != BOOK_FOLDER else book_anchors()
+    anchors = read_anchors(own, categories) if own.is_file() and folder != BOOK_FOLDER else book_anchors()
     paths = sorted(path for path in folder.glob("*.txt") if path.name != ANCHORS)
     if not paths:
         raise DataError(f"{folder}: no habit file (*.txt); expected files of the habit book's format")

@@ -93,7 +93,7 @@ def fingerprint() -> str:
 def _files(source: Path) -> list[Path]:
     if source.is_file():
         return [source]
-    skipped = {"__pycache__", "render", "placement", "homes"}
+    skipped = {"__pycache__", "render", "placement", "homes", "live.py", "sheets.py"}  # they make no home
     return sorted(
         path for path in source.rglob("*") if path.is_file() and not skipped & set(path.relative_to(source).parts)
     )

@@ -1,6 +1,8 @@
 """The live state of an episode: the same facts as :class:`SceneState`, asked of a running PyBullet client.
 
-Slower by orders of magnitude; it is the oracle that proves the compiled state right (``world=live``).
+Slower by orders of magnitude; it is the oracle that proves the compiled state right (``world=live``). Both follow one
+rule for the floor: the home's own nodes, less those within the agent's radius of a placed object's box. What a
+removed item stood on is not given back, and nobody walks under a placed thing.
 """
 
 from __future__ import annotations
@@ -8,9 +10,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.geometry import matrix_from_quat
 from ucon.sim.arrangement import Arrangement
 from ucon.sim.house import House
-from ucon.sim.navgrid import enclosed_cells, free_cells, main_component
+from ucon.sim.navgrid import AGENT_BOTTOM_M, AGENT_RADIUS_M, AGENT_TOP_M, nav_grid
+from ucon.sim.shapes import Array, enclosing, object_solid, primitive_boxes
 from ucon.sim.world import World
 
 
@@ -21,17 +25,14 @@ class LiveState:
         self.house, self.arrangement = house, arrangement
         self.categories = house.categories + tuple(placed.category for placed in arrangement.objects)
         self._world = World(house)
+        self.free: NDArray[np.bool_] = nav_grid(self._world).free.copy()
         self._world.apply(arrangement)
         self.boxes = self._world.boxes()
+        self.boxes[house.n_instances :] = self._placed_boxes().reshape(-1, 6)
+        self._take_nodes(self.boxes[house.n_instances :])
         present = set(self._world.instances)
         self.openable = np.array([k in present and self._jointed(k) for k in range(len(self.categories))], bool)
         self.open = np.zeros(len(self.categories), bool)
-        grid = house.grid
-        self.free: NDArray[np.bool_] = main_component(
-            free_cells(self._world, grid.origin_xy, grid.room),
-            house.spec.name,
-            enclosed_cells(house.spec, grid.origin_xy, grid.shape),
-        )
 
     def set_open(self, instance: int, is_open: bool = True) -> None:
         """Move the joints of an instance and what its drawers hold."""
@@ -41,6 +42,25 @@ class LiveState:
     def close(self) -> None:
         """Disconnect the client."""
         self._world.close()
+
+    def _placed_boxes(self) -> Array:
+        """Boxes (n, 6) at PyBullet's poses, from the parts: PyBullet's own box of a tilted compound is too large."""
+        poses, boxes = self._world.poses(), []
+        for number, placed in enumerate(self.arrangement.objects):
+            position, quat = poses[self.house.n_instances + number]
+            turn = matrix_from_quat(np.array(quat))
+            boxes.append(enclosing(primitive_boxes(object_solid(placed), np.array(position), turn)))
+        return np.array(boxes)
+
+    def _take_nodes(self, boxes: Array) -> None:
+        """Close the nodes where the agent's cylinder would touch a box (6,) of ``boxes``."""
+        x, y = (self.house.grid.xy(np.array([[k, k] for k in range(n)]))[:, a] for a, n in enumerate(self.free.shape))
+        for box in boxes:
+            if box[5] <= AGENT_BOTTOM_M or box[2] >= AGENT_TOP_M:
+                continue
+            dx = np.maximum(np.maximum(box[0] - x, x - box[3]), 0.0)
+            dy = np.maximum(np.maximum(box[1] - y, y - box[4]), 0.0)
+            self.free[np.hypot(dx[:, None], dy[None, :]) < AGENT_RADIUS_M] = False
 
     def _jointed(self, instance: int) -> bool:
         body = self._world.bodies(instance)[0]

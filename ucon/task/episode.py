@@ -9,6 +9,7 @@ from typing import Any
 from ucon.core.errors import EpisodeError
 from ucon.core.files import canonical_json, sha256_bytes
 from ucon.sim.arrangement import Arrangement, PlacedObject
+from ucon.task.check import check_data
 
 FORMAT = 1
 
@@ -102,19 +103,10 @@ class Episode:
             )
             start = Start(*(int(v) for v in raw.pop("start")))
             episode = cls(arrangement=arrangement, start=start, **{k: _frozen(v) for k, v in raw.items()})
-            episode._check(where)
+            check_data(episode, where)
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise EpisodeError(f"{where}: not a usable episode ({error}); restore or make the file anew") from None
         return episode
-
-    def _check(self, where: str) -> None:
-        objects = self.arrangement.objects
-        if not 0 <= self.target < len(objects):
-            raise EpisodeError(f"{where}: target {self.target}, expected an index below {len(objects)}")
-        if len(self.placed_by) != len(objects):
-            raise EpisodeError(f"{where}: {len(self.placed_by)} origins for {len(objects)} objects")
-        if self.solution.strip("0123456"):
-            raise EpisodeError(f"{where}: solution holds {self.solution!r}, expected digits 0 to 6")
 
 
 def _plain(value: Any) -> Any:

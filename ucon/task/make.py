@@ -12,6 +12,7 @@ from ucon.habits.types import HabitDataset
 from ucon.sim.cache import load_house
 from ucon.sim.render import RasterRenderer
 from ucon.sim.state import SceneState
+from ucon.task.check import check_home
 from ucon.task.episode import Episode
 from ucon.task.plan import Order
 from ucon.task.rules import task_rules
@@ -80,15 +81,12 @@ def verify_episode(episode: Episode) -> str:
     try:
         house = load_house(episode.scene)
         rules = task_rules(episode.task)
+        check_home(episode, house)
     except UconError as error:
         return str(error)
-    if house.spec.hash != episode.home_hash:
-        return f"made for home {episode.home_hash[:12]}, {episode.scene} is now {house.spec.hash[:12]}"
     world, eyes = SceneState(house, episode.arrangement), RasterRenderer()
     eyes.load(house, episode.arrangement)
     start = episode.start
-    if not world.free[start.i, start.j]:
-        return f"start ({start.i}, {start.j}) is not a free node"
     pose = Pose(start.i, start.j, start.heading, rules.start_height, 0)
     search = Search(world, eyes, house.n_instances + episode.target, pose, rules)
     if search.target_in_reach():

@@ -1,0 +1,76 @@
+"""Every shipped episode set: verified, solved by the oracle, and made within the time that is promised."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from functools import partial
+
+import pytest
+
+from models.agents.oracle import OracleAgent
+from ucon.envs.ucon_env import UcONEnv
+from ucon.evaluation.play import RunSpec
+from ucon.evaluation.runner import evaluate
+from ucon.habits import book
+from ucon.task.make import make_episodes, verify_episode
+from ucon.task.plan import set_cells, set_orders
+from ucon.task.sets import episode_sets, load_episodes
+
+SETS = [name if name == "mini" else pytest.param(name, marks=pytest.mark.slow) for name in episode_sets()]
+
+
+def of_the_book(name: str) -> bool:
+    return load_episodes(name)[0].habits == "book"
+
+
+def test_the_mini_set_is_installed() -> None:
+    assert "mini" in episode_sets()
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_every_stored_solution_succeeds(name: str) -> None:
+    wrong = {e.id: found for e in load_episodes(name) if (found := verify_episode(e))}
+    assert not wrong
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_the_oracle_scores_full_marks(name: str) -> None:
+    if not of_the_book(name):
+        pytest.skip("made with habits that are given by path")
+    episodes = load_episodes(name)
+    env = partial(UcONEnv, episodes[:1], habit_level="none", observe="symbolic", privileged=True)
+    records = [p.record for p in evaluate(RunSpec(OracleAgent, env, "none"), episodes, workers=0)]
+    assert all(r.success for r in records)
+    assert sum(r.spl for r in records) / len(records) >= 0.99
+
+
+@pytest.mark.parametrize("name", episode_sets())
+def test_sets_are_what_they_say(name: str) -> None:
+    episodes = load_episodes(name)
+    assert len({e.id for e in episodes}) == len(episodes)
+    assert all(e.shortest_path_m > 0 and len(e.solution) <= 300 for e in episodes)
+    alike = [(e, [o.category for o in e.arrangement.objects]) for e in episodes]
+    assert all(names.count(e.target_category) == 1 for e, names in alike)
+    if name in ("mini", "val", "test"):
+        cells = {cell.label: cell for cell in set_cells(name)}
+        assert {e.split for e in episodes} == set(cells)
+        assert all(e.scene in cells[e.split].scenes for e in episodes)
+        assert len(episodes) == sum(cell.count for cell in cells.values())
+
+
+def test_sampling_again_gives_the_same_episodes() -> None:
+    """The first orders of the mini set, sampled anew, are what the file holds."""
+    stored = {e.id: e for e in load_episodes("mini")}
+    orders = list(itertools.islice(set_orders("mini", book()), 2))
+    made = make_episodes(orders, workers=1)
+    assert made == [stored[episode.id] for episode in made]
+
+
+@pytest.mark.slow
+def test_a_thousand_episodes_in_five_minutes() -> None:
+    """On two cores; measured on a tenth of them, in wall time."""
+    orders = list(itertools.islice(set_orders("test", book()), 0, 1000, 10))
+    started = time.perf_counter()
+    assert len(make_episodes(orders, workers=2)) == 100
+    assert time.perf_counter() - started < 30
