@@ -149,10 +149,31 @@ def test_observation_does_not_depend_on_where_the_target_is(episodes: tuple[Epis
     first = episodes[0]
     others = [k for k, origin in enumerate(first.placed_by) if origin[0] and k != first.target]
     env = UcONEnv(episodes, habit_level="full", detector=True)
-    a, _ = env.reset(options={"episode": first})
-    b, _ = env.reset(options={"episode": replace(first, target=others[0])})
+    a, info = env.reset(options={"episode": first})
+    b, other = env.reset(options={"episode": replace(first, target=others[0])})
     assert not same(a.pop("target"), b.pop("target"))
+    assert info.pop("target") != other.pop("target")
     assert same(a, b)
+    assert same(info, other)
+
+
+@pytest.mark.parametrize("level", ["none", "full"])
+def test_an_unseen_target_leaves_no_trace(level: str, episodes: tuple[Episode, ...]) -> None:
+    """With the target taken out of the world, all that an agent gets before it would see the target is the same."""
+    envs = [UcONEnv(episodes, habit_level=level, detector=True) for _ in range(2)]
+    steps = 0
+    for episode in episodes:
+        objects = list(episode.arrangement.objects)
+        objects[episode.target] = replace(objects[episode.target], position=(0.0, 0.0, -50.0))
+        without = replace(episode, arrangement=replace(episode.arrangement, objects=tuple(objects)))
+        a, b = (env.reset(options={"episode": e}) for env, e in zip(envs, (episode, without), strict=True))
+        for action in ACTIONS:
+            if envs[0].search.counts[envs[0].search.target]:
+                break
+            assert same(a, b)
+            steps += 1
+            a, b = (env.step(action) for env in envs)
+    assert steps > 50
 
 
 def test_levels_give_what_they_say(episodes: tuple[Episode, ...]) -> None:
