@@ -6,6 +6,8 @@ from functools import partial
 
 import pytest
 
+from models.agents.belief import BeliefAgent
+from models.agents.frontier import FrontierAgent
 from models.agents.oracle import OracleAgent
 from models.agents.random import RandomAgent
 from ucon.core.errors import ConfigError
@@ -51,6 +53,16 @@ def test_order_and_batch_change_no_record(spec, episodes, alone):
 def test_shards_change_no_record(spec, episodes, alone):
     shards = [evaluate(spec, episodes[k::2], workers=0) for k in range(2)]
     assert lines(shards[0] + shards[1]) == alone
+
+
+@pytest.mark.parametrize("agent", [BeliefAgent, FrontierAgent])
+def test_searchers_do_not_depend_on_company(spec, episodes, agent):
+    env = partial(UcONEnv, episodes[:1], habit_level="retrieval", observe="symbolic", detector=True)
+    spec = replace(spec, agent=agent, env=env)
+    some = episodes[:4]
+    alone = lines([played for k in range(4) for played in evaluate(spec, some[k : k + 1], workers=0)])
+    assert lines(evaluate(spec, some[::-1], workers=2)) == alone
+    assert lines(evaluate(replace(spec, batch=3), some, workers=0)) == alone
 
 
 def test_skipped_episodes_are_not_played_again(spec, episodes):
