@@ -33,9 +33,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if chosen is not None and chosen not in COMMANDS:
         return _error(unknown_name("command", chosen, COMMANDS))
     for name, text in COMMANDS.items():
-        command = commands.add_parser(
-            name, help=text.replace("%", "%%"), description=f"{text[0].upper()}{text[1:]}.".replace("%", "%%")
-        )
+        command = commands.add_parser(name, help=text.replace("%", "%%"), description=f"{text[0].upper()}{text[1:]}.")
         if name == chosen:
             importlib.import_module(f"ucon.commands.{name}").add_arguments(command)
     args = parser.parse_args(arguments)

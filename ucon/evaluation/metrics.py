@@ -1,4 +1,4 @@
-"""From records to figures: the metrics of the benchmark (DESIGN, section 4).
+"""From records to figures: the metrics of the benchmark.
 
 SPL of one episode is ``success * l / max(p, l)`` with l the shortest path and p the length of the successful moves,
 in metres. It is computed where the episode ends; here it is checked again and averaged.

@@ -1,1 +1,1 @@
-"""The task of DESIGN: an episode, its actions, what is visible, what success is. Knows a habit level by name only."""
+"""The task: an episode, its actions, what is visible, what success is. Knows a habit level by name only."""

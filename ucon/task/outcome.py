@@ -12,7 +12,7 @@ FailureCause = Literal[
 
 @dataclass(frozen=True)
 class EpisodeOutcome:
-    """The deterministic figures of one finished episode (DESIGN, metrics)."""
+    """The deterministic figures of one finished episode."""
 
     success: bool
     steps: int

@@ -1,6 +1,6 @@
 """The shortest legal solution of a search, by rendering every pose from which it could succeed.
 
-Shortest path l (DESIGN, definitions): metres of moves that reach, for a target behind a closed door, a node where
+Shortest path l: metres of moves that reach, for a target behind a closed door, a node where
 Open works on its container, and then a node, heading and view with a successful Done. What else the same Open
 would open is opened too, so the solution is legal to the letter and the oracle walks it as it stands.
 """
