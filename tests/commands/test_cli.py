@@ -1,5 +1,6 @@
 """The command line as a user meets it: in processes of its own."""
 
+import json
 import re
 import resource
 import subprocess
@@ -89,3 +90,25 @@ def test_pins_follow_this_python():
     pins = read_pins(ROOT / "constraints.txt")
     assert pins["torch"] == "2.13.0"
     assert len([name for name in pins if name == "numpy"]) == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("words", "names"),
+    [
+        (
+            ["bench", "--json"],
+            "renderer_ratio_128 renderer_ratio_128_flat renderer_ratio_224 env_pixels_sps env_symbolic_sps "
+            "env_with_resets_sps decisions_per_s",
+        ),
+        (
+            ["habits", "stats", "--json"],
+            "habits categories vocabulary distinct_2 unique_masked duplicates near_duplicates mrr recall_at_20",
+        ),
+    ],
+)
+def test_names_that_scripts_rely_on(words, names):
+    command = [sys.executable, "-m", "ucon", *words]
+    result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=900)
+    assert result.returncode == 0, result.stderr
+    assert set(names.split()) <= set(json.loads(result.stdout))

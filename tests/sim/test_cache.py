@@ -6,6 +6,7 @@ import pytest
 
 from tests.sim.homes import hand_house
 from ucon.core.errors import DataError, UconError
+from ucon.core.files import sha256_file
 from ucon.sim import cache
 from ucon.sim.homefile import house_from_bytes, house_to_bytes
 
@@ -106,3 +107,24 @@ def test_unknown_home_is_one_clear_error(folder):
 def test_names_never_share_a_file():
     names = ["a:b", "a-b", "a~b", "procedural:house:1", "procedural:house:11"]
     assert len({cache.file_name(n) for n in names}) == len(names)
+
+
+PACKED_HOMES = sorted(path.name for path in cache.PACKED.glob(f"*{cache.SUFFIX}"))
+
+
+@pytest.mark.parametrize(
+    "file", [name if k % 25 == 0 else pytest.param(name, marks=pytest.mark.slow) for k, name in enumerate(PACKED_HOMES)]
+)
+def test_shipped_homes_are_what_the_code_builds(file):
+    """A changed layout rule must not leave old homes in the package."""
+    data = (cache.PACKED / file).read_bytes()
+    name = house_from_bytes(data, file).spec.name
+    assert cache.file_name(name) == file
+    assert same(cache.build_house(name), house_from_bytes(data, file))
+
+
+def test_shipped_homes_are_in_their_manifest():
+    listed = json.loads((cache.PACKED / "MANIFEST.json").read_text())["files"]
+    assert sorted(listed) == PACKED_HOMES
+    assert all(sha256_file(cache.PACKED / name) == entry["sha256"] for name, entry in listed.items())
+    assert all(entry["bytes"] < 100_000 for entry in listed.values())
