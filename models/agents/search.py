@@ -73,6 +73,8 @@ class SearchController:
         self.places.refresh(known)
         active = ~self._behind_doors()
         active &= (self.places.unseen > 1e-3) & (self.places.share > 0.0)
+        x, y = known.view.xy
+        active &= np.hypot(self.places.xyz[:, 0] - x, self.places.xyz[:, 1] - y) <= self.places.far_m
         reach = self.viewpoints.reach_m
         known.look(frame_depth(observation, info), self.places.xyz, active, self.places.unseen, reach, self.MISS)
 
@@ -151,17 +153,12 @@ class SearchController:
     def _choose(self, expected: Expectation) -> None:
         self.planner.update(self.map)
         keep = self.choice.view if self.choice is not None else None
-        for _ in range(4):
-            best, kept = self.viewpoints.choose(
-                self.map, self.planner, self.places, expected, self._openable_now(), keep
-            )
-            if kept is not None and best is not None and kept.score * 1.25 >= best.score and kept.gain > 0.0:
-                best = kept
-            if best is None or best.view != self.map.view:
-                break
-            self.viewpoints.disappoint(self.map, self.places, expected, self._openable_now())
+        best, kept = self.viewpoints.choose(self.map, self.planner, self.places, expected, self._openable_now(), keep)
+        if kept is not None and best is not None and kept.score * 1.25 >= best.score and kept.gain > 0.0:
+            best = kept
         if best is None or best.gain <= 1e-9:
             self._second_look()
+            best = self.viewpoints.elsewhere(self.map, self.planner)
         self.choice, self._age = best, 0
         self._plan = deque(self.planner.plan(best.view)) if best is not None else deque()
 

@@ -6,7 +6,7 @@ from toy import ToyEnv, two_rooms
 
 from ucon.objects import catalogue
 from ucon.perception.approach import Approach
-from ucon.perception.places import NEXTTO, Places, affordance, has_room, sight_range_m, with_fallback
+from ucon.perception.places import INSIDE, NEXTTO, Places, affordance, has_room, sight_range_m, with_fallback
 from ucon.perception.planner import Planner
 from ucon.perception.semantic_map import CAMERA_M, HALF, SemanticMap, frame_depth
 from ucon.perception.view_kernels import sight
@@ -106,3 +106,33 @@ def test_approach_ends_in_success() -> None:
         known.update(obs, info)
     assert approach.arrived(known, track)
     assert env.in_reach()
+
+
+def with_thing(category: str, box: tuple[float, ...]) -> tuple[SemanticMap, Places, np.ndarray]:
+    _, known, _, _ = started()
+    track = known.n_tracks
+    known.category.append(category)
+    known.box[track] = box
+    places = Places(0.1)
+    places.refresh(known)
+    inside = (places.track == track) & (places.relation == INSIDE) & (places.share > 0)
+    assert inside.any()
+    return known, places, inside
+
+
+def test_who_looks_into_a_bin_must_stand_by_it() -> None:
+    x, y = started()[1].view.xy
+    _, deep, bottom = with_thing("trash_can", (x + 1, y, 0.0, x + 1.3, y + 0.3, 0.9))
+    _, flat, shown = with_thing("trash_can", (x + 1, y, 0.0, x + 1.3, y + 0.3, 0.15))
+    assert (deep.far_m[bottom] < 0.6).all()
+    assert (flat.far_m[shown] > 3.0).all()
+    _, shelf, open_front = with_thing("shelf", (x + 1, y, 0.0, x + 1.3, y + 0.8, 1.8))
+    assert np.isinf(shelf.far_m[open_front]).all()
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_closed_front_has_its_inside_behind_it(side: float) -> None:
+    x, y = started()[1].view.xy
+    front = x + side
+    _, places, inside = with_thing("fridge", (front - 0.01, y - 0.4, 0.0, front + 0.01, y + 0.4, 1.7))
+    assert (side * (places.xyz[inside, 0] - front) > 0.15).all()

@@ -1,6 +1,6 @@
 """Hot loops that value views: how much unexplored space and how much expected mass a pose would show.
 
-A view is (node, heading 0..3, pitch -30, 0 or 30). Sight lines are judged on the height map and the walls seen.
+A view is (node, heading 0..3, pitch -60, -30, 0 or 30). Sight lines are judged on the height map and the walls seen.
 """
 
 from __future__ import annotations
@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 
 from ucon.perception.map_kernels import CELL_M, F32, F64, I32, U8
 
-PITCHES_DEG = (-30, 0, 30)
+PITCHES_DEG = (-60, -30, 0, 30)
+_COS = np.cos(np.deg2rad(PITCHES_DEG))
+_SIN = np.sin(np.deg2rad(PITCHES_DEG))
 OPAQUE_M = 1.2
 RAYS = 64
 MOST_CELLS = 32
@@ -120,19 +122,23 @@ def _ray(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def place_gain(
-    index: I32, place: F64, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8, half: int, out: F64
-) -> None:
-    """Add to out (n, 4, 3) the weight of the places (m, 3) that each view would show from within ``reach_m``.
+    index: I32, place: F64, far_m: F64, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8, half: int,
+    out: F64,
+) -> None:  # fmt: skip
+    """Add to out (n, 4, 4) the weight of the places (m, 3) that each view would show from within ``reach_m``.
+
+    ``far_m`` (m,) is the horizontal distance from which each place shows at all.
 
     ``index`` (cells) int32 gives the row of a node in ``out``, -1 where no view is considered.
     """
-    span = int(reach_m / CELL_M) + 1
     for m in range(place.shape[0]):
         w = weight[m]
         if w <= 0.0:
             continue
         px, py, pz = place[m]
         ci, cj = int(np.floor(px / CELL_M + 0.5)) + half, int(np.floor(py / CELL_M + 0.5)) + half
+        most_m = min(reach_m, far_m[m])
+        span = int(most_m / CELL_M) + 1
         for i in range(max(1, ci - span), min(index.shape[0] - 1, ci + span + 1)):
             for j in range(max(1, cj - span), min(index.shape[0] - 1, cj + span + 1)):
                 n = index[i, j]
@@ -140,14 +146,14 @@ def place_gain(
                     continue
                 x, y = (i - half) * CELL_M, (j - half) * CELL_M
                 dx, dy, dz = px - x, py - y, pz - cam_z
-                if dx * dx + dy * dy > reach_m * reach_m or not sight(x, y, cam_z, px, py, pz, height, walls, half):
+                if dx * dx + dy * dy > most_m * most_m or not sight(x, y, cam_z, px, py, pz, height, walls, half):
                     continue
                 _share(dx, dy, dz, w, reach_m, out[n])
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _share(dx: float, dy: float, dz: float, w: float, reach_m: float, out: F64) -> None:
-    """Add ``w`` to every view (4, 3) whose frustum holds a point at (dx, dy, dz) from the camera."""
+    """Add ``w`` to every view (4, 4) whose frustum holds a point at (dx, dy, dz) from the camera."""
     for heading in range(4):
         if heading == 0:
             flat, side = dx, abs(dy)
@@ -157,8 +163,8 @@ def _share(dx: float, dy: float, dz: float, w: float, reach_m: float, out: F64) 
             flat, side = -dx, abs(dy)
         else:
             flat, side = -dy, abs(dx)
-        for p in range(3):
-            cp, sp = (1.0, 0.0) if p == 1 else (0.8660254037844387, -0.5 if p == 0 else 0.5)
+        for p in range(4):
+            cp, sp = _COS[p], _SIN[p]
             optical, up = cp * flat + sp * dz, cp * dz - sp * flat
             if 0.15 < optical <= reach_m and side <= 0.95 * optical and abs(up) <= 0.95 * optical:
                 out[heading, p] += w
@@ -166,16 +172,16 @@ def _share(dx: float, dy: float, dz: float, w: float, reach_m: float, out: F64) 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def fade_places(
-    x: float, y: float, cam_z: float, heading: int, pitch: int, place: F64, weight: F64, reach_m: float, height: F32,
-    walls: U8, half: int, unseen: F64, factor: float,
+    x: float, y: float, cam_z: float, heading: int, pitch: int, place: F64, far_m: F64, weight: F64, reach_m: float,
+    height: F32, walls: U8, half: int, unseen: F64, factor: float,
 ) -> None:  # fmt: skip
     """Multiply ``unseen`` by ``factor`` for the places that a view expected to show (and evidently does not)."""
-    view = np.zeros((4, 3))
+    view = np.zeros((4, 4))
     for m in range(place.shape[0]):
         if weight[m] <= 0.0:
             continue
         px, py, pz = place[m]
-        if not sight(x, y, cam_z, px, py, pz, height, walls, half):
+        if np.hypot(px - x, py - y) > far_m[m] or not sight(x, y, cam_z, px, py, pz, height, walls, half):
             continue
         view[:] = 0.0
         _share(px - x, py - y, pz - cam_z, 1.0, reach_m, view)
@@ -187,7 +193,7 @@ def fade_places(
 def open_gain(
     index: I32, boxes: F64, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8, half: int, out: F64
 ) -> None:
-    """Add to out (n, 4, 3) the weight of the closed containers (m, 6) that Open would open from each view."""
+    """Add to out (n, 4, 4) the weight of the closed containers (m, 6) that Open would open from each view."""
     span = int(reach_m / CELL_M) + 1
     for m in range(boxes.shape[0]):
         w = weight[m]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -50,9 +51,15 @@ class Costs:
     overhead: float = 2.0
     turn: float = 0.6
     """A turn in units of a move."""
-    open: float = 1.5
+    open: float = 0.5
+    """An Open; like a turn it adds nothing to the path."""
     space_cells: int = 22
     """How far unexplored space counts, in cells."""
+    space: float = 1.75
+    """Worth of unexplored space in units of what a view of it shows: behind it there is more. Between 1 and 2.5 success
+    and SPL on the validation set differ by less than their noise (0.04); more finds open targets sooner, closed later."""
+    around: float = 1.0
+    """Turning on the spot after a look, for one more heading; less than a view's overhead."""
 
 
 class Viewpoints:
@@ -87,7 +94,7 @@ class Viewpoints:
         cost = moves + self.costs.turn * (steps - moves)
         cost = cost[:, :, None] + self.costs.turn * pitch + self.costs.overhead
         cost[steps >= UNREACHED] = np.inf
-        look_score = looks / cost
+        look_score = np.maximum(looks / cost, self._around(looks, cost))
         both_score = (looks + opens) / (cost + self.costs.open)
         score = np.maximum(look_score, np.where(opens > 0, both_score, 0.0))
 
@@ -103,6 +110,22 @@ class Viewpoints:
             kept = at(int(self._index[keep.i, keep.j]), keep.heading, kernels.PITCHES_DEG.index(keep.pitch_deg))
         self._index[nodes[:, 0], nodes[:, 1]] = -1
         return best, kept
+
+    def elsewhere(self, known: SemanticMap, planner: Planner) -> Choice | None:
+        """The nearest node not stood on yet, explored or beside what was explored: where nothing promises more."""
+        beside = cv2.dilate(known.explored, np.ones((3, 3), np.uint8)) > 0
+        steps = np.where(beside[:, :, None] & (known.visited == 0)[:, :, None], planner.steps, UNREACHED)
+        i, j, heading = (int(k) for k in np.unravel_index(int(steps.argmin()), steps.shape))
+        if steps[i, j, heading] >= UNREACHED:
+            return None
+        return Choice(View(i, j, heading, known.view.pitch_deg), False, 0.0, 0.0)
+
+    def _around(self, looks: NDArray[np.float64], cost: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Score of looking two and four ways from the same node with the same pitch, (n, 4, 4)."""
+        extra = self.costs.around
+        two = looks + np.maximum(np.roll(looks, 1, axis=1), np.roll(looks, -1, axis=1))
+        four = looks.sum(axis=1, keepdims=True)
+        return np.maximum(two / (cost + extra), four / (cost + 3.0 * extra))
 
     def _nodes(self, known: SemanticMap, planner: Planner, keep: View | None) -> NDArray[np.int32]:
         """Reachable explored nodes, all of them nearby and every second row and column farther off, (n, 2)."""
@@ -127,24 +150,30 @@ class Viewpoints:
         expected: Expectation,
         closed: NDArray[np.int64],
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Mass that looking, and that opening, would show: two arrays (n, 4, 3)."""
+        """Mass that looking, and that opening, would show: two arrays (n, 4, 4); nothing from where the agent is."""
         space = np.zeros((len(nodes), 4))
         cells = (known.explored, known.height, known.near, self.stale)
         reach = (self.costs.space_cells, self.reach_m)
-        kernels.space_gain(nodes, cells, reach, (expected.unknown_per_m2, expected.near_per_m2), space)
-        looks = space[:, :, None] * np.array([0.95, 1.0, 0.6])
+        per_m2 = (self.costs.space * expected.unknown_per_m2, expected.near_per_m2)
+        kernels.space_gain(nodes, cells, reach, per_m2, space)
+        looks = space[:, :, None] * np.array([0.3, 0.95, 1.0, 0.6])
         opens = np.zeros_like(looks)
         weight = self.weights(places, expected, closed)
         worth = (weight > 1e-9) & (places.unseen > SEEN)
         xyz = np.ascontiguousarray(places.xyz[worth])
         kernels.place_gain(
-            self._index, xyz, weight[worth], self.reach_m, CAMERA_M, known.height, known.walls, HALF, looks
-        )
+            self._index, xyz, places.far_m[worth], weight[worth], self.reach_m, CAMERA_M, known.height, known.walls,
+            HALF, looks,
+        )  # fmt: skip
         if len(closed):
             inside = expected.mass[closed, INSIDE]
             kernels.open_gain(
                 self._index, known.box[closed], inside, OPEN_REACH_M, CAMERA_M, known.height, known.walls, HALF, opens
             )
+        here = known.view
+        if self._index[here.i, here.j] >= 0 and here.pitch_deg in kernels.PITCHES_DEG:
+            done = self._index[here.i, here.j], here.heading, kernels.PITCHES_DEG.index(here.pitch_deg)
+            looks[done] = opens[done] = 0.0
         return looks, opens
 
     def weights(self, places: Places, expected: Expectation, closed: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -169,6 +198,6 @@ class Viewpoints:
         pitch = kernels.PITCHES_DEG.index(view.pitch_deg)
         weight = self.weights(places, expected, closed)
         kernels.fade_places(
-            x, y, CAMERA_M, view.heading, pitch, places.xyz, weight, self.reach_m, known.height, known.walls, HALF,
-            places.unseen, factor,
+            x, y, CAMERA_M, view.heading, pitch, places.xyz, places.far_m, weight, self.reach_m, known.height,
+            known.walls, HALF, places.unseen, factor,
         )  # fmt: skip
