@@ -153,9 +153,15 @@ class SearchController:
     def _choose(self, expected: Expectation) -> None:
         self.planner.update(self.map)
         keep = self.choice.view if self.choice is not None else None
-        best, kept = self.viewpoints.choose(self.map, self.planner, self.places, expected, self._openable_now(), keep)
-        if kept is not None and best is not None and kept.score * 1.25 >= best.score and kept.gain > 0.0:
-            best = kept
+        for _ in range(4):
+            best, kept = self.viewpoints.choose(
+                self.map, self.planner, self.places, expected, self._openable_now(), keep
+            )
+            if kept is not None and best is not None and kept.score * 1.25 >= best.score and kept.gain > 0.0:
+                best = kept
+            if best is None or best.view != self.map.view:
+                break
+            self.viewpoints.disappoint(self.map, self.places, expected, self._openable_now())
         if best is None or best.gain <= 1e-9:
             self._second_look()
             best = self.viewpoints.elsewhere(self.map, self.planner)

@@ -57,7 +57,8 @@ class Costs:
     """How far unexplored space counts, in cells."""
     space: float = 1.75
     """Worth of unexplored space in units of what a view of it shows: behind it there is more. Between 1 and 2.5 success
-    and SPL on the validation set differ by less than their noise (0.04); more finds open targets sooner, closed later."""
+    and SPL on the validation set differ by less than their noise (0.04); more finds open targets
+    sooner and closed ones later."""
     around: float = 1.0
     """Turning on the spot after a look, for one more heading; less than a view's overhead."""
 
@@ -150,7 +151,7 @@ class Viewpoints:
         expected: Expectation,
         closed: NDArray[np.int64],
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Mass that looking, and that opening, would show: two arrays (n, 4, 4); nothing from where the agent is."""
+        """Mass that looking, and that opening, would show: two arrays (n, 4, 4)."""
         space = np.zeros((len(nodes), 4))
         cells = (known.explored, known.height, known.near, self.stale)
         reach = (self.costs.space_cells, self.reach_m)
@@ -170,10 +171,6 @@ class Viewpoints:
             kernels.open_gain(
                 self._index, known.box[closed], inside, OPEN_REACH_M, CAMERA_M, known.height, known.walls, HALF, opens
             )
-        here = known.view
-        if self._index[here.i, here.j] >= 0 and here.pitch_deg in kernels.PITCHES_DEG:
-            done = self._index[here.i, here.j], here.heading, kernels.PITCHES_DEG.index(here.pitch_deg)
-            looks[done] = opens[done] = 0.0
         return looks, opens
 
     def weights(self, places: Places, expected: Expectation, closed: NDArray[np.int64]) -> NDArray[np.float64]:
