@@ -73,10 +73,8 @@ class SearchController:
         self.places.refresh(known)
         active = ~self._behind_doors()
         active &= (self.places.unseen > 1e-3) & (self.places.share > 0.0)
-        x, y = known.view.xy
-        active &= np.hypot(self.places.xyz[:, 0] - x, self.places.xyz[:, 1] - y) <= self.places.far_m
         reach = self.viewpoints.reach_m
-        known.look(frame_depth(observation, info), self.places.xyz, active, self.places.unseen, reach, self.MISS)
+        known.look(frame_depth(observation, info), self.places, active, reach, self.MISS)
 
     def _behind_doors(self) -> NDArray[np.bool_]:
         shut = np.zeros(max(self.map.n_tracks, 1), bool)

@@ -36,7 +36,7 @@ def integrate(
     """Put one frame into the cell maps and the boxes of its tracks.
 
     depth (H, W) optical metres; tracks (H, W); cells = (height, near, floor, blocked, walls); kind, frozen,
-    closest (T,), box (T, 6). Structure is read at every second pixel, things at every one: a thing may be four pixels.
+    closest (T,), box (T, 6). Cells are read from every second pixel, boxes from every one: a thing may be four pixels.
     """
     rows, columns = depth.shape
     x, y, cam_z, c, s, cp, sp, focal_px = camera
@@ -47,7 +47,8 @@ def integrate(
             t, d = tracks[v, u], depth[v, u]
             if t < 0 or t >= kind.shape[0] or not (0.0 < d < FAR_M):
                 continue
-            if kind[t] != 0 and (u & 1 or v & 1):
+            odd = u & 1 or v & 1
+            if odd and (kind[t] != 0 or frozen[t]):
                 continue
             f, right = d * ahead, d * ((u + 0.5 - 0.5 * columns) / focal_px)
             px, py, pz = x + c * f + s * right, y + s * f - c * right, cam_z + d * rise
@@ -55,7 +56,8 @@ def integrate(
                 closest[t] = min(closest[t], d)
                 if not frozen[t]:
                     _widen(box[t], px, py, pz)
-            _mark(cells, half, px, py, pz, d, kind[t], frozen[t])
+            if not odd:
+                _mark(cells, half, px, py, pz, d, kind[t], frozen[t])
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
@@ -144,11 +146,44 @@ def _trace(explored: U8, half: int, x: float, y: float, dx: float, dy: float, n:
     return fresh
 
 
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def shows(x: float, y: float, z: float, px: float, py: float, pz: float, hollow: F64, faces: int) -> bool:
+    """Whether a camera at (x, y, z) looks at a point in a hollow (6,) through one of its open sides."""
+    if faces == 63:
+        return True
+    best, side = 1.0, -1
+    dx, dy, dz = x - px, y - py, z - pz
+    if dx != 0.0:
+        t = ((hollow[3] if dx > 0 else hollow[0]) - px) / dx
+        if t < best:
+            best, side = t, 1 if dx > 0 else 0
+    if dy != 0.0:
+        t = ((hollow[4] if dy > 0 else hollow[1]) - py) / dy
+        if t < best:
+            best, side = t, 3 if dy > 0 else 2
+    if dz != 0.0:
+        t = ((hollow[5] if dz > 0 else hollow[2]) - pz) / dz
+        if t < best:
+            best, side = t, 5 if dz > 0 else 4
+    return side < 0 or (faces >> side) & 1 == 1
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
-def look(depth: F32, camera: F64, reach_m: float, places: F64, active: Flags, unseen: F64, miss: float) -> int:
+def look(
+    depth: F32,
+    camera: F64,
+    reach_m: float,
+    places: F64,
+    hollow: F64,
+    faces: U8,
+    active: Flags,
+    unseen: F64,
+    miss: float,
+) -> int:
     """Lower ``unseen`` (n,) of the places (n, 3) that this frame shows from within ``reach_m``; returns the count.
 
-    A place counts as shown where the ray through it ends at it or behind it (5 cm of grace).
+    A place counts as shown where the ray through it ends at it or behind it (5 cm of grace), and enters the hollow
+    (n, 6) that it may be in through one of its open faces (n,).
     """
     rows, columns = depth.shape
     x, y, cam_z, c, s, cp, sp, focal_px = camera
@@ -163,7 +198,9 @@ def look(depth: F32, camera: F64, reach_m: float, places: F64, active: Flags, un
             continue
         u = int(np.floor(0.5 * columns + focal_px * right / optical))
         v = int(np.floor(0.5 * rows - focal_px * up / optical))
-        if 0 <= u < columns and 0 <= v < rows and depth[v, u] > optical - 0.05:
+        if not (0 <= u < columns and 0 <= v < rows and depth[v, u] > optical - 0.05):
+            continue
+        if shows(x, y, cam_z, places[n, 0], places[n, 1], places[n, 2], hollow[n], faces[n]):
             unseen[n] *= miss
             shown += 1
     return shown

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from ucon.objects.catalogue import catalogue
 from ucon.objects.models import build_model
-from ucon.perception.place_kernels import INSIDE, MOST, NEXTTO, ONTOP, UNDER, inherit, make_points
-from ucon.perception.semantic_map import CAMERA_M, HALF, SemanticMap
+from ucon.perception.hollows import ALL_OPEN, Template, template
+from ucon.perception.place_kernels import INSIDE, MOST, NEXTTO, ONTOP, UNDER, facing, inherit, make_points
+from ucon.perception.semantic_map import HALF, SemanticMap
 
 __all__ = [
     "INSIDE",
@@ -43,8 +44,6 @@ _FIXED: dict[str, Kind] = {"wall": "wall", "ceiling": "ceiling"}
 
 #: Archetypes of furniture that is open, or opens, at its top.
 _LIDDED = ("bin", "chest_lidded", "tank_box")
-#: Nobody can come nearer to a thing's side than this.
-_NEAREST_M = 0.4
 
 
 @dataclass(frozen=True)
@@ -115,17 +114,22 @@ class Places:
     Attributes:
         xyz: (n, 3) metres. track, relation: (n,) int32. share: (n,) parts of the mass of (track, relation), summing
         to 1 over its points, 0 for points that were replaced. unseen: (n,) in [0, 1], 1 = no frame showed it.
-        far_m: (n,) horizontal distance beyond which the thing's own rim hides the point.
+        hollow: (n, 6) box of the compartment that a point is in. faces: (n,) uint8, bits of its sides that can be
+        looked through (-x, +x, -y, +y, -z, +z), all of them for points in no compartment.
     """
 
     def __init__(self, target_height_m: float) -> None:
         self._lift_m = 0.5 * target_height_m
         self._made: NDArray[np.float64] = np.zeros((0, 6))
         self._rows: dict[int, slice] = {}
-        self._data = np.zeros((1024, 7))
+        self._data = np.zeros((1024, 12))
+        self._faces = np.zeros(1024, np.uint8)
         self._track = np.zeros(1024, np.int32)
         self._n = 0
         self._scratch = np.zeros((MOST, 5))
+        self._turning: list[int] = []
+        self._sizes: NDArray[np.float64] = np.zeros((0, 3))
+        self._turn: dict[int, int] = {}
 
     @property
     def xyz(self) -> NDArray[np.float64]:
@@ -153,51 +157,69 @@ class Places:
         return self._data[: self._n, 5]
 
     @property
-    def far_m(self) -> NDArray[np.float64]:
-        """(n,) metres."""
-        return self._data[: self._n, 6]
+    def hollow(self) -> NDArray[np.float64]:
+        """(n, 6) metres."""
+        return self._data[: self._n, 6:]
+
+    @property
+    def faces(self) -> NDArray[np.uint8]:
+        """(n,) bits of open sides."""
+        return self._faces[: self._n]
 
     def refresh(self, known: SemanticMap) -> None:
-        """Make points for new tracks and for those whose box grew."""
+        """Make points for new tracks, for those whose box grew, and for those that turn out to stand otherwise."""
         n = known.n_tracks
         if n > len(self._made):
             self._made = np.vstack([self._made, np.full((n - len(self._made), 6), np.inf)])
         moved = np.abs(known.box[:n] - self._made).max(1) > GROWTH_M
         moved &= (known.kind[:n] == 0) & (known.box[:n, 3] >= known.box[:n, 0]) & ~known.opened[:n]
-        for track in np.flatnonzero(moved).tolist():
+        turned = self._look_at_fronts(known)
+        for track in sorted({*np.flatnonzero(moved).tolist(), *turned}):
             if known.category[track]:
                 self._make(track, known)
 
+    def _look_at_fronts(self, known: SemanticMap) -> list[int]:
+        """Tracks, seen before, whose front seems to be elsewhere than it did."""
+        for track in self._rows:
+            if track not in self._turn and template(known.category[track]).turns:
+                self._turning.append(track)
+                self._turn[track] = -1
+        if len(self._turning) > len(self._sizes):
+            self._sizes = np.array([template(known.category[k]).size for k in self._turning])
+        turn = np.array([self._turn[track] for track in self._turning], np.int32)
+        facing(known.box[self._turning], self._sizes, known.floor, known.blocked, known.walls, HALF, turn)
+        changed = []
+        for track, q in zip(self._turning, turn.tolist(), strict=True):
+            if self._turn[track] != q:
+                self._turn[track] = q
+                changed.append(track)
+        return changed
+
     def _make(self, track: int, known: SemanticMap) -> None:
-        has = affordance(known.category[track])
-        box = known.box[track]
-        count = make_points(
-            _whole(box, has, known.view.xy), has.offers, self._lift_m, known.height, HALF, self._scratch
-        )
-        if self._n + count > len(self._data):
-            self._data = np.vstack([self._data, np.zeros_like(self._data)])
-            self._track = np.concatenate([self._track, np.zeros_like(self._track)])
-        rows = slice(self._n, self._n + count)
-        self._n += count
-        new = self._data[rows]
-        new[:, :5], new[:, 5], new[:, 6] = self._scratch[:count], 1.0, np.inf
-        if has.from_above:
-            self._sink(new, box)
+        name, box = known.category[track], known.box[track]
+        has, shape = affordance(name), template(name)
+        whole = _whole(box, name, known.view.xy)
+        offers = has.offers & ~np.array([shape.has(ONTOP), shape.has(INSIDE), False])
+        count = make_points(whole, offers, self._lift_m, known.height, HALF, self._scratch)
+        total = count + len(shape.share)
+        self._reserve(total)
+        rows = slice(self._n, self._n + total)
+        self._n += total
+        new, faces = self._data[rows], self._faces[rows]
+        new[:count, :5], new[:, 5], faces[:] = self._scratch[:count], 1.0, ALL_OPEN
+        _fit(shape, whole, self._turn.get(track, 0), self._lift_m, new[count:], faces[count:])
         self._track[rows] = track
         if (old := self._rows.get(track)) is not None:
             inherit(new[:, :4], self._data[old, :4], self._data[old, 5], new[:, 5])
-            self._data[old, 4:] = 0.0
+            self._data[old, 4:6] = 0.0
         self._rows[track] = rows
         self._made[track] = box
 
-    def _sink(self, new: NDArray[np.float64], box: NDArray[np.float64]) -> None:
-        """Lower the points in a thing that is open above to where the target's top would be, and say who sees it."""
-        half_m, rim = 0.5 * float(min(box[3] - box[0], box[4] - box[1])), float(box[5])
-        top = min(float(box[2]) + 0.04 + 2.0 * self._lift_m, rim)
-        rows = new[:, 3] == INSIDE
-        new[rows, 2] = top
-        steep_m = half_m * (CAMERA_M - top) / max(rim - top, 0.02)
-        new[rows, 6] = max(steep_m, half_m + _NEAREST_M)
+    def _reserve(self, count: int) -> None:
+        if self._n + count > len(self._data):
+            self._data = np.vstack([self._data, np.zeros_like(self._data)])
+            self._faces = np.concatenate([self._faces, np.zeros_like(self._faces)])
+            self._track = np.concatenate([self._track, np.zeros_like(self._track)])
 
     def weights(self, mass: NDArray[np.float64]) -> NDArray[np.float64]:
         """Weight of every point for the mass (T, 4) of tracks and relations; (n,)."""
@@ -210,22 +232,28 @@ class Places:
         return out
 
 
-def _whole(box: NDArray[np.float64], has: Affordance, xy: tuple[float, float]) -> NDArray[np.float64]:
-    """The box of a thing with an inside, of which perhaps only the front was seen: as deep as its kind usually is.
+def _whole(box: NDArray[np.float64], name: str, xy: tuple[float, float]) -> NDArray[np.float64]:
+    """The box of a thing with an inside, of which perhaps only one side was seen: as large as its kind usually is.
 
-    The part not seen lies on the far side of the agent, which stands at ``xy``.
+    What was not seen lies on the far side of the agent, which stands at ``xy``. Furniture comes in many widths, but
+    is as deep as its kind; movable things are all of one size.
     """
-    if not has.openable or has.from_above:
-        return box
-    axis = int(box[4] - box[1] < box[3] - box[0])
-    missing = has.depth_m - float(box[3 + axis] - box[axis])
-    if missing < GROWTH_M:
+    has, shape = affordance(name), template(name)
+    if not shape.has(INSIDE):
         return box
     out = box.copy()
-    if xy[axis] < 0.5 * float(box[axis] + box[3 + axis]):
-        out[3 + axis] += missing
-    else:
-        out[axis] -= missing
+    sides = box[3:5] - box[:2]
+    usual = np.sort(shape.size[:2])
+    flat = int(sides[1] < sides[0])
+    wanted = [(flat, usual[0])] if has.furniture else [(flat, usual[0]), (1 - flat, usual[1])]
+    for axis, length in wanted:
+        missing = float(length - sides[axis])
+        if missing < (GROWTH_M if has.furniture else 0.02):
+            continue
+        if xy[axis] < 0.5 * float(box[axis] + box[3 + axis]):
+            out[3 + axis] += missing
+        else:
+            out[axis] -= missing
     return out
 
 
@@ -234,3 +262,30 @@ def with_fallback(mass: NDArray[np.float64], category: str) -> NDArray[np.float6
     out = np.where(np.append(affordance(category).offers, True), mass, 0.0)
     out[NEXTTO] += mass.sum() - out.sum()
     return out
+
+
+def _fit(
+    shape: Template,
+    box: NDArray[np.float64],
+    quarters: int,
+    lift_m: float,
+    rows: NDArray[np.float64],
+    faces: NDArray[np.uint8],
+) -> None:
+    """Write the points of a template, stretched to a box and turned, into rows (k, 12) and faces (k,)."""
+    if not len(rows):
+        return
+    across = quarters % 2
+    sides = np.array([box[3] - box[0], box[4] - box[1], box[5] - box[2]])
+    scale = sides[[across, 1 - across, 2]]
+    middle = np.array([0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), box[2]])
+    c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[quarters]
+    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]], float)
+    low, high = shape.hollow[:, :3] * scale @ turn.T + middle, shape.hollow[:, 3:] * scale @ turn.T + middle
+    hollow = np.hstack([np.minimum(low, high), np.maximum(low, high)])
+    rows[:, :3] = shape.xyz * scale @ turn.T + middle
+    rows[:, 2] += np.maximum(shape.lift * lift_m, 0.02)
+    closed = shape.faces != ALL_OPEN
+    rows[closed, 2] = np.minimum(rows[closed, 2], 0.5 * (hollow[closed, 2] + hollow[closed, 5]))
+    rows[:, 3], rows[:, 4], rows[:, 6:] = shape.relation, shape.share, hollow
+    faces[:] = shape.turned_faces(quarters)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from numpy.typing import NDArray
 from ucon.core.geometry import HEADING_COS, HEADING_SIN
 from ucon.perception import map_kernels as kernels
 from ucon.perception.detections import MIN_PIXELS, STRUCTURE_KINDS, Detections
+
+if TYPE_CHECKING:
+    from ucon.perception.places import Places
 
 CELL_M = kernels.CELL_M
 HALF = 128
@@ -154,15 +157,17 @@ class SemanticMap:
     def look(
         self,
         depth: NDArray[np.float32],
-        places: NDArray[np.float64],
+        places: Places,
         active: NDArray[np.bool_],
-        unseen: NDArray[np.float64],
         reach_m: float,
         miss: float,
     ) -> int:
-        """Lower ``unseen`` of the ``places`` (n, 3) which the newest frame shows from within ``reach_m``."""
+        """Multiply ``unseen`` of the places that the newest frame shows from within ``reach_m`` by ``miss``."""
         flat = depth.reshape(depth.shape[:2])
-        return int(kernels.look(flat, _camera(self.view, flat), reach_m, places, active, unseen, miss))
+        camera = _camera(self.view, flat)
+        return int(
+            kernels.look(flat, camera, reach_m, places.xyz, places.hollow, places.faces, active, places.unseen, miss)
+        )
 
     def seen(self, track: int) -> bool:
         """Whether any pixel of a track has been placed in space."""

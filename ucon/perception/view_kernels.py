@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ucon.perception.map_kernels import CELL_M, F32, F64, I32, U8
+from ucon.perception.map_kernels import CELL_M, F32, F64, I32, U8, shows
 
 PITCHES_DEG = (-60, -30, 0, 30)
 _COS = np.cos(np.deg2rad(PITCHES_DEG))
@@ -22,6 +22,8 @@ MOST_CELLS = 32
 #: Unexplored space counts less with every cell that it lies behind the last explored one of a ray; 2 m take it to 1/e.
 DEEPER = float(np.exp(-CELL_M / 2.0))
 LEAST_TRUST = float(np.exp(-3.0 / 2.0))
+#: Closed containers so far away count to what a node has around it.
+NEARBY_M = 2.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -122,12 +124,13 @@ def _ray(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def place_gain(
-    index: I32, place: F64, far_m: F64, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8, half: int,
-    out: F64,
+    index: I32, place: F64, hollow: F64, faces: U8, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8,
+    half: int, out: F64, around: F64,
 ) -> None:  # fmt: skip
     """Add to out (n, 4, 4) the weight of the places (m, 3) that each view would show from within ``reach_m``.
 
-    ``far_m`` (m,) is the horizontal distance from which each place shows at all.
+    A place in a hollow (m, 6) shows through its open faces (m,) only. ``around`` (n,) gets the weight of all that is
+    near a node with nothing in between, whatever its views show of it.
 
     ``index`` (cells) int32 gives the row of a node in ``out``, -1 where no view is considered.
     """
@@ -137,8 +140,7 @@ def place_gain(
             continue
         px, py, pz = place[m]
         ci, cj = int(np.floor(px / CELL_M + 0.5)) + half, int(np.floor(py / CELL_M + 0.5)) + half
-        most_m = min(reach_m, far_m[m])
-        span = int(most_m / CELL_M) + 1
+        span = int(reach_m / CELL_M) + 1
         for i in range(max(1, ci - span), min(index.shape[0] - 1, ci + span + 1)):
             for j in range(max(1, cj - span), min(index.shape[0] - 1, cj + span + 1)):
                 n = index[i, j]
@@ -146,7 +148,10 @@ def place_gain(
                     continue
                 x, y = (i - half) * CELL_M, (j - half) * CELL_M
                 dx, dy, dz = px - x, py - y, pz - cam_z
-                if dx * dx + dy * dy > most_m * most_m or not sight(x, y, cam_z, px, py, pz, height, walls, half):
+                if dx * dx + dy * dy > reach_m * reach_m or not sight(x, y, cam_z, px, py, pz, height, walls, half):
+                    continue
+                around[n] += w
+                if not shows(x, y, cam_z, px, py, pz, hollow[m], faces[m]):
                     continue
                 _share(dx, dy, dz, w, reach_m, out[n])
 
@@ -172,8 +177,8 @@ def _share(dx: float, dy: float, dz: float, w: float, reach_m: float, out: F64) 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def fade_places(
-    x: float, y: float, cam_z: float, heading: int, pitch: int, place: F64, far_m: F64, weight: F64, reach_m: float,
-    height: F32, walls: U8, half: int, unseen: F64, factor: float,
+    x: float, y: float, cam_z: float, heading: int, pitch: int, place: F64, hollow: F64, faces: U8, weight: F64,
+    reach_m: float, height: F32, walls: U8, half: int, unseen: F64, factor: float,
 ) -> None:  # fmt: skip
     """Multiply ``unseen`` by ``factor`` for the places that a view expected to show (and evidently does not)."""
     view = np.zeros((4, 4))
@@ -181,7 +186,9 @@ def fade_places(
         if weight[m] <= 0.0:
             continue
         px, py, pz = place[m]
-        if np.hypot(px - x, py - y) > far_m[m] or not sight(x, y, cam_z, px, py, pz, height, walls, half):
+        if not shows(x, y, cam_z, px, py, pz, hollow[m], faces[m]):
+            continue
+        if not sight(x, y, cam_z, px, py, pz, height, walls, half):
             continue
         view[:] = 0.0
         _share(px - x, py - y, pz - cam_z, 1.0, reach_m, view)
@@ -191,10 +198,14 @@ def fade_places(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def open_gain(
-    index: I32, boxes: F64, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8, half: int, out: F64
-) -> None:
-    """Add to out (n, 4, 4) the weight of the closed containers (m, 6) that Open would open from each view."""
-    span = int(reach_m / CELL_M) + 1
+    index: I32, boxes: F64, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8, half: int, out: F64,
+    around: F64,
+) -> None:  # fmt: skip
+    """Add to out (n, 4, 4) the weight of the closed containers (m, 6) that Open would open from each view.
+
+    ``around`` (n,) gets that of all which are at most ``NEARBY_M`` away.
+    """
+    span = int(NEARBY_M / CELL_M) + 1
     for m in range(boxes.shape[0]):
         w = weight[m]
         if w <= 0.0:
@@ -209,9 +220,12 @@ def open_gain(
                     continue
                 x, y = (i - half) * CELL_M, (j - half) * CELL_M
                 gx, gy = max(x0 - x, x - x1, 0.0), max(y0 - y, y - y1, 0.0)
-                if gx * gx + gy * gy > reach_m * reach_m:
+                if gx * gx + gy * gy > NEARBY_M * NEARBY_M:
                     continue
                 px, py = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
                 pz = min(max(cam_z - 0.2, z0), z1)
-                if sight(x, y, cam_z, px, py, pz, height, walls, half):
+                if not sight(x, y, cam_z, px, py, pz, height, walls, half):
+                    continue
+                around[n] += w
+                if gx * gx + gy * gy <= reach_m * reach_m:
                     _share(px - x, py - y, pz - cam_z, w, 4.0, out[n])

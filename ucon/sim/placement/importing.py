@@ -29,8 +29,32 @@ MAX_FOOTPRINT_M = 0.90
 MAX_LENGTH_M = 1.60
 """Of what is long and light: a chest, a rake, a guitar."""
 MAX_WALL_WIDTH_M = 1.6
-_ON_FLOOR_HEIGHT_M = 0.34
-_ON_FLOOR_FOOTPRINT_M = 0.45
+_ON_FLOOR = frozenset(
+    {
+        "axe",
+        "backpack",
+        "baseball_bat",
+        "broom",
+        "carton",
+        "fishing_rod",
+        "golf_club",
+        "guitar",
+        "hamper",
+        "hockey_stick",
+        "hoe",
+        "hose",
+        "log",
+        "packing_box",
+        "plywood",
+        "shopping_basket",
+        "shovel",
+        "ski",
+        "tennis_racket",
+        "tote",
+        "white_rice_sack",
+    }
+)
+"""What people lean on a wall or set down on the floor, though it could stand on a table."""
 _TRIES_A_SUPPORT = 4
 _SUPPORTS = 10
 _NEVER = frozenset({"window", "window_blind", "door", "gate", "garage_door"})
@@ -54,7 +78,7 @@ def importable(category: str) -> bool:
 def import_anchor(house: House, arrangement: Arrangement, category: str, rng: np.random.Generator) -> PlacedObject:
     """Put a category that a home lacks on a default support of a plausible room.
 
-    Surface things go on a table, counter, shelf or cabinet; what is large or stands on the floor goes along a
+    Surface things go on a table, counter, shelf or cabinet; what people keep on the floor goes along a
     wall; wall things on a free piece of wall. The rooms of the catalogue come first.
 
     Returns:
@@ -93,7 +117,7 @@ def _slots(scene: Surroundings, row: Category, room: int, rng: np.random.Generat
     if row.mount == "wall":
         yield from _on_wall(scene, row.name, room, rng)
         return
-    on_floor = row.mount == "floor" or row.size[2] > _ON_FLOOR_HEIGHT_M or max(row.size[:2]) > _ON_FLOOR_FOOTPRINT_M
+    on_floor = row.mount == "floor" or row.name in _ON_FLOOR
     stages = [_on_floor, _on_furniture] if on_floor else [_on_furniture, _on_floor]
     for stage in stages[:1] if row.mount == "floor" else stages:
         yield from stage(scene, row.name, room, rng)
