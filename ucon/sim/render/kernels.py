@@ -33,6 +33,19 @@ def leaf(function: _Function) -> _Function:
 
     Counting (atomically, for each array at each call and view) would cost more than drawing a small part.
     """
+    return _leaf(function, forceinline=False)
+
+
+def inlined(function: _Function) -> _Function:
+    """Like :func:`leaf` for what is called thousands of times a picture, from one place or two.
+
+    Left to itself the compiler passes some twenty words for three arrays, which takes longer than to draw a small face.
+    Elsewhere it would only lengthen compilation.
+    """
+    return _leaf(function, forceinline=True)
+
+
+def _leaf(function: _Function, *, forceinline: bool) -> _Function:
     options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
-    compiled: Any = njit(**options)(function)
+    compiled: Any = njit(**options, forceinline=forceinline)(function)
     return cast(_Function, compiled)

@@ -20,8 +20,9 @@ from ucon.sim.render.base import (
     pitch_cos_sin,
     tan_half,
 )
-from ucon.sim.render.raster import PAD_PX, rasterise
+from ucon.sim.render.raster import rasterise
 from ucon.sim.render.shading import resolve
+from ucon.sim.render.spans import BLOCK_PX
 
 _NO_RGB = np.empty((0, 0, 3), np.uint8)
 _NO_DEPTH = np.empty((0, 0), np.float32)
@@ -58,8 +59,8 @@ class RasterRenderer:
         self._builder = builder
         self._cull = cull
         self._camera = np.array([0, 0, 0, 1, 0, 1, 0, tan_half(fov_deg), *sample], np.float64)
-        self._depth = np.empty(height * width + int(PAD_PX), np.float32)
-        self._faces = np.empty(height * width + int(PAD_PX), np.int32)
+        self._depth = np.empty(height * width + int(BLOCK_PX), np.float32)
+        self._faces = np.empty(height * width + int(BLOCK_PX), np.int32)
         canonical = width == height == VIEW_PX and fov_deg == VIEW_FOV_DEG and sample == (0.5, 0.5)
         self._view: RasterRenderer | None = None if canonical else self._counting_view()
         self._arena: Arena | None = None
@@ -80,11 +81,11 @@ class RasterRenderer:
 
     @property
     def n_instances(self) -> int:
-        """Instances of the home and of the episode."""
+        """See :class:`~ucon.sim.render.base.Renderer`."""
         return self.arena.n_instances
 
     def load(self, house: House, arrangement: Arrangement | None = None) -> None:
-        """Show this home in this episode, everything closed."""
+        """See :meth:`Renderer.load <ucon.sim.render.base.Renderer.load>`."""
         self._show(Arena(house, arrangement or Arrangement(), self._builder))
 
     def _show(self, arena: Arena) -> None:
@@ -93,7 +94,7 @@ class RasterRenderer:
             self._view._show(arena)
 
     def set_open(self, instance: int, fraction: float) -> None:
-        """Bring all joints of an instance to a fraction (0 to 1) of their travel, with what its drawers hold."""
+        """See :meth:`Renderer.set_open <ucon.sim.render.base.Renderer.set_open>`."""
         self.arena.set_open(instance, fraction)
 
     def render(
@@ -108,7 +109,7 @@ class RasterRenderer:
         instance: NDArray[np.int16] | None = None,
         counts: NDArray[np.int32] | None = None,
     ) -> None:
-        """Draw into the caller's buffers; see :class:`~ucon.sim.render.base.Renderer`."""
+        """See :meth:`Renderer.render <ucon.sim.render.base.Renderer.render>`."""
         shape = (self.height, self.width)
         if rgb is not None:
             check_buffer("rgb", rgb, (*shape, 3), np.uint8)
@@ -146,7 +147,7 @@ class RasterRenderer:
         pitch_deg: float,
         counts: NDArray[np.int32] | None = None,
     ) -> NDArray[np.int32]:
-        """Pixels of every instance in the 128 x 128, 90 degree view, (n_instances,)."""
+        """See :meth:`Renderer.visible <ucon.sim.render.base.Renderer.visible>`."""
         if counts is None:
             counts = np.empty(self.n_instances, np.int32)
         if self._view is not None:

@@ -16,14 +16,15 @@ from typing import Any
 import numpy as np
 
 from ucon.sim.render.base import SKY_DEPTH_M
-from ucon.sim.render.kernels import F32, F64, I16, I32, U8, U32, jit, leaf
+from ucon.sim.render.kernels import F32, F64, I16, I32, U8, U32, inlined, jit
 from ucon.sim.render.raster import camera_frame
 from ucon.sim.render.tessellate import WINDOW
 from ucon.sim.render.textures import BLOCK, OPEN_SKY, SHADED, outdoors, paint_corners, paint_material
 
 _ONE = np.float32(1.0)
 _STEP = np.uint64(1)
-_G, _B = np.uint32(8), np.uint32(16)
+_G, _B, _LOOK = np.uint32(8), np.uint32(16), np.uint32(24)
+_PANE = np.uint32(WINDOW)
 _DIM, _BRIGHT, _REACH_M = np.float32(0.74), np.float32(0.28), np.float32(1.8)
 """Brightness far away, what nearness adds, and how near that is."""
 _FARTHEST = np.float32(SKY_DEPTH_M)
@@ -52,22 +53,28 @@ def resolve(
     padded = width + BLOCK
     rows, line = np.zeros((5, padded), np.float32), np.empty(padded, np.uint32)
     sight = np.empty((4, 3), np.float32)
-    geometry = (tables.face_planes, tables.face_color, tables.face_axes, rooms, np.float32(wall_height), textured)
-    targets = (instance.reshape(-1), counts, rgb.reshape(-1))
+    geometry = (tables.face_planes, tables.face_color, tables.face_axes, rooms, np.float32(wall_height))
+    palette = tables.face_color.reshape(-1).view(np.uint32)
+    numbers, colors = instance.reshape(-1), rgb.reshape(-1)
     counts[:] = 0
     for y in range(height):
+        at = np.uint64(y * width)
         if depth.size > 0 or rgb.size > 0:
             _depths(y, width, inverse_depth, rows, depth)
+        if counts.size > 0:
+            _count_row(at, np.uint64(width), faces, tables.face_instance, counts)
+        if instance.size > 0:
+            _number_row(at, np.uint64(width), faces, tables.face_instance, numbers)
         if rgb.size > 0:
             _look_along(y, height, width, camera, frame, sight)
-        _walk_row(
-            np.uint64(y * width), np.uint64(width), faces, tables.face_instance, geometry, sight, rows, line, targets
-        )
-        if rgb.size > 0:
-            _unpack(line, y, width, targets[2])
+            if textured:
+                _color_row(at, np.uint64(width), faces, geometry, sight, rows, line)
+            else:
+                _flat_row(at, np.uint64(width), faces, palette, sight[0, 2], line)
+            _unpack(line, y, width, colors)
 
 
-@leaf
+@inlined
 def _depths(y: int, width: int, inverse_depth: F32, rows: F32, depth: F32) -> None:
     """Depth of a row into row 0 and the output, and into row 4 how bright things at that depth are."""
     at = np.uint64(y * width)
@@ -80,7 +87,7 @@ def _depths(y: int, width: int, inverse_depth: F32, rows: F32, depth: F32) -> No
             depth[y, x] = rows[0, x]
 
 
-@leaf
+@inlined
 def _look_along(y: int, height: int, width: int, camera: F64, frame: F32, sight: F32) -> None:
     """Rays of a row into ``sight``: the first pixel's, the step to the next one, straight ahead, and the camera."""
     scale = np.float32(width * 0.5 / camera[7])
@@ -91,30 +98,65 @@ def _look_along(y: int, height: int, width: int, camera: F64, frame: F32, sight:
         sight[1, k], sight[2, k], sight[3, k] = frame[0, k] / scale, frame[2, k], frame[3, k]
 
 
-@leaf
-def _walk_row(
-    at: int, width: int, faces: I32, owner: I16, geometry: Any, sight: F32, rows: F32, line: U32, targets: Any
-) -> None:
-    """Find the runs of one face; number, count and colour them."""
-    instance, counts, rgb = targets
+@inlined
+def _run_end(at: int, x: int, width: int, faces: I32) -> int:
+    """Where the run of one face that begins at ``x`` ends."""
+    f = faces[at + x]
+    x += _STEP
+    while x < width and faces[at + x] == f:
+        x += _STEP
+    return x
+
+
+@inlined
+def _count_row(at: int, width: int, faces: I32, owner: I16, counts: I32) -> None:
     x0 = np.uint64(0)
     while x0 < width:
-        f = faces[at + x0]
-        x1 = x0 + _STEP
-        while x1 < width and faces[at + x1] == f:
-            x1 += _STEP
-        number = owner[f] if f >= 0 else np.int16(-1)
-        if counts.size > 0 and f >= 0:
-            counts[number] += np.int32(x1 - x0)
-        if instance.size > 0:
-            for x in range(x0, x1):
-                instance[at + x] = number
-        if rgb.size > 0:
-            _color_run(f, x0, x1, geometry, sight, rows, line)
+        f, x1 = faces[at + x0], _run_end(at, x0, width, faces)
+        if f >= 0:
+            counts[owner[f]] += np.int32(x1 - x0)
         x0 = x1
 
 
-@leaf
+@inlined
+def _number_row(at: int, width: int, faces: I32, owner: I16, numbers: I16) -> None:
+    """Pixel by pixel, without a branch: where runs end could not be foretold."""
+    for x in range(width):
+        f = faces[at + x]
+        number = owner[np.uint64(max(f, np.int32(0)))]
+        numbers[at + x] = number if f >= 0 else np.int16(-1)
+
+
+@inlined
+def _flat_row(at: int, width: int, faces: I32, palette: U32, slope: float, line: U32) -> None:
+    """Colours of the faces, looked up pixel by pixel; sky and panes, which depend on the row, in a second pass."""
+    for x in range(width):
+        line[x] = palette[np.uint64(max(faces[at + x], np.int32(0)))]
+    sky, pane = _packed(outdoors(slope, False)), _packed(outdoors(slope, True))
+    for x in range(width):
+        color = line[x]
+        color = pane if color >> _LOOK == _PANE else color
+        line[x] = sky if faces[at + x] < 0 else color
+
+
+@inlined
+def _color_row(at: int, width: int, faces: I32, geometry: Any, sight: F32, rows: F32, line: U32) -> None:
+    """Shade a row, run by run."""
+    x0 = np.uint64(0)
+    while x0 < width:
+        f, x1 = faces[at + x0], _run_end(at, x0, width, faces)
+        _color_run(f, x0, x1, geometry, sight, rows, line)
+        x0 = x1
+
+
+@inlined
+def _packed(color: tuple[float, float, float]) -> int:
+    """One word a pixel, red in the lowest byte."""
+    word = np.uint32(np.int32(color[0])) | (np.uint32(np.int32(color[1])) << _G)
+    return np.uint32(word | (np.uint32(np.int32(color[2])) << _B))
+
+
+@inlined
 def _unpack(line: U32, y: int, width: int, rgb: U8) -> None:
     """Write a row of packed colours, whole blocks first."""
     first = np.uint64(y * width * 3)
@@ -126,14 +168,14 @@ def _unpack(line: U32, y: int, width: int, rgb: U8) -> None:
         _put(line[x], first + np.uint64(3) * x, rgb)
 
 
-@leaf
+@inlined
 def _put(color: int, i: int, rgb: U8) -> None:
     rgb[i] = np.uint8(color)
     rgb[i + np.uint64(1)] = np.uint8(color >> _G)
     rgb[i + np.uint64(2)] = np.uint8(color >> _B)
 
 
-@leaf
+@inlined
 def _color_run(
     f: int,
     x0: int,
@@ -144,16 +186,14 @@ def _color_run(
     line: U32,
 ) -> None:
     """Colour the pixels x0 to x1 of a row, all of face ``f``, into ``line``."""
-    planes, colors, axes, rooms, wall_height, textured = geometry
+    planes, colors, axes, rooms, wall_height = geometry
     look = colors[f, 3] if f >= 0 else OPEN_SKY
     if look in (OPEN_SKY, WINDOW):
-        sky = outdoors(sight[0, 2], look == WINDOW)
-        _write(line, x0, x1, sky[0], sky[1], sky[2])
+        word = _packed(outdoors(sight[0, 2], look == WINDOW))
+        for x in range(x0, x1):
+            line[x] = word
         return
     red, green, blue = np.float32(colors[f, 0]), np.float32(colors[f, 1]), np.float32(colors[f, 2])
-    if not textured:
-        _write(line, x0, x1, red, green, blue)
-        return
     code, room = axes[f, 0], axes[f, 1]
     tone = 4
     if room > 0 or SHADED[look]:
@@ -168,7 +208,7 @@ def _color_run(
     _pack(line, x0, x1, red, green, blue, tone, rows)
 
 
-@leaf
+@inlined
 def _pack(line: U32, x0: int, x1: int, red: float, green: float, blue: float, tone: int, rows: F32) -> None:
     """Colour times tone, as one word a pixel."""
     brightest = np.float32(255.0) / max(red, green, blue, _ONE)
@@ -180,15 +220,7 @@ def _pack(line: U32, x0: int, x1: int, red: float, green: float, blue: float, to
             line[x] = color | (np.uint32(np.int32(blue * light)) << _B)
 
 
-@leaf
-def _write(line: U32, x0: int, x1: int, red: float, green: float, blue: float) -> None:
-    color = np.uint32(np.int32(red)) | (np.uint32(np.int32(green)) << _G) | (np.uint32(np.int32(blue)) << _B)
-    for start in range(x0, x1, BLOCK):
-        for k in range(BLOCK):
-            line[start + np.uint64(k)] = color
-
-
-@leaf
+@inlined
 def _axes_of(code: int) -> tuple[int, int]:
     """World axes that a face's texture runs along; the second is the way of the grain."""
     plane = code & 3
@@ -196,7 +228,7 @@ def _axes_of(code: int) -> tuple[int, int]:
     return (v, u) if code & 4 else (u, v)
 
 
-@leaf
+@inlined
 def _coordinates(u: int, v: int, x0: int, x1: int, sight: F32, rows: F32) -> None:
     """Texture coordinates in metres of a run into rows 1 and 2, its tone before texture into row 3."""
     at_u, from_u, step_u = sight[3, u], sight[0, u], sight[1, u]
@@ -210,7 +242,7 @@ def _coordinates(u: int, v: int, x0: int, x1: int, sight: F32, rows: F32) -> Non
             rows[3, x] = rows[4, x]
 
 
-@leaf
+@inlined
 def _footprint(f: int, code: int, depth: float, planes: F32, sight: F32) -> tuple[float, float]:
     """Metres of texture that a pixel covers along both axes, for fading what is too fine to be seen."""
     away = planes[f, 3]

@@ -80,6 +80,7 @@ CORNERS, SOLIDS, FACES, INDEX = _tables()
 """Corners (n, 3); per solid first corner, corners, first face, faces; per face start in INDEX and corners; INDEX."""
 
 MOST_CORNERS = int(SOLIDS[:, 1].max())
+MOST_FACES = int(SOLIDS[:, 3].max())
 MOST_SIDES = int(FACES[:, 1].max())
 
 

@@ -13,6 +13,9 @@ from ucon.sim.render.kernels import F32, F64, I16, I32, U8, jit
 from ucon.sim.render.shapes import INDEX
 from ucon.sim.render.tessellate import CEILING, WALL, Mesh
 
+CORNER_BLOCK = np.uint64(8)
+"""Corners are projected in blocks of this many: a box is one."""
+
 
 class Tables(NamedTuple):
     """Geometry of a home: ng groups, np parts, nf faces, nv corners."""
@@ -38,7 +41,7 @@ class Tables(NamedTuple):
 def empty_tables(groups: int, parts: int, faces: int, vertices: int) -> Tables:
     """Tables of the given sizes, not yet filled."""
     return Tables(
-        np.empty((vertices, 3), np.float32),
+        np.empty((vertices + int(CORNER_BLOCK), 3), np.float32)[:vertices],  # the last block may read past the end
         np.empty((faces, 4), np.float32),
         np.empty((faces, 2), np.int16),
         np.empty(faces, np.int16),

@@ -13,7 +13,7 @@ import numpy as np
 
 from ucon.core.rng import stream
 from ucon.objects.model import Material
-from ucon.sim.render.kernels import F32, leaf
+from ucon.sim.render.kernels import F32, inlined, leaf
 from ucon.sim.render.tessellate import MIRROR, WALL
 
 BLOCK = np.uint64(32)
@@ -58,7 +58,7 @@ def _bounds(axis: int, room: int, rooms: F32, height: float) -> tuple[float, flo
     return rooms[room, axis], rooms[room, axis + 2]
 
 
-@leaf
+@inlined
 def paint_corners(
     u_axis: int, v_axis: int, look: int, room: int, x0: int, x1: int, rooms: F32, height: float, rows: F32
 ) -> None:
@@ -76,7 +76,7 @@ def paint_corners(
             rows[3, x] *= shade * (_SKIRTING if v < skirting else _ONE)
 
 
-@leaf
+@inlined
 def paint_material(look: int, x0: int, x1: int, foot_u: float, foot_v: float, rows: F32) -> None:
     """Texture of a material."""
     if look == _PARQUET:
@@ -98,7 +98,7 @@ def paint_material(look: int, x0: int, x1: int, foot_u: float, foot_v: float, ro
         _sheen(x0, x1, 2.2, 0.16, rows)
 
 
-@leaf
+@inlined
 def _fade(cell: float, foot: float) -> float:
     """How much of a pattern shows: all at four pixels a cell, nothing at one and a half."""
     return min(max((np.float32(cell) / foot - np.float32(1.5)) * np.float32(0.4), _ZERO), _ONE)
@@ -161,7 +161,7 @@ def _tiles(x0: int, x1: int, foot_u: float, foot_v: float, rows: F32) -> None:
             rows[3, x] *= _ONE + strength * _NOISE[(i + _MIX[j & 255]) & 255] - max(line_u, line_v)
 
 
-@leaf
+@inlined
 def _joint(wide: float, cell: float, foot: float) -> tuple[float, float, float, float]:
     """A thin dark line averaged over a pixel: its reach, one over the pixel, its peak and its depth."""
     wide, foot = np.float32(wide), np.float32(foot)

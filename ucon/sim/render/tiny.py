@@ -27,7 +27,7 @@ from ucon.sim.render.base import (
     pitch_cos_sin,
     tan_half,
 )
-from ucon.sim.render.raster import NEAR_M
+from ucon.sim.render.parts import NEAR_M
 from ucon.sim.render.shapes import INDEX
 
 TINY_SAMPLE = (0.0, 1.0)
@@ -94,11 +94,11 @@ class TinyRenderer:
 
     @property
     def n_instances(self) -> int:
-        """Instances of the home and of the episode."""
+        """See :class:`~ucon.sim.render.base.Renderer`."""
         return self.arena.n_instances
 
     def load(self, house: House, arrangement: Arrangement | None = None) -> None:
-        """Show this home in this episode, everything closed."""
+        """See :meth:`Renderer.load <ucon.sim.render.base.Renderer.load>`."""
         self._arena = Arena(house, arrangement or Arrangement(), self._builder)
         self._bullet.resetSimulation(physicsClientId=self._client)
         self._bodies = {}
@@ -107,7 +107,7 @@ class TinyRenderer:
         self._index_bodies()
 
     def set_open(self, instance: int, fraction: float) -> None:
-        """Bring all joints of an instance to a fraction (0 to 1) of their travel, with what its drawers hold."""
+        """See :meth:`Renderer.set_open <ucon.sim.render.base.Renderer.set_open>`."""
         for moved in self.arena.set_open(instance, fraction):
             for body in self._bodies.pop(moved, []):
                 self._bullet.removeBody(body, physicsClientId=self._client)
@@ -168,7 +168,7 @@ class TinyRenderer:
         instance: NDArray[np.int16] | None = None,
         counts: NDArray[np.int32] | None = None,
     ) -> None:
-        """Draw into the caller's buffers; see :class:`~ucon.sim.render.base.Renderer`."""
+        """See :meth:`Renderer.render <ucon.sim.render.base.Renderer.render>`."""
         shape = (self.height, self.width)
         color, z_buffer, bodies = self._image(self.width, self.height, self.fov_deg, (x, y, z), heading, pitch_deg)
         if rgb is not None:
@@ -192,7 +192,7 @@ class TinyRenderer:
         pitch_deg: float,
         counts: NDArray[np.int32] | None = None,
     ) -> NDArray[np.int32]:
-        """Pixels of every instance in the 128 x 128, 90 degree view, (n_instances,)."""
+        """See :meth:`Renderer.visible <ucon.sim.render.base.Renderer.visible>`."""
         if counts is None:
             counts = np.empty(self.n_instances, np.int32)
         check_buffer("counts", counts, (self.n_instances,), np.int32)
