@@ -59,6 +59,7 @@ def test_every_command_explains_itself_without_heavy_imports(command):
         (["habits", "import", "nowhere.json", "--json"], r"nowhere\.json"),
         (["scenes", "--scene", "Rs_imt"], "Rs_int"),
         (["episodes", "verify", "nowhere"], "nowhere"),
+        (["episodes", "make", "mini", "--task", "papr"], "did you mean paper"),
     ],
 )
 def test_mistakes_end_in_one_line(words, expected):

@@ -99,7 +99,7 @@ class UcONEnv(gym.Env[Obs, int]):
         _check_choice("planner", planner, ("true", "observed"))
         _check_choice("world", world, ("compiled", "live"))
         _check_choice("render_mode", render_mode, (None, "rgb_array"))
-        self.episodes = load_episodes(episodes) if isinstance(episodes, str | Path) else tuple(episodes)
+        self.episodes = load_episodes(episodes, task) if isinstance(episodes, str | Path) else tuple(episodes)
         if not self.episodes:
             raise EpisodeError("no episodes: expected at least one; name a set (mini, val, test) or give a path")
         self.rules = task_rules(task)
