@@ -50,6 +50,25 @@ def test_writes_what_scripts_rely_on(run):
     assert not (out / "episodes.jsonl.partial").exists()
 
 
+def test_the_released_rules_have_shortest_paths_of_their_own(tmp_path):
+    out = tmp_path / "released"
+    command = ("agent=oracle", "habit_level=none", "task=released_code", "episodes=mini", "pictures=0", f"out={out}")
+    result = evaluate(*command, "progress=false")
+    assert result.returncode == 0, result.stderr[-2000:]
+    assert "warning" not in result.stderr
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["n"] == 50
+    assert summary["success_rate"] == 1.0
+    assert summary["spl"] >= 0.99
+
+
+def test_a_file_made_under_other_rules_is_warned_of(tmp_path):
+    file = "episodes=ucon/task/data/mini.jsonl.xz"
+    result = evaluate("agent=random", "habit_level=none", "task=released_code", *QUICK, file, f"out={tmp_path}/other")
+    assert result.returncode == 0, result.stderr[-2000:]
+    assert "warning: episodes made under task=paper, played under task=released_code" in result.stderr
+
+
 def test_a_second_run_gives_the_same_bytes(run, tmp_path):
     result = evaluate("agent=frontier", "habit_level=none", *QUICK, "workers=0", f"out={tmp_path}/again")
     assert result.returncode == 0, result.stderr[-2000:]

@@ -59,6 +59,7 @@ def test_every_command_explains_itself_without_heavy_imports(command):
         (["habits", "import", "nowhere.json", "--json"], r"nowhere\.json"),
         (["scenes", "--scene", "Rs_imt"], "Rs_int"),
         (["episodes", "verify", "nowhere"], "nowhere"),
+        (["episodes", "make", "mini", "--task", "papr"], "did you mean paper"),
     ],
 )
 def test_mistakes_end_in_one_line(words, expected):
@@ -112,3 +113,19 @@ def test_names_that_scripts_rely_on(words, names):
     result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=900)
     assert result.returncode == 0, result.stderr
     assert set(names.split()) <= set(json.loads(result.stdout))
+
+
+def test_what_an_imported_file_holds_and_what_of_it_can_be_placed(tmp_path):
+    locations = ["mug.place_ontop(breakfast_table)", "mug.place_inside(walls)", "mug.place_nextto(swing)", "mug"]
+    task = {"basic_object_name": "mug", "habits": ["Keeps it on the table."], "location": locations}
+    (tmp_path / "tasks.json").write_text(json.dumps({"Rs_int": {"mug": [task]}}))
+    result = run("habits", "import", str(tmp_path / "tasks.json"), "--json")
+    assert result.returncode == 1, "something was malformed"
+    found = json.loads(result.stdout)
+    counts = {name: value for name, value in found.items() if not isinstance(value, list)}
+    assert counts == {
+        **{"scenes": 1, "categories": 1, "tasks": 1, "habits": 1, "locations": 4},
+        **{"placed": 1, "implausible": 1, "absent_anchor": 1, "malformed": 1},
+    }
+    where = [one["where"].rpartition("tasks.json: ")[2] for one in found["problems"] + found["unplaced"]]
+    assert where == [f"Rs_int > mug[0].location[{k}]" for k in (3, 1, 2)]

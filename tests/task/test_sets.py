@@ -5,27 +5,51 @@ from __future__ import annotations
 import itertools
 import resource
 from functools import partial
+from pathlib import Path
 
 import pytest
 
 from models.agents.oracle import OracleAgent
+from ucon.core.errors import EpisodeError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.evaluation.play import RunSpec
 from ucon.evaluation.runner import evaluate
 from ucon.habits import book
+from ucon.task import sets
 from ucon.task.make import make_episodes, verify_episode
 from ucon.task.plan import set_cells, set_orders
-from ucon.task.sets import episode_sets, load_episodes
+from ucon.task.rules import PAPER, RELEASED_CODE, RULES
+from ucon.task.sets import episode_sets, load_episodes, set_name
 
-SETS = [name if name == "mini" else pytest.param(name, marks=pytest.mark.slow) for name in episode_sets()]
+FAST = ("mini", "mini.released_code")
+SETS = [name if name in FAST else pytest.param(name, marks=pytest.mark.slow) for name in episode_sets()]
 
 
 def of_the_book(name: str) -> bool:
     return load_episodes(name)[0].habits == "book"
 
 
-def test_the_mini_set_is_installed() -> None:
-    assert "mini" in episode_sets()
+@pytest.mark.parametrize("task", RULES)
+def test_the_mini_set_is_installed_under_every_rule_set(task: str) -> None:
+    assert set_name("mini", task) in episode_sets()
+    assert {e.task for e in load_episodes("mini", task)} == {task}
+
+
+def test_the_rule_sets_search_the_same_arrangements() -> None:
+    paper, released = load_episodes("mini", PAPER.name), load_episodes("mini", RELEASED_CODE.name)
+    assert [e.scene for e in paper] == [e.scene for e in released]
+    assert [e.split for e in paper] == [e.split for e in released]
+    assert not {e.id for e in paper} & {e.id for e in released}
+
+
+def test_a_set_that_is_missing_under_a_rule_set_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    installed = {name: path for name, path in episode_sets().items() if name in FAST}
+    monkeypatch.setattr(sets, "episode_sets", lambda: installed | {"mine": installed["mini"]})
+    assert load_episodes("mine", PAPER.name) == load_episodes("mini")
+    with pytest.raises(EpisodeError, match=r"'mine': not made under task=released_code.*choose episodes=mini,"):
+        load_episodes("mine", RELEASED_CODE.name)
+    by_path = load_episodes(installed["mini"], RELEASED_CODE.name)
+    assert {e.task for e in by_path} == {PAPER.name}, "a file is played as it is"
 
 
 @pytest.mark.parametrize("name", SETS)
@@ -39,7 +63,8 @@ def test_the_oracle_scores_full_marks(name: str) -> None:
     if not of_the_book(name):
         pytest.skip("made with habits that are given by path")
     episodes = load_episodes(name)
-    env = partial(UcONEnv, episodes[:1], habit_level="none", observe="symbolic", privileged=True)
+    task = episodes[0].task
+    env = partial(UcONEnv, episodes[:1], task=task, habit_level="none", observe="symbolic", privileged=True)
     records = [p.record for p in evaluate(RunSpec(OracleAgent, env, "none"), episodes, workers=0)]
     assert all(r.success for r in records)
     assert sum(r.spl for r in records) / len(records) >= 0.99
@@ -52,18 +77,22 @@ def test_sets_are_what_they_say(name: str) -> None:
     assert all(e.shortest_path_m > 0 and len(e.solution) <= 300 for e in episodes)
     alike = [(e, [o.category for o in e.arrangement.objects]) for e in episodes]
     assert all(names.count(e.target_category) == 1 for e, names in alike)
-    if name in ("mini", "val", "test"):
-        cells = {cell.label: cell for cell in set_cells(name)}
+    base = name.split(".")[0]
+    assert name == set_name(base, episodes[0].task)
+    assert len({e.task for e in episodes}) == 1
+    if base in ("mini", "val", "test"):
+        cells = {cell.label: cell for cell in set_cells(base)}
         assert {e.split for e in episodes} == set(cells)
         assert all(e.scene in cells[e.split].scenes for e in episodes)
         assert len(episodes) == sum(cell.count for cell in cells.values())
 
 
-def test_sampling_again_gives_the_same_episodes() -> None:
+@pytest.mark.parametrize("task", RULES)
+def test_sampling_again_gives_the_same_episodes(task: str) -> None:
     """The first orders of the mini set, sampled anew, are what the file holds."""
-    stored = {e.id: e for e in load_episodes("mini")}
-    orders = list(itertools.islice(set_orders("mini", book()), 2))
-    made = make_episodes(orders, workers=1)
+    stored = {e.id: e for e in load_episodes("mini", task)}
+    orders = list(itertools.islice(set_orders("mini", book(), task), 2))
+    made = make_episodes(orders, task=task, workers=1)
     assert made == [stored[episode.id] for episode in made]
 
 

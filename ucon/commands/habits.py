@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Sequence
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -29,23 +31,42 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _import(args: argparse.Namespace) -> int:
+    from ucon.commands.output import stdout_to_stderr
     from ucon.commands.wiring import existing
     from ucon.habits import official
     from ucon.objects.catalogue import catalogue
+    from ucon.task.placeable import ABSENT, unplaced
 
-    _, report = official(existing(args.path, "PATH"), catalogue().names)
+    with stdout_to_stderr():
+        _, report = official(existing(args.path, "PATH"), catalogue().names)
+        rest = unplaced(report.located)
     counts = {name: getattr(report, name) for name in ("scenes", "categories", "tasks", "habits", "locations")}
+    absent = sum(one.reason == ABSENT for one in rest)
+    verdicts = {
+        "placed": len(report.located) - len(rest),
+        "implausible": len(rest) - absent,
+        "absent_anchor": absent,
+        "malformed": len(report.problems),
+    }
     if args.json:
-        problems = [{"where": p.where, "message": p.message} for p in report.problems]
-        print(json.dumps(counts | {"malformed": len(problems), "problems": problems}, indent=1))
+        lists = {"problems": [asdict(p) for p in report.problems], "unplaced": [asdict(one) for one in rest]}
+        print(json.dumps(counts | verdicts | lists, indent=1))
     else:
         print(", ".join(f"{value} {name}" for name, value in counts.items()))
-        for problem in report.problems[:_SHOWN]:
-            print(f"  {problem}")
-        if len(report.problems) > _SHOWN:
-            print(f"  ... and {len(report.problems) - _SHOWN} more (--json lists all)")
-        print(f"{len(report.problems)} malformed")
+        _print_first("malformed", report.problems)
+        _print_first("not placed", rest)
+        print(f"{', '.join(f'{value} {name}' for name, value in verdicts.items())}".replace("_", " "))
     return 1 if report.problems else 0
+
+
+def _print_first(title: str, lines: Sequence[object]) -> None:
+    """The first of many lines, and how many more there are."""
+    if lines:
+        print(f"{title}:")
+    for line in lines[:_SHOWN]:
+        print(f"  {line}")
+    if len(lines) > _SHOWN:
+        print(f"  ... and {len(lines) - _SHOWN} more (--json lists all)")
 
 
 def _stats(args: argparse.Namespace) -> int:

@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from ucon.core.errors import ConfigError, EpisodeError
 from ucon.envs.frame import StartFrame
 from ucon.envs.knowledge import HabitSource
+from ucon.envs.spaces import NO_ACTION, observation_space
 from ucon.envs.topdown import TopDownMap
 from ucon.envs.tracks import Tracks
 from ucon.sim.cache import load_house
-from ucon.sim.render import SKY_DEPTH_M, RasterRenderer, Renderer
+from ucon.sim.render import RasterRenderer, Renderer
 from ucon.sim.state import SceneState
 from ucon.task.actions import Action
 from ucon.task.check import check_home
@@ -30,9 +31,7 @@ from ucon.task.sets import load_episodes
 
 CANONICAL_PX = 128
 CANONICAL_FOV_DEG = 90.0
-NO_ACTION = len(Action)
 FRAME_PX = 384
-MAX_POSE = 1000.0
 
 Obs = dict[str, Any]
 
@@ -99,7 +98,7 @@ class UcONEnv(gym.Env[Obs, int]):
         _check_choice("planner", planner, ("true", "observed"))
         _check_choice("world", world, ("compiled", "live"))
         _check_choice("render_mode", render_mode, (None, "rgb_array"))
-        self.episodes = load_episodes(episodes) if isinstance(episodes, str | Path) else tuple(episodes)
+        self.episodes = load_episodes(episodes, task) if isinstance(episodes, str | Path) else tuple(episodes)
         if not self.episodes:
             raise EpisodeError("no episodes: expected at least one; name a set (mini, val, test) or give a path")
         self.rules = task_rules(task)
@@ -114,7 +113,12 @@ class UcONEnv(gym.Env[Obs, int]):
         self._frame_renderer: RasterRenderer | None = None
         self._world: Any = None
         self.action_space = spaces.Discrete(len(Action))  # type: ignore[assignment]  # it draws NumPy integers
-        self.observation_space = self._make_space(height_px, width_px)
+        self.observation_space = observation_space(
+            (height_px, width_px) if observe == "pixels" else None,
+            self.source.dimension,
+            max_habits,
+            self.rules.max_steps,
+        )
         self._instance = np.empty((height_px, width_px), np.int16)
 
     @property
@@ -280,23 +284,6 @@ class UcONEnv(gym.Env[Obs, int]):
         habits[: len(rows)] = rows
         mask = (habits >= 0).astype(np.int8)
         return habits, mask
-
-    def _make_space(self, height: int, width: int) -> spaces.Dict:
-        entries: dict[str, spaces.Space[Any]] = {}
-        if self._observe == "pixels":
-            entries["rgb"] = spaces.Box(0, 255, (height, width, 3), np.uint8)
-            entries["depth"] = spaces.Box(0.0, SKY_DEPTH_M, (height, width), np.float32)
-        dimension = self.source.dimension
-        entries |= {
-            "pose": spaces.Box(-MAX_POSE, MAX_POSE, (4,), np.float32),
-            "target": spaces.Box(-1.0, 1.0, (dimension,), np.float32),
-            "habits": spaces.Box(-1, np.iinfo(np.int32).max, (self._max_habits,), np.int32),
-            "habits_mask": spaces.MultiBinary(self._max_habits),
-            "last_action": spaces.Discrete(NO_ACTION + 1),
-            "collision": spaces.Discrete(2),
-            "step": spaces.Discrete(self.rules.max_steps + 1),
-        }
-        return spaces.Dict(entries)
 
 
 def _make_renderer(name: str, width_px: int, height_px: int, fov_deg: float) -> Renderer:

@@ -3,7 +3,7 @@
 from ucon.habits.book import BOOK_FOLDER, book, parse_book, read_anchors
 from ucon.habits.hosting import Hosted, hosted, household
 from ucon.habits.knowledge import KnowledgeBase
-from ucon.habits.official import ImportReport, Problem, official
+from ucon.habits.official import ImportReport, Located, Problem, official
 from ucon.habits.splits import category_split, split_categories
 from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
 
@@ -16,6 +16,7 @@ __all__ = [
     "Hosted",
     "ImportReport",
     "KnowledgeBase",
+    "Located",
     "Placement",
     "Problem",
     "Relation",

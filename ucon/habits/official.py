@@ -32,6 +32,16 @@ class Problem:
         return f"{self.where}: {self.message}"
 
 
+@dataclass(frozen=True, slots=True)
+class Located:
+    """A placement of an entry that was read, and where it stands in the file."""
+
+    where: str
+    scene: str
+    category: str
+    placement: Placement
+
+
 @dataclass
 class ImportReport:
     """What a file holds, counted before anything is left out, and everything that does not fit."""
@@ -43,6 +53,8 @@ class ImportReport:
     habits: int = 0
     locations: int = 0
     problems: list[Problem] = field(default_factory=list)
+    located: list[Located] = field(default_factory=list)
+    """Every placement of the dataset, in the order of the file."""
 
     def add(self, where: str, message: str) -> None:
         """Report one malformed thing."""
@@ -161,7 +173,8 @@ def _entry(
         report.add(where, f"{len(placements)} usable locations and {len(habits)} habits, expected at least 1 of each")
         return None
     household = str(task.get("user_instruction") or "")
-    return Entry("", target, household, placements, tuple(habits), scene)
+    report.located += [Located(at, scene, target, placement) for at, placement in placements.items()]
+    return Entry("", target, household, tuple(placements.values()), tuple(habits), scene)
 
 
 def _strings(task: dict[str, Any], key: str, where: str, report: ImportReport) -> list[str]:
@@ -177,8 +190,10 @@ def _strings(task: dict[str, Any], key: str, where: str, report: ImportReport) -
 
 def _placements(
     target: str, locations: list[str], where: str, report: ImportReport, categories: Collection[str] | None
-) -> tuple[Placement, ...]:
-    found: dict[tuple[str, str], Placement] = {}
+) -> dict[str, Placement]:
+    """The usable placements by their position in the file."""
+    found: dict[str, Placement] = {}
+    known: set[tuple[str, str]] = set()
     for i, text in enumerate(locations):
         message = ""
         match = _LOCATION.fullmatch(text)
@@ -192,10 +207,11 @@ def _placements(
             message = f"'{target}' placed {match[2]} itself"
         elif categories is not None and match[3] not in categories:
             message = f"unknown anchor category '{match[3]}'"
-        elif (match[2], match[3]) in found:
+        elif (match[2], match[3]) in known:
             message = f"'{match[2]} {match[3]}' is listed twice"
         if message or match is None:
             report.add(f"{where}.location[{i}]", message)
             continue
-        found[match[2], match[3]] = Placement(cast(Relation, match[2]), match[3])
-    return tuple(found.values())
+        known.add((match[2], match[3]))
+        found[f"{where}.location[{i}]"] = Placement(cast(Relation, match[2]), match[3])
+    return found

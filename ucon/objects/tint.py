@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ucon.core.rng import stream
 from ucon.objects.catalogue import Hints
-from ucon.objects.kit import RGB
 from ucon.objects.model import Category, Material
+from ucon.objects.palette import RGB
 
 _WOODS: tuple[RGB, ...] = (
     (168, 122, 76),

@@ -41,10 +41,10 @@ def turned(boxes: NDArray[np.float64], x: float, y: float, quarter_turns: int) -
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _overlap(a: NDArray[np.float64], b: NDArray[np.float64], axes: int) -> bool:
-    least = 1e9
-    for k in range(axes):
-        least = min(least, min(a[3 + k], b[3 + k]) - max(a[k], b[k]))
-    return least > TOUCH_M
+    for k in range(axes):  # noqa: SIM110 (numba compiles no generator)
+        if min(a[3 + k], b[3 + k]) - max(a[k], b[k]) <= TOUCH_M:
+            return False
+    return True
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -17,6 +17,7 @@ from ucon.scenes.furnish import Furnisher
 from ucon.scenes.layout import lay_out
 from ucon.scenes.openings import cut_openings
 from ucon.scenes.program import HomeProgram, RoomProgram
+from ucon.scenes.small_things import SmallThings
 from ucon.scenes.spec import GRID_M, HomeSpec, Item, Opening, Room
 from ucon.scenes.tidy import Plan
 
@@ -160,10 +161,11 @@ def _fill(
         if not any(wish.fixtures.get(light) for light in LIGHTS):
             fixer.lights("room_light", 1)
     on_tops = surface_like(left)
-    fixer.put({**surface, **{c: left[c] for c in on_tops}})
+    things = SmallThings(canvas, seed, key)
+    things.put({**surface, **{c: left[c] for c in on_tops}})
     for c in on_tops:
         left.pop(c)
-    return +(left + fixer.missing)
+    return +(left + (fixer.missing + things.missing))
 
 
 def surface_like(left: Counter[str]) -> list[str]:

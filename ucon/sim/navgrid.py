@@ -90,7 +90,8 @@ def enclosed_cells(spec: HomeSpec, origin: tuple[float, float], shape: tuple[int
             continue
         dx = np.maximum(np.abs(x - item.position[0]) - half[0], 0.0)
         dy = np.maximum(np.abs(y - item.position[1]) - half[1], 0.0)
-        found |= np.hypot(dx[:, None], dy[None, :]) < AGENT_RADIUS_M
+        near = np.ix_(np.flatnonzero(dx < AGENT_RADIUS_M), np.flatnonzero(dy < AGENT_RADIUS_M))
+        found[near] |= np.hypot(dx[near[0]], dy[near[1]]) < AGENT_RADIUS_M
     return found
 
 

@@ -157,7 +157,13 @@ def object_box(placed: PlacedObject) -> Array:
 
 def quat_of_matrix(turn: Array) -> tuple[float, float, float, float]:
     """Unit quaternion ``xyzw`` of a rotation matrix (3, 3), largest component positive."""
-    m = turn
+    return _quat_of(np.ascontiguousarray(turn, float).tobytes())
+
+
+@lru_cache(maxsize=4096)
+def _quat_of(matrix: bytes) -> tuple[float, float, float, float]:
+    """Remembered by the matrix's bytes: a home has thousands of parts and a few dozen turns."""
+    m = np.frombuffer(matrix).reshape(3, 3)
     trace = np.array([m[0, 0] - m[1, 1] - m[2, 2], m[1, 1] - m[0, 0] - m[2, 2], m[2, 2] - m[0, 0] - m[1, 1]])
     squares = np.append(trace, m[0, 0] + m[1, 1] + m[2, 2])
     k = int(np.argmax(squares))

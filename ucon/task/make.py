@@ -15,7 +15,7 @@ from ucon.sim.state import SceneState
 from ucon.task.check import check_home
 from ucon.task.episode import Episode
 from ucon.task.plan import Order
-from ucon.task.rules import task_rules
+from ucon.task.rules import PAPER, task_rules
 from ucon.task.sampler import EpisodeSampler
 from ucon.task.search import Pose, Search
 
@@ -26,21 +26,22 @@ def make_episodes(
     orders: Sequence[Order],
     dataset: HabitDataset | None = None,
     *,
+    task: str = PAPER.name,
     workers: int = 2,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Episode]:
-    """Sample every order, in order. Without ``dataset``: the habit book.
+    """Sample every order, in order, under the rules ``task``. Without ``dataset``: the habit book.
 
     Raises:
         EpisodeError: an order that no seed satisfies.
     """
     done: list[Episode] = []
     if workers <= 1:
-        _begin(dataset)
+        _begin(dataset, task)
         results = map(_sample, orders)
         return _collect(results, done, len(orders), progress)
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(dataset,)) as pool:
+    with ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(dataset, task)) as pool:
         return _collect(pool.map(_sample, orders, chunksize=4), done, len(orders), progress)
 
 
@@ -54,10 +55,10 @@ def _collect(
     return done
 
 
-def _begin(dataset: HabitDataset | None) -> None:
+def _begin(dataset: HabitDataset | None, task: str) -> None:
     """Give this process its sampler; a worker gets the dataset once, not with every order."""
     global _sampler
-    _sampler = EpisodeSampler(dataset or book())
+    _sampler = EpisodeSampler(dataset or book(), rules=task_rules(task))
 
 
 _sampler: EpisodeSampler | None = None

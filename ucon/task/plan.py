@@ -15,6 +15,8 @@ from ucon.core.rng import derived_seed
 from ucon.habits.splits import Split, split_categories
 from ucon.habits.types import HabitDataset
 from ucon.scenes import SCENES, scene_split
+from ucon.task.rules import PAPER
+from ucon.task.sets import set_name
 
 #: First seed of the generated homes kept for testing; validation homes start 10,000 below.
 RESERVED_SEED = 900_000
@@ -69,23 +71,25 @@ def generated(first_seed: int, count: int) -> tuple[str, ...]:
     return tuple(f"procedural:{KINDS[k % len(KINDS)]}:{first_seed + k}" for k in range(count))
 
 
-def set_orders(name: str, dataset: HabitDataset) -> Iterator[Order]:
-    """What to sample for every episode of a named set, scenes taken in turn.
+def set_orders(name: str, dataset: HabitDataset, task: str = PAPER.name) -> Iterator[Order]:
+    """What to sample for every episode of a named set under the rules ``task``, scenes taken in turn.
 
+    Scenes and seeds are the same under all rules, so that the sets of two rule sets differ by the rules alone.
     ``official`` needs a dataset whose entries are bound to scenes, as those of the official release are.
     """
+    label = set_name(name, task)
     if name == OFFICIAL:
-        yield from _official_orders(dataset)
+        yield from _official_orders(dataset, label)
         return
     for cell in set_cells(name):
         targets = split_categories(dataset.categories, cell.category_split)
         for number in range(cell.count):
             scene = cell.scenes[number % len(cell.scenes)]
             seed = derived_seed(0, "set", name, cell.label, number) % (1 << 31)
-            yield Order(f"{name}/{cell.label}/{number:03d}", scene, seed, cell.label, targets)
+            yield Order(f"{label}/{cell.label}/{number:03d}", scene, seed, cell.label, targets)
 
 
-def _official_orders(dataset: HabitDataset) -> Iterator[Order]:
+def _official_orders(dataset: HabitDataset, label: str) -> Iterator[Order]:
     if not dataset.scenes:
         raise ConfigError(
             f"episode set '{OFFICIAL}' with dataset '{dataset.name}', whose entries belong to no scene; "
@@ -94,4 +98,4 @@ def _official_orders(dataset: HabitDataset) -> Iterator[Order]:
     for number in range(N_OFFICIAL):
         scene = dataset.scenes[number % len(dataset.scenes)]
         seed = derived_seed(0, "set", OFFICIAL, number) % (1 << 31)
-        yield Order(f"{OFFICIAL}/{scene}/{number:04d}", scene, seed, OFFICIAL, None)
+        yield Order(f"{label}/{scene}/{number:04d}", scene, seed, OFFICIAL, None)

@@ -5,9 +5,8 @@ Needs PyBullet (placements settle in it); replaying a stored episode does not.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,14 +14,14 @@ from ucon.core.errors import EpisodeError, PlacementError
 from ucon.core.rng import stream
 from ucon.habits.hosting import Hosted, hosted, household
 from ucon.habits.types import HabitDataset
-from ucon.objects import catalogue
 from ucon.objects.model import Relation
-from ucon.sim.arrangement import Arrangement, PlacedObject
+from ucon.sim.arrangement import Arrangement
 from ucon.sim.cache import load_house
 from ucon.sim.house import House
-from ucon.sim.placement import import_anchor, importable, place, with_object
+from ucon.sim.placement import import_anchor, importable, place
 from ucon.sim.render import RasterRenderer
 from ucon.sim.state import SceneState
+from ucon.task.draft import Draft, anchor_instances, bearing_categories, instances_of, replacement
 from ucon.task.episode import Episode, Start
 from ucon.task.rules import PAPER, TaskRules
 from ucon.task.search import Pose
@@ -43,30 +42,6 @@ class Drawn:
     index: int
     relation: Relation
     anchor: str
-
-
-@dataclass
-class _Draft:
-    """An arrangement in the making."""
-
-    house: House
-    arrangement: Arrangement
-    origins: list[tuple[str, int]] = field(default_factory=list)
-    failures: list[str] = field(default_factory=list)
-
-    @property
-    def objects(self) -> tuple[PlacedObject, ...]:
-        return self.arrangement.objects
-
-    def remove(self, instances: Iterable[int]) -> None:
-        """Take base items away."""
-        removed = tuple(sorted({*self.arrangement.removed, *instances}))
-        self.arrangement = replace(self.arrangement, removed=removed)
-
-    def add(self, placed: PlacedObject, origin: tuple[str, int]) -> None:
-        """Add an object, its pose rounded as it will be stored."""
-        self.arrangement = with_object(self.house, self.arrangement, _rounded(placed))
-        self.origins.append(origin)
 
 
 class EpisodeSampler:
@@ -122,7 +97,7 @@ class EpisodeSampler:
         """
         if scene not in self._living:
             present = frozenset(house.categories)
-            never = _bearing_categories(house)
+            never = bearing_categories(house)
             living = {
                 name: tuple(hosted(entries, present, importable))
                 for name, entries in household(scene, self.dataset).items()
@@ -153,11 +128,11 @@ class EpisodeSampler:
 
     def _place_all(
         self, house: House, order: Sequence[str], living: Living, rng: np.random.Generator
-    ) -> tuple[_Draft, list[str]]:
+    ) -> tuple[Draft, list[str]]:
         """Place k categories in dependency order; what cannot be placed makes way for the next category."""
         waiting = list(order)
         chosen, waiting = waiting[: self.k], waiting[self.k :]
-        draft = _Draft(house, Arrangement(removed=_instances_of(house, chosen)))
+        draft = Draft(house, Arrangement(removed=instances_of(house, chosen)))
         placed: list[str] = []
         queue = self._dependency_order(chosen, living, rng)
         while queue:
@@ -166,11 +141,11 @@ class EpisodeSampler:
                 placed.append(name)
                 continue
             chosen.remove(name)
-            other = _replacement(house, waiting, draft)
+            other = replacement(house, waiting, draft)
             if other is not None:
                 waiting.remove(other)
                 chosen.append(other)
-                draft.remove(_instances_of(house, [other]))
+                draft.remove(instances_of(house, [other]))
                 queue += self._dependency_order([other], living, rng)
         return draft, placed
 
@@ -200,7 +175,7 @@ class EpisodeSampler:
         return ordered
 
     def _place_one(
-        self, house: House, name: str, options: list[Drawn], draft: _Draft, chosen: set[str], rng: np.random.Generator
+        self, house: House, name: str, options: list[Drawn], draft: Draft, chosen: set[str], rng: np.random.Generator
     ) -> bool:
         for drawn in options:
             if drawn.anchor == name:
@@ -214,11 +189,11 @@ class EpisodeSampler:
         return False
 
     def _realise(
-        self, house: House, name: str, drawn: Drawn, draft: _Draft, chosen: set[str], rng: np.random.Generator
+        self, house: House, name: str, drawn: Drawn, draft: Draft, chosen: set[str], rng: np.random.Generator
     ) -> None:
         """Place an object by an instance of its anchor, bringing the anchor in where the home lacks it."""
         saved = (draft.arrangement, list(draft.origins))
-        anchors = _anchor_instances(house, draft, drawn.anchor)
+        anchors = anchor_instances(house, draft, drawn.anchor)
         if not anchors:
             if drawn.anchor in chosen or not importable(drawn.anchor):
                 raise PlacementError(f"no {drawn.anchor} in this arrangement")
@@ -241,7 +216,7 @@ class EpisodeSampler:
         house: House,
         scene: str,
         seed: int,
-        draft: _Draft,
+        draft: Draft,
         placed: list[str],
         living: Living,
         wanted: set[str] | None,
@@ -294,43 +269,3 @@ class EpisodeSampler:
                 if solution is not None and solution.moves and len(solution.actions) <= self.rules.max_steps:
                     return start, solution.path_m, solution.digits
         return None
-
-
-def _rounded(placed: PlacedObject) -> PlacedObject:
-    x, y, z = (round(v, 6) + 0.0 for v in placed.position)
-    a, b, c, d = (round(v, 6) + 0.0 for v in placed.quat_xyzw)
-    return replace(placed, position=(x, y, z), quat_xyzw=(a, b, c, d))
-
-
-def _instances_of(house: House, names: Iterable[str]) -> tuple[int, ...]:
-    wanted = set(names)
-    return tuple(k for k, item in enumerate(house.spec.items) if item.category in wanted)
-
-
-def _replacement(house: House, waiting: Sequence[str], draft: _Draft) -> str | None:
-    """The next category that nothing placed so far stands by, or is."""
-    used = {o.anchor for o in draft.objects} | {o.holder for o in draft.objects}
-    taken = {o.category for o in draft.objects} | {house.categories[k] for k in used if 0 <= k < house.n_instances}
-    return next((name for name in waiting if name not in taken), None)
-
-
-def _anchor_instances(house: House, draft: _Draft, category: str) -> list[int]:
-    removed = set(draft.arrangement.removed)
-    base = [k for k, name in enumerate(house.categories) if name == category and k not in removed]
-    added = [house.n_instances + k for k, o in enumerate(draft.objects) if o.category == category]
-    return base + added
-
-
-def _bearing_categories(house: House) -> set[str]:
-    """Categories whose removal would leave another item of the home standing on nothing, or that are structure."""
-    boxes, items = house.boxes[: house.n_items], house.spec.items
-    bearing = {"walls", "floors", "ceilings"}
-    for below, above in itertools.permutations(range(len(items)), 2):
-        if items[above].position[2] < 0.02 or catalogue()[items[above].category].mount in ("wall", "ceiling"):
-            continue
-        a, b = boxes[below], boxes[above]
-        center = (b[:2] + b[3:5]) / 2
-        inside = (a[:2] <= center).all() and (center <= a[3:5]).all()
-        if inside and a[2] <= items[above].position[2] <= a[5] + 0.02:
-            bearing.add(items[below].category)
-    return bearing

@@ -1,10 +1,14 @@
-"""Episode sets: compressed JSON lines, one episode a line, verified against a SHA-256 manifest."""
+"""Episode sets: compressed JSON lines, one episode a line, verified against a SHA-256 manifest.
+
+A named set has one file a rule set, since shortest paths hold under the rules by which they were found: ``mini`` is the
+paper's, ``mini.released_code`` the released environment's.
+"""
 
 from __future__ import annotations
 
 import json
 import lzma
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from pathlib import Path
 
@@ -12,14 +16,21 @@ import ucon
 from ucon.core.errors import DataError, EpisodeError, unknown_name
 from ucon.core.files import MANIFEST, canonical_json, read_verified, write_atomic, write_manifest
 from ucon.task.episode import Episode
+from ucon.task.rules import PAPER, RULES, task_rules
 
 SUFFIX = ".jsonl.xz"
 _PACKAGE = Path(__file__).parent / "data"
 _CLONE = Path(ucon.__file__).parents[1] / "episodes"
 
 
+def set_name(name: str, task: str = PAPER.name) -> str:
+    """Name of a set made under a rule set: ``mini``, or ``mini.released_code``."""
+    rules = task_rules(task)
+    return name if rules == PAPER else f"{name}.{rules.name}"
+
+
 def episode_sets() -> dict[str, Path]:
-    """Named sets that are installed: ``mini`` in the package, the others in ``episodes/`` of a clone."""
+    """Named sets that are installed: those of ``mini`` in the package, the others in ``episodes/`` of a clone."""
     found: dict[str, Path] = {}
     for folder in (_CLONE, _PACKAGE):
         for path in sorted(folder.glob(f"*{SUFFIX}")):
@@ -28,22 +39,39 @@ def episode_sets() -> dict[str, Path]:
 
 
 def set_path(name: str) -> Path:
-    """Where a named set is kept: ``mini`` in the package, the others in ``episodes/`` of the clone."""
-    return (_PACKAGE if name == "mini" else _CLONE) / f"{name}{SUFFIX}"
+    """Where a named set is kept: those of ``mini`` in the package, the others in ``episodes/`` of the clone."""
+    return (_PACKAGE if name.split(".")[0] == "mini" else _CLONE) / f"{name}{SUFFIX}"
 
 
-def load_episodes(name_or_path: str | Path) -> tuple[Episode, ...]:
-    """Episodes of a named set or a file.
+def load_episodes(name_or_path: str | Path, task: str = PAPER.name) -> tuple[Episode, ...]:
+    """Episodes of a named set, in the version made under the rules ``task``, or of a file as it is.
 
     Raises:
-        EpisodeError: no such set, or a line is not a usable episode.
+        EpisodeError: no such set, none under these rules, or a line is not a usable episode.
         DataError: the file is truncated or altered.
     """
-    sets = episode_sets()
-    path = sets.get(str(name_or_path), Path(name_or_path))
+    name, sets = str(name_or_path), episode_sets()
+    wanted = set_name(name, task)
+    if wanted not in sets and name in _base_names(sets):
+        raise EpisodeError(
+            f"episode set '{name}': not made under task={task} yet; make it (python -m ucon episodes make {name} "
+            f"--task {task}), or choose {' or '.join(_made_under(task, sets)) or 'another task'}, or a file by its path"
+        )
+    path = sets.get(wanted) or sets.get(name) or Path(name_or_path)
     if not path.is_file():
-        raise EpisodeError(unknown_name("episode set or file", str(name_or_path), sets))
+        raise EpisodeError(unknown_name("episode set or file", name, sets))
     return _load(path.resolve(), path.stat().st_mtime_ns)
+
+
+def _base_names(sets: Iterable[str]) -> set[str]:
+    """Names of sets less their rule sets: ``episodes=`` and ``task=`` are given separately."""
+    return {base if task in RULES else name for name in sets for base, _, task in [name.rpartition(".")]}
+
+
+def _made_under(task: str, sets: Iterable[str]) -> list[str]:
+    """What to give as ``episodes=`` for a rule set: the base names of the sets that were made under it."""
+    names = set(sets)
+    return [f"episodes={base}" for base in sorted(_base_names(names)) if set_name(base, task) in names]
 
 
 @lru_cache(maxsize=8)

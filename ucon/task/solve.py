@@ -167,7 +167,7 @@ class Solver:
         openable = np.flatnonzero(self.world.openable)
         for node in self._near_nodes(holder):
             near = openable[self.rules.near(self.world.house.grid.xy(node), self.world.boxes[openable])]
-            for pose in self._facing(node, holder):
+            for pose in self._opening_poses(node, holder):
                 opened = near
                 if self.rules.open_needs_sight:
                     opened = near[self._counts(pose)[near] >= self.rules.open_min_pixels]
@@ -175,6 +175,12 @@ class Solver:
                     sets.setdefault(tuple(int(k) for k in opened), {}).setdefault(node, pose)
         ranked = sorted(sets.items(), key=lambda item: (len(item[0]), -len(item[1]), item[0]))
         return ranked[:MAX_OPEN_SETS]
+
+    def _opening_poses(self, node: tuple[int, int], holder: int) -> Iterator[Pose]:
+        """Poses at a node from which Open may work on a container: any at all where it needs no sight."""
+        yield from self._facing(node, holder)
+        if not self.rules.open_needs_sight:
+            yield Pose(*node, heading=0)
 
     def _set_open(self, instances: tuple[int, ...], fraction: float) -> None:
         for instance in instances:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from ucon.objects.kit import BLACK, DARK, GREY, RED, SILVER, Kit, shade, shape
+from ucon.objects.kit import Kit, shape
 from ucon.objects.model import Material
+from ucon.objects.palette import BLACK, DARK, GREY, RED, SILVER, shade
 from ucon.objects.shapes.cabinets import hang_below
 from ucon.objects.shapes.casework import BOARD, HANDLE, RIGHT_ANGLE, carcass, drop_door, leaves, seen_depth
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from ucon.objects.kit import BLUE, DARK, GREY, SILVER, WHITE, Kit, shade, shape
+from ucon.objects.kit import Kit, shape
 from ucon.objects.model import Material
+from ucon.objects.palette import BLUE, DARK, GREY, SILVER, WHITE, shade
 from ucon.objects.shapes.cabinets import hang_below
 from ucon.objects.shapes.casework import tub
 from ucon.objects.shapes.generic import OPEN_TOP_HEADROOM

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from ucon.objects.kit import (
+from ucon.objects.kit import Kit, shape
+from ucon.objects.model import Material
+from ucon.objects.palette import (
     BLACK,
     BLUE,
     DARK,
@@ -17,13 +19,10 @@ from ucon.objects.kit import (
     SILVER,
     WHITE,
     YELLOW,
-    Kit,
     shade,
-    shape,
-)  # fmt: skip
-from ucon.objects.model import Material
+)
 from ucon.objects.shapes.generic import ring
-from ucon.objects.shapes.vessels import round_space
+from ucon.objects.shapes.hollow import round_space
 
 GLASS = Material.GLASS
 

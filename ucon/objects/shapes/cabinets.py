@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from ucon.objects.kit import BLACK, DARK, GREY, SILVER, WHITE, Kit, shade, shape
+from ucon.objects.kit import Kit, shape
 from ucon.objects.model import Material
+from ucon.objects.palette import BLACK, DARK, GREY, SILVER, WHITE, shade
 from ucon.objects.shapes.casework import BOARD, HANDLE, Span, carcass, drawer, drop_door, leaves, lid, seen_depth, tub
 
 FRONT = BOARD + HANDLE

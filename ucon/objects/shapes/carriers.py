@@ -2,23 +2,12 @@
 
 from __future__ import annotations
 
-from ucon.objects.kit import (
-    BLACK,
-    DARK,
-    GREEN,
-    GREY,
-    RED,
-    RGB,
-    SILVER,
-    WHITE,
-    Kit,
-    shade,
-    shape,
-)
+from ucon.objects.kit import Kit, shape
 from ucon.objects.model import Material
+from ucon.objects.palette import BLACK, DARK, GREEN, GREY, RED, RGB, SILVER, WHITE, shade
 from ucon.objects.shapes.casework import tub
 from ucon.objects.shapes.generic import OPEN_TOP_HEADROOM, open_box, ring
-from ucon.objects.shapes.vessels import round_space
+from ucon.objects.shapes.hollow import round_space
 
 
 @shape("basket")

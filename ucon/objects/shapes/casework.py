@@ -10,8 +10,9 @@ from __future__ import annotations
 
 from math import pi, radians
 
-from ucon.objects.kit import DARK, RGB, Kit, shade
+from ucon.objects.kit import Kit
 from ucon.objects.model import Material
+from ucon.objects.palette import DARK, RGB, shade
 
 Span = tuple[float, float]
 BOARD = 0.02

@@ -2,21 +2,9 @@
 
 from __future__ import annotations
 
-from ucon.objects.kit import (
-    BLACK,
-    BLUE,
-    DARK,
-    GREY,
-    RED,
-    SILVER,
-    TAN,
-    WHITE,
-    YELLOW,
-    Kit,
-    shade,
-    shape,
-)  # fmt: skip
+from ucon.objects.kit import Kit, shape
 from ucon.objects.model import Material
+from ucon.objects.palette import BLACK, BLUE, DARK, GREY, RED, SILVER, TAN, WHITE, YELLOW, shade
 from ucon.objects.shapes.generic import torus
 
 METAL = Material.METAL

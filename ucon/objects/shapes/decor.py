@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from math import cos, pi, sin
 
-from ucon.objects.kit import (
+from ucon.objects.kit import Kit, shape
+from ucon.objects.model import Material
+from ucon.objects.palette import (
     BLACK,
     BROWN,
     CREAM,
@@ -21,11 +23,8 @@ from ucon.objects.kit import (
     TERRACOTTA,
     WHITE,
     YELLOW,
-    Kit,
     shade,
-    shape,
-)  # fmt: skip
-from ucon.objects.model import Material
+)
 from ucon.objects.shapes.cabinets import hang_below
 
 FABRIC = Material.FABRIC

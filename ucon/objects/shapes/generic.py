@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from math import cos, pi, sin
 
-from ucon.objects.kit import RGB, Kit
+from ucon.objects.kit import Kit
 from ucon.objects.model import Material
+from ucon.objects.palette import RGB
 
 OPEN_TOP_HEADROOM = 1.5
 """Things may stand out of an open top up to this multiple of its inner height."""

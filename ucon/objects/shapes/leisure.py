@@ -2,21 +2,9 @@
 
 from __future__ import annotations
 
-from ucon.objects.kit import (
-    BLACK,
-    BROWN,
-    DARK,
-    DARKBROWN,
-    GREY,
-    RED,
-    SILVER,
-    TAN,
-    WHITE,
-    Kit,
-    shade,
-    shape,
-)  # fmt: skip
+from ucon.objects.kit import Kit, shape
 from ucon.objects.model import Material
+from ucon.objects.palette import BLACK, BROWN, DARK, DARKBROWN, GREY, RED, SILVER, TAN, WHITE, shade
 
 METAL = Material.METAL
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from ucon.objects.kit import BLACK, DARK, GREY, RED, SILVER, WHITE, YELLOW, Kit, shade, shape
+from ucon.objects.kit import Kit, shape
 from ucon.objects.model import Material
+from ucon.objects.palette import BLACK, DARK, GREY, RED, SILVER, WHITE, YELLOW, shade
 
 Span = tuple[float, float]
 

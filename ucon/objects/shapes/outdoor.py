@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from ucon.objects.kit import (
+from ucon.objects.kit import Kit, shape
+from ucon.objects.model import Material
+from ucon.objects.palette import (
     BLACK,
     BLUE,
     BROWN,
@@ -16,11 +18,8 @@ from ucon.objects.kit import (
     WHITE,
     WOOD,
     YELLOW,
-    Kit,
     shade,
-    shape,
-)  # fmt: skip
-from ucon.objects.model import Material
+)
 from ucon.objects.shapes.casework import tub
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from ucon.objects.kit import (
+from ucon.objects.kit import Kit, shape
+from ucon.objects.model import Material
+from ucon.objects.palette import (
     BROWN,
     CREAM,
     DARKBROWN,
@@ -15,11 +17,8 @@ from ucon.objects.kit import (
     TAN,
     WHITE,
     YELLOW,
-    Kit,
     shade,
-    shape,
-)  # fmt: skip
-from ucon.objects.model import Material
+)
 from ucon.objects.shapes.bottles import label_color
 
 GLASS = Material.GLASS

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from math import cos, pi, sin
 
-from ucon.objects.kit import (
+from ucon.objects.kit import Kit, shape
+from ucon.objects.model import Material
+from ucon.objects.palette import (
     BLACK,
     BLUE,
     BROWN,
@@ -18,11 +20,8 @@ from ucon.objects.kit import (
     RED,
     SILVER,
     WHITE,
-    Kit,
     shade,
-    shape,
-)  # fmt: skip
-from ucon.objects.model import Material
+)
 from ucon.objects.shapes.generic import torus
 
 METAL = Material.METAL

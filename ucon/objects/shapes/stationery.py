@@ -4,25 +4,11 @@ from __future__ import annotations
 
 from math import cos, pi, sin
 
-from ucon.objects.kit import (
-    BLUE,
-    DARK,
-    GREEN,
-    ORANGE,
-    PAPER,
-    PINK,
-    RED,
-    SILVER,
-    TAN,
-    WHITE,
-    YELLOW,
-    Kit,
-    shade,
-    shape,
-)  # fmt: skip
+from ucon.objects.kit import Kit, shape
 from ucon.objects.model import Material
+from ucon.objects.palette import BLUE, DARK, GREEN, ORANGE, PAPER, PINK, RED, SILVER, TAN, WHITE, YELLOW, shade
 from ucon.objects.shapes.generic import open_box, ring, torus
-from ucon.objects.shapes.vessels import round_space
+from ucon.objects.shapes.hollow import round_space
 
 METAL = Material.METAL
 SHEET = Material.PAPER

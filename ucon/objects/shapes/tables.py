@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from ucon.objects.kit import DARK, GOLD, Kit, shade, shape
+from ucon.objects.kit import Kit, shape
 from ucon.objects.model import Material
+from ucon.objects.palette import DARK, GOLD, shade
 
 CUSHION = Material.FABRIC
 BOARD = 0.02

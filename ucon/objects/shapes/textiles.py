@@ -2,17 +2,9 @@
 
 from __future__ import annotations
 
-from ucon.objects.kit import (
-    DARK,
-    DARKBROWN,
-    RED,
-    SILVER,
-    WHITE,
-    Kit,
-    shade,
-    shape,
-)  # fmt: skip
+from ucon.objects.kit import Kit, shape
 from ucon.objects.model import Material
+from ucon.objects.palette import DARK, DARKBROWN, RED, SILVER, WHITE, shade
 
 FABRIC = Material.FABRIC
 METAL = Material.METAL

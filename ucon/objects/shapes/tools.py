@@ -2,19 +2,9 @@
 
 from __future__ import annotations
 
-from ucon.objects.kit import (
-    BLACK,
-    DARK,
-    GREY,
-    RED,
-    SILVER,
-    WHITE,
-    YELLOW,
-    Kit,
-    shade,
-    shape,
-)  # fmt: skip
+from ucon.objects.kit import Kit, shape
 from ucon.objects.model import Material
+from ucon.objects.palette import BLACK, DARK, GREY, RED, SILVER, WHITE, YELLOW, shade
 from ucon.objects.shapes.cabinets import hang_below
 from ucon.objects.shapes.generic import torus
 

@@ -4,24 +4,9 @@ from __future__ import annotations
 
 from math import cos, pi, sin
 
-from ucon.objects.kit import (
-    BLACK,
-    BLUE,
-    BROWN,
-    CREAM,
-    DARK,
-    GOLD,
-    GREEN,
-    GREY,
-    RED,
-    TAN,
-    WHITE,
-    YELLOW,
-    Kit,
-    shade,
-    shape,
-)  # fmt: skip
+from ucon.objects.kit import Kit, shape
 from ucon.objects.model import Material
+from ucon.objects.palette import BLACK, BLUE, BROWN, CREAM, DARK, GOLD, GREEN, GREY, RED, TAN, WHITE, YELLOW, shade
 
 METAL = Material.METAL
 

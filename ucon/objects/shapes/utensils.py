@@ -2,19 +2,9 @@
 
 from __future__ import annotations
 
-from ucon.objects.kit import (
-    BLACK,
-    DARK,
-    DARKBROWN,
-    GREY,
-    RED,
-    SILVER,
-    WHITE,
-    Kit,
-    shade,
-    shape,
-)  # fmt: skip
+from ucon.objects.kit import Kit, shape
 from ucon.objects.model import Material
+from ucon.objects.palette import BLACK, DARK, DARKBROWN, GREY, RED, SILVER, WHITE, shade
 
 METAL = Material.METAL
 GRAIN = Material.WOOD

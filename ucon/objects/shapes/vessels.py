@@ -1,31 +1,13 @@
-"""Bowls, pots, cups, glasses, plates, trays and vases."""
+"""Bowls, pots, plates, trays and vases."""
 
 from __future__ import annotations
 
-from ucon.objects.kit import (
-    BLACK,
-    BROWN,
-    DARK,
-    DARKBROWN,
-    GREY,
-    SILVER,
-    WHITE,
-    Kit,
-    shade,
-    shape,
-)
+from ucon.objects.kit import Kit, shape
 from ucon.objects.model import Material
+from ucon.objects.palette import BLACK, BROWN, DARK, DARKBROWN, GREY, SILVER, WHITE, shade
 from ucon.objects.shapes.casework import tub
 from ucon.objects.shapes.generic import OPEN_TOP_HEADROOM, open_box, ring
-
-INSCRIBED = 0.70
-"""Half side of the largest square in a circle of radius 1, with a little play."""
-
-
-def round_space(k: Kit, rx: float, ry: float, floor: float, top: float, cx: float = 0.0, cy: float = 0.0) -> None:
-    """The upright box that fits into a round hollow, with headroom above the rim."""
-    hx, hy = rx * INSCRIBED, ry * INSCRIBED
-    k.space((cx - hx, cx + hx), (cy - hy, cy + hy), (floor, floor + (top - floor) * OPEN_TOP_HEADROOM))
+from ucon.objects.shapes.hollow import hollow, round_space
 
 
 @shape("bowl")
@@ -42,19 +24,7 @@ def bowl(k: Kit) -> None:
             k.box((0.4, 0.5), (-0.12, 0.12), (0.7, 1.0))
             k.box((-0.5, -0.42), (-0.06, 0.06), (0.4, 0.95))
         return
-    _hollow(k, x / 2, y / 2, 0.0, z, min(0.006, 0.05 * x), foot=0.6)
-
-
-def _hollow(
-    k: Kit, rx: float, ry: float, low: float, top: float, wall: float, foot: float = 0.9, floor: float | None = None
-) -> None:
-    """A round wall on a foot of ``foot`` times its width; the inside is darker, so that the hollow is seen."""
-    base = low + (floor if floor is not None else max(0.006, 0.16 * (top - low)))
-    ring(k, rx, ry, (base, top), wall)
-    inner_x, inner_y = rx - wall, ry - wall
-    k.cyl((-rx * foot, rx * foot), (-ry * foot, ry * foot), (low, base - 0.002))
-    k.cyl((-inner_x, inner_x), (-inner_y, inner_y), (base - 0.004, base + 0.001), shade(k.color, 0.75))
-    round_space(k, inner_x * 0.98, inner_y * 0.98, base + 0.001, top)
+    hollow(k, x / 2, y / 2, 0.0, z, min(0.006, 0.05 * x), foot=0.6)
 
 
 @shape("colander")
@@ -74,7 +44,7 @@ def colander(k: Kit) -> None:
         k.cyl((-0.4, 0.4), (0.16, 0.46), (0.9, 1.02), GREY, Material.METAL)
         k.box((-0.08, 0.08), (-0.5, 0.14), (0.6, 1.0), BLACK)
         return
-    _hollow(k, x / 2 - 0.012, y / 2, 0.0, z, 0.006, foot=0.55)
+    hollow(k, x / 2 - 0.012, y / 2, 0.0, z, 0.006, foot=0.55)
     for i in range(3):
         k.box((x / 2 - 0.014, x / 2 - 0.011), (-0.05 + 0.04 * i, -0.03 + 0.04 * i), (z * 0.4, z * 0.55), DARK)
     for s in (-1, 1):
@@ -103,115 +73,13 @@ def pot(k: Kit) -> None:
     x, y, z = k.size
     ear = min(0.03, 0.1 * y)
     ry, rx = y / 2 - ear, x / 2
-    _hollow(k, rx, ry, 0.0, z, 0.008, foot=0.97, floor=max(0.01, 0.08 * z))
+    hollow(k, rx, ry, 0.0, z, 0.008, foot=0.97, floor=max(0.01, 0.08 * z))
     for s in (-1, 1):
         c, d = sorted((s * y / 2, s * (y / 2 - ear - 0.006)))
         reach = min(0.05, rx * 0.4)
         k.box((-reach, reach), (c, d), (0.68 * z, 0.68 * z + max(0.012, 0.08 * z)), shade(k.color, 0.7))
     if k.name == "steamer_basket":
         k.box((-rx, -rx + 0.004), (-ry * 0.3, ry * 0.3), (0.2 * z, 0.8 * z), shade(k.color, 0.7))
-
-
-@shape("cup_mug")
-def cup(k: Kit) -> None:
-    """A hollow cup; mugs and teacups have a handle at the side."""
-    x, y, z = k.size
-    handled = k.name in ("mug", "teacup", "coffee_cup")
-    if k.name == "chalice":
-        _stem_glass(k, 0.45)
-        return
-    along_y = y > x
-    ear = 0.24 * max(x, y) if handled else 0.0
-    rx, ry = (x / 2, (y - ear) / 2) if along_y else ((x - ear) / 2, y / 2)
-    cx, cy = (0.0, -ear / 2) if along_y else (-ear / 2, 0.0)
-    wall, floor = 0.004, 0.008
-    ring(k, rx, ry, (floor, z), wall, sides=8, cx=cx, cy=cy)
-    k.cyl((cx - rx * 0.9, cx + rx * 0.9), (cy - ry * 0.9, cy + ry * 0.9), (0, floor + 0.001), shade(k.color, 0.9))
-    content = {"mug": (70, 44, 28), "coffee_cup": (60, 36, 22), "teacup": (150, 84, 40)}.get(k.name)
-    k.cyl((cx - rx + wall, cx + rx - wall), (cy - ry + wall, cy + ry - wall), (floor, floor + 0.003),
-          content or shade(k.color, 0.7))  # fmt: skip
-    if handled:
-        t = 0.009
-        for z0, z1 in ((0.68 * z, 0.8 * z), (0.25 * z, 0.37 * z)):
-            _ear(k, along_y, cx, cy, rx, ry, (0.0, ear), (z0, z1), t)
-        _ear(k, along_y, cx, cy, rx, ry, (ear - t, ear), (0.37 * z, 0.68 * z), t)
-    round_space(k, (rx - wall) * 0.97, (ry - wall) * 0.97, floor + 0.003, z, cx, cy)
-
-
-def _ear(
-    k: Kit, along_y: bool, cx: float, cy: float, rx: float, ry: float, out: tuple[float, float],
-    z: tuple[float, float], thick: float,
-) -> None:  # fmt: skip
-    half = (-thick / 2, thick / 2)
-    if along_y:
-        k.box(half, (cy + ry - 0.003 + out[0], cy + ry + out[1]), z, shade(k.color, 0.92))
-    else:
-        k.box((cx + rx - 0.003 + out[0], cx + rx + out[1]), half, z, shade(k.color, 0.92))
-
-
-def _stem_glass(k: Kit, waist: float) -> None:
-    x, y, z = k.size
-    low = waist * z
-    ring(k, x / 2, y / 2, (low, z), 0.004)
-    k.cyl((-x * 0.44, x * 0.44), (-y * 0.44, y * 0.44), (low - 0.01, low + 0.004), shade(k.color, 0.92))
-    k.cyl((-0.006, 0.006), (-0.006, 0.006), (0.006, low - 0.01), shade(k.color, 0.9))
-    k.cyl((-x * 0.38, x * 0.38), (-y * 0.38, y * 0.38), (0, 0.006))
-    round_space(k, (x / 2 - 0.006), (y / 2 - 0.006), low + 0.004, z)
-
-
-@shape("glass_stem")
-def wineglass(k: Kit) -> None:
-    """Bowl, stem and foot."""
-    _stem_glass(k, 0.5 if k.name == "wineglass" else 0.6)
-
-
-@shape("glass_tumbler")
-def tumbler(k: Kit) -> None:
-    """A clear straight glass."""
-    x, y, z = k.size
-    beer = k.name == "beer_glass"
-    _hollow(k, x / 2, y / 2, 0.0, z, 0.004, foot=0.95, floor=0.45 * z if beer else 0.012)
-    if beer:
-        part = k.parts[-2]
-        k.parts.remove(part)
-        k.cyl((-x * 0.46, x * 0.46), (-y * 0.46, y * 0.46), (0, 0.44 * z), (216, 160, 50), Material.GLASS)
-
-
-@shape("flask")
-def flask(k: Kit) -> None:
-    """Round-bellied bottles with a neck."""
-    k.unit()
-    if k.name == "canteen":
-        k.cyl((-0.5, 0.5), (-0.5, 0.5), (0, 0.8), k.color, Material.FABRIC, axis="x")
-        k.cyl((-0.2, 0.2), (-0.14, 0.14), (0.76, 0.88), SILVER, Material.METAL)
-        k.cyl((-0.26, 0.26), (-0.18, 0.18), (0.86, 1.0), BLACK)
-        k.box((-0.52, 0.52), (-0.06, 0.06), (0.0, 0.8), BROWN)
-        return
-    glass = (190, 216, 222)
-    wine = (120, 30, 44) if k.name == "decanter" else (176, 210, 224)
-    k.cyl((-0.5, 0.5), (-0.5, 0.5), (0, 0.34), wine, Material.GLASS, taper=0.9)
-    k.cyl((-0.45, 0.45), (-0.45, 0.45), (0.34, 0.55), glass, Material.GLASS, taper=0.4)
-    k.cyl((-0.18, 0.18), (-0.18, 0.18), (0.55, 0.86), glass, Material.GLASS)
-    k.cyl((-0.24, 0.24), (-0.24, 0.24), (0.86, 0.92 if k.name == "decanter" else 1.0), glass, Material.GLASS)
-    if k.name == "decanter":
-        k.ball((-0.14, 0.14), (-0.14, 0.14), (0.88, 1.0), (214, 232, 238), Material.GLASS)
-
-
-@shape("jug")
-def jug(k: Kit) -> None:
-    """A tall open jug with spout and handle."""
-    x, y, z = k.size
-    ear = 0.22 * x
-    rx, ry = (x - ear) / 2, y / 2
-    cx = ear / 2 - 0.012
-    ring(k, rx - 0.012, ry, (0.02, z), 0.006, cx=cx)
-    k.cyl((cx - rx + 0.012, cx + rx - 0.012), (-ry, ry), (0, 0.02), shade(k.color, 0.92))
-    k.cyl((cx - rx + 0.02, cx + rx - 0.02), (-ry + 0.01, ry - 0.01), (0.018, 0.024), (170, 206, 222))
-    k.box((x / 2 - 0.03, x / 2), (-0.02, 0.02), (z - 0.04, z - 0.004), k.color)
-    k.box((-x / 2, cx - rx + 0.016), (-0.012, 0.012), (0.74 * z, 0.82 * z), shade(k.color, 0.88))
-    k.box((-x / 2, cx - rx + 0.016), (-0.012, 0.012), (0.22 * z, 0.3 * z), shade(k.color, 0.88))
-    k.box((-x / 2, -x / 2 + 0.022), (-0.012, 0.012), (0.3 * z, 0.74 * z), shade(k.color, 0.88))
-    round_space(k, rx - 0.024, ry - 0.012, 0.024, z, cx=cx)
 
 
 @shape("plate_disc")
@@ -266,7 +134,7 @@ def vase(k: Kit) -> None:
     """A tall vase with a waist; a plant pot with earth is open."""
     x, y, z = k.size
     if k.name == "plant_pot":
-        _hollow(k, x / 2, y / 2, 0.0, z * 0.999, 0.01, foot=0.85, floor=0.35 * z)
+        hollow(k, x / 2, y / 2, 0.0, z * 0.999, 0.01, foot=0.85, floor=0.35 * z)
         k.cyl((-x * 0.43, x * 0.43), (-y * 0.43, y * 0.43), (0.35 * z, 0.35 * z + 0.003), (70, 50, 36))
         return
     ring(k, x * 0.3, y * 0.3, (0.72 * z, z), 0.004, (206, 214, 226))

@@ -2,20 +2,9 @@
 
 from __future__ import annotations
 
-from ucon.objects.kit import (
-    BLACK,
-    BROWN,
-    DARK,
-    GREY,
-    NAVY,
-    RED,
-    SILVER,
-    WHITE,
-    Kit,
-    shade,
-    shape,
-)  # fmt: skip
+from ucon.objects.kit import Kit, shape
 from ucon.objects.model import Material
+from ucon.objects.palette import BLACK, BROWN, DARK, GREY, NAVY, RED, SILVER, WHITE, shade
 from ucon.objects.shapes.cabinets import hang_below
 from ucon.objects.shapes.generic import plain
 

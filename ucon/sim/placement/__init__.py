@@ -2,6 +2,7 @@
 
 from ucon.sim.placement.importing import import_anchor, importable
 from ucon.sim.placement.place import place, with_object
+from ucon.sim.placement.plausible import implausible
 from ucon.sim.placement.reasons import REASONS, Reason, RefusedError
 
-__all__ = ["REASONS", "Reason", "RefusedError", "import_anchor", "importable", "place", "with_object"]
+__all__ = ["REASONS", "Reason", "RefusedError", "implausible", "import_anchor", "importable", "place", "with_object"]

@@ -35,14 +35,15 @@ def candidates(request: Request) -> Iterator[Slot]:
     for row in rows:
         level, open_top = scene.levels.box[row], not scene.levels.hides[row]
         for pose in poses(request.shape, lay=True):
-            if _fits(level, pose, open_top):
+            if fits(level, pose, open_top):
                 stages[_awkward(request, pose)].append((level, pose))
     if not any(stages):
         raise RefusedError("too_large", f"{request.category} does not fit into {request.anchor_name}")
     return _slots(request, stages)
 
 
-def _fits(level: Array, pose: Pose, open_top: bool) -> bool:
+def fits(level: Array, pose: Pose, open_top: bool) -> bool:
+    """Whether an object turned like this goes into a compartment (6,) that is empty."""
     room = level[3:] - level[:3]
     height = pose.extent[2] * PROTRUDING_SHARE if open_top else pose.extent[2] + AIR_M
     return bool((pose.extent[:2] <= room[:2] - 2 * _WALL_M).all() and height <= room[2])

@@ -38,12 +38,13 @@ def candidates(request: Request) -> Iterator[Slot]:
 
 
 def _fitting(request: Request, level: Array) -> list[Pose]:
-    return [
-        pose
-        for pose in poses(request.shape, lay=False)
-        if pose.extent[2] <= level[5] - level[2] + 1e-6
-        and (pose.extent[:2] <= (level[3:5] - level[:2]) * (1 + OVERHANG)).all()
-    ]
+    return [pose for pose in poses(request.shape, lay=False) if fits(level, pose)]
+
+
+def fits(level: Array, pose: Pose) -> bool:
+    """Whether an object turned like this goes on a level (6,) that is empty, hanging over a little."""
+    room = level[3:5] - level[:2]
+    return bool(pose.extent[2] <= level[5] - level[2] + 1e-6 and (pose.extent[:2] <= room * (1 + OVERHANG)).all())
 
 
 def _slots(request: Request, fitting: list[tuple[Array, Pose]], on_floor: bool) -> Iterator[Slot]:

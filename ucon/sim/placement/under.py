@@ -32,13 +32,14 @@ def candidates(request: Request) -> Iterator[Slot]:
         return below_hanging(request, under_rect(spaces, box), ceiling_m=float(box[2]))
     if not spaces:
         raise RefusedError("no_room_under", f"there is no space under {request.anchor_name}")
-    fitting = [(s, pose) for s in spaces for pose in poses(request.shape, lay=True) if _fits(s, pose)]
+    fitting = [(s, pose) for s in spaces for pose in poses(request.shape, lay=True) if fits(s, pose)]
     if not fitting:
         raise RefusedError("too_large", f"{request.category} is too large for the space under {request.anchor_name}")
     return _slots(request, fitting)
 
 
-def _fits(space: Array, pose: Pose) -> bool:
+def fits(space: Array, pose: Pose) -> bool:
+    """Whether an object turned like this goes into the space (6,) under something, sticking out a little."""
     room = space[3:] - space[:3]
     return bool(pose.extent[2] <= room[2] - 0.004 and (pose.extent[:2] * _SPILL <= room[:2]).all())
 

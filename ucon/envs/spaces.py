@@ -1,0 +1,41 @@
+"""The observation space of ``UcON-v0``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+
+from ucon.sim.render import SKY_DEPTH_M
+from ucon.task.actions import Action
+
+NO_ACTION = len(Action)
+"""``last_action`` at the start."""
+MAX_POSE = 1000.0
+
+
+def observation_space(image_px: tuple[int, int] | None, dimension: int, max_habits: int, max_steps: int) -> spaces.Dict:
+    """The space of :class:`ucon.envs.ucon_env.UcONEnv`, where its entries are explained.
+
+    Args:
+        image_px: Height and width of the images; None: no images.
+        dimension: Length of a text embedding.
+        max_habits: Rows of habits, padded.
+        max_steps: Steps of an episode.
+    """
+    entries: dict[str, spaces.Space[Any]] = {}
+    if image_px is not None:
+        height, width = image_px
+        entries["rgb"] = spaces.Box(0, 255, (height, width, 3), np.uint8)
+        entries["depth"] = spaces.Box(0.0, SKY_DEPTH_M, (height, width), np.float32)
+    entries |= {
+        "pose": spaces.Box(-MAX_POSE, MAX_POSE, (4,), np.float32),
+        "target": spaces.Box(-1.0, 1.0, (dimension,), np.float32),
+        "habits": spaces.Box(-1, np.iinfo(np.int32).max, (max_habits,), np.int32),
+        "habits_mask": spaces.MultiBinary(max_habits),
+        "last_action": spaces.Discrete(NO_ACTION + 1),
+        "collision": spaces.Discrete(2),
+        "step": spaces.Discrete(max_steps + 1),
+    }
+    return spaces.Dict(entries)
