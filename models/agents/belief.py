@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from models.agents.base import Controller, ControllerAgent, Info
 from models.agents.frontier import CoverageWeights, Indifferent
 from models.agents.search import SearchController
+from ucon.perception.neighbourhood import interest
 from ucon.perception.places import Places, with_fallback
 from ucon.perception.semantic_map import CELL_M, SemanticMap
 from ucon.perception.viewpoints import Costs, Expectation
@@ -80,6 +81,7 @@ class Believing:
         self._seen = (-1, 0)
         self._mass = np.zeros((0, 4))
         self._unseen_per_m2 = 0.0
+        self._interest: NDArray[np.float32] | None = None
 
     def expect(self, known: SemanticMap, places: Places) -> Expectation:
         """See :class:`models.agents.search.Expecting`."""
@@ -91,7 +93,7 @@ class Believing:
         trust = 1.0 - self._weights.tail
         tail = (1.0 - trust + trust * self._anywhere) / _COVERAGE_UNITS
         unknown = trust * self._unseen_per_m2 + tail * flat.unknown_per_m2
-        return Expectation(trust * self._mass + tail * flat.mass, unknown, tail * flat.near_per_m2)
+        return Expectation(trust * self._mass + tail * flat.mass, unknown, tail * flat.near_per_m2, self._interest)
 
     def _spread(self, known: SemanticMap, explored_m2: float) -> None:
         """Divide every category's belief among its instances and the unexplored rest of the home."""
@@ -111,6 +113,11 @@ class Believing:
         scale = total / max(found + unseen, 1e-9)
         self._mass *= scale
         self._unseen_per_m2 = scale * unseen / left_m2
+        wanted = {
+            name: float(p[k].sum()) * (w.hidden if name in known.instances else w.exists)
+            for name, k in self._row.items()
+        }
+        self._interest = interest(known, wanted)
 
 
 #: Mass of a whole home in the units of :class:`Indifferent`: what its weights come to in a home of common size.

@@ -173,6 +173,12 @@ class SemanticMap:
         """Whether any pixel of a track has been placed in space."""
         return bool(self.box[track, 3] >= self.box[track, 0])
 
+    def cell_of(self, track: int) -> tuple[int, int]:
+        """The cell in which the middle of what was seen of a track lies."""
+        middle = np.floor(0.5 * (self.box[track, :2] + self.box[track, 3:5]) / CELL_M + 0.5).astype(int) + HALF
+        i, j = np.clip(middle, 0, SIZE - 1)
+        return int(i), int(j)
+
     def gap_m(self, track: int, xy: tuple[float, float]) -> float:
         """Horizontal metres from a point to the box of a track as far as it was seen (never less than the truth)."""
         x0, y0, _, x1, y1, _ = self.box[track]

@@ -22,8 +22,6 @@ MOST_CELLS = 32
 #: Unexplored space counts less with every cell that it lies behind the last explored one of a ray; 2 m take it to 1/e.
 DEEPER = float(np.exp(-CELL_M / 2.0))
 LEAST_TRUST = float(np.exp(-3.0 / 2.0))
-#: Closed containers so far away count to what a node has around it.
-NEARBY_M = 2.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -80,8 +78,9 @@ RAY_CELL, RAY_AREA = _rays()
 def space_gain(nodes: I32, cells: Any, reach: tuple[int, float], weight: tuple[float, float], out: F64) -> None:
     """Add to out (n, 4) the weighted square metres that each heading at each node would newly show.
 
-    cells = (explored, height, near, stale); reach = (cells, metres): how far unexplored space counts, and how near
-    explored space must have been seen; weight of a square metre of either. ``stale`` multiplies both.
+    cells = (explored, height, near, stale, interest); reach = (cells, metres): how far unexplored space counts, and how
+    near explored space must have been seen; weight of a square metre of either. ``stale`` multiplies both, ``interest``
+    what is not explored.
     """
     for n in range(nodes.shape[0]):
         for ray in range(RAYS):
@@ -102,7 +101,7 @@ def _ray(
     i0: int, j0: int, ray: int, cells: Any, reach: tuple[int, float], weight: tuple[float, float], factor: float
 ) -> float:
     """Weighted square metres of one ray's share of the circle; multiplies ``stale`` on its way."""
-    explored, height, near, stale = cells
+    explored, height, near, stale, interest = cells
     gain, trust, far_m = 0.0, 1.0, reach[1] + 0.25
     near_cells = int(reach[1] / CELL_M)
     for k in range(min(reach[0], MOST_CELLS)):
@@ -111,7 +110,7 @@ def _ray(
             break
         tall = height[i, j] >= OPAQUE_M
         if explored[i, j] == 0 and not tall:
-            gain += weight[0] * RAY_AREA[ray, k] * stale[i, j] * trust
+            gain += weight[0] * RAY_AREA[ray, k] * stale[i, j] * interest[i, j] * trust
             trust *= DEEPER
             stale[i, j] *= factor
         elif k < near_cells and near[i, j] > far_m:
@@ -125,12 +124,11 @@ def _ray(
 @njit(cache=True, nogil=True, error_model="numpy")
 def place_gain(
     index: I32, place: F64, hollow: F64, faces: U8, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8,
-    half: int, out: F64, around: F64,
+    half: int, out: F64,
 ) -> None:  # fmt: skip
     """Add to out (n, 4, 4) the weight of the places (m, 3) that each view would show from within ``reach_m``.
 
-    A place in a hollow (m, 6) shows through its open faces (m,) only. ``around`` (n,) gets the weight of all that is
-    near a node with nothing in between, whatever its views show of it.
+    A place in a hollow (m, 6) shows through its open faces (m,) only.
 
     ``index`` (cells) int32 gives the row of a node in ``out``, -1 where no view is considered.
     """
@@ -148,10 +146,9 @@ def place_gain(
                     continue
                 x, y = (i - half) * CELL_M, (j - half) * CELL_M
                 dx, dy, dz = px - x, py - y, pz - cam_z
-                if dx * dx + dy * dy > reach_m * reach_m or not sight(x, y, cam_z, px, py, pz, height, walls, half):
+                if dx * dx + dy * dy > reach_m * reach_m or not shows(x, y, cam_z, px, py, pz, hollow[m], faces[m]):
                     continue
-                around[n] += w
-                if not shows(x, y, cam_z, px, py, pz, hollow[m], faces[m]):
+                if not sight(x, y, cam_z, px, py, pz, height, walls, half):
                     continue
                 _share(dx, dy, dz, w, reach_m, out[n])
 
@@ -198,14 +195,10 @@ def fade_places(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def open_gain(
-    index: I32, boxes: F64, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8, half: int, out: F64,
-    around: F64,
-) -> None:  # fmt: skip
-    """Add to out (n, 4, 4) the weight of the closed containers (m, 6) that Open would open from each view.
-
-    ``around`` (n,) gets that of all which are at most ``NEARBY_M`` away.
-    """
-    span = int(NEARBY_M / CELL_M) + 1
+    index: I32, boxes: F64, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8, half: int, out: F64
+) -> None:
+    """Add to out (n, 4, 4) the weight of the closed containers (m, 6) that Open would open from each view."""
+    span = int(reach_m / CELL_M) + 1
     for m in range(boxes.shape[0]):
         w = weight[m]
         if w <= 0.0:
@@ -220,12 +213,9 @@ def open_gain(
                     continue
                 x, y = (i - half) * CELL_M, (j - half) * CELL_M
                 gx, gy = max(x0 - x, x - x1, 0.0), max(y0 - y, y - y1, 0.0)
-                if gx * gx + gy * gy > NEARBY_M * NEARBY_M:
+                if gx * gx + gy * gy > reach_m * reach_m:
                     continue
                 px, py = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
                 pz = min(max(cam_z - 0.2, z0), z1)
-                if not sight(x, y, cam_z, px, py, pz, height, walls, half):
-                    continue
-                around[n] += w
-                if gx * gx + gy * gy <= reach_m * reach_m:
+                if sight(x, y, cam_z, px, py, pz, height, walls, half):
                     _share(px - x, py - y, pz - cam_z, w, 4.0, out[n])

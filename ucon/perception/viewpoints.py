@@ -31,6 +31,8 @@ class Expectation:
     """In space not explored yet."""
     near_per_m2: float
     """In space seen from too far to have shown the target."""
+    interest: NDArray[np.float32] | None = None
+    """(257, 257) factors of ``unknown_per_m2``; 1 where None."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,8 +63,6 @@ class Costs:
     space: float = 1.75
     """Worth of unexplored space in units of what a view of it shows: behind it there is more. Judgement: between 1 and
     2.5 success and SPL on the validation set differ by less than their noise."""
-    harvest: float = 10.0
-    """What it takes to look at all that is around a node, once there."""
     around: float = 1.0
     """Turning on the spot after a look, for one more heading; less than a view's overhead."""
 
@@ -74,6 +74,7 @@ class Viewpoints:
         self.reach_m = reach_m
         self.costs = costs or Costs()
         self.stale = np.ones((SIZE, SIZE), np.float32)
+        self._even = np.ones((SIZE, SIZE), np.float32)
         self._index = np.full((SIZE, SIZE), -1, np.int32)
 
     def choose(
@@ -92,7 +93,7 @@ class Viewpoints:
         nodes = self._nodes(known, planner, keep)
         if not len(nodes):
             return None, None
-        looks, opens, near = self._gains(nodes, known, places, expected, closed)
+        looks, opens = self._gains(nodes, known, places, expected, closed)
         steps = planner.steps[nodes[:, 0], nodes[:, 1]].astype(float)  # (n, 4)
         moves = planner.moves[nodes[:, 0], nodes[:, 1]]
         pitch = np.abs(np.array(kernels.PITCHES_DEG) - known.view.pitch_deg) / 30.0
@@ -102,7 +103,6 @@ class Viewpoints:
         look_score = np.maximum(looks / cost, self._around(looks, cost))
         both_score = (looks + opens) / (cost + self.costs.open)
         score = np.maximum(look_score, np.where(opens > 0, both_score, 0.0))
-        score = np.maximum(score, self._harvest(looks + opens, near, cost))
 
         def at(n: int, h: int, p: int) -> Choice:
             view = View(int(nodes[n, 0]), int(nodes[n, 1]), h, kernels.PITCHES_DEG[p])
@@ -133,16 +133,6 @@ class Viewpoints:
         four = looks.sum(axis=1, keepdims=True)
         return np.maximum(two / (cost + extra), four / (cost + 3.0 * extra))
 
-    def _harvest(
-        self, shown: NDArray[np.float64], near: NDArray[np.float64], cost: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Score of going to a node for all that is around it (n,), by the view there that shows most; (n, 4, 4)."""
-        most = shown.max(axis=(1, 2), keepdims=True)
-        score: NDArray[np.float64] = (
-            near[:, None, None] * (shown / np.maximum(most, 1e-12)) / (cost + self.costs.harvest)
-        )
-        return score
-
     def _nodes(self, known: SemanticMap, planner: Planner, keep: View | None) -> NDArray[np.int32]:
         """Reachable explored nodes, all of them nearby and every second row and column farther off, (n, 2)."""
         i0, i1, j0, j1 = known.extent(0)
@@ -165,29 +155,30 @@ class Viewpoints:
         places: Places,
         expected: Expectation,
         closed: NDArray[np.int64],
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Mass that looking, and that opening, would show: two arrays (n, 4, 4); and all that is near, (n,)."""
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Mass that looking, and that opening, would show: two arrays (n, 4, 4)."""
         space = np.zeros((len(nodes), 4))
-        cells = (known.explored, known.height, known.near, self.stale)
+        interest = self._even if expected.interest is None else expected.interest
+        cells = (known.explored, known.height, known.near, self.stale, interest)
         reach = (self.costs.space_cells, self.reach_m)
         per_m2 = (self.costs.space * expected.unknown_per_m2, expected.near_per_m2)
         kernels.space_gain(nodes, cells, reach, per_m2, space)
         looks = space[:, :, None] * np.array([0.3, 0.95, 1.0, 0.6])
-        opens, near = np.zeros_like(looks), space.sum(axis=1)
+        opens = np.zeros_like(looks)
         weight = self.weights(places, expected, closed)
         worth = (weight > 1e-9) & (places.unseen > SEEN)
         xyz = np.ascontiguousarray(places.xyz[worth])
         kernels.place_gain(
             self._index, xyz, places.hollow[worth], places.faces[worth], weight[worth], self.reach_m, CAMERA_M,
-            known.height, known.walls, HALF, looks, near,
+            known.height, known.walls, HALF, looks,
         )  # fmt: skip
         if len(closed):
             inside = expected.mass[closed, INSIDE]
             kernels.open_gain(
                 self._index, known.box[closed], inside, OPEN_REACH_M, CAMERA_M, known.height, known.walls, HALF,
-                opens, near,
+                opens,
             )  # fmt: skip
-        return looks, opens, near
+        return looks, opens
 
     def weights(self, places: Places, expected: Expectation, closed: NDArray[np.int64]) -> NDArray[np.float64]:
         """Mass of every place that looking alone can show (not what is behind closed doors), (n,)."""
@@ -204,7 +195,7 @@ class Viewpoints:
         """After looking from here: believe less in what this view was expected to show and did not."""
         view = known.view
         x, y = view.xy
-        cells = (known.explored, known.height, known.near, self.stale)
+        cells = (known.explored, known.height, known.near, self.stale, self._even)
         kernels.fade_space(view.i, view.j, view.heading, cells, (self.costs.space_cells, self.reach_m), factor)
         if view.pitch_deg not in kernels.PITCHES_DEG or not len(places.xyz):
             return

@@ -1,0 +1,52 @@
+"""Where an anchor that was not seen yet is likelier."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ucon.objects import catalogue
+from ucon.perception.neighbourhood import interest, rooms_of
+from ucon.perception.semantic_map import HALF, SIZE, SemanticMap
+
+
+def with_things(**at: tuple[float, float]) -> SemanticMap:
+    known = SemanticMap()
+    for name, (x, y) in at.items():
+        known.instances[name] = [known.n_tracks]
+        known.box[known.n_tracks] = (x - 0.3, y - 0.3, 0.0, x + 0.3, y + 0.3, 0.8)
+        known.category.append(name)
+    return known
+
+
+def at(found: np.ndarray, x: float, y: float) -> float:
+    return float(found[round(x / 0.25) + HALF, round(y / 0.25) + HALF])
+
+
+@pytest.mark.parametrize("name", [*catalogue().names[::40], "no_such_thing"])
+def test_rooms_add_up(name: str) -> None:
+    assert rooms_of(name).sum() == pytest.approx(1.0)
+
+
+def test_a_fridge_is_looked_for_by_the_stove() -> None:
+    found = interest(with_things(stove=(0.0, 0.0), toilet=(8.0, 0.0)), {"fridge": 0.5})
+    assert found.shape == (SIZE, SIZE)
+    assert at(found, 1.0, 0.5) > 1.5
+    assert at(found, 7.0, 0.5) < 0.7
+    assert at(found, 0.0, 20.0) == pytest.approx(1.0, abs=0.01), "far from everything nothing is known"
+
+
+def test_whoever_looks_for_the_bathtub_goes_the_other_way() -> None:
+    known = with_things(stove=(0.0, 0.0), toilet=(8.0, 0.0))
+    fridge, bathtub = interest(known, {"fridge": 1.0}), interest(known, {"bathtub": 1.0})
+    assert at(fridge, 1.0, 0.0) > at(fridge, 7.0, 0.0)
+    assert at(bathtub, 1.0, 0.0) < at(bathtub, 7.0, 0.0)
+
+
+def test_nothing_wanted_changes_nothing() -> None:
+    assert (interest(with_things(stove=(0.0, 0.0)), {}) == 1.0).all()
+
+
+def test_only_furniture_speaks() -> None:
+    found = interest(with_things(banana=(0.0, 0.0)), {"fridge": 1.0})
+    assert (found == 1.0).all()
