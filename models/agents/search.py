@@ -74,7 +74,7 @@ class SearchController:
         active = ~self._behind_doors()
         active &= (self.places.unseen > 1e-3) & (self.places.share > 0.0)
         reach = self.viewpoints.reach_m
-        known.look(frame_depth(observation, info), self.places, active, reach, self.MISS)
+        self.places.look(known, frame_depth(observation, info), active, reach, self.MISS)
 
     def _behind_doors(self) -> NDArray[np.bool_]:
         shut = np.zeros(max(self.map.n_tracks, 1), bool)

@@ -17,7 +17,7 @@ def seen_after(actions: list[int]) -> tuple[ToyEnv, SemanticMap, Planner, Places
         obs, _, _, _, info = env.step(action)
         known.update(obs, info)
         places.refresh(known)
-        known.look(obs["depth"], places, places.share > 0, 3.0, 0.1)
+        places.look(known, obs["depth"], places.share > 0, 3.0, 0.1)
     planner.update(known)
     return env, known, planner, places
 

@@ -44,7 +44,7 @@ def test_looking_lowers_what_is_shown_and_only_that() -> None:
     places = Places(0.1)
     places.refresh(known)
     active = places.share > 0
-    shown = known.look(frame_depth(frame, frame), places, active, 3.0, 0.1)
+    shown = places.look(known, frame_depth(frame, frame), active, 3.0, 0.1)
     lowered = places.unseen < 1.0
     assert shown == lowered.sum() > 0
     x, _y = known.view.xy

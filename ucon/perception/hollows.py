@@ -18,7 +18,7 @@ from ucon.objects.models import build_model
 from ucon.perception.place_kernels import INSIDE, ONTOP
 from ucon.sim.shapes import primitive_boxes, solid_of_parts
 
-__all__ = ["ALL_OPEN", "Template", "template"]
+__all__ = ["ALL_OPEN", "Template", "fit", "template"]
 
 #: Bits of the sides -x, +x, -y, +y, -z, +z.
 ALL_OPEN = 63
@@ -83,6 +83,33 @@ def template(category: str) -> Template:
     for compartment in model.compartments:
         rows += _inside(model, compartment, size)
     return _template(size, rows)
+
+
+def fit(
+    shape: Template,
+    box: NDArray[np.float64],
+    quarters: int,
+    lift_m: float,
+    rows: NDArray[np.float64],
+    faces: NDArray[np.uint8],
+) -> None:
+    """Write the points of a template, stretched to a box and turned, into rows (k, 12) and faces (k,)."""
+    if not len(rows):
+        return
+    across = quarters % 2
+    sides = np.array([box[3] - box[0], box[4] - box[1], box[5] - box[2]])
+    scale = sides[[across, 1 - across, 2]]
+    middle = np.array([0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), box[2]])
+    c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[quarters]
+    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]], float)
+    low, high = shape.hollow[:, :3] * scale @ turn.T + middle, shape.hollow[:, 3:] * scale @ turn.T + middle
+    hollow = np.hstack([np.minimum(low, high), np.maximum(low, high)])
+    rows[:, :3] = shape.xyz * scale @ turn.T + middle
+    rows[:, 2] += np.maximum(shape.lift * lift_m, 0.02)
+    closed = shape.faces != ALL_OPEN
+    rows[closed, 2] = np.minimum(rows[closed, 2], 0.5 * (hollow[closed, 2] + hollow[closed, 5]))
+    rows[:, 3], rows[:, 4], rows[:, 6:] = shape.relation, shape.share, hollow
+    faces[:] = shape.turned_faces(quarters)
 
 
 #: xyz, relation, weight, hollow, faces, lift.

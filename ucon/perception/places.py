@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from ucon.objects.catalogue import catalogue
 from ucon.objects.models import build_model
-from ucon.perception.hollows import ALL_OPEN, Template, template
+from ucon.perception.hollows import ALL_OPEN, fit, template
+from ucon.perception.map_kernels import look
 from ucon.perception.place_kernels import INSIDE, MOST, NEXTTO, ONTOP, UNDER, facing, inherit, make_points
-from ucon.perception.semantic_map import HALF, SemanticMap
+from ucon.perception.semantic_map import HALF, SemanticMap, camera_of
 
 __all__ = [
     "INSIDE",
@@ -207,7 +208,7 @@ class Places:
         self._n += total
         new, faces = self._data[rows], self._faces[rows]
         new[:count, :5], new[:, 5], faces[:] = self._scratch[:count], 1.0, ALL_OPEN
-        _fit(shape, whole, self._turn.get(track, 0), self._lift_m, new[count:], faces[count:])
+        fit(shape, whole, self._turn.get(track, 0), self._lift_m, new[count:], faces[count:])
         self._track[rows] = track
         if (old := self._rows.get(track)) is not None:
             inherit(new[:, :4], self._data[old, :4], self._data[old, 5], new[:, 5])
@@ -220,6 +221,17 @@ class Places:
             self._data = np.vstack([self._data, np.zeros_like(self._data)])
             self._faces = np.concatenate([self._faces, np.zeros_like(self._faces)])
             self._track = np.concatenate([self._track, np.zeros_like(self._track)])
+
+    def look(
+        self, known: SemanticMap, depth: NDArray[np.float32], active: NDArray[np.bool_], reach_m: float, miss: float
+    ) -> int:
+        """Multiply ``unseen`` of the active points that the newest frame shows from within ``reach_m`` by ``miss``.
+
+        ``depth`` is the frame's (H, W) or (H, W, 1) in metres. Returns how many points it shows.
+        """
+        flat = depth.reshape(depth.shape[:2])
+        camera = camera_of(known.view, flat)
+        return int(look(flat, camera, reach_m, self.xyz, self.hollow, self.faces, active, self.unseen, miss))
 
     def weights(self, mass: NDArray[np.float64]) -> NDArray[np.float64]:
         """Weight of every point for the mass (T, 4) of tracks and relations; (n,)."""
@@ -262,30 +274,3 @@ def with_fallback(mass: NDArray[np.float64], category: str) -> NDArray[np.float6
     out = np.where(np.append(affordance(category).offers, True), mass, 0.0)
     out[NEXTTO] += mass.sum() - out.sum()
     return out
-
-
-def _fit(
-    shape: Template,
-    box: NDArray[np.float64],
-    quarters: int,
-    lift_m: float,
-    rows: NDArray[np.float64],
-    faces: NDArray[np.uint8],
-) -> None:
-    """Write the points of a template, stretched to a box and turned, into rows (k, 12) and faces (k,)."""
-    if not len(rows):
-        return
-    across = quarters % 2
-    sides = np.array([box[3] - box[0], box[4] - box[1], box[5] - box[2]])
-    scale = sides[[across, 1 - across, 2]]
-    middle = np.array([0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), box[2]])
-    c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[quarters]
-    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]], float)
-    low, high = shape.hollow[:, :3] * scale @ turn.T + middle, shape.hollow[:, 3:] * scale @ turn.T + middle
-    hollow = np.hstack([np.minimum(low, high), np.maximum(low, high)])
-    rows[:, :3] = shape.xyz * scale @ turn.T + middle
-    rows[:, 2] += np.maximum(shape.lift * lift_m, 0.02)
-    closed = shape.faces != ALL_OPEN
-    rows[closed, 2] = np.minimum(rows[closed, 2], 0.5 * (hollow[closed, 2] + hollow[closed, 5]))
-    rows[:, 3], rows[:, 4], rows[:, 6:] = shape.relation, shape.share, hollow
-    faces[:] = shape.turned_faces(quarters)

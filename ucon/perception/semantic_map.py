@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +16,6 @@ from numpy.typing import NDArray
 from ucon.core.geometry import HEADING_COS, HEADING_SIN
 from ucon.perception import map_kernels as kernels
 from ucon.perception.detections import MIN_PIXELS, STRUCTURE_KINDS, Detections
-
-if TYPE_CHECKING:
-    from ucon.perception.places import Places
 
 CELL_M = kernels.CELL_M
 HALF = 128
@@ -141,7 +138,7 @@ class SemanticMap:
     def _integrate(self, view: View, depth: NDArray[np.float32], image: NDArray[np.int16]) -> None:
         n = self.n_tracks
         cells = (self.height, self.near, self.floor, self.blocked, self.walls)
-        camera = _camera(view, depth)
+        camera = camera_of(view, depth)
         kernels.integrate(
             depth, image, camera, HALF, cells, self.kind[:n], self.opened[:n], self.box[:n], self.closest[:n]
         )
@@ -153,21 +150,6 @@ class SemanticMap:
         i, j = view.i + (1, 0, -1, 0)[view.heading], view.j + (0, 1, 0, -1)[view.heading]
         if 0 <= i < SIZE and 0 <= j < SIZE:
             self.bumped[i, j] = 1
-
-    def look(
-        self,
-        depth: NDArray[np.float32],
-        places: Places,
-        active: NDArray[np.bool_],
-        reach_m: float,
-        miss: float,
-    ) -> int:
-        """Multiply ``unseen`` of the places that the newest frame shows from within ``reach_m`` by ``miss``."""
-        flat = depth.reshape(depth.shape[:2])
-        camera = _camera(self.view, flat)
-        return int(
-            kernels.look(flat, camera, reach_m, places.xyz, places.hollow, places.faces, active, places.unseen, miss)
-        )
 
     def seen(self, track: int) -> bool:
         """Whether any pixel of a track has been placed in space."""
@@ -207,7 +189,7 @@ def frame_depth(observation: Mapping[str, Any], info: Mapping[str, Any]) -> NDAr
     return depth.reshape(depth.shape[:2])
 
 
-def _camera(view: View, depth: NDArray[np.float32]) -> NDArray[np.float64]:
+def camera_of(view: View, depth: NDArray[np.float32]) -> NDArray[np.float64]:
     """The kernels' camera of a view; pixels are square and the image is 90 degrees wide."""
     x, y = view.xy
     c, s = HEADING_COS[view.heading], HEADING_SIN[view.heading]
