@@ -87,16 +87,19 @@ class Believing:
         """See :class:`models.agents.search.Expecting`."""
         flat = self._coverage.expect(known, places)
         explored_m2 = float(np.count_nonzero(known.floor)) * CELL_M**2
-        if self._seen != (known.n_tracks, int(explored_m2)):
-            self._spread(known, explored_m2)
-            self._seen = (known.n_tracks, int(explored_m2))
         trust = 1.0 - self._weights.tail
         tail = (1.0 - trust + trust * self._anywhere) / _COVERAGE_UNITS
-        unknown = trust * self._unseen_per_m2 + tail * flat.unknown_per_m2
+        anywhere = tail * flat.unknown_per_m2
+        if self._seen != (known.n_tracks, int(explored_m2)):
+            wanted = self._spread(known, explored_m2)
+            self._seen = (known.n_tracks, int(explored_m2))
+            part = trust * self._unseen_per_m2 / max(trust * self._unseen_per_m2 + anywhere, 1e-12)
+            self._interest = (1.0 - part + part * interest(known, wanted)).astype(np.float32)
+        unknown = trust * self._unseen_per_m2 + anywhere
         return Expectation(trust * self._mass + tail * flat.mass, unknown, tail * flat.near_per_m2, self._interest)
 
-    def _spread(self, known: SemanticMap, explored_m2: float) -> None:
-        """Divide every category's belief among its instances and the unexplored rest of the home."""
+    def _spread(self, known: SemanticMap, explored_m2: float) -> dict[str, float]:
+        """Divide every category's belief among its instances and the unexplored rest of the home; returns the rest."""
         w, p = self._weights, self._locations.p
         left_m2 = max(w.least_m2, w.home_m2 - explored_m2, w.least_share * explored_m2)
         share_left = left_m2 / (left_m2 + explored_m2)
@@ -113,11 +116,10 @@ class Believing:
         scale = total / max(found + unseen, 1e-9)
         self._mass *= scale
         self._unseen_per_m2 = scale * unseen / left_m2
-        wanted = {
+        return {
             name: float(p[k].sum()) * (w.hidden if name in known.instances else w.exists)
             for name, k in self._row.items()
         }
-        self._interest = interest(known, wanted)
 
 
 #: Mass of a whole home in the units of :class:`Indifferent`: what its weights come to in a home of common size.

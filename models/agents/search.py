@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.agents.base import Info, Observation
+from ucon.core.errors import ConfigError
 from ucon.objects.catalogue import catalogue
 from ucon.perception.approach import Approach
 from ucon.perception.places import INSIDE, Places, affordance, sight_range_m
@@ -20,6 +21,7 @@ from ucon.perception.planner import Planner
 from ucon.perception.semantic_map import SemanticMap, frame_depth
 from ucon.perception.viewpoints import OPEN_REACH_M, Choice, Costs, Expectation, Viewpoints
 from ucon.task.actions import Action
+from ucon.task.rules import PAPER
 
 #: A container that did not open this often is let be.
 MOST_REFUSALS = 3
@@ -41,6 +43,11 @@ class SearchController:
     MISS = 0.1
 
     def __init__(self, info: Info, expecting: Expecting, costs: Costs | None = None) -> None:
+        if info.get("task", PAPER.name) != PAPER.name:
+            raise ConfigError(
+                f"task={info['task']}: agents that map what they see know the camera of task={PAPER.name} only (1.25 m "
+                "high, looking up and down); choose that task, or agent=oracle or agent=random"
+            )
         self.target = str(info["target"])
         book = catalogue()
         height_m = book[self.target].size[2] if self.target in book else 0.1

@@ -126,7 +126,7 @@ def _names(value: Any, found: set[str]) -> set[str]:
 
 
 def test_nothing_privileged_is_given(episodes: tuple[Episode, ...]) -> None:
-    allowed_info = {"target", "episode", "habit_level", "habits", "habit_rows", "nav", "free", "start"} | {
+    allowed_info = {"target", "episode", "task", "habit_level", "habits", "habit_rows", "nav", "free", "start"} | {
         "detections", "tracks", "opened", "depth", "episode_metrics",
     }  # fmt: skip
     env = UcONEnv(episodes, observe="symbolic", detector=True)

@@ -47,6 +47,17 @@ def test_nothing_wanted_changes_nothing() -> None:
     assert (interest(with_things(stove=(0.0, 0.0)), {}) == 1.0).all()
 
 
-def test_only_furniture_speaks() -> None:
-    found = interest(with_things(banana=(0.0, 0.0)), {"fridge": 1.0})
+@pytest.mark.parametrize("name", ["banana", "stairs"])
+def test_what_is_no_furniture_or_has_no_room_says_nothing(name: str) -> None:
+    found = interest(with_things(**{name: (0.0, 0.0)}), {"fridge": 1.0})
     assert (found == 1.0).all()
+
+
+def test_the_border_of_the_unexplored_is_worth_what_it_was() -> None:
+    known = with_things(stove=(0.0, 0.0), toilet=(8.0, 0.0))
+    known.explored[HALF - 4 : HALF + 40, HALF - 4 : HALF + 5] = 1
+    found = interest(known, {"fridge": 1.0})
+    rim = np.zeros((SIZE, SIZE), bool)
+    rim[HALF - 6 : HALF + 42, HALF - 6 : HALF + 7] = True
+    rim &= known.explored == 0
+    assert found[rim].mean() == pytest.approx(1.0, abs=0.01)

@@ -9,7 +9,7 @@ from ucon.perception.approach import Approach
 from ucon.perception.map_kernels import shows
 from ucon.perception.places import INSIDE, NEXTTO, Places, affordance, has_room, sight_range_m, with_fallback
 from ucon.perception.planner import Planner
-from ucon.perception.semantic_map import CAMERA_M, HALF, SemanticMap, frame_depth
+from ucon.perception.semantic_map import CAMERA_M, HALF, SemanticMap, View, frame_depth
 from ucon.perception.view_kernels import sight
 from ucon.perception.viewpoints import Expectation, Viewpoints
 
@@ -142,3 +142,24 @@ def test_a_closed_front_has_its_inside_behind_it(side: float) -> None:
     front = x + side
     _, places, inside = with_thing("fridge", (front - 0.01, y - 0.4, 0.0, front + 0.01, y + 0.4, 1.7))
     assert (side * (places.xyz[inside, 0] - front) > 0.15).all()
+
+
+def test_what_was_not_seen_stays_behind_what_was() -> None:
+    """The front is judged anew as the floor is seen, also from elsewhere; the inside must not change sides with it."""
+    x, y = started()[1].view.xy
+    _, known, _, _ = started()
+    known.category.append("fridge")
+    track = known.n_tracks - 1
+    known.box[track] = (x + 2.0, y - 0.35, 0.0, x + 2.05, y + 0.35, 1.7)
+    places = Places(0.1)
+    places.refresh(known)
+    known.views.append(View(known.view.i + 20, known.view.j, 2))
+    i, j = known.cell_of(track)
+    for turn in range(2):
+        known.floor[:], known.blocked[:] = 0, 0
+        known.floor[i - 6 : i if turn == 0 else i + 7, j - 3 : j + 4] = 1
+        known.blocked[i + (1 if turn == 0 else -6) : i + (7 if turn == 0 else 0), j - 3 : j + 4] = 1
+        places.refresh(known)
+        inside = (places.track == track) & (places.relation == INSIDE) & (places.share > 0)
+        assert (places.xyz[inside, 0] > x + 2.05).all()
+        assert (places.faces[inside] == (1 if turn == 0 else 2)).all()

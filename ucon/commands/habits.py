@@ -46,7 +46,7 @@ def _import(args: argparse.Namespace) -> int:
         "placed": len(report.located) - len(rest),
         "implausible": len(rest) - absent,
         "absent_anchor": absent,
-        "malformed": len(report.problems),
+        "malformed": report.locations - len(report.located),
     }
     if args.json:
         lists = {"problems": [asdict(p) for p in report.problems], "unplaced": [asdict(one) for one in rest]}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import sys
 import tempfile
 from collections.abc import Iterable
 from pathlib import Path
@@ -13,6 +14,20 @@ from typing import Any
 from ucon.core.errors import DataError
 
 MANIFEST = "MANIFEST.json"
+
+
+def user_cache() -> Path:
+    """``$UCON_CACHE``, else ``ucon`` in the platform's cache folder of this user, else in the temporary folder."""
+    if chosen := os.environ.get("UCON_CACHE"):
+        return Path(chosen)
+    try:
+        if sys.platform == "win32":
+            return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local") / "ucon"
+        if sys.platform == "darwin":
+            return Path.home() / "Library" / "Caches" / "ucon"
+        return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ucon"
+    except RuntimeError:  # nobody's home is known
+        return Path(tempfile.gettempdir()) / "ucon"
 
 
 def sha256_bytes(data: bytes) -> str:

@@ -113,12 +113,8 @@ class UcONEnv(gym.Env[Obs, int]):
         self._frame_renderer: RasterRenderer | None = None
         self._world: Any = None
         self.action_space = spaces.Discrete(len(Action))  # type: ignore[assignment]  # it draws NumPy integers
-        self.observation_space = observation_space(
-            (height_px, width_px) if observe == "pixels" else None,
-            self.source.dimension,
-            max_habits,
-            self.rules.max_steps,
-        )
+        image = (height_px, width_px) if observe == "pixels" else None
+        self.observation_space = observation_space(image, self.source.dimension, max_habits, self.rules.max_steps)
         self._instance = np.empty((height_px, width_px), np.int16)
 
     @property
@@ -149,6 +145,7 @@ class UcONEnv(gym.Env[Obs, int]):
         self._ledger = Ledger(self.episode, self.search)
         info |= {
             "episode": self.episode.id,
+            "task": self.rules.name,
             "habit_level": self.habit_level,
             "habits": self._knowledge.texts,
             "habit_rows": self._knowledge.rows,

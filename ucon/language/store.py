@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import io
-import os
 import sys
-import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from pathlib import Path
@@ -19,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import DataError
-from ucon.core.files import MANIFEST, read_verified, sha256_bytes, write_atomic, write_manifest
+from ucon.core.files import MANIFEST, read_verified, sha256_bytes, user_cache, write_atomic, write_manifest
 from ucon.language.encoder import MiniLM, TextEncoder, Vectors
 
 DATA = Path(__file__).parent / "data"
@@ -141,18 +139,6 @@ class TextCache:
                 path.unlink(missing_ok=True)
 
 
-def cache_folder() -> Path:
-    """``$UCON_CACHE``, else ``$XDG_CACHE_HOME/ucon``, else ``~/.cache/ucon``, else a temporary folder."""
-    if given := os.environ.get("UCON_CACHE"):
-        return Path(given)
-    if given := os.environ.get("XDG_CACHE_HOME"):
-        return Path(given) / "ucon"
-    try:
-        return Path.home() / ".cache" / "ucon"
-    except RuntimeError:
-        return Path(tempfile.gettempdir()) / "ucon"
-
-
 class StoredEncoder:
     """An encoder behind a table and a cache: each distinct text is encoded once, ever."""
 
@@ -160,7 +146,7 @@ class StoredEncoder:
         """``folder`` is where the cache lives (default: the user's cache folder)."""
         self._encoder = encoder
         self._tables = tuple(tables)
-        self._cache = TextCache((folder or cache_folder() / "text") / encoder.name)
+        self._cache = TextCache((folder or user_cache() / "text") / encoder.name)
         self._refreshed = False
         self._place: dict[str, tuple[int, int, NDArray[np.float16] | None]] = {}
 

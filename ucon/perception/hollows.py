@@ -71,10 +71,10 @@ class Template:
 
 @lru_cache(maxsize=4096)
 def template(category: str) -> Template:
-    """Points of a category of the catalogue; none at all for a name outside it."""
+    """Points of a category; a name outside the catalogue counts as a plain thing with a top."""
     book = catalogue()
     if category not in book:
-        return _template(np.ones(3), [])
+        return _template(np.ones(3), _tops([Surface(-0.5, -0.5, 0.5, 0.5, 1.0, 1.0)]))
     row, model = book[category], build_model(category)
     size = np.array(row.size, float)
     rows: list[_Row] = []
@@ -171,7 +171,11 @@ def _lattice(
 
 
 def open_faces(model: ObjectModel, compartment: Compartment) -> int:
-    """Bits of the sides of a compartment that no fixed part covers when all that opens it is open."""
+    """Bits of the sides of a compartment that no fixed part covers when all that opens it is open.
+
+    Its floor counts as closed. Where every side is covered (a tent, whose walls are slanted) all count as open: better
+    to look in vain than never to look.
+    """
     fixed = tuple(part for part in model.parts if part.link not in compartment.opened_by)
     if not fixed:
         return ALL_OPEN

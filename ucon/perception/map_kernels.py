@@ -6,18 +6,11 @@ A camera is the float64 array (x, y, z, cos yaw, sin yaw, cos pitch, sin pitch, 
 
 from __future__ import annotations
 
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
-F64: TypeAlias = NDArray[np.float64]
-F32: TypeAlias = NDArray[np.float32]
-I32: TypeAlias = NDArray[np.int32]
-I16: TypeAlias = NDArray[np.int16]
-U8: TypeAlias = NDArray[np.uint8]
-Flags: TypeAlias = NDArray[np.bool_]
+from ucon.core.jit import F32, F64, I16, U8, Flags, jit, merged
 
 CELL_M = 0.25
 #: Obstacles closer than this to a node make it impassable (the robot's radius).
@@ -29,7 +22,7 @@ FAR_M = 60.0
 FLOORS, WALLS, CEILINGS = 1, 2, 3
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def integrate(
     depth: F32, tracks: I16, camera: F64, half: int, cells: Any, kind: U8, frozen: Flags, box: F64, closest: F32
 ) -> None:
@@ -60,14 +53,14 @@ def integrate(
                 _mark(cells, half, px, py, pz, d, kind[t], frozen[t])
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@merged
 def _widen(box: F64, x: float, y: float, z: float) -> None:
     box[0], box[3] = min(box[0], x), max(box[3], x)
     box[1], box[4] = min(box[1], y), max(box[4], y)
     box[2], box[5] = min(box[2], z), max(box[5], z)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@merged
 def _mark(cells: Any, half: int, x: float, y: float, z: float, d: float, kind: int, frozen: bool) -> None:
     """Note one point in the cell maps."""
     height, near, floor, blocked, walls = cells
@@ -89,7 +82,7 @@ def _mark(cells: Any, half: int, x: float, y: float, z: float, d: float, kind: i
             _wall(walls, i, j, dx, dy)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@merged
 def _wall(walls: U8, i: int, j: int, dx: float, dy: float) -> None:
     """Mark the cell border that a wall point lies by: walls stand on borders, their faces 5 cm beside them.
 
@@ -103,7 +96,7 @@ def _wall(walls: U8, i: int, j: int, dx: float, dy: float) -> None:
         walls[1, i, j - (dy < 0.0)] = 1
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@merged
 def _block(blocked: U8, i: int, j: int, dx: float, dy: float) -> None:
     """Mark the nodes around an obstacle point (dx, dy metres from node (i, j)) that it makes impassable."""
     for a in range(-1, 2):
@@ -113,7 +106,7 @@ def _block(blocked: U8, i: int, j: int, dx: float, dy: float) -> None:
                 blocked[i + a, j + b] = 1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def carve(depth: F32, camera: F64, half: int, explored: U8, reach_m: float) -> int:
     """Mark the cells that sight lines pass over as explored. Returns how many became so."""
     rows, columns = depth.shape
@@ -134,7 +127,7 @@ def carve(depth: F32, camera: F64, half: int, explored: U8, reach_m: float) -> i
     return fresh
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@merged
 def _trace(explored: U8, half: int, x: float, y: float, dx: float, dy: float, n: int) -> int:
     fresh = 0
     for k in range(n + 1):
@@ -146,7 +139,7 @@ def _trace(explored: U8, half: int, x: float, y: float, dx: float, dy: float, n:
     return fresh
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@merged
 def shows(x: float, y: float, z: float, px: float, py: float, pz: float, hollow: F64, faces: int) -> bool:
     """Whether a camera at (x, y, z) looks at a point in a hollow (6,) through one of its open sides."""
     if faces == 63:
@@ -168,7 +161,7 @@ def shows(x: float, y: float, z: float, px: float, py: float, pz: float, hollow:
     return side < 0 or (faces >> side) & 1 == 1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def look(
     depth: F32,
     camera: F64,

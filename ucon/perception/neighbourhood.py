@@ -31,7 +31,8 @@ def _rooms() -> tuple[dict[str, int], NDArray[np.float64]]:
     names = sorted({room for name in book.names for room in book[name].rooms if room != "all"})
     number = {room: k for k, room in enumerate(names)}
     furniture = [name for name in book.names if affordance(name).furniture]
-    return number, np.mean([_rooms_of(book[name].rooms, number) for name in furniture], axis=0) + 1e-3
+    usual = np.mean([_rooms_of(book[name].rooms, number) for name in furniture], axis=0) + 1e-3
+    return number, usual / usual.sum()
 
 
 def _rooms_of(rooms: tuple[str, ...], number: dict[str, int]) -> NDArray[np.float64]:
@@ -48,11 +49,15 @@ def rooms_of(category: str) -> NDArray[np.float64]:
     return _rooms_of(catalogue()[category].rooms if category in catalogue() else (), number)
 
 
+def _has_rooms(category: str) -> bool:
+    return any(room in _rooms()[0] for room in catalogue()[category].rooms)
+
+
 def interest(known: SemanticMap, wanted: dict[str, float]) -> NDArray[np.float32]:
-    """(257, 257) factors of the worth of unexplored cells, given the mass of the anchors that were not seen yet.
+    """(257, 257) factors of the worth of unexplored cells, given the mass of anchors that wait there.
 
     Every piece of furniture seen speaks for or against its neighbourhood by how much likelier than usual the
-    wanted anchors are in its kind of rooms.
+    wanted anchors are in its kind of rooms. The mean over the border of the unexplored is 1.
     """
     _, usual = _rooms()
     total = sum(wanted.values())
@@ -61,7 +66,7 @@ def interest(known: SemanticMap, wanted: dict[str, float]) -> NDArray[np.float32
     wish = sum((mass * rooms_of(name) for name, mass in wanted.items()), np.zeros(len(usual))) / total / usual
     says, heard = np.zeros((SIZE, SIZE), np.float32), np.zeros((SIZE, SIZE), np.float32)
     for name, tracks in known.instances.items():
-        if not affordance(name).furniture:
+        if not affordance(name).furniture or not _has_rooms(name):
             continue
         word = np.float32(np.clip(np.log(max(float(rooms_of(name) @ wish), 1e-6)), -_MOST, _MOST))
         for track in tracks:
@@ -71,4 +76,8 @@ def interest(known: SemanticMap, wanted: dict[str, float]) -> NDArray[np.float32
                 heard[i, j] += 1.0
     peak = 1.0 / (2.0 * np.pi * _SPREAD_CELLS**2)
     around = cv2.GaussianBlur(np.stack([says, heard], -1), (0, 0), _SPREAD_CELLS)
-    return np.asarray(np.exp(around[..., 0] / (around[..., 1] + _DOUBT * peak)), np.float32)
+    out = np.exp(around[..., 0] / (around[..., 1] + _DOUBT * peak))
+    border = (cv2.dilate(known.explored, np.ones((5, 5), np.uint8)) > 0) & (known.explored == 0)
+    if border.any():
+        out /= out[border].mean()
+    return np.round(out, 3).astype(np.float32)

@@ -1,16 +1,15 @@
-"""Sample points of places around one box: on top, inside, under and next to it."""
+"""Sample points under and next to one box, and which way it stands turned."""
 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
-from ucon.perception.map_kernels import CELL_M, F32, F64, I32, U8
+from ucon.core.jit import F32, F64, I32, U8, jit, merged
+from ucon.perception.map_kernels import CELL_M
 
 ONTOP, INSIDE, UNDER, NEXTTO = range(4)
-#: Most points that one thing can have.
-MOST = 96
+#: Most points under and next to one thing.
+MOST = 24
 _SPACING_M = 0.5
 #: Things smaller than this have one point next to them: whoever sees the thing sees what stands by it.
 SMALL_M = 0.45
@@ -20,39 +19,29 @@ _MISMATCH = 0.7
 _STAYS = 0.25
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def make_points(box: F64, offers: NDArray[np.bool_], lift_m: float, height: F32, half: int, out: F64) -> int:
-    """Write rows (x, y, z, relation, share) into out (MOST, 5); returns how many.
+@jit
+def make_points(box: F64, under: bool, height: F32, half: int, out: F64) -> int:
+    """Write rows (x, y, z, relation, share) of places under and next to a box into out (MOST, 5); returns how many.
 
-    offers (3,) says whether it lacks better points on top and inside, and has a space below; next to is always
-    possible. ``lift_m`` is half the target's height, ``height`` the map's.
+    ``height`` is the map's.
     """
-    z0, z1 = box[2], box[5]
-    n = 0
-    if offers[0]:
-        n = _lattice(box, 4, z1 + lift_m, 0.0, 1, ONTOP, out, n)
-    if offers[1]:
-        levels = min(max(int(np.round((z1 - z0) / 0.4)), 1), 5)
-        n = _lattice(box, 3, z0 + min(0.06, 0.3 * (z1 - z0)), (z1 - z0) / levels, levels, INSIDE, out, n)
-    if offers[2]:
-        n = _lattice(box, 3, 0.08, 0.0, 1, UNDER, out, n)
+    n = _below(box, out) if under else 0
     return _around(box, height, half, out, n)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _lattice(box: F64, most: int, z: float, dz: float, levels: int, relation: int, out: F64, n: int) -> int:
+@merged
+def _below(box: F64, out: F64) -> int:
     wide, deep = box[3] - box[0], box[4] - box[1]
-    nx, ny = min(max(int(np.round(wide / _SPACING_M)), 1), most), min(max(int(np.round(deep / _SPACING_M)), 1), most)
+    nx, ny = min(max(int(np.round(wide / _SPACING_M)), 1), 3), min(max(int(np.round(deep / _SPACING_M)), 1), 3)
     for a in range(nx):
         for b in range(ny):
-            for c in range(levels):
-                out[n, 0], out[n, 1] = box[0] + (a + 0.5) * wide / nx, box[1] + (b + 0.5) * deep / ny
-                out[n, 2], out[n, 3], out[n, 4] = z + c * dz, relation, 1.0 / (nx * ny * levels)
-                n += 1
-    return n
+            n = a * ny + b
+            out[n, 0], out[n, 1] = box[0] + (a + 0.5) * wide / nx, box[1] + (b + 0.5) * deep / ny
+            out[n, 2], out[n, 3], out[n, 4] = 0.08, UNDER, 1.0 / (nx * ny)
+    return nx * ny
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@merged
 def _around(box: F64, height: F32, half: int, out: F64, n: int) -> int:
     """Points beside a box, on the floor or on what it stands on; none where a wall or a tall thing stands."""
     x0, y0, z0, x1, y1, z1 = box
@@ -84,7 +73,7 @@ def _around(box: F64, height: F32, half: int, out: F64, n: int) -> int:
     return n
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def facing(boxes: F64, sizes: F64, floor: U8, blocked: U8, walls: U8, half: int, out: I32) -> None:
     """Write to out (n,) the quarter turns by which things (n, 6) of catalogue sizes (n, 3) most likely stand turned.
 
@@ -107,7 +96,7 @@ def facing(boxes: F64, sizes: F64, floor: U8, blocked: U8, walls: U8, half: int,
                 best, out[n] = score, q
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@merged
 def _freedom(box: F64, q: int, floor: U8, blocked: U8, walls: U8, half: int) -> float:
     """How free the floor before one side is: 1 free, 0 unknown, -1 blocked by a thing, -2 by a wall."""
     total = 0.0
@@ -135,7 +124,7 @@ def _freedom(box: F64, q: int, floor: U8, blocked: U8, walls: U8, half: int) -> 
     return total / 3.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def inherit(new: F64, old: F64, old_unseen: F64, unseen: F64) -> None:
     """Give new points the ``unseen`` of the nearest old point of their relation within 0.3 m, 0.1 m inside of things.
 

@@ -1,6 +1,6 @@
 """Places where a target might be: sample points on top of, inside, under and next to everything seen.
 
-Each (track, relation) is a handful of points that share its mass evenly; a frame that shows a point from near enough
+Each (track, relation) is a handful of points that share its mass; a frame that shows a point from near enough
 lowers that point's ``unseen``. What a category offers (surface, interior, space below) is the catalogue's knowledge.
 """
 
@@ -43,10 +43,6 @@ Kind = Literal["fixed_furniture", "movable_furniture", "fixture", "wall", "ceili
 _FIXED: dict[str, Kind] = {"wall": "wall", "ceiling": "ceiling"}
 
 
-#: Archetypes of furniture that is open, or opens, at its top.
-_LIDDED = ("bin", "chest_lidded", "tank_box")
-
-
 @dataclass(frozen=True)
 class Affordance:
     """What a category offers as a place, by the catalogue."""
@@ -58,10 +54,6 @@ class Affordance:
     drawers: bool
     furniture: bool
     kind: Kind = "movable"
-    from_above: bool = False
-    """Whether its inside shows only to who looks down into it."""
-    depth_m: float = 0.0
-    """The shorter of its horizontal sides."""
 
     @cached_property
     def offers(self) -> NDArray[np.bool_]:
@@ -80,11 +72,7 @@ def affordance(category: str) -> Affordance:
     furniture = row.role in ("fixed_furniture", "movable_furniture", "fixed")
     surface = bool(model.surfaces) and row.mount != "ceiling"
     kind: Kind = _FIXED.get(row.mount, "fixture") if row.role == "fixed" else row.role
-    above = bool(model.compartments) and (kind == "movable" or row.archetype in _LIDDED)
-    return Affordance(
-        surface, bool(model.compartments), bool(model.under), row.openable, drawers, furniture, kind, above,
-        min(row.size[:2]),
-    )  # fmt: skip
+    return Affordance(surface, bool(model.compartments), bool(model.under), row.openable, drawers, furniture, kind)
 
 
 @lru_cache(maxsize=4096)
@@ -122,6 +110,7 @@ class Places:
     def __init__(self, target_height_m: float) -> None:
         self._lift_m = 0.5 * target_height_m
         self._made: NDArray[np.float64] = np.zeros((0, 6))
+        self._seen_from: NDArray[np.float64] = np.zeros((0, 2))
         self._rows: dict[int, slice] = {}
         self._data = np.zeros((1024, 12))
         self._faces = np.zeros(1024, np.uint8)
@@ -171,17 +160,19 @@ class Places:
         """Make points for new tracks, for those whose box grew, and for those that turn out to stand otherwise."""
         n = known.n_tracks
         if n > len(self._made):
-            self._made = np.vstack([self._made, np.full((n - len(self._made), 6), np.inf)])
+            fresh = n - len(self._made)
+            self._made = np.vstack([self._made, np.full((fresh, 6), np.inf)])
+            self._seen_from = np.vstack([self._seen_from, np.zeros((fresh, 2))])
         moved = np.abs(known.box[:n] - self._made).max(1) > GROWTH_M
         moved &= (known.kind[:n] == 0) & (known.box[:n, 3] >= known.box[:n, 0]) & ~known.opened[:n]
-        turned = self._look_at_fronts(known)
-        for track in sorted({*np.flatnonzero(moved).tolist(), *turned}):
-            if known.category[track]:
-                self._make(track, known)
+        grown = [track for track in np.flatnonzero(moved).tolist() if known.category[track]]
+        self._seen_from[grown] = known.view.xy
+        for track in sorted({*grown, *self._turned(known, grown)}):
+            self._make(track, known)
 
-    def _look_at_fronts(self, known: SemanticMap) -> list[int]:
-        """Tracks, seen before, whose front seems to be elsewhere than it did."""
-        for track in self._rows:
+    def _turned(self, known: SemanticMap, grown: list[int]) -> list[int]:
+        """Tracks whose front seems to be elsewhere than it did; takes in those among ``grown`` that are new."""
+        for track in grown:
             if track not in self._turn and template(known.category[track]).turns:
                 self._turning.append(track)
                 self._turn[track] = -1
@@ -189,19 +180,15 @@ class Places:
             self._sizes = np.array([template(known.category[k]).size for k in self._turning])
         turn = np.array([self._turn[track] for track in self._turning], np.int32)
         facing(known.box[self._turning], self._sizes, known.floor, known.blocked, known.walls, HALF, turn)
-        changed = []
-        for track, q in zip(self._turning, turn.tolist(), strict=True):
-            if self._turn[track] != q:
-                self._turn[track] = q
-                changed.append(track)
+        changed = [track for track, q in zip(self._turning, turn.tolist(), strict=True) if self._turn[track] != q]
+        self._turn.update(zip(self._turning, turn.tolist(), strict=True))
         return changed
 
     def _make(self, track: int, known: SemanticMap) -> None:
         name, box = known.category[track], known.box[track]
         has, shape = affordance(name), template(name)
-        whole = _whole(box, name, known.view.xy)
-        offers = has.offers & ~np.array([shape.has(ONTOP), shape.has(INSIDE), False])
-        count = make_points(whole, offers, self._lift_m, known.height, HALF, self._scratch)
+        whole = _whole(box, name, self._seen_from[track])
+        count = make_points(whole, has.under, known.height, HALF, self._scratch)
         total = count + len(shape.share)
         self._reserve(total)
         rows = slice(self._n, self._n + total)
@@ -244,11 +231,11 @@ class Places:
         return out
 
 
-def _whole(box: NDArray[np.float64], name: str, xy: tuple[float, float]) -> NDArray[np.float64]:
+def _whole(box: NDArray[np.float64], name: str, xy: NDArray[np.float64]) -> NDArray[np.float64]:
     """The box of a thing with an inside, of which perhaps only one side was seen: as large as its kind usually is.
 
-    What was not seen lies on the far side of the agent, which stands at ``xy``. Furniture comes in many widths, but
-    is as deep as its kind; movable things are all of one size.
+    What was not seen lies on the far side of the agent, which stood at ``xy`` when the box grew. Furniture comes in
+    many widths, but is as deep as its kind; movable things are all of one size.
     """
     has, shape = affordance(name), template(name)
     if not shape.has(INSIDE):

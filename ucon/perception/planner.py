@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ucon.core.jit import jit
 from ucon.perception.semantic_map import HALF, SIZE, SemanticMap, View
 from ucon.task.actions import Action
 
@@ -23,7 +23,7 @@ _TURN = {0: (), 1: (Action.ROTATE_LEFT,), 2: (Action.ROTATE_LEFT, Action.ROTATE_
 _PRIMITIVES = (Action.MOVE_AHEAD, Action.ROTATE_LEFT, Action.ROTATE_RIGHT)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def _search(
     free: NDArray[np.bool_], i: int, j: int, heading: int, steps: I32, moves: I32, came: NDArray[np.int8], queue: I32
 ) -> int:

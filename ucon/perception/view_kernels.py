@@ -8,10 +8,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from ucon.perception.map_kernels import CELL_M, F32, F64, I32, U8, shows
+from ucon.core.jit import F32, F64, I32, U8, jit, merged
+from ucon.perception.map_kernels import CELL_M, shows
 
 PITCHES_DEG = (-60, -30, 0, 30)
 _COS = np.cos(np.deg2rad(PITCHES_DEG))
@@ -24,7 +24,7 @@ DEEPER = float(np.exp(-CELL_M / 2.0))
 LEAST_TRUST = float(np.exp(-3.0 / 2.0))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def sight(x: float, y: float, cam_z: float, px: float, py: float, pz: float, height: F32, walls: U8, half: int) -> bool:
     """Whether nothing known stands between a camera and a point.
 
@@ -46,7 +46,7 @@ def sight(x: float, y: float, cam_z: float, px: float, py: float, pz: float, hei
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@merged
 def _walled(i0: int, j0: int, i1: int, j1: int, walls: U8) -> bool:
     """Whether a wall stands between two neighbouring cells; diagonally two borders must be closed."""
     i, j = min(i0, i1), min(j0, j1)
@@ -74,7 +74,7 @@ def _rays() -> tuple[NDArray[np.int32], NDArray[np.float64]]:
 RAY_CELL, RAY_AREA = _rays()
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def space_gain(nodes: I32, cells: Any, reach: tuple[int, float], weight: tuple[float, float], out: F64) -> None:
     """Add to out (n, 4) the weighted square metres that each heading at each node would newly show.
 
@@ -88,7 +88,7 @@ def space_gain(nodes: I32, cells: Any, reach: tuple[int, float], weight: tuple[f
             out[n, heading] += _ray(nodes[n, 0], nodes[n, 1], ray, cells, reach, weight, 1.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def fade_space(i: int, j: int, heading: int, cells: Any, reach: tuple[int, float], factor: float) -> None:
     """Multiply ``stale`` by ``factor`` where a view from here expected to see new space (and evidently cannot)."""
     for k in range(RAYS // 4):
@@ -96,7 +96,7 @@ def fade_space(i: int, j: int, heading: int, cells: Any, reach: tuple[int, float
         _ray(i, j, ray, cells, reach, (1.0, 1.0), factor)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@merged
 def _ray(
     i0: int, j0: int, ray: int, cells: Any, reach: tuple[int, float], weight: tuple[float, float], factor: float
 ) -> float:
@@ -121,7 +121,7 @@ def _ray(
     return gain
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def place_gain(
     index: I32, place: F64, hollow: F64, faces: U8, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8,
     half: int, out: F64,
@@ -153,7 +153,7 @@ def place_gain(
                 _share(dx, dy, dz, w, reach_m, out[n])
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@merged
 def _share(dx: float, dy: float, dz: float, w: float, reach_m: float, out: F64) -> None:
     """Add ``w`` to every view (4, 4) whose frustum holds a point at (dx, dy, dz) from the camera."""
     for heading in range(4):
@@ -172,7 +172,7 @@ def _share(dx: float, dy: float, dz: float, w: float, reach_m: float, out: F64) 
                 out[heading, p] += w
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def fade_places(
     x: float, y: float, cam_z: float, heading: int, pitch: int, place: F64, hollow: F64, faces: U8, weight: F64,
     reach_m: float, height: F32, walls: U8, half: int, unseen: F64, factor: float,
@@ -193,7 +193,7 @@ def fade_places(
             unseen[m] *= factor
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def open_gain(
     index: I32, boxes: F64, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8, half: int, out: F64
 ) -> None:

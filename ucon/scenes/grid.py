@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from ucon.core.jit import jit
 
 TOUCH_M = 0.002
 FLAT_M = 0.02
 """What ends below this is walked over and stood on: carpets."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def turn_box(box: NDArray[np.float64], x: float, y: float, quarter_turns: int, out: NDArray[np.float64]) -> None:
     """Write ``box`` (6,) turned about the origin and moved by (x, y) into ``out`` (6,)."""
     q = quarter_turns % 4
@@ -30,7 +31,7 @@ def turn_box(box: NDArray[np.float64], x: float, y: float, quarter_turns: int, o
     out[2], out[5] = box[2], box[5]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def turned(boxes: NDArray[np.float64], x: float, y: float, quarter_turns: int) -> NDArray[np.float64]:
     """Boxes (n, 6) turned about the origin and moved by (x, y)."""
     out = np.empty_like(boxes)
@@ -39,7 +40,7 @@ def turned(boxes: NDArray[np.float64], x: float, y: float, quarter_turns: int) -
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def _overlap(a: NDArray[np.float64], b: NDArray[np.float64], axes: int) -> bool:
     for k in range(axes):  # noqa: SIM110 (numba compiles no generator)
         if min(a[3 + k], b[3 + k]) - max(a[k], b[k]) <= TOUCH_M:
@@ -47,7 +48,7 @@ def _overlap(a: NDArray[np.float64], b: NDArray[np.float64], axes: int) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def _outside(box: NDArray[np.float64], inner: NDArray[np.float64], height_m: float, slack_m: float) -> bool:
     return (
         box[0] < inner[0] - slack_m
@@ -58,7 +59,7 @@ def _outside(box: NDArray[np.float64], inner: NDArray[np.float64], height_m: flo
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def _hits_any(box: NDArray[np.float64], solids: NDArray[np.float64], as_void: bool) -> bool:
     flat = not as_void and box[5] <= FLAT_M
     for k in range(len(solids)):
@@ -70,7 +71,7 @@ def _hits_any(box: NDArray[np.float64], solids: NDArray[np.float64], as_void: bo
     return False
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def allowed(
     poses: NDArray[np.float64],
     local: NDArray[np.float64],
@@ -112,7 +113,7 @@ def allowed(
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def flood(free: NDArray[np.bool_], i: int, j: int) -> NDArray[np.bool_]:
     """Cells of ``free`` (nx, ny) joined to (i, j) over 4-neighbours, (nx, ny) bool."""
     nx, ny = free.shape

@@ -7,16 +7,14 @@ from, so a changed layout rule never meets an old home.
 from __future__ import annotations
 
 import contextlib
-import os
 import re
-import sys
 from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
 
 import ucon
 from ucon.core.errors import DataError
-from ucon.core.files import sha256_bytes, write_atomic, write_manifest
+from ucon.core.files import sha256_bytes, user_cache, write_atomic, write_manifest
 from ucon.sim.homefile import FORMAT, house_from_bytes, house_to_bytes
 from ucon.sim.house import House
 
@@ -78,7 +76,7 @@ def file_name(name: str) -> str:
 
 def cache_folder() -> Path:
     """Folder of compiled homes for this code: ``UCON_CACHE``, else the platform's cache folder for the user."""
-    return _cache_root() / "homes" / f"{FORMAT}-{fingerprint()[:16]}"
+    return user_cache() / "homes" / f"{FORMAT}-{fingerprint()[:16]}"
 
 
 @lru_cache(maxsize=1)
@@ -97,13 +95,3 @@ def _files(source: Path) -> list[Path]:
     return sorted(
         path for path in source.rglob("*") if path.is_file() and not skipped & set(path.relative_to(source).parts)
     )
-
-
-def _cache_root() -> Path:
-    if chosen := os.environ.get("UCON_CACHE"):
-        return Path(chosen)
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local")) / "ucon"
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches" / "ucon"
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ucon"

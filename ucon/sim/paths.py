@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ucon.core.errors import EpisodeError
+from ucon.core.jit import jit
 from ucon.scenes.spec import GRID_M
 
 UNREACHABLE = -1
@@ -46,7 +46,7 @@ def path(dist: NDArray[np.int32], start: tuple[int, int]) -> list[tuple[int, int
     return [(int(i), int(j)) for i, j in _descend(dist, start[0], start[1])]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def _flood(free: NDArray[np.bool_], cells: NDArray[np.int64], costs: NDArray[np.int64]) -> NDArray[np.int32]:
     nx, ny = free.shape
     dist = np.full((nx, ny), -1, np.int32)
@@ -75,7 +75,7 @@ def _flood(free: NDArray[np.bool_], cells: NDArray[np.int64], costs: NDArray[np.
     return dist
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def _descend(dist: NDArray[np.int32], i: int, j: int) -> list[tuple[int, int]]:
     nx, ny = dist.shape
     cells = [(i, j)]
@@ -93,7 +93,7 @@ def _descend(dist: NDArray[np.int32], i: int, j: int) -> list[tuple[int, int]]:
     return cells
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def components(free: NDArray[np.bool_]) -> NDArray[np.int32]:
     """Component number of every free node, (nx, ny) int32 from 0; -1 where not free."""
     nx, ny = free.shape

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from ucon.core.jit import jit
 
 Array = NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def rows_meeting(boxes: Array, box: Array) -> NDArray[np.int64]:
     """Rows of ``boxes`` (m, 6) that meet a box (6,)."""
     found = np.empty(len(boxes), np.int64)
@@ -24,7 +25,7 @@ def rows_meeting(boxes: Array, box: Array) -> NDArray[np.int64]:
     return found[:count].copy()
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def are_clear(parts: Array, boxes: Array, touch: float) -> NDArray[np.bool_]:
     """Whether each of ``boxes`` (n, 6), shrunk by ``touch``, meets none of ``parts`` (m, 6)."""
     result = np.ones(len(boxes), np.bool_)
@@ -45,7 +46,7 @@ def are_clear(parts: Array, boxes: Array, touch: float) -> NDArray[np.bool_]:
     return result
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def rug_tops(parts: Array, boxes: Array, most: float) -> Array:
     """What lies flat under ``boxes`` (n, 6): (n, 2) top of the highest of ``parts`` below ``most``; 1 at an edge."""
     result = np.zeros((len(boxes), 2))
@@ -62,7 +63,7 @@ def rug_tops(parts: Array, boxes: Array, most: float) -> Array:
     return result
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def node_distances(free: NDArray[np.bool_], ox: float, oy: float, step: float, xy: Array, reach: int) -> Array:
     """Distance from points (n, 2) to the nearest free node, at most about ``reach`` cells."""
     nx, ny = free.shape
@@ -77,7 +78,7 @@ def node_distances(free: NDArray[np.bool_], ox: float, oy: float, step: float, x
     return result
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@jit
 def ring(box: Array, half_x: float, half_y: float, gaps: Array, step: float, most: int) -> Array:
     """Footprint centres (n, 2) all around a box (6,) at the given gaps, corners included."""
     points = np.empty((len(gaps) * 4 * (most + 1), 2))

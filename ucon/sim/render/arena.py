@@ -13,11 +13,11 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from ucon.core.geometry import axis_angle_matrix, matrix_from_quat, yaw_matrix
+from ucon.core.jit import F32, F64, I32, jit
 from ucon.objects.model import ObjectModel, Vec3
 from ucon.scenes.spec import HomeSpec
 from ucon.sim.arrangement import Arrangement, PlacedObject
 from ucon.sim.house import House
-from ucon.sim.render.kernels import F32, F64, I32, jit
 from ucon.sim.render.shapes import BOTTOM, TOP
 from ucon.sim.render.tables import Tables, bake, copy_tables, empty_tables, tables_nbytes, write_group
 from ucon.sim.render.tessellate import CEILING, WALL, Mesh, mesh_of_model, mesh_of_parts

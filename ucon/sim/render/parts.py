@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ucon.sim.render.kernels import F32, I32, inlined, jit
+from ucon.core.jit import F32, I32, inlined, jit
 from ucon.sim.render.shapes import INDEX, MOST_CORNERS, MOST_FACES, MOST_SIDES
 from ucon.sim.render.spans import BLOCK_ROWS, fill
 from ucon.sim.render.tables import CORNER_BLOCK

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ucon.sim.render.kernels import F32, F64, jit, leaf
+from ucon.core.jit import F32, F64, jit, leaf
 
 _MARGIN_PX = 0.05
 _MARGIN_M = 1e-4

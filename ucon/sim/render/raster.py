@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ucon.sim.render.kernels import F32, F64, I32, inlined, jit, leaf
+from ucon.core.jit import F32, F64, I32, inlined, jit, leaf
 from ucon.sim.render.parts import draw_part, new_scratch
 from ucon.sim.render.portals import room_at, room_order, visible_rooms
 

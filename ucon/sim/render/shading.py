@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from ucon.core.jit import F32, F64, I16, I32, U8, U32, inlined, jit
 from ucon.sim.render.base import SKY_DEPTH_M
-from ucon.sim.render.kernels import F32, F64, I16, I32, U8, U32, inlined, jit
 from ucon.sim.render.raster import camera_frame
 from ucon.sim.render.tessellate import WINDOW
 from ucon.sim.render.textures import BLOCK, OPEN_SKY, SHADED, outdoors, paint_corners, paint_material

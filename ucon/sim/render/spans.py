@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ucon.sim.render.kernels import F32, I32, inlined
+from ucon.core.jit import F32, I32, inlined
 
 BLOCK_PX = np.uint64(16)
 """Pixels of a row are worked on in blocks of this many."""

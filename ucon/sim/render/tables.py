@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ucon.sim.render.kernels import F32, F64, I16, I32, U8, jit
+from ucon.core.jit import F32, F64, I16, I32, U8, jit
 from ucon.sim.render.shapes import INDEX
 from ucon.sim.render.tessellate import CEILING, WALL, Mesh
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.jit import F64, I16, I32, jit
 from ucon.objects.model import Material, ObjectModel, Part
-from ucon.sim.render.kernels import F64, I16, I32, jit
 from ucon.sim.render.shapes import CORNERS, FACES, INDEX, SOLIDS, solid_of
 
 #: Looks that only the renderer knows, numbered after the materials.

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ucon.core.jit import F32, inlined, leaf
 from ucon.core.rng import stream
 from ucon.objects.model import Material
-from ucon.sim.render.kernels import F32, inlined, leaf
 from ucon.sim.render.tessellate import MIRROR, WALL
 
 BLOCK = np.uint64(32)
