@@ -171,19 +171,20 @@ def environment() -> Iterator[Finding]:
         yield Finding("speed", "ok", found)
 
 
+#: Turns, looks, a move and an Open: whatever calls another kernel.
+WARMING = (0, 1, 1, 2, 3, 4, 4, 3, 2, 5, 0, 0)
 CHECKS = (python, packages, threads, write_access, encoder, gpu, environment)
 
 
 def warm_up() -> float:
-    """Compile every kernel that an episode needs, by playing a few steps with images and detector; seconds."""
+    """Compile every kernel that an episode and a searching agent need, by playing a few steps; seconds."""
     from ucon.envs.ucon_env import UcONEnv
+    from ucon.perception.warm import look_around
 
     started = time.perf_counter()
     for observe in ("pixels", "symbolic"):
         env = UcONEnv("mini", observe=observe, detector=True, render_mode="rgb_array")
-        env.reset(options={"episode": 0})
-        for action in (0, 1, 3, 4, 2, 5):
-            env.step(action)
+        look_around(env, WARMING)
         env.render()
         env.close()
     return time.perf_counter() - started

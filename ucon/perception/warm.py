@@ -1,0 +1,35 @@
+"""One short look around with everything that a searching agent uses, so that its kernels are compiled beforehand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+
+from ucon.perception.neighbourhood import interest
+from ucon.perception.places import INSIDE, Places
+from ucon.perception.planner import Planner
+from ucon.perception.semantic_map import SemanticMap, frame_depth
+from ucon.perception.viewpoints import Expectation, Viewpoints
+
+
+def look_around(env: gym.Env[Any, Any], actions: Sequence[int]) -> SemanticMap:
+    """Play ``actions`` in the first episode of an environment with a detector; the map that was made of it."""
+    obs, info = env.reset(options={"episode": 0})
+    known, places, planner, viewpoints = SemanticMap(), Places(0.1), Planner(info["nav"]), Viewpoints(3.0)
+    for action in actions:
+        known.update(obs, info)
+        places.refresh(known)
+        places.look(known, frame_depth(obs, info), places.share > 0.0, 3.0, 0.1)
+        planner.update(known)
+        mass = np.ones((known.n_tracks, 4))
+        closed = np.unique(places.track[places.relation == INSIDE]).astype(np.int64)
+        expected = Expectation(mass, 1.0, 0.1, interest(known, {"fridge": 1.0}))
+        best, _ = viewpoints.choose(known, planner, places, expected, closed)
+        if best is not None:
+            planner.plan(best.view)
+        viewpoints.disappoint(known, places, expected, closed)
+        obs, _, _, _, info = env.step(action)
+    return known
