@@ -13,15 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.agents.base import Info, Observation
-from ucon.core.errors import ConfigError
 from ucon.objects.catalogue import catalogue
 from ucon.perception.approach import Approach
+from ucon.perception.body import Body
 from ucon.perception.places import INSIDE, Places, affordance, sight_range_m
 from ucon.perception.planner import Planner
 from ucon.perception.semantic_map import SemanticMap, frame_depth
-from ucon.perception.viewpoints import OPEN_REACH_M, Choice, Costs, Expectation, Viewpoints
+from ucon.perception.viewpoints import Choice, Costs, Expectation, Viewpoints, open_reach_m
 from ucon.task.actions import Action
-from ucon.task.rules import PAPER
 
 #: A container that did not open this often is let be.
 MOST_REFUSALS = 3
@@ -43,15 +42,10 @@ class SearchController:
     MISS = 0.1
 
     def __init__(self, info: Info, expecting: Expecting, costs: Costs | None = None) -> None:
-        if info.get("task", PAPER.name) != PAPER.name:
-            raise ConfigError(
-                f"task={info['task']}: agents that map what they see know the camera of task={PAPER.name} only (1.25 m "
-                "high, looking up and down); choose that task, or agent=oracle or agent=random"
-            )
         self.target = str(info["target"])
         book = catalogue()
         height_m = book[self.target].size[2] if self.target in book else 0.1
-        self.map = SemanticMap()
+        self.map = SemanticMap(Body.of(info))
         self.planner = Planner(info.get("nav"))
         self.places = Places(height_m)
         self.viewpoints = Viewpoints(sight_range_m(self.target), costs)
@@ -122,7 +116,7 @@ class SearchController:
         """Open what is closed, in view and in reach, where that is worth a step."""
         known, worth, tracks = self.map, 0.0, []
         for track in self.closed():
-            if known.pixels[track] >= 4 and known.gap_m(int(track), known.view.xy) <= OPEN_REACH_M:
+            if known.pixels[track] >= 4 and known.gap_m(int(track), known.view.xy) <= open_reach_m(known):
                 worth += expected.mass[track, INSIDE] * 0.5 ** self.refused.get(int(track), 0)
                 tracks.append(int(track))
         bar = 0.0 if self.choice is None else self.choice.score
@@ -149,7 +143,7 @@ class SearchController:
         """Lose faith in opening what this view was chosen to open and does not show."""
         if self.choice is not None and self.choice.opens:
             for track in self.closed():
-                if self.map.gap_m(int(track), self.map.view.xy) <= OPEN_REACH_M:
+                if self.map.gap_m(int(track), self.map.view.xy) <= open_reach_m(self.map):
                     self.refused[int(track)] = self.refused.get(int(track), 0) + 1
 
     def _openable_now(self) -> NDArray[np.int64]:

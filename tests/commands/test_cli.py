@@ -80,7 +80,6 @@ def test_mistakes_end_in_one_line(words, expected):
         (["workers=many", "limit=1"], "workers=many"),
         (["limit=[1"], "cannot read 'limit=\\[1'"),
         (["task=papper"], "did you mean paper"),
-        (["task=released_code", "agent=frontier", "habit_level=none", "limit=1", "workers=0"], "agent=oracle"),
     ],
 )
 def test_eval_mistakes_end_in_one_line(overrides, expected, tmp_path):

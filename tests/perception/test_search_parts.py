@@ -6,12 +6,15 @@ from toy import ToyEnv, two_rooms
 
 from ucon.objects import catalogue
 from ucon.perception.approach import Approach
+from ucon.perception.body import PAPER_BODY
 from ucon.perception.map_kernels import shows
 from ucon.perception.places import INSIDE, NEXTTO, Places, affordance, has_room, sight_range_m, with_fallback
 from ucon.perception.planner import Planner
-from ucon.perception.semantic_map import CAMERA_M, HALF, SemanticMap, View, frame_depth
+from ucon.perception.semantic_map import HALF, SemanticMap, View, frame_depth
 from ucon.perception.view_kernels import sight
 from ucon.perception.viewpoints import Expectation, Viewpoints
+
+CAMERA_M = PAPER_BODY.camera_m
 
 
 def started(target: str = "ring") -> tuple[ToyEnv, SemanticMap, Planner, dict]:

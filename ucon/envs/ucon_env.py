@@ -217,7 +217,7 @@ class UcONEnv(gym.Env[Obs, int]):
 
     def _look(self, opened: tuple[int, ...]) -> tuple[Obs, dict[str, Any]]:
         """One raster a step: image, depth, instances and the canonical pixel counts together."""
-        info: dict[str, Any] = {"target": self.episode.target_category}
+        info: dict[str, Any] = {"target": self.episode.target_category, "camera_m": self.search.camera[2]}
         height, width = self._instance.shape
         obs: Obs = {}
         buffers: dict[str, Any] = {}

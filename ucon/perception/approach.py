@@ -5,16 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.perception.body import Body
 from ucon.perception.detections import MIN_PIXELS
 from ucon.perception.places import affordance
 from ucon.perception.planner import UNREACHED, Planner
-from ucon.perception.semantic_map import CAMERA_M, CELL_M, HALF, SemanticMap, View
+from ucon.perception.semantic_map import CELL_M, HALF, SemanticMap, View
 from ucon.perception.view_kernels import sight
 
-NEAR_M = 1.0
 #: Content of a drawer shows where the drawer took it; its box stays where it was, farther back.
 DRAWER_NEAR_M = 0.55
-_PITCHES = (0, -30, 30, -60, 60)
 
 
 class Approach:
@@ -39,7 +38,7 @@ class Approach:
             name = known.category[holder]
             if out < 0.7 and known.box[track, 2] < z1 + 0.05 and name and affordance(name).drawers:
                 return DRAWER_NEAR_M
-        return NEAR_M - 0.005
+        return known.body.near_m - 0.005
 
     def failed(self, view: View) -> None:
         """Remember that the thing was not visible from a view."""
@@ -53,8 +52,9 @@ class Approach:
         best, best_cost = None, float(UNREACHED)
         for i, j in self._nodes(known, planner, track, reach):
             x, y = (i - HALF) * CELL_M, (j - HALF) * CELL_M
-            clear = sight(x, y, CAMERA_M, center[0], center[1], center[2], known.height, known.walls, HALF)
-            for view, depth in _facing(i, j, center - (x, y, CAMERA_M)):
+            for view, depth in _facing(i, j, center - (x, y, 0.0), known.body):
+                eye_m = known.body.eyes[view.pitch_deg][0]
+                clear = sight(x, y, eye_m, center[0], center[1], center[2], known.height, known.walls, HALF)
                 cost = planner.cost(view) + (0 if clear else 25) + (0 if self._pixels(depth) >= 6 else 4)
                 cost += 30 * self._failed.get(view, 0)
                 if cost < best_cost:
@@ -72,7 +72,7 @@ class Approach:
     def _note(self, known: SemanticMap, track: int) -> None:
         """Keep the best sight so far, to tell how many pixels a nearer view will have."""
         if known.pixels[track] > self._best[0]:
-            gap = _center(known.box[track]) - (*known.view.xy, CAMERA_M)
+            gap = _center(known.box[track]) - (*known.view.xy, known.body.eyes[known.view.pitch_deg][0])
             self._best = (float(known.pixels[track]), float(np.linalg.norm(gap)))
 
     def _pixels(self, depth_m: float) -> float:
@@ -84,15 +84,16 @@ def _center(box: NDArray[np.float64]) -> NDArray[np.float64]:
     return 0.5 * (box[:3] + box[3:])
 
 
-def _facing(i: int, j: int, offset: NDArray[np.float64]) -> list[tuple[View, float]]:
-    """Views at a node that have a point ``offset`` (3,) from the camera well inside the frame, with its depth."""
+def _facing(i: int, j: int, offset: NDArray[np.float64], body: Body) -> list[tuple[View, float]]:
+    """Views at a node that have a point ``offset`` (3,) from the floor there well inside the frame, with its depth."""
     out = []
     for heading in range(4):
         c, s = (1, 0, -1, 0)[heading], (0, 1, 0, -1)[heading]
         flat, side = c * offset[0] + s * offset[1], abs(s * offset[0] - c * offset[1])
-        for pitch in _PITCHES:
+        for look, (eye_m, pitch) in body.eyes.items():
             cp, sp = np.cos(np.deg2rad(pitch)), np.sin(np.deg2rad(pitch))
-            optical, up = cp * flat + sp * offset[2], cp * offset[2] - sp * flat
+            rise = offset[2] - eye_m
+            optical, up = cp * flat + sp * rise, cp * rise - sp * flat
             if optical > 0.1 and side <= 0.93 * optical and abs(up) <= 0.93 * optical:
-                out.append((View(i, j, heading, pitch), float(optical)))
+                out.append((View(i, j, heading, look), float(optical)))
     return out

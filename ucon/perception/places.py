@@ -217,7 +217,7 @@ class Places:
         ``depth`` is the frame's (H, W) or (H, W, 1) in metres. Returns how many points it shows.
         """
         flat = depth.reshape(depth.shape[:2])
-        camera = camera_of(known.view, flat)
+        camera = camera_of(known.view, flat, known.body)
         return int(look(flat, camera, reach_m, self.xyz, self.hollow, self.faces, active, self.unseen, miss))
 
     def weights(self, mass: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -15,19 +15,22 @@ from numpy.typing import NDArray
 
 from ucon.core.geometry import HEADING_COS, HEADING_SIN
 from ucon.perception import map_kernels as kernels
+from ucon.perception.body import PAPER_BODY, Body
 from ucon.perception.detections import MIN_PIXELS, STRUCTURE_KINDS, Detections
 
 CELL_M = kernels.CELL_M
 HALF = 128
 SIZE = 2 * HALF + 1
-CAMERA_M = 1.25
 CARVE_M = 8.0
 _PITCH = {p: (float(np.cos(np.deg2rad(p))), float(np.sin(np.deg2rad(p)))) for p in (-60, -30, 0, 30, 60)}
 
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """A pose of the agent: cell (i, j), heading in quarter turns counter-clockwise, pitch in degrees, up positive."""
+    """A pose of the agent: cell (i, j), heading in quarter turns counter-clockwise, pitch in degrees, up positive.
+
+    More generally the look of :class:`~ucon.perception.body.Body`, where the rules know no pitch.
+    """
 
     i: int
     j: int
@@ -44,6 +47,7 @@ class SemanticMap:
     """Everything one agent has seen in one episode. Arrays are (257, 257), indexed [i, j] = [x, y].
 
     Attributes:
+        body: what the agent knows of its own camera and reach.
         explored: uint8, sight lines passed over the cell. height: float32, tallest thing seen in it below 1.9 m.
         near: float32, least optical depth at which anything in it was seen. floor: uint8, floor seen.
         walls: (2, 257, 257) uint8, a wall stands between (i, j) and (i + 1, j), or (i, j + 1).
@@ -53,7 +57,9 @@ class SemanticMap:
         last_seen: (T,) int32 step, -1 never. views: poses so far.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, body: Body = PAPER_BODY) -> None:
+        self.body = body
+
         def grid(dtype: type, fill: float = 0) -> NDArray[Any]:
             return np.full((SIZE, SIZE), fill, dtype)
 
@@ -102,7 +108,7 @@ class SemanticMap:
 
     def update(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> None:
         """Add one frame: ``observation`` depth, pose, collision; ``info`` detections, tracks, opened."""
-        view = view_of_pose(observation["pose"])
+        view = view_of_pose(observation["pose"], float(info.get("camera_m", self.body.camera_m)), self.body)
         if self.views and bool(observation["collision"]):
             self._bump(self.view)
         self.views.append(view)
@@ -138,7 +144,7 @@ class SemanticMap:
     def _integrate(self, view: View, depth: NDArray[np.float32], image: NDArray[np.int16]) -> None:
         n = self.n_tracks
         cells = (self.height, self.near, self.floor, self.blocked, self.walls)
-        camera = camera_of(view, depth)
+        camera = camera_of(view, depth, self.body)
         kernels.integrate(
             depth, image, camera, HALF, cells, self.kind[:n], self.opened[:n], self.box[:n], self.closest[:n]
         )
@@ -189,15 +195,19 @@ def frame_depth(observation: Mapping[str, Any], info: Mapping[str, Any]) -> NDAr
     return depth.reshape(depth.shape[:2])
 
 
-def camera_of(view: View, depth: NDArray[np.float32]) -> NDArray[np.float64]:
+def camera_of(view: View, depth: NDArray[np.float32], body: Body) -> NDArray[np.float64]:
     """The kernels' camera of a view; pixels are square and the image is 90 degrees wide."""
     x, y = view.xy
     c, s = HEADING_COS[view.heading], HEADING_SIN[view.heading]
-    return np.array([x, y, CAMERA_M, c, s, *_PITCH[view.pitch_deg], 0.5 * depth.shape[1]])
+    camera_m, pitch_deg = body.eyes[view.pitch_deg]
+    return np.array([x, y, camera_m, c, s, *_PITCH[pitch_deg], 0.5 * depth.shape[1]])
 
 
-def view_of_pose(pose: NDArray[np.floating[Any]]) -> View:
-    """Nearest grid pose of (x, y, yaw_rad, pitch_rad)."""
+def view_of_pose(
+    pose: NDArray[np.floating[Any]], camera_m: float = PAPER_BODY.camera_m, body: Body = PAPER_BODY
+) -> View:
+    """Nearest grid pose of (x, y, yaw_rad, pitch_rad) and the camera's height."""
     x, y, yaw, pitch = (float(v) for v in pose)
     heading = round(yaw / (np.pi / 2)) % 4
-    return View(round(x / CELL_M) + HALF, round(y / CELL_M) + HALF, heading, round(np.rad2deg(pitch) / 30) * 30)
+    look = body.look(camera_m, round(np.rad2deg(pitch) / 30) * 30)
+    return View(round(x / CELL_M) + HALF, round(y / CELL_M) + HALF, heading, look)

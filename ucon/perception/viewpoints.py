@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from ucon.perception import view_kernels as kernels
 from ucon.perception.places import INSIDE, Places
 from ucon.perception.planner import UNREACHED, Planner
-from ucon.perception.semantic_map import CAMERA_M, HALF, SIZE, SemanticMap, View
+from ucon.perception.semantic_map import HALF, SIZE, SemanticMap, View
 
-#: Open reaches containers within 1 m; a little less leaves room for the part of the box that was not seen.
-OPEN_REACH_M = 0.98
+#: Open reaches as far as the body; a little less leaves room for the part of the box that was not seen.
+_MARGIN_M = 0.02
 #: Within this many cells every node is considered, beyond it one in four.
 FINE_CELLS = 4
 #: Places shown once are left alone until everything else was looked at.
@@ -67,6 +67,11 @@ class Costs:
     """Turning on the spot after a look, for one more heading; less than a view's overhead."""
 
 
+def open_reach_m(known: SemanticMap) -> float:
+    """How near the seen part of a container must be for Open to reach it."""
+    return known.body.near_m - _MARGIN_M
+
+
 class Viewpoints:
     """Values views on the map of one episode."""
 
@@ -100,6 +105,7 @@ class Viewpoints:
         cost = moves + self.costs.turn * (steps - moves)
         cost = cost[:, :, None] + self.costs.turn * pitch + self.costs.overhead
         cost[steps >= UNREACHED] = np.inf
+        cost[:, :, [p not in known.body.searching for p in kernels.PITCHES_DEG]] = np.inf
         look_score = np.maximum(looks / cost, self._around(looks, cost))
         both_score = (looks + opens) / (cost + self.costs.open)
         score = np.maximum(look_score, np.where(opens > 0, both_score, 0.0))
@@ -169,13 +175,14 @@ class Viewpoints:
         worth = (weight > 1e-9) & (places.unseen > SEEN)
         xyz = np.ascontiguousarray(places.xyz[worth])
         kernels.place_gain(
-            self._index, xyz, places.hollow[worth], places.faces[worth], weight[worth], self.reach_m, CAMERA_M,
-            known.height, known.walls, HALF, looks,
+            self._index, xyz, places.hollow[worth], places.faces[worth], weight[worth], self.reach_m,
+            known.body.camera_m, known.height, known.walls, HALF, looks,
         )  # fmt: skip
         if len(closed):
             inside = expected.mass[closed, INSIDE]
             kernels.open_gain(
-                self._index, known.box[closed], inside, OPEN_REACH_M, CAMERA_M, known.height, known.walls, HALF,
+                self._index, known.box[closed], inside, open_reach_m(known), known.body.camera_m, known.height,
+                known.walls, HALF,
                 opens,
             )  # fmt: skip
         return looks, opens
@@ -197,11 +204,11 @@ class Viewpoints:
         x, y = view.xy
         cells = (known.explored, known.height, known.near, self.stale, self._even)
         kernels.fade_space(view.i, view.j, view.heading, cells, (self.costs.space_cells, self.reach_m), factor)
-        if view.pitch_deg not in kernels.PITCHES_DEG or not len(places.xyz):
+        if view.pitch_deg not in {*kernels.PITCHES_DEG} & {*known.body.searching} or not len(places.xyz):
             return
         pitch = kernels.PITCHES_DEG.index(view.pitch_deg)
         weight = self.weights(places, expected, closed)
         kernels.fade_places(
-            x, y, CAMERA_M, view.heading, pitch, places.xyz, places.hollow, places.faces, weight, self.reach_m,
-            known.height, known.walls, HALF, places.unseen, factor,
+            x, y, known.body.camera_m, view.heading, pitch, places.xyz, places.hollow, places.faces, weight,
+            self.reach_m, known.height, known.walls, HALF, places.unseen, factor,
         )  # fmt: skip
