@@ -13,8 +13,12 @@ from models.agents.base import Agent
 from models.agents.belief import BeliefAgent, Locations
 from models.agents.frontier import FrontierAgent
 from models.agents.oracle import OracleAgent
+from models.agents.oracle_locations import OracleLocationsAgent, true_locations
 from models.agents.random import RandomAgent
 from ucon.core.errors import ConfigError
+from ucon.envs.ucon_env import UcONEnv
+from ucon.habits import book
+from ucon.task.sets import load_episodes
 
 TARGETS = ("bowl", "pencil_box", "coffee_cup", "teapot")
 
@@ -103,3 +107,19 @@ def test_oracle_replays_and_says_what_it_needs() -> None:
     assert [agent.act([{}], [{}])[0] for _ in range(5)] == [0, 1, 2, 6, 6]
     with pytest.raises(ConfigError, match="privileged=True"):
         agent.reset([{"target": "bowl"}])
+
+
+def test_oracle_locations_knows_the_places_and_no_more() -> None:
+    """The place that was drawn is among them; without privileged information it says what it needs."""
+    env = UcONEnv("mini", observe="symbolic", detector=True, habit_level="none", privileged=True)
+    for episode in load_episodes("mini")[:12]:
+        _, info = env.reset(options={"episode": episode})
+        places = info["privileged"]["locations"]
+        assert sum(p for *_, p in places) == pytest.approx(1.0)
+        entry, index = episode.placed_by[episode.target]
+        drawn = book().entries[book().entry_number[entry]].placements[index]
+        assert (drawn.relation, drawn.anchor) in {(relation, anchor) for relation, anchor, _ in places}
+        known = true_locations(info)
+        assert known.p.sum() == pytest.approx(1.0)
+    with pytest.raises(ConfigError, match="privileged=True"):
+        OracleLocationsAgent().reset([{"target": "mug"}])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError, EpisodeError, unknown_name
 from ucon.habits.book import book
+from ucon.habits.hosting import hosted
 from ucon.habits.knowledge import MODES, KnowledgeBase
 from ucon.habits.types import Entry, HabitDataset
 from ucon.language.encoder import Progress
@@ -17,6 +19,7 @@ from ucon.language.store import StoredEncoder, default_encoder
 from ucon.retrieval.base import Retriever, mrr, phrase, recall_at
 from ucon.retrieval.dense import DenseRetriever, dataset_vectors
 from ucon.retrieval.levels import LEVELS, TOP_P, habits_at_level
+from ucon.sim.house import House
 from ucon.task.episode import Episode
 
 
@@ -100,6 +103,18 @@ class HabitSource:
         if level not in LEVELS:
             raise ConfigError(unknown_name("habit level", level, LEVELS))
         return level
+
+    def locations(self, episode: Episode, house: House) -> tuple[tuple[str, str, float], ...]:
+        """Where the target may have been put: (relation, anchor category, probability). Privileged."""
+        from ucon.sim.placement.importing import importable
+
+        ids = episode.entries if self.mode == "category" else episode.task_entries
+        entries = [self.dataset.entries[self.dataset.entry_number[name]] for name in ids]
+        about = [entry for entry in entries if entry.category == episode.target_category]
+        hosts = [host for host in hosted(about, set(house.categories), importable) if host.ok]
+        found = [place for host in hosts for place in host.placements]
+        counts = Counter((place.relation, place.anchor) for place in found)
+        return tuple((relation, anchor, n / len(found)) for (relation, anchor), n in sorted(counts.items()))
 
     def knowledge(self, episode: Episode, level: str) -> Knowledge:
         """The habits of an episode at a level.

@@ -63,7 +63,7 @@ class UcONEnv(gym.Env[Obs, int]):
     ``target`` (category); at reset ``habits`` (texts), ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for
     seeds and logs) and with ``planner="true"`` ``nav`` (free grid in the agent's frame); with ``detector=True``
     ``detections``, ``tracks`` and ``opened`` (tracks); at the end ``episode_metrics``. With ``privileged=True`` also
-    ``privileged`` (scene, episode, solution, target instance, pose): for trainers and oracles only.
+    ``privileged`` (scene, episode, solution, locations, target instance, pose): for trainers and oracles only.
 
     ### Rewards
     :class:`ucon.task.reward.Reward`: +10 for a successful Done and -0.01 a step by default.
@@ -141,6 +141,7 @@ class UcONEnv(gym.Env[Obs, int]):
         self._last_action, self._collision = NO_ACTION, 0
         self._map: TopDownMap | None = None
         self._ledger: Ledger | None = None
+        self._locations = self.source.locations(self.episode, house) if self._privileged else ()
         obs, info = self._look(opened=())
         self._ledger = Ledger(self.episode, self.search)
         info |= {
@@ -248,6 +249,7 @@ class UcONEnv(gym.Env[Obs, int]):
                 "pose": self.search.pose,
                 "scene": self.episode.scene,
                 "episode": self.episode,
+                "locations": self._locations,
             }
         obs["pose"] = self._frame.pose(self.search.pose)
         obs["target"] = self._target_embedding.copy()

@@ -1,0 +1,36 @@
+"""``oracle_locations``: knows all places where this household keeps the target, and searches like ``belief``."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from models.agents.base import Info
+from models.agents.belief import BeliefAgent, Locations
+from ucon.core.errors import ConfigError
+from ucon.habits.types import RELATIONS
+
+
+def true_locations(info: Info) -> Locations:
+    """The household's own distribution over (anchor, relation), as the episode was drawn from it."""
+    try:
+        places = info["privileged"]["locations"]
+    except KeyError:
+        raise ConfigError(
+            "agent oracle_locations needs the household's places: make the environment with privileged=True"
+        ) from None
+    names = tuple(sorted({anchor for _, anchor, _ in places}))
+    p = np.zeros((len(names), len(RELATIONS)))
+    for relation, anchor, probability in places:
+        p[names.index(anchor), RELATIONS.index(relation)] += probability
+    return Locations(names, p)
+
+
+class OracleLocationsAgent(BeliefAgent):
+    """What perfect reading would give: it knows neither the map, nor where anchors stand, nor which place it is now."""
+
+    name = "oracle_locations"
+    needs_privileged = True
+
+    def __init__(self) -> None:
+        """It has nothing to read."""
+        super().__init__(true_locations)
