@@ -16,8 +16,11 @@ def test_any_kernel_file_changes_the_folder(tmp_path: Path) -> None:
     before = sources_hash(tmp_path)
     (tmp_path / "c.py").write_text("C = 2\n")
     assert sources_hash(tmp_path) == before, "a file without kernels changes nothing"
-    (tmp_path / "b.py").write_text(MARKED + "B = 2\n")
-    assert sources_hash(tmp_path) != before
+    (tmp_path / "b.py").write_text(MARKED + "from ucon.c import C\nB = 2\n")
+    changed = sources_hash(tmp_path)
+    assert changed != before
+    (tmp_path / "c.py").write_text("C = 3\n")
+    assert sources_hash(tmp_path) != changed, "constants are compiled into kernels"
 
 
 def test_kernels_are_kept_there() -> None:

@@ -12,6 +12,7 @@ from ucon.perception.semantic_map import HALF, SIZE, SemanticMap
 
 def with_things(**at: tuple[float, float]) -> SemanticMap:
     known = SemanticMap()
+    known.explored[HALF + 100, HALF + 100] = 1  # the border of the explored lies where nothing speaks
     for name, (x, y) in at.items():
         known.instances[name] = [known.n_tracks]
         known.box[known.n_tracks] = (x - 0.3, y - 0.3, 0.0, x + 0.3, y + 0.3, 0.8)
@@ -55,6 +56,7 @@ def test_what_is_no_furniture_or_has_no_room_says_nothing(name: str) -> None:
 
 def test_the_border_of_the_unexplored_is_worth_what_it_was() -> None:
     known = with_things(stove=(0.0, 0.0), toilet=(8.0, 0.0))
+    known.explored[:] = 0
     known.explored[HALF - 4 : HALF + 40, HALF - 4 : HALF + 5] = 1
     found = interest(known, {"fridge": 1.0})
     rim = np.zeros((SIZE, SIZE), bool)

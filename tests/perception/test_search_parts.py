@@ -157,7 +157,7 @@ def test_what_was_not_seen_stays_behind_what_was() -> None:
     places = Places(0.1)
     places.refresh(known)
     known.views.append(View(known.view.i + 20, known.view.j, 2))
-    i, j = known.cell_of(track)
+    i, j = known.cells_of(np.array([track]))[0]
     for turn in range(2):
         known.floor[:], known.blocked[:] = 0, 0
         known.floor[i - 6 : i if turn == 0 else i + 7, j - 3 : j + 4] = 1

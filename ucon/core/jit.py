@@ -3,13 +3,15 @@
 Strict IEEE arithmetic (no fastmath) gives the same bits on every machine of one instruction set.
 
 Numba keeps a compiled kernel as long as its own file stays as it is, though the kernels that it calls are compiled into
-it and may live in other files. So all of them are kept in a folder named by the hash of all files that define kernels.
+it, and the constants that it takes from other modules, may live in other files. So all of them are kept in a folder
+named by the hash of all files that define kernels and of those that these import.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
+import re
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
@@ -33,6 +35,7 @@ Flags: TypeAlias = NDArray[np.bool_]
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _MARK = b"ucon.core.jit import"
+_IMPORT = re.compile(rb"^from ucon\.([\w.]+) import", re.MULTILINE)
 
 
 def jit(function: _Function) -> _Function:
@@ -83,10 +86,13 @@ def kernel_folder() -> Path:
 
 
 def sources_hash(package: Path) -> str:
-    """SHA-256 over the files of a package that define kernels, by name and content."""
+    """SHA-256 over the files of a package that define kernels, and those that they import, by name and content."""
+    files = {path.relative_to(package).as_posix(): path.read_bytes() for path in package.rglob("*.py")}
+    chosen = {name for name, content in files.items() if _MARK in content}
+    for name in tuple(chosen):
+        modules = (match.decode().replace(".", "/") for match in _IMPORT.findall(files[name]))
+        chosen |= {f"{module}.py" for module in modules} & files.keys()
     digest = hashlib.sha256()
-    for path in sorted(package.rglob("*.py")):
-        content = path.read_bytes()
-        if _MARK in content:
-            digest.update(f"{path.relative_to(package).as_posix()} {len(content)}\n".encode() + content)
+    for name in sorted(chosen):
+        digest.update(f"{name} {len(files[name])}\n".encode() + files[name])
     return digest.hexdigest()

@@ -60,8 +60,9 @@ class UcONEnv(gym.Env[Obs, int]):
     | step | Discrete(max_steps + 1) | steps taken |
 
     ### Info
-    ``target`` (category); at reset ``habits`` (texts), ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for
-    seeds and logs) and with ``planner="true"`` ``nav`` (free grid in the agent's frame); with ``detector=True``
+    ``target`` (category), ``camera_m`` (its height); at reset ``task`` (name of the rules), ``habits`` (texts),
+    ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for seeds and logs) and with ``planner="true"`` ``nav``
+    (free grid in the agent's frame); with ``detector=True``
     ``detections``, ``tracks`` and ``opened`` (tracks); at the end ``episode_metrics``. With ``privileged=True`` also
     ``privileged`` (scene, episode, solution, locations, target instance, pose): for trainers and oracles only.
 

@@ -15,15 +15,14 @@ from numpy.typing import NDArray
 from ucon.objects.catalogue import catalogue
 from ucon.objects.model import Box3, Compartment, ObjectModel, Surface
 from ucon.objects.models import build_model
+from ucon.perception.map_kernels import ALL_OPEN
 from ucon.perception.place_kernels import INSIDE, ONTOP
 from ucon.sim.shapes import primitive_boxes, solid_of_parts
 
 __all__ = ["ALL_OPEN", "Template", "fit", "template"]
 
-#: Bits of the sides -x, +x, -y, +y, -z, +z.
-ALL_OPEN = 63
 _ABOVE = 32
-#: Their order counter-clockwise, from +x.
+#: Bits of the upright sides counter-clockwise, from +x.
 _AROUND = (1, 3, 0, 2)
 _TOP_SPACING_M = 0.5
 _INNER_SPACING_M = 0.3
@@ -197,11 +196,9 @@ def _covered(box: NDArray[np.float64], walls: NDArray[np.float64], axis: int, en
     others = [k for k in range(3) if k != axis]
     ticks = [box[k] + (np.arange(5) + 0.5) / 5 * (box[3 + k] - box[k]) for k in others]
     a, b = np.meshgrid(*ticks, indexing="ij")
-    hit = np.zeros(a.shape, bool)
-    for depth in np.arange(0.004, max(out_m, 0.005), _WALL_STEP_M):
-        at = box[3 + axis] + depth if end else box[axis] - depth
-        for wall in walls:
-            inside = (wall[others[0]] <= a) & (a <= wall[3 + others[0]])
-            inside &= (wall[others[1]] <= b) & (b <= wall[3 + others[1]])
-            hit |= inside & bool(wall[axis] <= at <= wall[3 + axis])
-    return float(hit.mean())
+    depths = np.arange(0.004, max(out_m, 0.005), _WALL_STEP_M)
+    at = box[3 + axis] + depths if end else box[axis] - depths
+    behind = walls[((walls[:, axis, None] <= at) & (at <= walls[:, 3 + axis, None])).any(1)]
+    low, high = behind[:, [others]].reshape(-1, 2, 1, 1), behind[:, [[k + 3 for k in others]]].reshape(-1, 2, 1, 1)
+    hit = (low[:, 0] <= a) & (a <= high[:, 0]) & (low[:, 1] <= b) & (b <= high[:, 1])
+    return float(hit.any(0).mean())

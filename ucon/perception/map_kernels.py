@@ -13,6 +13,8 @@ import numpy as np
 from ucon.core.jit import F32, F64, I16, U8, Flags, jit, merged
 
 CELL_M = 0.25
+#: Bits of the sides -x, +x, -y, +y, -z, +z of a hollow.
+ALL_OPEN = 63
 #: Obstacles closer than this to a node make it impassable (the robot's radius).
 RADIUS_M = 0.18
 LOW_M, TALL_M = 0.05, 1.8
@@ -142,7 +144,7 @@ def _trace(explored: U8, half: int, x: float, y: float, dx: float, dy: float, n:
 @merged
 def shows(x: float, y: float, z: float, px: float, py: float, pz: float, hollow: F64, faces: int) -> bool:
     """Whether a camera at (x, y, z) looks at a point in a hollow (6,) through one of its open sides."""
-    if faces == 63:
+    if faces == ALL_OPEN:
         return True
     best, side = 1.0, -1
     dx, dy, dz = x - px, y - py, z - pz

@@ -18,6 +18,8 @@ from ucon.perception.view_kernels import CELL_M
 
 #: Standard deviation of the neighbourhood of a thing.
 _SPREAD_CELLS = 1.5 / CELL_M
+_REACH_CELLS = 26
+"""Beyond it a neighbourhood ends: four standard deviations."""
 _MOST = 1.5
 """Natural logarithm of the most that one neighbour speaks for or against."""
 _DOUBT = 0.6
@@ -63,21 +65,43 @@ def interest(known: SemanticMap, wanted: dict[str, float]) -> NDArray[np.float32
     total = sum(wanted.values())
     if total <= 0.0:
         return np.ones((SIZE, SIZE), np.float32)
-    wish = sum((mass * rooms_of(name) for name, mass in wanted.items()), np.zeros(len(usual))) / total / usual
-    says, heard = np.zeros((SIZE, SIZE), np.float32), np.zeros((SIZE, SIZE), np.float32)
-    for name, tracks in known.instances.items():
-        if not affordance(name).furniture or not _has_rooms(name):
-            continue
-        word = np.float32(np.clip(np.log(max(float(rooms_of(name) @ wish), 1e-6)), -_MOST, _MOST))
-        for track in tracks:
-            if known.seen(track):
-                i, j = known.cell_of(track)
-                says[i, j] += word
-                heard[i, j] += 1.0
-    peak = 1.0 / (2.0 * np.pi * _SPREAD_CELLS**2)
-    around = cv2.GaussianBlur(np.stack([says, heard], -1), (0, 0), _SPREAD_CELLS)
-    out = np.exp(around[..., 0] / (around[..., 1] + _DOUBT * peak))
-    border = (cv2.dilate(known.explored, np.ones((5, 5), np.uint8)) > 0) & (known.explored == 0)
-    if border.any():
-        out /= out[border].mean()
-    return np.round(out, 3).astype(np.float32)
+    wish = np.fromiter(wanted.values(), float, len(wanted)) @ _rooms_of_all(tuple(wanted)) / total / usual
+    words = {name: _word(name, wish) for name in known.instances if affordance(name).furniture and _has_rooms(name)}
+    tracks = np.array([k for name in words for k in known.instances[name] if known.seen(k)], np.int64)
+    word = np.array([words[known.category[k]] for k in tracks], np.float32)
+    window, around = _spread(known.cells_of(tracks), word, known.extent(0))
+    out = np.exp(around[..., 0] / (around[..., 1] + _DOUBT / (2.0 * np.pi * _SPREAD_CELLS**2)))
+    explored = known.explored[window]
+    border = (cv2.dilate(explored, np.ones((5, 5), np.uint8)) > 0) & (explored == 0)
+    usual_worth = out[border].mean() if border.any() else 1.0
+    factors = np.full((SIZE, SIZE), 1.0 / usual_worth)
+    factors[window] = out / usual_worth
+    return np.round(factors, 3, out=factors).astype(np.float32)
+
+
+@lru_cache(maxsize=256)
+def _rooms_of_all(categories: tuple[str, ...]) -> NDArray[np.float64]:
+    return np.array([rooms_of(name) for name in categories])
+
+
+def _word(category: str, wish: NDArray[np.float64]) -> float:
+    """What a thing says of its neighbourhood: the logarithm of how much likelier than usual the wanted are there."""
+    return float(np.clip(np.log(max(float(rooms_of(category) @ wish), 1e-6)), -_MOST, _MOST))
+
+
+def _spread(
+    cells: NDArray[np.int64], word: NDArray[np.float32], extent: tuple[int, int, int, int]
+) -> tuple[tuple[slice, slice], NDArray[np.float32]]:
+    """Spread the words said in cells (n, 2) over their neighbourhoods.
+
+    Returns the window of the map that holds all of them and the ``extent``, and there (rows, columns, 2) what is said
+    and how much is heard.
+    """
+    i0, i1, j0, j1 = extent
+    low = np.minimum(cells.min(0, initial=SIZE), (i0, j0)) - _REACH_CELLS
+    high = np.maximum(cells.max(0, initial=0) + 1, (i1, j1)) + _REACH_CELLS
+    low, high = np.maximum(low, 0), np.minimum(high, SIZE)
+    said = np.zeros((*(high - low), 2), np.float32)
+    np.add.at(said, tuple((cells - low).T), np.stack([word, np.ones_like(word)], -1))
+    window = (slice(int(low[0]), int(high[0])), slice(int(low[1]), int(high[1])))
+    return window, np.asarray(cv2.GaussianBlur(said, (0, 0), _SPREAD_CELLS), np.float32)

@@ -161,11 +161,11 @@ class SemanticMap:
         """Whether any pixel of a track has been placed in space."""
         return bool(self.box[track, 3] >= self.box[track, 0])
 
-    def cell_of(self, track: int) -> tuple[int, int]:
-        """The cell in which the middle of what was seen of a track lies."""
-        middle = np.floor(0.5 * (self.box[track, :2] + self.box[track, 3:5]) / CELL_M + 0.5).astype(int) + HALF
-        i, j = np.clip(middle, 0, SIZE - 1)
-        return int(i), int(j)
+    def cells_of(self, tracks: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Cells (n, 2) in which the middles of what was seen of some tracks lie."""
+        boxes = self.box[tracks]
+        middle = np.floor(0.5 * (boxes[:, :2] + boxes[:, 3:5]) / CELL_M + 0.5).astype(np.int64) + HALF
+        return np.clip(middle, 0, SIZE - 1)
 
     def gap_m(self, track: int, xy: tuple[float, float]) -> float:
         """Horizontal metres from a point to the box of a track as far as it was seen (never less than the truth)."""

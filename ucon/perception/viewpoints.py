@@ -182,8 +182,7 @@ class Viewpoints:
             inside = expected.mass[closed, INSIDE]
             kernels.open_gain(
                 self._index, known.box[closed], inside, open_reach_m(known), known.body.camera_m, known.height,
-                known.walls, HALF,
-                opens,
+                known.walls, HALF, opens,
             )  # fmt: skip
         return looks, opens
 

@@ -48,7 +48,6 @@ _ON_FLOOR = frozenset(
         "plywood",
         "shopping_basket",
         "shovel",
-        "ski",
         "tennis_racket",
         "tote",
         "white_rice_sack",
