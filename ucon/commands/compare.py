@@ -12,21 +12,44 @@ from typing import Any
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     parser.add_argument("runs", nargs="+", metavar="RUN", type=Path, help="run folders (two or more)")
+    parser.add_argument(
+        "--against",
+        action="append",
+        default=[],
+        metavar="RUN",
+        type=Path,
+        help="compare every RUN with this one only; may be given again (default: every pair)",
+    )
     parser.add_argument("--by-scene", action="store_true", help="draw whole homes in the bootstrap (wider intervals)")
     parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--markdown", action="store_true", help="print the tables of a results page, also by home size")
 
 
 def run(args: argparse.Namespace) -> int:
     """Print the differences of every pair, the first run minus the later one."""
     from ucon.commands.output import wide_console
     from ucon.core.errors import ConfigError
-    from ucon.evaluation.compare import compare_runs, comparison_table
+    from ucon.evaluation.compare import compare_records, comparison_table
+    from ucon.evaluation.markdown import markdown_page, read_run
 
-    if len(args.runs) < 2:
-        raise ConfigError(f"compare needs at least two run folders, got {len(args.runs)}")
-    pairs = [compare_runs(a, b, by_scene=args.by_scene) for a, b in combinations(args.runs, 2)]
+    folders = list(dict.fromkeys([*args.runs, *args.against]))
+    if len(folders) < 2:
+        raise ConfigError(f"compare needs at least two run folders, got {len(folders)}")
+    runs = {folder: read_run(folder) for folder in folders}
+    wanted = [(a, b) for b in args.against for a in args.runs if a != b] or combinations(folders, 2)
+    pairs = [
+        compare_records(
+            runs[a].records,
+            runs[b].records,
+            (runs[a].label, runs[b].label) if args.markdown else (str(a), str(b)),
+            by_scene=args.by_scene,
+        )
+        for a, b in wanted
+    ]
     if args.json:
         print(json.dumps([pair.to_json() for pair in pairs], indent=1))
+    elif args.markdown:
+        print(markdown_page(list(runs.values()), pairs))
     else:
         wide_console().print(comparison_table(pairs))
     return 0

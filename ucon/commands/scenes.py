@@ -42,13 +42,12 @@ def describe(name: str) -> dict[str, Any]:
     from ucon.scenes import home_spec, scene_split
 
     spec = home_spec(name)
-    area = sum((r.rect[2] - r.rect[0]) * (r.rect[3] - r.rect[1]) for r in spec.rooms)
     return {
         "scene": name,
         "kind": spec.kind,
         "split": scene_split(name),
         "rooms": len(spec.rooms),
-        "area_m2": round(area, 1),
+        "area_m2": round(spec.area_m2, 1),
         "items": len(spec.items),
         "categories": len({item.category for item in spec.items}),
         "hash": spec.hash[:12],

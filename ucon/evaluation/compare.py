@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
 
 from rich.table import Table
 
 from ucon.core.errors import ConfigError
 from ucon.evaluation.metrics import MEASURES
-from ucon.evaluation.record import EpisodeRecord, read_records
+from ucon.evaluation.record import EpisodeRecord
 from ucon.evaluation.statistics import Interval, paired_difference
 
 
@@ -58,11 +57,6 @@ def compare_records(
         for name, measure in MEASURES.items()
     }
     return Comparison(*names, len(common), len(a) - len(common), len(b) - len(common), differences)
-
-
-def compare_runs(first: Path, second: Path, *, by_scene: bool = False) -> Comparison:
-    """Compare two run folders of ``eval.py``."""
-    return compare_records(read_records(first), read_records(second), (str(first), str(second)), by_scene=by_scene)
 
 
 def comparison_table(comparisons: Sequence[Comparison], measures: Sequence[str] = tuple(MEASURES)) -> Table:

@@ -80,6 +80,11 @@ class HomeSpec:
         """SHA-256 of the canonical JSON, lengths rounded to 1e-6 m."""
         return sha256_bytes(canonical_json(_rounded(asdict(self))).encode())
 
+    @property
+    def area_m2(self) -> float:
+        """Floor of all rooms, in square metres."""
+        return sum((r.rect[2] - r.rect[0]) * (r.rect[3] - r.rect[1]) for r in self.rooms)
+
 
 def _rounded(value: Any) -> Any:
     if isinstance(value, float):

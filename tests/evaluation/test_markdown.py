@@ -1,0 +1,74 @@
+import json
+from itertools import chain
+
+import pytest
+
+from tests.evaluation.records import record
+from ucon.__main__ import main
+from ucon.core.errors import ConfigError
+from ucon.evaluation.compare import compare_records
+from ucon.evaluation.markdown import Run, markdown_page
+from ucon.evaluation.record import to_lines
+from ucon.scenes import home_spec
+
+
+def rows(page, heading):
+    """Cells of the table that starts with ``heading``, by first column."""
+    table = next(t for t in page.split("\n\n") if t.startswith(f"| {heading} |"))
+    return {cells[0]: cells[1:] for line in table.splitlines() for cells in [line.strip("| ").split(" | ")]}
+
+
+def scenes_of_two_sizes():
+    small, large = "Rs_int", "grocery_store_cafe"
+    assert home_spec(small).area_m2 < 115 < home_spec(large).area_m2
+    return small, large
+
+
+def two_runs():
+    small, large = scenes_of_two_sizes()
+    places = [{"scene": small, "split": "seen", "contained": False}, {"scene": large, "split": "unseen"}]
+    first = [record(i, **places[i % 2]) for i in range(8)]
+    second = [record(i, success=i % 2 == 0, habit_level="none", **places[i % 2]) for i in range(8)]
+    return Run("belief, retrieval", tuple(first)), Run("belief, none", tuple(second))
+
+
+def test_tables_say_what_the_records_say():
+    first, second = two_runs()
+    page = markdown_page([first, second], [compare_records(first.records, second.records, (first.label, second.label))])
+    runs = rows(page, "agent, habits")
+    assert runs["belief, retrieval"][0] == "8"
+    assert runs["belief, none"][1].startswith("50.0 [")
+    assert runs["belief, none"][-1] == "0.0"  # SR of contained targets, all in the home where it failed
+    difference = rows(page, "paired difference")["(belief, retrieval) - (belief, none)"]
+    assert difference[0] == "8"
+    assert difference[1].startswith("+0.250")
+    assert difference[2].startswith("+0.500")
+    by_group = [t for t in page.split("\n\n") if t.startswith("| SR / SPL |")]
+    assert len(by_group) == 2
+    for table in by_group:
+        cells = rows(table, "SR / SPL")
+        assert cells["belief, none"] == ["1.00 / 0.50", "0.00 / 0.00"]
+        assert cells["n"] == ["4", "4"]
+
+
+def test_two_runs_of_one_name_are_refused():
+    first, _ = two_runs()
+    with pytest.raises(ConfigError, match="two runs of 'belief, retrieval'"):
+        markdown_page([first, first], [])
+
+
+def test_every_run_is_compared_with_the_one_named(tmp_path, capsys):
+    folders = []
+    for level in ("none", "full", "gt"):
+        folder = tmp_path / level
+        folder.mkdir()
+        (folder / "episodes.jsonl").write_text(to_lines([record(i, habit_level=level) for i in range(3)]))
+        folders.append(str(folder))
+    none, full, gt = folders
+    assert main(["compare", full, gt, "--against", none, "--json"]) == 0
+    pairs = [(c["first"], c["second"]) for c in json.loads(capsys.readouterr().out)]
+    assert pairs == [(full, none), (gt, none)]
+    assert main(["compare", *folders, "--markdown"]) == 0
+    differences = rows(capsys.readouterr().out, "paired difference")
+    assert len(differences) == 2 + 3
+    assert all(value.startswith("+0.000 [") for value in chain(*(v[1:3] for k, v in differences.items() if "(" in k)))

@@ -1,0 +1,138 @@
+"""The tables of a results page, in Markdown: runs, paired differences, and both by home size and by split."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+from pathlib import Path
+
+from ucon.core.errors import ConfigError
+from ucon.evaluation.compare import Comparison
+from ucon.evaluation.record import EpisodeRecord, read_records
+from ucon.evaluation.statistics import Interval, mean_interval, rate_interval
+from ucon.scenes import home_spec
+
+#: Limits of the home sizes, in square metres, around the sizes of the calibration study.
+SIZE_LIMITS_M2 = (0, 40, 70, 115, 170, 250, 600)
+
+
+@dataclass(frozen=True)
+class Run:
+    """The records of one run under the name that tables give it."""
+
+    label: str
+    records: tuple[EpisodeRecord, ...]
+
+
+def read_run(folder: Path) -> Run:
+    """Read a run folder of ``eval.py``.
+
+    Raises:
+        DataError: no records there.
+    """
+    records = tuple(read_records(folder))
+    return Run(f"{records[0].agent}, {records[0].habit_level}", records)
+
+
+def named_apart(runs: Sequence[Run]) -> None:
+    """Raise :class:`ConfigError` where two runs would have one name in a table."""
+    labels = [run.label for run in runs]
+    twice = sorted({label for label in labels if labels.count(label) > 1})
+    if twice:
+        raise ConfigError(f"two runs of '{twice[0]}'; a Markdown page holds one run of an agent and habit level")
+
+
+def markdown_page(runs: Sequence[Run], comparisons: Sequence[Comparison]) -> str:
+    """All tables of ``runs``, separated by empty lines."""
+    named_apart(runs)
+    tables = [_runs(runs), _differences(comparisons)]
+    sizes = _sizes(runs)
+    if len(sizes) > 1:
+        tables.append(_groups(runs, sizes, lambda r: _size(_area_m2(r.scene))))
+    splits = sorted({r.split for run in runs for r in run.records})
+    if len(splits) > 1:
+        tables.append(_groups(runs, splits, lambda r: r.split))
+    return "\n\n".join(tables)
+
+
+def _runs(runs: Sequence[Run]) -> str:
+    head = ("agent, habits", "n", "SR % [95 %]", "SPL [95 %]", "SR 75", "SR 150", "steps", "SR contained")
+    return _table(head, [_run_row(run.label, run.records) for run in runs])
+
+
+def _run_row(label: str, records: Sequence[EpisodeRecord]) -> tuple[str, ...]:
+    success, spl = rate_interval([r.success for r in records]), mean_interval([r.spl for r in records])
+    hidden = [r for r in records if r.contained]
+    return (
+        label,
+        str(len(records)),
+        f"{100 * success.mean:.1f} [{100 * success.low:.1f}, {100 * success.high:.1f}]",
+        f"{spl.mean:.3f} [{spl.low:.3f}, {spl.high:.3f}]",
+        f"{100 * _mean(records, lambda r: r.success_75):.1f}",
+        f"{100 * _mean(records, lambda r: r.success_150):.1f}",
+        f"{_mean(records, lambda r: r.steps):.0f}",
+        f"{100 * _mean(hidden, lambda r: r.success):.1f}" if hidden else "-",
+    )
+
+
+def _differences(comparisons: Sequence[Comparison]) -> str:
+    rows = [
+        (
+            f"({c.first}) - ({c.second})",
+            str(c.n),
+            _signed(c.differences["spl"], 3),
+            _signed(c.differences["success_rate"], 3),
+            _signed(c.differences["steps"], 1),
+        )
+        for c in comparisons
+    ]
+    return _table(("paired difference", "n", "SPL", "SR", "steps"), rows)
+
+
+def _groups(runs: Sequence[Run], names: Sequence[str], group: Callable[[EpisodeRecord], str]) -> str:
+    """SR / SPL of every run in every group, and how many episodes of the first run each group has."""
+    rows = []
+    for run in runs:
+        parts = [[r for r in run.records if group(r) == name] for name in names]
+        rows.append((run.label, *(_rates(part) for part in parts)))
+    rows.append(("n", *(str(sum(group(r) == name for r in runs[0].records)) for name in names)))
+    return _table(("SR / SPL", *names), rows)
+
+
+def _rates(records: Sequence[EpisodeRecord]) -> str:
+    if not records:
+        return "-"
+    return f"{_mean(records, lambda r: r.success):.2f} / {_mean(records, lambda r: r.spl):.2f}"
+
+
+def _sizes(runs: Sequence[Run]) -> list[str]:
+    """The size classes that occur, from small to large."""
+    areas = {_area_m2(scene) for scene in {r.scene for run in runs for r in run.records}}
+    return list(dict.fromkeys(_size(area) for area in sorted(areas)))
+
+
+def _size(area_m2: float) -> str:
+    for low, high in pairwise(SIZE_LIMITS_M2):
+        if area_m2 < high:
+            return f"{low}-{high} m2"
+    return f"from {SIZE_LIMITS_M2[-1]} m2"
+
+
+@lru_cache(maxsize=4096)
+def _area_m2(scene: str) -> float:
+    return home_spec(scene).area_m2
+
+
+def _mean(records: Sequence[EpisodeRecord], measure: Callable[[EpisodeRecord], float]) -> float:
+    return sum(map(measure, records)) / len(records)
+
+
+def _signed(interval: Interval, digits: int) -> str:
+    return f"{interval.mean:+.{digits}f} [{interval.low:+.{digits}f}, {interval.high:+.{digits}f}]"
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
