@@ -21,6 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     maker = actions.add_parser("make", help="sample, check and write a set")
     maker.add_argument("name", metavar="SET", help="mini, val, test, or official (with --habits PATH)")
     maker.add_argument("--task", default="paper", help="rules that the episodes are made under: paper, released_code")
+    maker.add_argument("--context", action="store_true", help="episodes state day, season and occasion, and follow them")
     maker.add_argument("--out", type=Path, help="file to write; default: where the set is looked for")
     maker.add_argument("--limit", type=int, help="only the first so many episodes")
     maker.add_argument("--habits", metavar="PATH", help="habit dataset by path; default: the embedded book")
@@ -44,11 +45,13 @@ def _make(args: argparse.Namespace) -> int:
     from ucon.task.sets import save_episodes, set_name, set_path
 
     dataset = load_dataset(args.habits)
-    name = set_name(args.name, args.task)
-    orders = list(set_orders(args.name, dataset, args.task))[: args.limit]
+    name = set_name(args.name, args.task, context=args.context)
+    orders = list(set_orders(args.name, dataset, args.task, context=args.context))[: args.limit]
     with _bar(f"making {name}", len(orders)) as progress:
         custom = dataset if args.habits else None
-        episodes = make_episodes(orders, custom, task=args.task, workers=args.workers, progress=progress)
+        episodes = make_episodes(
+            orders, custom, task=args.task, context=args.context, workers=args.workers, progress=progress
+        )
     path = args.out or set_path(name)
     save_episodes(episodes, path)
     sys.stderr.write(f"{len(episodes)} episodes written to {path} ({path.stat().st_size / 1024:.0f} KB)\n")

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError, EpisodeError, unknown_name
 from ucon.habits.book import book
-from ucon.habits.hosting import hosted
 from ucon.habits.knowledge import MODES, KnowledgeBase
 from ucon.habits.types import Entry, HabitDataset
 from ucon.language.encoder import Progress
@@ -106,13 +105,12 @@ class HabitSource:
 
     def locations(self, episode: Episode, house: House) -> tuple[tuple[str, str, float], ...]:
         """Where the target may have been put: (relation, anchor category, probability). Privileged."""
-        from ucon.sim.placement.importing import importable
+        from ucon.task.living import placements_of
 
         ids = episode.entries if self.mode == "category" else episode.task_entries
         entries = [self.dataset.entries[self.dataset.entry_number[name]] for name in ids]
         about = [entry for entry in entries if entry.category == episode.target_category]
-        hosts = [host for host in hosted(about, set(house.categories), importable) if host.ok]
-        found = [place for host in hosts for place in host.placements]
+        found = placements_of(house, self.dataset, about, episode.context)
         counts = Counter((place.relation, place.anchor) for place in found)
         return tuple((relation, anchor, n / len(found)) for (relation, anchor), n in sorted(counts.items()))
 

@@ -1,6 +1,6 @@
 r"""The habit book and its format: households described sentence by sentence in plain text files.
 
-    # watering_can | retired schoolteacher living alone     category | household
+    # watering_can | retired schoolteacher living alone     category | household (| ... {office}: lives in offices)
     @ nextto pot_plant                                      placement 1: relation anchor
     @ ontop bench {summer}                                  placement 2, only in that context
     1: After the morning radio news, ...                    a habit that supports placement 1 (`1,2:` both)
@@ -21,7 +21,7 @@ from typing import Final, cast
 
 from ucon.core.errors import DataError, unknown_name
 from ucon.core.files import read_verified
-from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
+from ucon.habits.types import KINDS, RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
 
 BOOK_FOLDER: Final = Path(__file__).parent / "book"
 ANCHORS: Final = "anchors.txt"
@@ -30,7 +30,7 @@ PLACEMENTS: Final = (3, 6)
 HABITS: Final = (8, 13)
 WORDS: Final = (5, 26)
 
-_HEADER = re.compile(r"# (\w+) \| (\S.*)")
+_HEADER = re.compile(r"# (\w+) \| (\S[^{}]*?)(?: \{(\w+)\})?")
 _PLACEMENT = re.compile(r"@ (\w+) (\w+)(?: \{([^{}]+)\})?")
 _HABIT = re.compile(r"(-|[1-9](?:,[1-9])*): (\S.*)")
 
@@ -44,6 +44,7 @@ class _Draft:
 
     category: str
     household: str
+    kind: str | None
     line: int
     placements: list[Placement] = field(default_factory=list)
     habits: list[Habit] = field(default_factory=list)
@@ -93,9 +94,9 @@ def _anchors(path: Path, lines: Sequence[str], categories: Collection[str] | Non
     for number, line in enumerate(lines, 1):
         if not line.strip() or line.startswith("#"):
             continue
-        match = re.fullmatch(r"[ABM] (\w+):((?: \w+)+)", line)
+        match = re.fullmatch(r"[ABMS] (\w+):((?: \w+)+)", line)
         if match is None:
-            raise DataError(f"{path}:{number}: '{line[:60]}', expected 'A|B|M anchor: relation ...'")
+            raise DataError(f"{path}:{number}: '{line[:60]}', expected 'A|B|M|S anchor: relation ...'")
         if categories is not None and match[1] not in categories:
             raise DataError(f"{path}:{number}: {unknown_name('category', match[1], categories)}")
         relations = frozenset(match[2].split())
@@ -111,19 +112,21 @@ def parse_book(path: Path, anchors: Anchors, categories: Collection[str] | None 
     """Entries of one file.
 
     Args:
-        path: the file; entry ids are ``category/number`` within it.
+        path: the file; entry ids are ``category/number``.
         anchors: allowed relations of each anchor.
         categories: target categories that exist; None accepts any name.
 
     Raises:
         DataError: naming file and line of the first thing that is wrong.
     """
-    return _entries(path, read_lines(path), anchors, categories)
+    return _entries(path, read_lines(path), anchors, categories, {})
 
 
-def _entries(path: Path, lines: Sequence[str], anchors: Anchors, categories: Collection[str] | None) -> list[Entry]:
+def _entries(
+    path: Path, lines: Sequence[str], anchors: Anchors, categories: Collection[str] | None, count: dict[str, int]
+) -> list[Entry]:
+    """Entries of a file; ``count`` is how many entries of each category came before, and is brought up to date."""
     entries: list[Entry] = []
-    count: dict[str, int] = {}
     draft: _Draft | None = None
     for number, line in enumerate(lines, 1):
         if not line or line.isspace():
@@ -151,7 +154,9 @@ def _header(where: str, line: str, number: int, categories: Collection[str] | No
         raise DataError(f"{where}: bad header '{line[:60]}', expected '# category | household'")
     if categories is not None and match[1] not in categories:
         raise DataError(f"{where}: {unknown_name('category', match[1], categories)}")
-    return _Draft(match[1], match[2], number)
+    if match[3] is not None and match[3] not in KINDS:
+        raise DataError(f"{where}: {unknown_name('kind of place', match[3], KINDS)}")
+    return _Draft(match[1], match[2], match[3], number)
 
 
 def _placement(where: str, line: str, draft: _Draft, anchors: Anchors) -> Placement:
@@ -206,7 +211,12 @@ def _finish(path: Path, draft: _Draft, count: dict[str, int]) -> Entry:
     number = count.get(draft.category, 0)
     count[draft.category] = number + 1
     return Entry(
-        f"{draft.category}/{number}", draft.category, draft.household, tuple(draft.placements), tuple(draft.habits)
+        f"{draft.category}/{number}",
+        draft.category,
+        draft.household,
+        tuple(draft.placements),
+        tuple(draft.habits),
+        kind=draft.kind,
     )
 
 
@@ -227,7 +237,7 @@ def read_book(folder: Path, categories: Collection[str] | None = None, *, verifi
     """All ``*.txt`` of a folder in name order; its ``anchors.txt`` where it has one, else the book's.
 
     Raises:
-        DataError: naming file and line; also where one category's entries lie in two files.
+        DataError: naming file and line.
     """
     own = folder / ANCHORS
     anchors = read_anchors(own, categories) if own.is_file() and folder != BOOK_FOLDER else book_anchors()
@@ -235,13 +245,8 @@ def read_book(folder: Path, categories: Collection[str] | None = None, *, verifi
     if not paths:
         raise DataError(f"{folder}: no habit file (*.txt); expected files of the habit book's format")
     entries: list[Entry] = []
-    seen: dict[str, Path] = {}
+    count: dict[str, int] = {}
     for path in paths:
         lines = _lines(path, read_verified(path)) if verified else read_lines(path)
-        found = _entries(path, lines, anchors, categories)
-        for category in {e.category for e in found}:
-            if category in seen:
-                raise DataError(f"{path}: entries of '{category}' lie also in {seen[category]}; put them in one file")
-            seen[category] = path
-        entries += found
+        entries += _entries(path, lines, anchors, categories, count)
     return HabitDataset("book" if folder == BOOK_FOLDER else folder.name, tuple(entries))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 from ucon.core.rng import stream
+from ucon.habits.splits import Split, entry_filter
 from ucon.habits.types import Entry, HabitDataset, Placement
+from ucon.habits.verdicts import NO_VERDICTS, Verdicts
 
 MIN_REALISABLE = 2
 #: Probability of 1, 2 and 3 entries a category: 2.3 in the mean.
@@ -32,7 +34,12 @@ class Hosted:
 
 
 def hosted(
-    entries: Iterable[Entry], anchors_present: Collection[str], importable: Callable[[str], bool] = lambda _: False
+    entries: Iterable[Entry],
+    anchors_present: Collection[str],
+    importable: Callable[[str], bool] = lambda _: False,
+    *,
+    home: str = "",
+    verdicts: Verdicts = NO_VERDICTS,
 ) -> list[Hosted]:
     """Every entry with what a home can realise of it; ``ok`` says whether it is hosted, the others are listed too.
 
@@ -40,6 +47,8 @@ def hosted(
         entries: of a dataset or household.
         anchors_present: categories that stand in the home.
         importable: whether a missing anchor can be brought in.
+        home: its name, for ``verdicts`` that were reached in this very home.
+        verdicts: of validation; what they refuse is not realisable.
     """
     can = dict.fromkeys(anchors_present, True)
 
@@ -48,14 +57,33 @@ def hosted(
             can[anchor] = bool(importable(anchor))
         return can[anchor]
 
-    return [Hosted(e, tuple(i for i, p in enumerate(e.placements) if realisable(p.anchor))) for e in entries]
+    def holds(entry: Entry, place: Placement) -> bool:
+        triple = (entry.category, place.relation, place.anchor)
+        return realisable(place.anchor) and verdicts.refusal(triple, home) is None
+
+    return [Hosted(e, tuple(i for i, p in enumerate(e.placements) if holds(e, p))) for e in entries]
 
 
-def household(home: str, dataset: HabitDataset, seed: int = 0) -> dict[str, tuple[Entry, ...]]:
+def household(
+    home: str,
+    dataset: HabitDataset,
+    seed: int = 0,
+    *,
+    kinds: Collection[str] = (),
+    part: Split | None = None,
+) -> dict[str, tuple[Entry, ...]]:
     """What the people of a home are like: for each category 1 to 3 entries, seeded by the home's name.
 
     Entries bound to scenes are not drawn: a named scene and its variants have all of their own, other homes borrow
     those of one scene, chosen by the home's name.
+
+    Args:
+        home: its name.
+        dataset: what people can be like.
+        seed: another seed, other people.
+        kinds: kinds of place that the home is (:data:`ucon.habits.types.KINDS`): entries bound to them come first,
+            entries bound to others never.
+        part: draw only from the entries that episodes of this part may use; None: from all.
     """
     if dataset.scenes:
         scene = home.split("~")[0]
@@ -66,11 +94,18 @@ def household(home: str, dataset: HabitDataset, seed: int = 0) -> dict[str, tupl
             if entry.scene == scene:
                 found.setdefault(entry.category, []).append(entry)
         return {category: tuple(entries) for category, entries in sorted(found.items())}
-    return {category: _draw(home, dataset, category, seed) for category in dataset.categories}
+    usable = entry_filter(dataset, part)
+    drawn = {}
+    for category in dataset.categories:
+        entries = [e for e in dataset.entries_of(category) if usable(e) and (e.kind is None or e.kind in kinds)]
+        if entries:
+            drawn[category] = _draw(home, category, entries, seed)
+    return drawn
 
 
-def _draw(home: str, dataset: HabitDataset, category: str, seed: int) -> tuple[Entry, ...]:
-    entries = dataset.entries_of(category)
+def _draw(home: str, category: str, entries: Sequence[Entry], seed: int) -> tuple[Entry, ...]:
+    """1 to 3 entries at random, those of people who are bound to such a place before the others."""
     rng = stream(seed, "household", home, category)
     count = min(int(rng.choice(3, p=N_ENTRIES_P)) + 1, len(entries))
-    return tuple(entries[i] for i in sorted(rng.choice(len(entries), size=count, replace=False)))
+    order = sorted(rng.permutation(len(entries)), key=lambda i: entries[i].kind is None)
+    return tuple(entries[i] for i in sorted(order[:count]))

@@ -1,21 +1,37 @@
-"""Which categories a reader may learn from: train, val and test, by category.
+"""What may be learned from: train, val and test, by category and by entry.
 
-The official release's unseen categories are in the test part wherever the habit book holds them; the rest is drawn by
-a hash of the name, so that a new category never moves an old one. Priors and readers are fitted on ``train`` only.
+The official release's unseen categories are in the test part wherever the habit book holds them; the other categories
+are drawn by a hash of the name, so that a new category never moves an old one. All entries of a val or test category
+belong to its part. Of a training category two fifths of the entries are kept for testing: unseen habits of seen
+categories. Priors, readers, retrievers and policies learn from ``train`` entries only, and an episode of one part uses
+only entries of :data:`PARTS_USED`, so no sentence of a test episode was ever learned from.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
-from typing import Literal
+from typing import Final, Literal
+from weakref import WeakKeyDictionary
+
+from ucon.habits.types import Entry, HabitDataset
 
 Split = Literal["train", "val", "test"]
 SPLITS: tuple[Split, ...] = ("train", "val", "test")
 TEST_PERCENT, VAL_PERCENT = 12, 12
+ENTRY_TEST_SHARE: Final = 0.4
+
+PARTS_USED: Final[dict[Split, frozenset[Split]]] = {
+    "train": frozenset({"train"}),
+    "val": frozenset({"val", "train"}),
+    "test": frozenset({"test"}),
+}
+"""Entries that episodes of a part may use: what is validated on may stand among known things, tests are all new."""
+
+_PARTS: WeakKeyDictionary[HabitDataset, dict[str, Split]] = WeakKeyDictionary()
 
 
 @cache
@@ -27,7 +43,7 @@ def category_split(category: str) -> Split:
     """The part that a target category belongs to, known or not."""
     if category in _unseen():
         return "test"
-    value = int(hashlib.sha256(f"split:{category}".encode()).hexdigest()[:8], 16) % 100
+    value = _hash(f"split:{category}") % 100
     if value < TEST_PERCENT:
         return "test"
     return "val" if value < TEST_PERCENT + VAL_PERCENT else "train"
@@ -36,3 +52,54 @@ def category_split(category: str) -> Split:
 def split_categories(categories: Iterable[str], split: Split) -> tuple[str, ...]:
     """Those of ``categories`` that lie in a part, sorted."""
     return tuple(sorted(c for c in categories if category_split(c) == split))
+
+
+def entry_parts(dataset: HabitDataset) -> dict[str, Split]:
+    """The part of every entry by its id.
+
+    Entries bound to scenes (the official release) are split by scene and category together: 12 % test, 6 % val.
+    """
+    if dataset not in _PARTS:
+        bound = [e for e in dataset.entries if e.scene is not None]
+        parts: dict[str, Split] = {e.id: _scene_part(e) for e in bound}
+        for category in dataset.categories:
+            free = [e for e in dataset.entries_of(category) if e.scene is None]
+            parts |= _category_parts(category_split(category), free)
+        _PARTS[dataset] = parts
+    return _PARTS[dataset]
+
+
+def entry_filter(dataset: HabitDataset, part: Split | None) -> Callable[[Entry], bool]:
+    """Whether episodes of a part may use an entry; None: all of them."""
+    if part is None:
+        return lambda _: True
+    parts, used = entry_parts(dataset), PARTS_USED[part]
+    return lambda entry: parts[entry.id] in used
+
+
+def _category_parts(split: Split, entries: list[Entry]) -> dict[str, Split]:
+    """Of a training category, the entries with the smallest hashes are kept: two of five, counted per kind of place."""
+    if split != "train":
+        return {e.id: split for e in entries}
+    parts: dict[str, Split] = {}
+    for kind in {e.kind for e in entries}:
+        group = sorted((e for e in entries if e.kind == kind), key=_entry_hash)
+        if len(group) == 1:
+            kept = int(_entry_hash(group[0]) % 100 < 100 * ENTRY_TEST_SHARE)
+        else:
+            kept = max(1, round(ENTRY_TEST_SHARE * len(group)))
+        parts |= {e.id: "test" if i < kept else "train" for i, e in enumerate(group)}
+    return parts
+
+
+def _scene_part(entry: Entry) -> Split:
+    value = _hash(f"split:{entry.scene}/{entry.category}") % 100
+    return "test" if value < TEST_PERCENT else "val" if value < TEST_PERCENT + 6 else "train"
+
+
+def _entry_hash(entry: Entry) -> int:
+    return _hash(f"entry:{entry.category}|{entry.household}|{entry.kind}")
+
+
+def _hash(text: str) -> int:
+    return int(hashlib.sha256(text.encode()).hexdigest()[:8], 16)

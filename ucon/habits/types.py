@@ -16,9 +16,12 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError, unknown_name
 from ucon.core.files import canonical_json, sha256_bytes
+from ucon.habits.verdicts import NO_VERDICTS, Verdicts
 
 Relation = Literal["ontop", "inside", "under", "nextto"]
 RELATIONS: tuple[Relation, ...] = ("ontop", "inside", "under", "nextto")
+KINDS: tuple[str, ...] = ("office", "shop", "restaurant", "garden")
+"""Kinds of places that entries may be bound to; ``garden`` is any home with a garden, garage or sauna."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +54,8 @@ class Entry:
     placements: tuple[Placement, ...]
     habits: tuple[Habit, ...]
     scene: str | None = None
+    kind: str | None = None
+    """Kind of place that its people are bound to (:data:`KINDS`); None: any."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,13 +66,15 @@ class HabitDataset:
     entries: tuple[Entry, ...]
     labelled: bool = True
     """Whether ``supports`` is known; the official release does not say which habit speaks for which place."""
+    verdicts: Verdicts = NO_VERDICTS
+    """What PyBullet says about the placements. Not part of the contents: it decides what is sampled, not what is told."""
 
     @cached_property
     def sha256(self) -> str:
         """Hash of all entries."""
         content = [
             (
-                (e.id, e.category, e.household, e.scene),
+                (e.id, e.category, e.household, e.scene, e.kind),
                 [(p.relation, p.anchor, p.context) for p in e.placements],
                 [(h.text, h.supports) for h in e.habits],
             )

@@ -1,7 +1,7 @@
 """Makes the shipped tables from the habit book and the catalogue: ``python -m ucon.language.build``.
 
-Rows of ``embeddings``: the book's habits by row number, then each catalogue name, then each retrieval query. The
-words of all these texts go to ``words.npz``. About ten minutes on one core; what the cache holds is not repeated.
+Rows of ``embeddings``: the book's habits by row number, then each catalogue name, then the retrieval query of each of
+the book's categories. The words of all these texts go to ``words.npz``. About ten minutes on one core; what the cache holds is not repeated.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ QUERY = "Please retrieve the habit about {target}."
 def table_texts() -> list[str]:
     """Texts of the table in order."""
     names = [name.replace("_", " ") for name in catalogue().names]
-    return [*book().texts, *names, *(QUERY.format(target=name) for name in names)]
+    targets = [name.replace("_", " ") for name in book().categories]
+    return [*book().texts, *names, *(QUERY.format(target=name) for name in targets)]
 
 
 def vocabulary() -> list[str]:

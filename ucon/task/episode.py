@@ -8,10 +8,11 @@ from typing import Any
 
 from ucon.core.errors import EpisodeError
 from ucon.core.files import canonical_json, sha256_bytes
+from ucon.habits.contexts import Context
 from ucon.sim.arrangement import Arrangement, PlacedObject
 from ucon.task.check import check_data
 
-FORMAT = 1
+FORMAT = 2
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,8 @@ class Episode:
     start: Start
     shortest_path_m: float
     solution: str
+    context: Context | None = None
+    """When it takes place and who asks, where the episode states it; placements then follow it."""
 
     @property
     def target_object(self) -> PlacedObject:
@@ -77,6 +80,7 @@ class Episode:
             "objects": [[_plain(getattr(o, f.name)) for f in fields(o)] for o in self.arrangement.objects],
         }
         data["start"] = [self.start.i, self.start.j, self.start.heading]
+        data["context"] = self.context and self.context.to_json()
         return data
 
     @classmethod
@@ -102,7 +106,10 @@ class Episode:
                 blocked=tuple((int(i), int(j)) for i, j in change["blocked"]),
             )
             start = Start(*(int(v) for v in raw.pop("start")))
-            episode = cls(arrangement=arrangement, start=start, **{k: _frozen(v) for k, v in raw.items()})
+            told = raw.pop("context")
+            context = None if told is None else Context.from_json(told)
+            plain = {k: _frozen(v) for k, v in raw.items()}
+            episode = cls(arrangement=arrangement, start=start, context=context, **plain)
             check_data(episode, where)
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise EpisodeError(f"{where}: not a usable episode ({error}); restore or make the file anew") from None

@@ -27,21 +27,22 @@ def make_episodes(
     dataset: HabitDataset | None = None,
     *,
     task: str = PAPER.name,
+    context: bool = False,
     workers: int = 2,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Episode]:
-    """Sample every order, in order, under the rules ``task``. Without ``dataset``: the habit book.
+    """Sample every order, in order, under the rules ``task``, with ``context`` stated or not. Without ``dataset``: the habit book.
 
     Raises:
         EpisodeError: an order that no seed satisfies.
     """
     done: list[Episode] = []
     if workers <= 1:
-        _begin(dataset, task)
+        _begin(dataset, task, context)
         results = map(_sample, orders)
         return _collect(results, done, len(orders), progress)
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(dataset, task)) as pool:
+    with ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(dataset, task, context)) as pool:
         return _collect(pool.map(_sample, orders, chunksize=4), done, len(orders), progress)
 
 
@@ -55,10 +56,10 @@ def _collect(
     return done
 
 
-def _begin(dataset: HabitDataset | None, task: str) -> None:
+def _begin(dataset: HabitDataset | None, task: str, context: bool) -> None:
     """Give this process its sampler; a worker gets the dataset once, not with every order."""
     global _sampler
-    _sampler = EpisodeSampler(dataset or book(), rules=task_rules(task))
+    _sampler = EpisodeSampler(dataset or book(), rules=task_rules(task), context=context)
 
 
 _sampler: EpisodeSampler | None = None
@@ -71,7 +72,9 @@ def _sample(order: Order) -> Episode:
     for again in range(4):
         try:
             seed = order.seed + again * RETRY_SEED_STEP
-            return _sampler.sample(order.scene, seed, targets=order.targets, split=order.split, episode_id=order.id)
+            return _sampler.sample(
+                order.scene, seed, targets=order.targets, part=order.part, split=order.split, episode_id=order.id
+            )
         except EpisodeError as error:
             last = str(error)
     raise EpisodeError(f"{order.id}: {last}")

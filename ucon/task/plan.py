@@ -1,7 +1,7 @@
 """The fixed evaluation sets: which home, seed and target categories every episode of a named set has.
 
-``test``: 250 episodes in each of seen / unseen category x seen / unseen scene; ``val`` 400 and ``mini`` 50 on homes and
-categories of their own. Seen scenes are the canonical layouts of the 20 official training scenes; unseen ones are the
+``test``: 250 episodes in each of seen / unseen category x seen / unseen scene, all people new; ``val`` 400 and ``mini``
+50 on homes and categories of their own. Seen scenes are the canonical layouts of the 20 official training scenes; unseen ones are the
 two official test scenes and generated homes from a reserved range of seeds.
 """
 
@@ -30,6 +30,8 @@ class Cell:
 
     label: str
     category_split: Split
+    part: Split
+    """Entries that its episodes may use: :data:`ucon.habits.splits.PARTS_USED`."""
     scenes: tuple[str, ...]
     count: int
 
@@ -44,6 +46,8 @@ class Order:
     split: str
     targets: tuple[str, ...] | None
     """Categories that may be the target; None: all."""
+    part: Split | None = None
+    """People are drawn from the entries that episodes of this part may use; None: from all."""
 
 
 def set_cells(name: str) -> tuple[Cell, ...]:
@@ -56,12 +60,12 @@ def set_cells(name: str) -> tuple[Cell, ...]:
             for c, split in (("seen", "train"), ("unseen", "test"))
             for s, scenes in (("seen", seen), ("unseen", unseen))
         ]
-        return tuple(Cell(label, split, scenes, 250) for label, split, scenes in pairs)  # type: ignore[arg-type]
+        return tuple(Cell(label, split, "test", scenes, 250) for label, split, scenes in pairs)  # type: ignore[arg-type]
     if name in ("val", "mini"):
         count = 200 if name == "val" else 25
         return (
-            Cell("val_category/seen_scene", "val", seen, count),
-            Cell("val_category/val_scene", "val", generated(RESERVED_SEED - 10_000, 20), count),
+            Cell("val_category/seen_scene", "val", "val", seen, count),
+            Cell("val_category/val_scene", "val", "val", generated(RESERVED_SEED - 10_000, 20), count),
         )
     raise ConfigError(unknown_name("episode set to make", name, ("test", "val", "mini", OFFICIAL)))
 
@@ -71,13 +75,15 @@ def generated(first_seed: int, count: int) -> tuple[str, ...]:
     return tuple(f"procedural:{KINDS[k % len(KINDS)]}:{first_seed + k}" for k in range(count))
 
 
-def set_orders(name: str, dataset: HabitDataset, task: str = PAPER.name) -> Iterator[Order]:
+def set_orders(
+    name: str, dataset: HabitDataset, task: str = PAPER.name, *, context: bool = False
+) -> Iterator[Order]:
     """What to sample for every episode of a named set under the rules ``task``, scenes taken in turn.
 
     Scenes and seeds are the same under all rules, so that the sets of two rule sets differ by the rules alone.
     ``official`` needs a dataset whose entries are bound to scenes, as those of the official release are.
     """
-    label = set_name(name, task)
+    label = set_name(name, task, context=context)
     if name == OFFICIAL:
         yield from _official_orders(dataset, label)
         return
@@ -86,7 +92,7 @@ def set_orders(name: str, dataset: HabitDataset, task: str = PAPER.name) -> Iter
         for number in range(cell.count):
             scene = cell.scenes[number % len(cell.scenes)]
             seed = derived_seed(0, "set", name, cell.label, number) % (1 << 31)
-            yield Order(f"{label}/{cell.label}/{number:03d}", scene, seed, cell.label, targets)
+            yield Order(f"{label}/{cell.label}/{number:03d}", scene, seed, cell.label, targets, cell.part)
 
 
 def _official_orders(dataset: HabitDataset, label: str) -> Iterator[Order]:

@@ -6,42 +6,29 @@ Needs PyBullet (placements settle in it); replaying a stored episode does not.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ucon.core.errors import EpisodeError, PlacementError
 from ucon.core.rng import stream
-from ucon.habits.hosting import Hosted, hosted, household
+from ucon.habits.contexts import Context
+from ucon.habits.splits import Split
 from ucon.habits.types import HabitDataset
-from ucon.objects.model import Relation
 from ucon.sim.arrangement import Arrangement
 from ucon.sim.cache import load_house
 from ucon.sim.house import House
 from ucon.sim.placement import import_anchor, importable, place
 from ucon.sim.render import RasterRenderer
 from ucon.sim.state import SceneState
-from ucon.task.draft import Draft, anchor_instances, bearing_categories, instances_of, replacement
+from ucon.task.draft import Draft, anchor_instances, instances_of, replacement
 from ucon.task.episode import Episode, Start
+from ucon.task.living import Drawn, Living, any_placement, drawn_context, living_in, placement_now
 from ucon.task.rules import PAPER, TaskRules
 from ucon.task.search import Pose
 from ucon.task.solve import Solver
 
 MIN_START_M = 2.0
-
-
-#: What a home's household has of every category that can be sampled there.
-Living = dict[str, tuple[Hosted, ...]]
-
-
-@dataclass(frozen=True)
-class Drawn:
-    """A placement that the sampler intends: entry, index of the placement in it, relation and anchor category."""
-
-    entry: str
-    index: int
-    relation: Relation
-    anchor: str
 
 
 class EpisodeSampler:
@@ -51,15 +38,25 @@ class EpisodeSampler:
         dataset: habits to live by.
         k: how many categories an episode places.
         rules: rule set under which the episode must be solvable.
+        context: whether episodes state day, hour, season, occasion and asker, and placements follow them.
     """
 
-    def __init__(self, dataset: HabitDataset, *, k: int = 20, rules: TaskRules = PAPER) -> None:
-        self.dataset, self.k, self.rules = dataset, k, rules
+    def __init__(
+        self, dataset: HabitDataset, *, k: int = 20, rules: TaskRules = PAPER, context: bool = False
+    ) -> None:
+        self.dataset, self.k, self.rules, self.context = dataset, k, rules, context
         self._eyes = RasterRenderer()
-        self._living: dict[str, Living] = {}
+        self._living: dict[tuple[str, Split | None], Living] = {}
 
     def sample(
-        self, scene: str, seed: int, *, targets: Iterable[str] | None = None, split: str = "", episode_id: str = ""
+        self,
+        scene: str,
+        seed: int,
+        *,
+        targets: Iterable[str] | None = None,
+        part: Split | None = None,
+        split: str = "",
+        episode_id: str = "",
     ) -> Episode:
         """One episode, the same for the same arguments.
 
@@ -67,6 +64,7 @@ class EpisodeSampler:
             scene: name of a home.
             seed: any integer.
             targets: categories that may be the target (default: all); at least one of them is placed.
+            part: draw people only from the entries that episodes of this part may use (default: from all).
             split: label to store.
             episode_id: label to store; default ``scene/seed``.
 
@@ -74,7 +72,7 @@ class EpisodeSampler:
             EpisodeError: nothing can be placed or found there.
         """
         house = load_house(scene)
-        living = self._household(house, scene)
+        living = self._household(house, part)
         wanted = None if targets is None else {name for name in targets if name in living}
         if not living or wanted == set():
             kind = "wanted category" if living else "category"
@@ -86,25 +84,15 @@ class EpisodeSampler:
                 return Episode.from_json(replace(episode, id=label, split=split).to_json())
         raise EpisodeError(f"{scene}, seed {seed}: no solvable episode in 8 attempts; use another seed")
 
-    def target_categories(self, scene: str) -> tuple[str, ...]:
+    def target_categories(self, scene: str, part: Split | None = None) -> tuple[str, ...]:
         """Categories that an episode in this home can place."""
-        return tuple(sorted(self._household(load_house(scene), scene)))
+        return tuple(sorted(self._household(load_house(scene), part)))
 
-    def _household(self, house: House, scene: str) -> Living:
-        """What lives in this home, by category, without what would take away a support of the home itself.
-
-        A category needs a hosted entry to be sampled; the habits of its other entries belong to the household too.
-        """
-        if scene not in self._living:
-            present = frozenset(house.categories)
-            never = bearing_categories(house)
-            living = {
-                name: tuple(hosted(entries, present, importable))
-                for name, entries in household(scene, self.dataset).items()
-                if name not in never
-            }
-            self._living[scene] = {name: found for name, found in living.items() if any(h.ok for h in found)}
-        return self._living[scene]
+    def _household(self, house: House, part: Split | None) -> Living:
+        key = (house.spec.name, part)
+        if key not in self._living:
+            self._living[key] = living_in(house, self.dataset, part)
+        return self._living[key]
 
     def _attempt(
         self,
@@ -121,20 +109,29 @@ class EpisodeSampler:
             first = sorted(wanted)[int(rng.integers(len(wanted)))]
             order.remove(first)
             order.insert(0, first)
-        draft, chosen = self._place_all(house, order, living, rng)
+        context = drawn_context(living, order[: self.k], order[0], rng) if self.context else None
+        draft, chosen = self._place_all(house, order, living, context, rng)
         if not draft.objects:
             return None
-        return self._finish(house, scene, seed, draft, chosen, living, wanted, rng)
+        if context is not None:  # who asks is a user of the first category: that is what they ask for
+            wanted = {order[0]}
+        episode = self._finish(house, scene, seed, draft, chosen, living, wanted, rng)
+        return None if episode is None else replace(episode, context=context)
 
     def _place_all(
-        self, house: House, order: Sequence[str], living: Living, rng: np.random.Generator
+        self,
+        house: House,
+        order: Sequence[str],
+        living: Living,
+        context: Context | None,
+        rng: np.random.Generator,
     ) -> tuple[Draft, list[str]]:
         """Place k categories in dependency order; what cannot be placed makes way for the next category."""
         waiting = list(order)
         chosen, waiting = waiting[: self.k], waiting[self.k :]
         draft = Draft(house, Arrangement(removed=instances_of(house, chosen)))
         placed: list[str] = []
-        queue = self._dependency_order(chosen, living, rng)
+        queue = self._dependency_order(chosen, living, context, rng)
         while queue:
             name, options = queue.pop(0)
             if self._place_one(house, name, options, draft, set(chosen), rng):
@@ -146,24 +143,19 @@ class EpisodeSampler:
                 waiting.remove(other)
                 chosen.append(other)
                 draft.remove(instances_of(house, [other]))
-                queue += self._dependency_order([other], living, rng)
+                queue += self._dependency_order([other], living, context, rng)
         return draft, placed
 
     def _dependency_order(
-        self, names: Sequence[str], living: Living, rng: np.random.Generator
+        self, names: Sequence[str], living: Living, context: Context | None, rng: np.random.Generator
     ) -> list[tuple[str, list[Drawn]]]:
         """Categories with their placements in drawn order, anchors before what stands by them."""
-        options: dict[str, list[Drawn]] = {}
-        for name in names:
-            drawn = [
-                Drawn(h.entry.id, k, h.entry.placements[k].relation, h.entry.placements[k].anchor)
-                for h in living[name]
-                if h.ok
-                for k in h.realisable
-            ]
-            options[name] = [drawn[int(k)] for k in rng.permutation(len(drawn))]
-        ordered: list[tuple[str, list[Drawn]]] = []
-        left = list(names)
+        options = {
+            name: any_placement(living, name, rng) if context is None else placement_now(living, name, context, rng)
+            for name in names
+        }
+        ordered: list[tuple[str, list[Drawn]]] = [(name, []) for name in names if not options[name]]
+        left = [name for name in names if options[name]]
         while left:
             ready = [n for n in left if options[n][0].anchor not in left or options[n][0].anchor == n]
             if not ready:  # a cycle: its first member takes its next placement

@@ -1,7 +1,7 @@
 """Episode sets: compressed JSON lines, one episode a line, verified against a SHA-256 manifest.
 
 A named set has one file a rule set, since shortest paths hold under the rules by which they were found: ``mini`` is the
-paper's, ``mini.released_code`` the released environment's.
+paper's, ``mini.released_code`` the released environment's, ``mini.context`` that of episodes which state their context.
 """
 
 from __future__ import annotations
@@ -19,14 +19,15 @@ from ucon.task.episode import Episode
 from ucon.task.rules import PAPER, RULES, task_rules
 
 SUFFIX = ".jsonl.xz"
+CONTEXT = "context"
 _PACKAGE = Path(__file__).parent / "data"
 _CLONE = Path(ucon.__file__).parents[1] / "episodes"
 
 
-def set_name(name: str, task: str = PAPER.name) -> str:
-    """Name of a set made under a rule set: ``mini``, or ``mini.released_code``."""
+def set_name(name: str, task: str = PAPER.name, *, context: bool = False) -> str:
+    """Name of a set made under a rule set: ``mini``, ``mini.released_code``, ``mini.context``."""
     rules = task_rules(task)
-    return name if rules == PAPER else f"{name}.{rules.name}"
+    return name + (f".{rules.name}" if rules != PAPER else "") + (f".{CONTEXT}" if context else "")
 
 
 def episode_sets() -> dict[str, Path]:
@@ -43,19 +44,29 @@ def set_path(name: str) -> Path:
     return (_PACKAGE if name.split(".")[0] == "mini" else _CLONE) / f"{name}{SUFFIX}"
 
 
-def load_episodes(name_or_path: str | Path, task: str = PAPER.name) -> tuple[Episode, ...]:
+def load_episodes(
+    name_or_path: str | Path, task: str = PAPER.name, *, context: bool = False
+) -> tuple[Episode, ...]:
     """Episodes of a named set, in the version made under the rules ``task``, or of a file as it is.
+
+    Args:
+        name_or_path: ``mini``, ``val``, ``test``, or a file.
+        task: rule set under which they were made.
+        context: the version whose episodes state their context.
 
     Raises:
         EpisodeError: no such set, none under these rules, or a line is not a usable episode.
         DataError: the file is truncated or altered.
     """
     name, sets = str(name_or_path), episode_sets()
-    wanted = set_name(name, task)
+    wanted = set_name(name, task, context=context)
     if wanted not in sets and name in _base_names(sets):
+        how = f"task={task}" + (" task.context=true" if context else "")
+        options = f"--task {task}" + (" --context" if context else "")
         raise EpisodeError(
-            f"episode set '{name}': not made under task={task} yet; make it (python -m ucon episodes make {name} "
-            f"--task {task}), or choose {' or '.join(_made_under(task, sets)) or 'another task'}, or a file by its path"
+            f"episode set '{name}': not made under {how} yet; make it (python -m ucon episodes make {name} "
+            f"{options}), or choose {' or '.join(_made_under(wanted, name, sets)) or 'another task'}, "
+            "or a file by its path"
         )
     path = sets.get(wanted) or sets.get(name) or Path(name_or_path)
     if not path.is_file():
@@ -64,14 +75,15 @@ def load_episodes(name_or_path: str | Path, task: str = PAPER.name) -> tuple[Epi
 
 
 def _base_names(sets: Iterable[str]) -> set[str]:
-    """Names of sets less their rule sets: ``episodes=`` and ``task=`` are given separately."""
-    return {base if task in RULES else name for name in sets for base, _, task in [name.rpartition(".")]}
+    """Names of sets less their versions: ``episodes=`` and ``task=`` are given separately."""
+    versions = {*RULES, CONTEXT}
+    return {name.split(".")[0] for name in sets if versions.issuperset(name.split(".")[1:])}
 
 
-def _made_under(task: str, sets: Iterable[str]) -> list[str]:
-    """What to give as ``episodes=`` for a rule set: the base names of the sets that were made under it."""
-    names = set(sets)
-    return [f"episodes={base}" for base in sorted(_base_names(names)) if set_name(base, task) in names]
+def _made_under(wanted: str, name: str, sets: Iterable[str]) -> list[str]:
+    """What to give as ``episodes=`` for the version that is ``wanted`` of the set ``name``."""
+    names, version = set(sets), wanted.removeprefix(name)
+    return [f"episodes={base}" for base in sorted(_base_names(names)) if f"{base}{version}" in names]
 
 
 @lru_cache(maxsize=8)

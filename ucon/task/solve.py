@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,14 +47,30 @@ class Solver:
 
     def __init__(self, world: SceneWorld, eyes: Eyes, target: int, rules: TaskRules) -> None:
         self.world, self.eyes, self.target, self.rules = world, eyes, target, rules
-        self.direct = self._done_poses(())
-        self.opened: list[tuple[dict[tuple[int, int], Pose], dict[tuple[int, int], Pose]]] = []
+
+    @cached_property
+    def direct(self) -> dict[tuple[int, int], Pose]:
+        """Successful poses by node with every container closed."""
+        return self._done_poses(())
+
+    @cached_property
+    def opened(self) -> list[tuple[dict[tuple[int, int], Pose], dict[tuple[int, int], Pose]]]:
+        """For sets of containers that one Open opens: the poses where it does, and those that succeed after it."""
         holder = self._holder()
-        if holder >= 0:
-            for instances, poses in self._open_sets(holder):
-                done = self._done_poses(instances)
-                if done:
-                    self.opened.append((poses, done))
+        if holder < 0:
+            return []
+        both = [(poses, self._done_poses(instances)) for instances, poses in self._open_sets(holder)]
+        return [(poses, done) for poses, done in both if done]
+
+    @property
+    def findable(self) -> bool:
+        """Whether any pose shows the target in reach, its container open if it is in one; looks for the first only."""
+        holder = self._holder()
+        opened = (holder,) if holder >= 0 else ()
+        self._set_open(opened, 1.0)
+        found = next(self._successes(), None) is not None
+        self._set_open(opened, 0.0)
+        return found
 
     @property
     def solvable(self) -> bool:
@@ -152,14 +169,17 @@ class Solver:
     def _done_poses(self, opened: tuple[int, ...]) -> dict[tuple[int, int], Pose]:
         """One successful pose a node, with the given containers open."""
         self._set_open(opened, 1.0)
-        poses: dict[tuple[int, int], Pose] = {}
+        poses = {(pose.i, pose.j): pose for pose in self._successes()}
+        self._set_open(opened, 0.0)
+        return poses
+
+    def _successes(self) -> Iterator[Pose]:
+        """One successful pose a node as things stand, the nearest nodes first."""
         for node in self._near_nodes(self.target):
             for pose in self._facing(node, self.target):
                 if self._counts(pose)[self.target] >= self.rules.done_min_pixels:
-                    poses[node] = pose
+                    yield pose
                     break
-        self._set_open(opened, 0.0)
-        return poses
 
     def _open_sets(self, holder: int) -> list[tuple[tuple[int, ...], dict[tuple[int, int], Pose]]]:
         """Sets of containers that one Open opens, ``holder`` among them, with the poses where it does."""

@@ -1,0 +1,187 @@
+"""Step 2 of the pipeline: every placement is tried in PyBullet in every named home that has its anchor.
+
+What no named home has is brought into two of them, chosen by the triple's name.
+
+A trial puts the object by up to :data:`ANCHORS_TRIED` instances of the anchor in the otherwise untouched home, lets it
+settle, and asks whether a robot could ever stand in reach and see it. What no instance takes is refused with the last
+reason. Trials are independent and seeded by what they try, so the verdicts depend neither on their order nor on how
+many processes share them; finished blocks are kept on disk, and the same call goes on where it was interrupted.
+"""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from ucon.core.errors import DataError
+from ucon.core.files import canonical_json, sha256_bytes, write_atomic
+from ucon.core.rng import stream
+from ucon.habits.types import HabitDataset
+from ucon.habits.verdicts import Triple, Verdict, Verdicts
+from ucon.scenes import SCENES
+from ucon.sim.arrangement import Arrangement
+from ucon.sim.cache import load_house
+from ucon.sim.house import House
+from ucon.sim.placement import RefusedError, implausible, import_anchor, place, with_object
+from ucon.sim.render import RasterRenderer
+from ucon.sim.state import SceneState
+from ucon.task.rules import PAPER
+from ucon.task.solve import Solver
+
+ANCHORS_TRIED = 4
+HOMES_IMPORTED_INTO = 2
+NEVER_SEEN = "never_seen"
+"""Reason of what was placed and settled, but no pose in reach shows it."""
+_BLOCK = 200
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """Triples to be tried in one home."""
+
+    home: str
+    triples: tuple[Triple, ...]
+
+    @property
+    def key(self) -> str:
+        """Names its results: hash of what is tried and of the home it is tried in."""
+        return sha256_bytes(canonical_json([self.home, load_house(self.home).spec.hash, self.triples]).encode())[:24]
+
+
+def dataset_triples(dataset: HabitDataset) -> dict[str, list[Triple]]:
+    """What has to be tried by home: a bound entry's placements in its scene, the others wherever the anchor stands."""
+    found: dict[str, set[Triple]] = {home: set() for home in SCENES}
+    free: set[Triple] = set()
+    for entry in dataset.entries:
+        triples = {(entry.category, place.relation, place.anchor) for place in entry.placements}
+        if entry.scene is None:
+            free |= triples
+        elif entry.scene in found:
+            found[entry.scene] |= triples
+    present = {home: frozenset(load_house(home).categories) for home in SCENES}
+    for triple in free:
+        homes = [home for home in SCENES if triple[2] in present[home]]
+        if not homes:
+            order = stream(0, "validate", "import", *triple).permutation(len(SCENES))
+            homes = [SCENES[k] for k in order[:HOMES_IMPORTED_INTO]]
+        for home in homes:
+            found[home].add(triple)
+    return {home: sorted(triples) for home, triples in found.items()}
+
+
+def validate(
+    wanted: dict[str, list[Triple]], folder: Path, *, workers: int = 2, progress: Progress | None = None
+) -> Verdicts:
+    """Try all triples in their homes.
+
+    Args:
+        wanted: triples by home, as of :func:`dataset_triples`.
+        folder: where finished blocks are kept; what is there is not tried again.
+        workers: processes; 0 or 1 tries everything in this one.
+        progress: called with (trials done, trials in all).
+    """
+    blocks = [
+        Block(home, tuple(triples[start : start + _BLOCK]))
+        for home, triples in wanted.items()
+        for start in range(0, len(triples), _BLOCK)
+    ]
+    total, done = sum(len(block.triples) for block in blocks), 0
+    refused: defaultdict[Triple, dict[str, str]] = defaultdict(dict)
+    tried: defaultdict[Triple, int] = defaultdict(int)
+    for block, reasons in _results(blocks, folder, workers):
+        for triple, reason in zip(block.triples, reasons, strict=True):
+            tried[triple] += 1
+            if reason is not None:
+                refused[triple][block.home] = reason
+        done += len(block.triples)
+        if progress:
+            progress(done, total)
+    return Verdicts({triple: Verdict(count, dict(sorted(refused[triple].items()))) for triple, count in tried.items()})
+
+
+def try_triple(house: House, triple: Triple, eyes: RasterRenderer) -> str | None:
+    """None where the home takes the triple and the object can be found there; else why not."""
+    category, relation, anchor = triple
+    home = house.spec.name
+    try:
+        before, instances = _with_anchor(house, anchor)
+    except RefusedError as error:
+        return error.reason
+    reason: str = "absent_anchor"
+    for k in stream(0, "validate", home, *triple).permutation(instances)[:ANCHORS_TRIED]:
+        size = house.spec.items[k].size if k < house.n_items else None
+        if (refusal := implausible(category, relation, anchor, size)) is not None:  # type: ignore[arg-type]
+            reason = refusal[0]
+            continue
+        try:
+            rng = stream(0, "validate", home, *triple, int(k))
+            placed = place(house, before, category, relation, int(k), rng)  # type: ignore[arg-type]
+        except RefusedError as error:
+            reason = error.reason
+            continue
+        arrangement = with_object(house, before, placed)
+        eyes.load(house, arrangement)
+        target = house.n_instances + len(before.objects)
+        if Solver(SceneState(house, arrangement), eyes, target, PAPER).findable:
+            return None
+        reason = NEVER_SEEN
+    return reason
+
+
+def _with_anchor(house: House, anchor: str) -> tuple[Arrangement, list[int]]:
+    """The home, the anchor brought in where it lacks one, and the anchor's instances."""
+    there = [k for k, name in enumerate(house.categories) if name == anchor]
+    if there:
+        return Arrangement(), there
+    brought = import_anchor(house, Arrangement(), anchor, stream(0, "validate", "import", house.spec.name, anchor))
+    return with_object(house, Arrangement(), brought), [house.n_instances]
+
+
+def _results(blocks: Sequence[Block], folder: Path, workers: int) -> Iterator[tuple[Block, list[str | None]]]:
+    """Reasons of every block: those on disk at once, the others as they are finished, in order."""
+    missing = [block for block in blocks if not _path(folder, block).is_file()]
+    there = set(blocks) - set(missing)
+    for block in blocks:
+        if block in there:
+            yield block, _read(_path(folder, block), block)
+    if workers <= 1:
+        computed: Iterable[list[str | None]] = map(_try_block, missing)
+        yield from _kept(missing, computed, folder)
+        return
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, mp_context=context) as pool:
+        yield from _kept(missing, pool.map(_try_block, missing), folder)
+
+
+def _kept(
+    blocks: Sequence[Block], computed: Iterable[list[str | None]], folder: Path
+) -> Iterator[tuple[Block, list[str | None]]]:
+    for block, reasons in zip(blocks, computed, strict=True):
+        write_atomic(_path(folder, block), canonical_json(reasons))
+        yield block, reasons
+
+
+def _try_block(block: Block) -> list[str | None]:
+    house, eyes = load_house(block.home), RasterRenderer()
+    return [try_triple(house, triple, eyes) for triple in block.triples]
+
+
+def _path(folder: Path, block: Block) -> Path:
+    return folder / f"{block.home}-{block.key}.json"
+
+
+def _read(path: Path, block: Block) -> list[str | None]:
+    try:
+        reasons = json.loads(path.read_text(encoding="utf-8"))
+        if len(reasons) == len(block.triples) and all(r is None or isinstance(r, str) for r in reasons):
+            return list(reasons)
+    except (ValueError, TypeError):
+        pass
+    raise DataError(f"{path}: not the verdicts of {len(block.triples)} triples; remove the file, it is made again")

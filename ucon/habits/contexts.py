@@ -1,0 +1,218 @@
+"""Contexts: on which day, at what hour, in which season and on what occasion a household keeps a thing elsewhere.
+
+The book's contexts are free text. ``data/contexts.txt`` maps each of them, reviewed by hand, to conditions:
+
+    summer evenings = season summer; time 18-22
+    when guests come = event guests/visit
+
+All conditions of a line must hold. A context that the table does not know (in a user's own files) holds only where an
+episode states it word for word.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from ucon.core.errors import DataError
+
+DAYS: Final = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
+SEASONS: Final = ("spring", "summer", "autumn", "winter")
+EVENT_GROUPS: Final = ("guests", "feast", "travel", "work", "chores", "health", "weather", "family", "hobby")
+TABLE: Final = Path(__file__).parent / "data" / "contexts.txt"
+#: How often an episode that states its context has an occasion at all.
+EVENT_P: Final = 0.5
+_WAKING_HOURS = range(6, 24)
+_DAY_NAMES = ("Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday")
+_NAMED_DAYS = {"workday": range(5), "weekend": range(5, 7), "dayoff": range(5, 7)}
+_SLUG = re.compile(r"[a-z0-9]+(?:-[a-z0-9]+)*")
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """What must be the case for a placement to be used; None: anything.
+
+    ``days`` are 0 (Monday) to 6; ``hours`` is [from, to) on a 24 h clock and may pass midnight; ``occasion`` is an
+    event such as ``guests/visit``, or ``other/...`` where a text says neither day, time, season nor event.
+    """
+
+    days: frozenset[int] | None = None
+    hours: tuple[int, int] | None = None
+    seasons: frozenset[str] | None = None
+    occasion: str | None = None
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """What the condition speaks of: day, time, season, event, other."""
+        found = [name for name, value in zip(("day", "time", "season"), self._calendar, strict=True) if value]
+        if self.occasion:
+            found.append("other" if self.occasion.startswith("other/") else "event")
+        return tuple(found)
+
+    @property
+    def _calendar(self) -> tuple[object, ...]:
+        return self.days, self.hours, self.seasons
+
+    def holds(self, context: Context) -> bool:
+        """Whether a stated context fulfils it."""
+        if self.days is not None and context.day not in self.days:
+            return False
+        if self.hours is not None and not _between(context.hour, *self.hours):
+            return False
+        if self.seasons is not None and context.season not in self.seasons:
+            return False
+        return self.occasion is None or self.occasion == context.occasion
+
+
+@dataclass(frozen=True, slots=True)
+class Context:
+    """When an episode takes place and who asks. ``day`` 0 is Monday, ``hour`` 0 to 23."""
+
+    day: int
+    hour: int
+    season: str
+    occasion: str | None
+    asker: str
+    """Household of the entry that the target's placement follows."""
+
+    def sentence(self) -> str:
+        """What a person would tell the robot."""
+        told = f"It is {_DAY_NAMES[self.day]}, about {self.hour} o'clock, in {self.season}."
+        if self.occasion:
+            told += f" Occasion: {self.occasion.partition('/')[2].replace('-', ' ')}."
+        return f"{told} Asking: {self.asker}."
+
+    def to_json(self) -> dict[str, Any]:
+        """JSON-ready dictionary."""
+        return {
+            "day": DAYS[self.day],
+            "hour": self.hour,
+            "season": self.season,
+            "occasion": self.occasion,
+            "asker": self.asker,
+        }
+
+    @classmethod
+    def from_json(cls, data: dict[str, Any]) -> Context:
+        """Rebuild it; raises ValueError or KeyError for what is not a context."""
+        hour, season = int(data["hour"]), str(data["season"])
+        if not 0 <= hour < 24 or season not in SEASONS:
+            raise ValueError(f"context of hour {hour} and season '{season}'")
+        occasion = data["occasion"]
+        return cls(
+            DAYS.index(data["day"]), hour, season, None if occasion is None else str(occasion), str(data["asker"])
+        )
+
+
+def draw_context(rng: np.random.Generator, occasions: Iterable[str], asker: str) -> Context:
+    """A day, an hour and a season, and in half of the cases one of the occasions that matter to the household."""
+    known = sorted(set(occasions))
+    day, hour = int(rng.integers(7)), int(rng.choice(_WAKING_HOURS))
+    season = SEASONS[int(rng.integers(len(SEASONS)))]
+    pick, happens = rng.random(), rng.random() < EVENT_P
+    return Context(day, hour, season, known[int(pick * len(known))] if known and happens else None, asker)
+
+
+def condition_of(text: str) -> Condition:
+    """The condition behind a context of the book; a context of its own where the table does not know the text."""
+    return context_table().get(text) or Condition(occasion=f"other/{_slug(text)}")
+
+
+@cache
+def context_table() -> dict[str, Condition]:
+    """The reviewed table of the embedded book's contexts."""
+    return read_contexts(TABLE)
+
+
+def read_contexts(path: Path) -> dict[str, Condition]:
+    """Conditions by context of a table file.
+
+    Raises:
+        DataError: naming file and line of the first thing that is wrong.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise DataError(f"{path}: cannot be read ({error}); expected lines 'context = conditions'") from None
+    table: dict[str, Condition] = {}
+    for number, line in enumerate(lines, 1):
+        if not line.strip() or line.startswith("#"):
+            continue
+        text, equals, conditions = line.partition(" = ")
+        where = f"{path}:{number}"
+        if not equals or not text.strip():
+            raise DataError(f"{where}: '{line[:60]}', expected 'context = condition; condition'")
+        if text in table:
+            raise DataError(f"{where}: context '{text}' is listed twice; keep one line")
+        table[text] = _condition(where, conditions)
+    return table
+
+
+def _condition(where: str, text: str) -> Condition:
+    found: dict[str, Any] = {}
+    for part in text.split(";"):
+        kind, _, value = part.strip().partition(" ")
+        if kind not in _PARSERS:
+            raise DataError(f"{where}: condition '{part.strip()[:60]}', expected day, time, season, event or other")
+        field, parse = _PARSERS[kind]
+        if field in found:
+            raise DataError(f"{where}: two conditions of one kind ('{part.strip()[:60]}'); join them")
+        try:
+            found[field] = parse(value.strip())
+        except ValueError:
+            raise DataError(f"{where}: '{part.strip()[:60]}' is no {kind}; see the examples of the table") from None
+    return Condition(**found)
+
+
+def _days(text: str) -> frozenset[int]:
+    found: set[int] = set()
+    for word in map(str.strip, text.split(",")):
+        found |= set(_NAMED_DAYS[word]) if word in _NAMED_DAYS else {DAYS.index(word)}
+    return frozenset(found)
+
+
+def _hours(text: str) -> tuple[int, int]:
+    start, end = (int(hour) for hour in text.split("-"))
+    if not (0 <= start < 24 and 0 < end <= 24 and start != end):
+        raise ValueError(text)
+    return start, end
+
+
+def _seasons(text: str) -> frozenset[str]:
+    return frozenset(SEASONS[SEASONS.index(word.strip())] for word in text.split(","))
+
+
+def _event(text: str) -> str:
+    group, _, name = text.partition("/")
+    if group not in EVENT_GROUPS or not _SLUG.fullmatch(name):
+        raise ValueError(text)
+    return text
+
+
+def _other(text: str) -> str:
+    if not _SLUG.fullmatch(text):
+        raise ValueError(text)
+    return f"other/{text}"
+
+
+_PARSERS: Final[dict[str, tuple[str, Any]]] = {
+    "day": ("days", _days),
+    "time": ("hours", _hours),
+    "season": ("seasons", _seasons),
+    "event": ("occasion", _event),
+    "other": ("occasion", _other),
+}
+
+
+def _between(hour: int, start: int, end: int) -> bool:
+    return start <= hour < end if start < end else hour >= start or hour < end
+
+
+def _slug(text: str) -> str:
+    return "-".join(re.findall(r"[a-z0-9]+", text.lower())) or "unnamed"

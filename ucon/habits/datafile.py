@@ -1,0 +1,121 @@
+"""Dataset files: one compressed, versioned, checksummed file holds entries, support labels and verdicts.
+
+The first line is a header with counts and the SHA-256 of the rest; then one line an entry, then one line of verdicts.
+Equal datasets give equal bytes. Loading takes a fraction of a second, where parsing the book's text takes longer.
+"""
+
+from __future__ import annotations
+
+import json
+import lzma
+from pathlib import Path
+from typing import Any, Final, cast
+
+from ucon.core.errors import DataError
+from ucon.core.files import canonical_json, sha256_bytes, write_atomic
+from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
+from ucon.habits.verdicts import Verdicts
+
+FORMAT: Final = "ucon-habits"
+VERSION: Final = 1
+SUFFIX: Final = ".habits.xz"
+LICENCE: Final = "CC-BY-4.0"
+_MAX_BYTES: Final = 256 * 2**20
+
+
+def save_dataset(dataset: HabitDataset, path: Path, steps: dict[str, Any] | None = None) -> None:
+    """Write a dataset file; ``steps`` records how it was made (what was proposed, validated, verified)."""
+    if not path.name.endswith(SUFFIX):
+        raise DataError(f"{path}: expected a name ending in {SUFFIX}")
+    lines = [canonical_json(_entry_row(entry)) for entry in dataset.entries]
+    body = "\n".join([*lines, canonical_json(dataset.verdicts.to_json())]) + "\n"
+    header = {
+        "format": FORMAT,
+        "version": VERSION,
+        "name": dataset.name,
+        "licence": LICENCE,
+        "labelled": dataset.labelled,
+        "entries": len(dataset.entries),
+        "habits": len(dataset),
+        "body_sha256": sha256_bytes(body.encode()),
+        "sha256": dataset.sha256,
+        "steps": steps or {},
+    }
+    write_atomic(path, lzma.compress(f"{canonical_json(header)}\n{body}".encode(), preset=9))
+
+
+def load_dataset_file(path: Path) -> HabitDataset:
+    """The dataset of a file.
+
+    Raises:
+        DataError: no such file, a truncated or altered one, another version, or a line that is no entry.
+    """
+    lines = _lines(path)
+    header = _header(path, lines[0])
+    body = "\n".join(lines[1:])
+    if sha256_bytes(body.encode()) != header["body_sha256"]:
+        raise DataError(f"{path}: its contents do not match their checksum; restore the file or build it anew")
+    rows = lines[1:-1]  # the text ends with a line break
+    if len(rows) != header["entries"] + 1:
+        raise DataError(f"{path}: {len(rows) - 1} entries, the header says {header['entries']}; build it anew")
+    entries = tuple(_entry(row, f"{path}:{number}") for number, row in enumerate(rows[:-1], 2))
+    try:
+        verdicts = Verdicts.from_json(json.loads(rows[-1]))
+    except (ValueError, TypeError, AttributeError):
+        raise DataError(f"{path}:{len(rows) + 1}: not a list of verdicts; build the file anew") from None
+    return HabitDataset(str(header["name"]), entries, labelled=bool(header["labelled"]), verdicts=verdicts)
+
+
+def dataset_steps(path: Path) -> dict[str, Any]:
+    """How a dataset file was made, from its header."""
+    return dict(_header(path, _lines(path)[0])["steps"])
+
+
+def _lines(path: Path) -> list[str]:
+    try:
+        raw = path.read_bytes()
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read ({error.strerror}); expected a dataset file (*{SUFFIX})") from None
+    try:
+        text = lzma.LZMADecompressor().decompress(raw, max_length=_MAX_BYTES).decode("utf-8")
+    except (lzma.LZMAError, EOFError, UnicodeDecodeError) as error:
+        raise DataError(f"{path}: not a whole dataset file ({error}); restore it or build it anew") from None
+    return text.split("\n")
+
+
+def _header(path: Path, line: str) -> dict[str, Any]:
+    try:
+        header = json.loads(line)
+        found = (header["format"], header["version"])
+        if not isinstance(header["entries"], int) or not isinstance(header["steps"], dict):
+            raise TypeError("header")
+        _ = header["body_sha256"], header["name"], header["labelled"]
+    except (ValueError, KeyError, TypeError):
+        raise DataError(f"{path}:1: not the header of a habit dataset; expected a file of `habits build`") from None
+    if found != (FORMAT, VERSION):
+        raise DataError(f"{path}:1: format {found[0]} {found[1]}, expected {FORMAT} {VERSION}; build it anew")
+    return cast(dict[str, Any], header)
+
+
+def _entry_row(entry: Entry) -> list[Any]:
+    return [
+        entry.id,
+        entry.category,
+        entry.household,
+        entry.scene,
+        entry.kind,
+        [[p.relation, p.anchor, p.context] for p in entry.placements],
+        [[h.text, list(h.supports)] for h in entry.habits],
+    ]
+
+
+def _entry(row: str, where: str) -> Entry:
+    try:
+        name, category, household, scene, kind, places, habits = json.loads(row)
+        placements = tuple(Placement(cast(Relation, relation), anchor, told) for relation, anchor, told in places)
+        sentences = tuple(Habit(text, tuple(supports)) for text, supports in habits)
+        if not {p.relation for p in placements} <= set(RELATIONS) or not (placements and sentences):
+            raise ValueError(row)
+    except (ValueError, TypeError):
+        raise DataError(f"{where}: not an entry of a habit dataset; build the file anew") from None
+    return Entry(name, category, household, placements, sentences, scene, kind)

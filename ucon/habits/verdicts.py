@@ -1,0 +1,61 @@
+"""Verdicts of validation: which placements hold in which home, tried in PyBullet, and why the others do not.
+
+A verdict speaks of a triple (category, relation, anchor). A home in which it was tried has its own; elsewhere a triple
+counts as implausible only where every home that was tried refused it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+Triple = tuple[str, str, str]
+"""Category, relation, anchor."""
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """How a triple did: homes in which it was tried, and the reason in each home that refused it."""
+
+    tried: int
+    refused: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def reason(self) -> str | None:
+        """Why the triple is implausible everywhere: its most frequent reason; None where some home takes it."""
+        if not self.tried or len(self.refused) < self.tried:
+            return None
+        reasons = list(self.refused.values())
+        return max(sorted(set(reasons)), key=reasons.count)
+
+
+@dataclass(frozen=True)
+class Verdicts:
+    """All verdicts of a dataset; empty where it was not validated."""
+
+    of: Mapping[Triple, Verdict] = field(default_factory=lambda: MappingProxyType({}))
+
+    def refusal(self, triple: Triple, home: str) -> str | None:
+        """Why a triple cannot be realised in a home; None where it can, or nothing is known."""
+        verdict = self.of.get(triple)
+        if verdict is None:
+            return None
+        return verdict.refused.get(home) or verdict.reason
+
+    def to_json(self) -> list[list[Any]]:
+        """JSON-ready rows, sorted: category, relation, anchor, homes tried, reason by home."""
+        return [[*triple, v.tried, dict(sorted(v.refused.items()))] for triple, v in sorted(self.of.items())]
+
+    @classmethod
+    def from_json(cls, rows: list[list[Any]]) -> Verdicts:
+        """Rebuild them; raises ValueError or TypeError for what is not a list of rows."""
+        found: dict[Triple, Verdict] = {}
+        for category, relation, anchor, tried, refused in rows:
+            reasons = {str(home): str(reason) for home, reason in refused.items()}
+            found[str(category), str(relation), str(anchor)] = Verdict(int(tried), MappingProxyType(reasons))
+        return cls(MappingProxyType(found))
+
+
+NO_VERDICTS = Verdicts()
