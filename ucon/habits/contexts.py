@@ -29,6 +29,15 @@ TABLE: Final = Path(__file__).parent / "data" / "contexts.txt"
 #: How often an episode that states its context has an occasion at all.
 EVENT_P: Final = 0.5
 _WAKING_HOURS = range(6, 24)
+_SEASON_OF: Final = {
+    **dict.fromkeys(("feast/christmas", "feast/advent", "feast/new-year", "feast/hanukkah", "feast/tet"), "winter"),
+    **dict.fromkeys(("feast/saint-lucy", "weather/snow", "weather/cold", "hobby/skiing"), "winter"),
+    **dict.fromkeys(("feast/easter", "feast/passover", "feast/nowruz", "health/pollen"), "spring"),
+    **dict.fromkeys(("feast/halloween", "feast/thanksgiving", "feast/saint-martin", "feast/chuseok"), "autumn"),
+    **dict.fromkeys(("feast/rosh-hashanah", "feast/diwali"), "autumn"),
+    **dict.fromkeys(("weather/heat", "feast/barbecue", "feast/picnic"), "summer"),
+}
+"""Occasions that fall into one season."""
 _DAY_NAMES = ("Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday")
 _NAMED_DAYS = {"workday": range(5), "weekend": range(5, 7), "dayoff": range(5, 7)}
 _SLUG = re.compile(r"[a-z0-9]+(?:-[a-z0-9]+)*")
@@ -116,7 +125,8 @@ def draw_context(rng: np.random.Generator, occasions: Iterable[str], asker: str)
     day, hour = int(rng.integers(7)), int(rng.choice(_WAKING_HOURS))
     season = SEASONS[int(rng.integers(len(SEASONS)))]
     pick, happens = rng.random(), rng.random() < EVENT_P
-    return Context(day, hour, season, known[int(pick * len(known))] if known and happens else None, asker)
+    occasion = known[int(pick * len(known))] if known and happens else None
+    return Context(day, hour, _SEASON_OF.get(occasion or "", season), occasion, asker)
 
 
 def condition_of(text: str) -> Condition:
