@@ -1,4 +1,4 @@
-"""``python -m ucon habits import PATH`` and ``habits stats``: read a dataset and say what is in it."""
+"""``python -m ucon habits ACTION``: import, measure, show and survey datasets; most actions have a module."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ import argparse
 import json
 from collections.abc import Sequence
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from ucon.commands import habits_show, habits_stats, habits_survey
 
 if TYPE_CHECKING:
     from ucon.habits import HabitDataset
@@ -14,20 +16,26 @@ if TYPE_CHECKING:
 _SHOWN = 20
 
 
+_ACTIONS = {
+    "stats": (habits_stats, "variety, placements, homes and retrieval in figures and pictures"),
+    "show": (habits_show, "a category's entries, or who lives in a scene, for reading"),
+    "survey": (habits_survey, "make rating sheets for people, score the returned ones"),
+}
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     reader = actions.add_parser("import", help="read a file of the official release and report what does not fit")
     reader.add_argument("path", metavar="PATH", help="task file, or the folder that holds it")
-    stats = actions.add_parser("stats", help="variety, repetition and retrieval figures")
-    stats.add_argument("path", metavar="PATH", nargs="?", help="task file or book folder; default: the embedded book")
-    for action in (reader, stats):
-        action.add_argument("--json", action="store_true", help="print JSON")
+    reader.add_argument("--json", action="store_true", help="print JSON")
+    for name, (module, text) in _ACTIONS.items():
+        module.add_arguments(actions.add_parser(name, help=text))
 
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the chosen action; ``import`` ends with 1 where something was malformed."""
-    return _import(args) if args.action == "import" else _stats(args)
+    return _import(args) if args.action == "import" else _ACTIONS[args.action][0].run(args)
 
 
 def _import(args: argparse.Namespace) -> int:
@@ -67,23 +75,6 @@ def _print_first(title: str, lines: Sequence[object]) -> None:
         print(f"  {line}")
     if len(lines) > _SHOWN:
         print(f"  ... and {len(lines) - _SHOWN} more (--json lists all)")
-
-
-def _stats(args: argparse.Namespace) -> int:
-    from ucon.evaluation.habit_statistics import near_duplicates, retrieval_statistics, text_statistics
-    from ucon.retrieval import DenseRetriever, dataset_vectors
-
-    dataset = load_dataset(args.path)
-    retriever = DenseRetriever()
-    figures: dict[str, Any] = {"dataset": dataset.name, "sha256": dataset.sha256, **text_statistics(dataset)}
-    figures["near_duplicates"] = near_duplicates(dataset_vectors(dataset, retriever.encoder))
-    figures |= retrieval_statistics(dataset, retriever)
-    if args.json:
-        print(json.dumps(figures, indent=1))
-    else:
-        for name, value in figures.items():
-            print(f"{name.replace('_', ' '):<24} {value}")
-    return 0
 
 
 def load_dataset(path: str | None) -> HabitDataset:
