@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,17 +59,17 @@ class Retrieval:
         }
 
 
-def offer_of_scenes(dataset: HabitDataset) -> Offer:
-    """Target categories of the canonical scenes, and ten knowledge bases of 20 of them in each scene.
+def offer_of_scenes(dataset: HabitDataset, scenes: Sequence[str] = SCENES) -> Offer:
+    """Target categories of canonical scenes, and ten knowledge bases of 20 of them in each scene.
 
-    A dataset that is bound to scenes is measured in those, any other in all 22.
+    A dataset that is bound to scenes is measured in those only.
     """
     from ucon.sim.cache import load_house
     from ucon.task.living import living_in
 
     categories: dict[str, int] = {}
     sizes: dict[Mode, dict[str, NDArray[np.int64]]] = {mode: {} for mode in MODES}
-    for scene in [name for name in SCENES if name in (dataset.scenes or SCENES)]:
+    for scene in [name for name in scenes if name in (dataset.scenes or scenes)]:
         living = living_in(load_house(scene), dataset)
         categories[scene] = len(living)
         draws = [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +14,7 @@ from ucon.evaluation.habit_text import near_duplicates, text_statistics
 from ucon.habits import HabitDataset
 from ucon.habits.knowledge import MODES, Mode
 from ucon.retrieval import DenseRetriever, dataset_vectors
+from ucon.scenes import SCENES
 
 
 @dataclass(frozen=True)
@@ -26,12 +27,12 @@ class Measures:
     retrieval: Mapping[Mode, Retrieval]
 
 
-def measure(dataset: HabitDataset, retriever: DenseRetriever | None = None) -> Measures:
-    """Measure everything; a dataset other than the embedded book has to be encoded first, which takes minutes."""
-    dense = retriever or DenseRetriever()
+def measure(dataset: HabitDataset, scenes: Sequence[str] = SCENES) -> Measures:
+    """Measure everything; a dataset other than the embedded book is encoded first, once, which takes minutes."""
+    dense = DenseRetriever()
     vectors = dataset_vectors(dataset, dense.encoder)
     retrieval = {mode: measure_retrieval(dataset, dense, mode) for mode in MODES}
-    offer = offer_of_scenes(dataset)
+    offer = offer_of_scenes(dataset, scenes)
     found = {mode: one.figures() for mode, one in retrieval.items()}
     # At the top: the names that scripts rely on, of knowledge bases in the default mode.
     default = {name: value for name, value in found["category"].items() if not name.startswith("supporting")}

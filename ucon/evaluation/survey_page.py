@@ -51,7 +51,7 @@ def sheet_html(items: Sequence[Item], name: str) -> str:
 <p>Each item gives a sentence about somebody's habits, an OBJECT, and a PLACE. Please answer two questions for each;
 leave out what you cannot answer. There are no right answers to the first question, and nobody is tested.</p>
 <ol><li>{escape(QUESTIONS[0])}</li><li>{escape(QUESTIONS[1])}</li></ol>
-<p class="screen">At the end, <em>Save answers</em> writes a CSV file: put your initials into its name and return it.</p>
+<p class="screen">At the end, <em>Save answers</em> writes a CSV file: put your initials into its name, return it.</p>
 {cards}
 <p><button id="save" type="button">Save answers</button></p>
 <script>{script}</script>
