@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -10,11 +9,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ucon.core.errors import ConfigError
-from ucon.core.files import write_atomic
 from ucon.evaluation.habit_homes import LONGEST
 from ucon.evaluation.habit_places import KINDS, anchor_shares, conditions
 from ucon.evaluation.habit_text import word_counts
+from ucon.evaluation.plotting import (
+    ABOVE,
+    BAND,
+    COLORS,
+    GREY,
+    LIGHT,
+    STYLE,
+    grouped_bars,
+    new_figure,
+    percent_axis,
+    require_matplotlib,
+    save_png,
+)
 from ucon.habits import RELATIONS
 from ucon.habits.contexts import DAYS, EVENT_GROUPS, SEASONS
 from ucon.habits.knowledge import MODES
@@ -22,42 +32,9 @@ from ucon.habits.knowledge import MODES
 if TYPE_CHECKING:
     from ucon.evaluation.habit_statistics import Measures
 
-_COLORS = ("#0f766e", "#d97706")
-_LIGHT = ("#7cc4bd", "#f2c58b")
-_INK, _GREY, _BAND = "#1f2937", "#6b7280", "#eef2f4"
-_DPI = 160
 _TOP_ANCHORS = 40
 #: Knowledge bases of the default mode are meant to lie here (the paper's are above 300).
-SIZE_BAND = (300, 600)
-_STYLE = {
-    "font.family": "DejaVu Sans",
-    "font.size": 11,
-    "text.color": _INK,
-    "axes.labelcolor": _INK,
-    "axes.edgecolor": "#9ca3af",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.axisbelow": True,
-    "axes.titlelocation": "left",
-    "axes.titlesize": 12,
-    "axes.titleweight": "bold",
-    "grid.color": "#e5e7eb",
-    "xtick.color": _GREY,
-    "ytick.color": _GREY,
-    "xtick.labelcolor": _INK,
-    "ytick.labelcolor": _INK,
-    "legend.frameon": True,
-    "legend.edgecolor": "none",
-    "legend.framealpha": 0.9,
-}
-
-
-def require_matplotlib() -> None:
-    """Raise :class:`ConfigError` where matplotlib, an optional extra, is missing."""
-    try:
-        import matplotlib  # noqa: F401
-    except ImportError:
-        raise ConfigError("plots need matplotlib, which is not installed: pip install 'ucon[plots]'") from None
+SIZEBAND = (300, 600)
 
 
 def draw_plots(found: Sequence[Measures], folder: Path) -> list[Path]:
@@ -70,12 +47,10 @@ def draw_plots(found: Sequence[Measures], folder: Path) -> list[Path]:
     from matplotlib import rc_context
 
     paths = []
-    with rc_context(_STYLE):
+    with rc_context(STYLE):
         for name, draw in _PLOTS.items():
-            buffer = io.BytesIO()
-            draw(found).savefig(buffer, format="png", dpi=_DPI, facecolor="white")
             paths.append(folder / f"{name}.png")
-            write_atomic(paths[-1], buffer.getvalue())
+            save_png(draw(found), paths[-1])
     return paths
 
 
@@ -84,76 +59,51 @@ def _label(one: Measures) -> str:
     return "habit book" if name == "book" else "official release" if name.startswith("official") else name
 
 
-def _figure(width: float = 10.0, height: float = 5.0, title: str = "") -> Any:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), layout="constrained")
-    figure.get_layout_engine().set(w_pad=0.12, h_pad=0.1, wspace=0.04, hspace=0.06)
-    figure.suptitle(title, x=0.012, ha="left", fontsize=15, fontweight="bold")
-    return figure
-
-
-def _percent_axis(axis: Any) -> None:
-    from matplotlib.ticker import PercentFormatter
-
-    axis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
-
-
-def _bars(ax: Any, rows: Sequence[Sequence[float]], names: Sequence[str], label: Callable[[float], str]) -> None:
-    """Grouped vertical bars, a series of ``rows`` each, with their values on top."""
-    width = 0.8 / len(rows)
-    for k, values in enumerate(rows):
-        x = np.arange(len(values)) + (k - (len(rows) - 1) / 2) * width
-        bars = ax.bar(x, values, width * 0.94, color=_COLORS[k])
-        ax.bar_label(bars, [label(v) for v in values], padding=2, fontsize=9, color=_GREY)
-    ax.set_xticks(np.arange(len(names)), names)
-    ax.tick_params(axis="x", length=0)
-    ax.margins(y=0.12)
-
-
-def _legend(ax: Any, found: Sequence[Measures], notes: Sequence[str], loc: str = "upper right") -> None:
-    """Coloured names of the datasets, each with a note."""
+def _legend(ax: Any, found: Sequence[Measures], notes: Sequence[str]) -> None:
+    """Coloured names of the datasets, each with a note, above the axes where they hide nothing."""
     from matplotlib.patches import Patch
 
     marks = [
-        Patch(color=_COLORS[k], label=f"{_label(one)}: {note}" if note else _label(one))
+        Patch(color=COLORS[k], label=f"{_label(one)}: {note}" if note else _label(one))
         for k, (one, note) in enumerate(zip(found, notes, strict=True))
     ]
-    ax.legend(handles=marks, loc=loc, handlelength=1.0, handleheight=1.0)
+    ax.legend(handles=marks, **ABOVE, ncols=2)
 
 
 def _words(found: Sequence[Measures]) -> Any:
-    figure = _figure(title="Words a habit")
+    """Of two datasets beside each other; of one with labels, what its habits that tell a place are like."""
+    figure = new_figure(title="Words a habit")
     ax = figure.subplots()
-    lengths = [word_counts(one.dataset) for one in found]
-    for color, counts in zip(_COLORS, lengths, strict=False):
-        y = np.bincount(counts) / len(counts)
+    series = [(_label(one), color, word_counts(one.dataset)) for one, color in zip(found, COLORS, strict=False)]
+    if len(found) == 1 and found[0].dataset.labelled:
+        tells = np.asarray([bool(habit.supports) for habit in found[0].dataset.habits])
+        counts = series[0][2]
+        series = [("tell a place", COLORS[0], counts[tells]), ("tell none", GREY, counts[~tells])]
+    for name, color, counts in series:
+        y = np.bincount(counts) / (len(found[0].dataset) if len(found) == 1 else len(counts))
         edges = np.arange(len(y) + 1) - 0.5
-        ax.stairs(y, edges, fill=True, color=color, alpha=0.28)
+        low, mean, high = np.percentile(counts, 5), counts.mean(), np.percentile(counts, 95)
+        label = f"{name}: mean {mean:.1f}, 5–95 % from {low:.0f} to {high:.0f}"
+        ax.stairs(y, edges, fill=True, color=color, alpha=0.3, label=label)
         ax.stairs(y, edges, color=color, linewidth=2)
-    _percent_axis(ax.yaxis)
-    last = max(float(np.percentile(counts, 99.9)) for counts in lengths)
+    percent_axis(ax.yaxis)
+    last = max(float(np.percentile(counts, 99.9)) for _, _, counts in series)
     ax.set(xlabel="words", ylabel="habits", xlim=(1.5, last + 0.5))
-    ax.margins(y=0.12)
+    ax.set_xticks(range(5, int(last) + 1, 5))
     ax.grid(axis="y")
-    notes = [
-        f"mean {one.figures['words_per_habit']:.1f}, 5–95 % from {one.figures['words_per_habit_p5']} "
-        f"to {one.figures['words_per_habit_p95']}"
-        for one in found
-    ]
-    _legend(ax, found, notes)
+    ax.legend(**ABOVE, ncols=2)
     return figure
 
 
 def _entries(found: Sequence[Measures]) -> Any:
-    figure = _figure(title="Households (entries) a target category")
+    figure = new_figure(title="Households (entries) a target category")
     ax = figure.subplots()
     counts = [list(Counter(e.category for e in one.dataset.entries).values()) for one in found]
     last = 12 if max(map(max, counts)) > 12 else max(map(max, counts))
     rows = [np.bincount(np.minimum(c, last), minlength=last + 1)[1:] / len(c) for c in counts]
     names = [str(n) for n in range(1, last)] + [f"{last}+" if max(map(max, counts)) > last else str(last)]
-    _bars(ax, [list(row) for row in rows], names, lambda v: f"{100 * v:.0f}" if v >= 0.005 else "")
-    _percent_axis(ax.yaxis)
+    grouped_bars(ax, [list(row) for row in rows], names, lambda v: f"{100 * v:.0f}" if v >= 0.005 else "")
+    percent_axis(ax.yaxis)
     ax.set(xlabel="entries", ylabel="categories")
     ax.grid(axis="y")
     notes = [f"{len(c)} categories, mean {np.mean(c):.1f}, most {max(c)}" for c in counts]
@@ -162,18 +112,18 @@ def _entries(found: Sequence[Measures]) -> Any:
 
 
 def _anchors(found: Sequence[Measures]) -> Any:
-    figure = _figure(13, 6, title=f"Where things are kept: the {_TOP_ANCHORS} most frequent anchors")
+    figure = new_figure(13, 6, title=f"Where things are kept: the {_TOP_ANCHORS} most frequent anchors")
     ax = figure.subplots()
     shares = [anchor_shares(one.dataset) for one in found]
     top = list(shares[0])[:_TOP_ANCHORS]
-    ax.bar(range(len(top)), [shares[0][name] for name in top], 0.74, color=_COLORS[0])
+    ax.bar(range(len(top)), [shares[0][name] for name in top], 0.74, color=COLORS[0])
     if len(found) > 1:
         values = [shares[1].get(name, 0.0) for name in top]
-        ax.scatter(range(len(top)), values, s=42, color=_COLORS[1], edgecolor="white", linewidth=0.8, zorder=3)
+        ax.scatter(range(len(top)), values, s=42, color=COLORS[1], edgecolor="white", linewidth=0.8, zorder=3)
     ax.set_xticks(range(len(top)), [n.replace("_", " ") for n in top], rotation=55, ha="right", rotation_mode="anchor")
     ax.tick_params(axis="x", length=0)
     ax.set(ylabel="placements", xlim=(-0.7, len(top) - 0.3))
-    _percent_axis(ax.yaxis)
+    percent_axis(ax.yaxis)
     ax.grid(axis="y")
     notes = [
         f"{len(share)} anchors; these {len(top)} bear {100 * sum(share.get(n, 0) for n in top):.0f} % of the placements"
@@ -184,15 +134,15 @@ def _anchors(found: Sequence[Measures]) -> Any:
 
 
 def _relations(found: Sequence[Measures]) -> Any:
-    figure = _figure(8, 4.5, title="Relation of a thing to its anchor")
+    figure = new_figure(8, 4.5, title="Relation of a thing to its anchor")
     ax = figure.subplots()
     rows = [[one.figures["relations"][name] for name in RELATIONS] for one in found]
     shown = {"ontop": "on top of", "inside": "inside", "under": "under", "nextto": "next to"}
-    _bars(ax, rows, [shown[name] for name in RELATIONS], lambda v: f"{100 * v:.0f} %")
-    _percent_axis(ax.yaxis)
+    grouped_bars(ax, rows, [shown[name] for name in RELATIONS], lambda v: f"{100 * v:.0f} %")
+    percent_axis(ax.yaxis)
     ax.set_ylabel("placements")
     ax.grid(axis="y")
-    _legend(ax, found, [f"{one.figures['placements']:,} placements" for one in found], "upper left")
+    _legend(ax, found, [f"{one.figures['placements']:,} placements" for one in found])
     return figure
 
 
@@ -200,7 +150,7 @@ def _contexts(found: Sequence[Measures]) -> Any:
     """Of the first dataset with contexts; the release has none."""
     one = next((m for m in found if m.figures["contexts"]["placements"]), found[0])
     told, known = one.figures["contexts"], conditions(one.dataset)
-    figure = _figure(
+    figure = new_figure(
         13,
         6.6,
         title=f"When placements hold: {told['placements']:,} of {one.figures['placements']:,} have a context "
@@ -209,16 +159,16 @@ def _contexts(found: Sequence[Measures]) -> Any:
     panels = figure.subplot_mosaic([["kind", "season", "group"], ["day", "hour", "group"]], width_ratios=(1, 1, 0.9))
     seasons = [sum(s in (c.seasons or ()) for c in known) for s in SEASONS]
     days = [sum(d in (c.days or ()) for c in known) for d in range(7)]
-    _bars(panels["kind"], [[told["kinds"][k] for k in KINDS]], KINDS, "{:,.0f}".format)
-    _bars(panels["season"], [seasons], SEASONS, str)
-    _bars(panels["day"], [days], DAYS, str)
+    grouped_bars(panels["kind"], [[told["kinds"][k] for k in KINDS]], KINDS, "{:,.0f}".format)
+    grouped_bars(panels["season"], [seasons], SEASONS, str)
+    grouped_bars(panels["day"], [days], DAYS, str)
     hours = np.asarray([sum(c.hours is not None and _covers(c.hours, h) for c in known) for h in range(24)])
-    panels["hour"].bar(np.arange(24) + 0.5, hours, 0.92, color=_COLORS[0])
+    panels["hour"].bar(np.arange(24) + 0.5, hours, 0.92, color=COLORS[0])
     panels["hour"].set_xticks(range(0, 25, 6), [f"{h}:00" for h in range(0, 25, 6)])
     groups = Counter((c.occasion or "").partition("/")[0] for c in known)
     order = sorted(EVENT_GROUPS, key=lambda name: groups[name])
-    bars = panels["group"].barh(range(len(order)), [groups[name] for name in order], 0.74, color=_COLORS[0])
-    panels["group"].bar_label(bars, padding=3, fontsize=9, color=_GREY)
+    bars = panels["group"].barh(range(len(order)), [groups[name] for name in order], 0.74, color=COLORS[0])
+    panels["group"].bar_label(bars, padding=3, fontsize=9, color=GREY)
     panels["group"].set_yticks(range(len(order)), order)
     panels["group"].tick_params(axis="y", length=0)
     titles = {"kind": "Kind", "season": "Season", "day": "Day", "hour": "Time of day", "group": "Event"}
@@ -235,13 +185,14 @@ def _covers(hours: tuple[int, int], hour: int) -> bool:
 
 def _sizes(found: Sequence[Measures]) -> Any:
     there = [(k, one) for k, one in enumerate(found) if one.offer.categories]
-    figure = _figure(5.6 * len(there) + 2.2, 6.8, title="Habits in a knowledge base of 20 categories, by scene")
-    axes = figure.subplots(1, len(there), squeeze=False, sharex=True)[0]
+    figure = new_figure(5.6 * len(there) + 2.2, 6.8, title="Habits in a knowledge base of 20 categories, by scene")
+    axes = figure.subplots(1, len(there), squeeze=False)[0]
+    longest = max(SIZEBAND[1], *(int(v.max()) for _, one in there for v in one.offer.sizes["category"].values()))
     for ax, (k, one) in zip(axes, there, strict=True):
         scenes = list(one.offer.categories)[::-1]
-        ax.axvspan(*SIZE_BAND, color=_BAND)
-        ax.text(sum(SIZE_BAND) / 2, -1.3, "meant to be 300–600", color=_GREY, ha="center", va="bottom", fontsize=9)
-        for mode, color in zip(MODES, (_COLORS[k], _LIGHT[k]), strict=True):
+        ax.axvspan(*SIZEBAND, color=BAND)
+        ax.text(sum(SIZEBAND) / 2, -1.3, "meant to be 300–600", color=GREY, ha="center", va="bottom", fontsize=9)
+        for mode, color in zip(MODES, (COLORS[k], LIGHT[k]), strict=True):
             values = [one.offer.sizes[mode][name] for name in scenes]
             low, high = [v.min() for v in values], [v.max() for v in values]
             ax.hlines(range(len(scenes)), low, high, color=color, linewidth=5, alpha=0.45, capstyle="round")
@@ -249,32 +200,36 @@ def _sizes(found: Sequence[Measures]) -> Any:
             ax.text(np.mean(values), len(scenes) - 0.1, mode, color=color, ha="center", va="bottom", fontweight="bold")
         ax.set_yticks(range(len(scenes)), scenes, fontsize=9)
         ax.tick_params(axis="y", length=0)
-        ax.set(xlabel="habits (mean, least and most of ten draws)", xlim=(0, None), ylim=(-1.4, len(scenes) + 0.6))
+        ax.set(
+            xlabel="habits (mean, least and most of ten draws)",
+            xlim=(0, longest * 1.04),
+            ylim=(-1.4, len(scenes) + 0.6),
+        )
         ax.set_title(_label(one), pad=12)
         ax.grid(axis="x")
     return figure
 
 
 def _retrieval(found: Sequence[Measures]) -> Any:
-    figure = _figure(
+    figure = new_figure(
         11, 5.4, title="Retrieval: share of a target's habits among the first k (MiniLM, the paper's query)"
     )
     axes = figure.subplots(1, 2, sharey=True)
     k = np.arange(1, LONGEST + 1)
     for ax, mode in zip(axes, MODES, strict=True):
-        for color, one in zip(_COLORS, found, strict=False):
+        for color, one in zip(COLORS, found, strict=False):
             result = one.retrieval[mode]
             ax.plot(k, result.recall, color=color, linewidth=2.4, label=f"{_label(one)}, all own habits")
             if result.supporting is not None:
                 label = f"{_label(one)}, habits that tell a place"
                 ax.plot(k, result.supporting, color=color, linewidth=2.2, linestyle=(0, (4, 2)), label=label)
-        ax.axvline(20, color=_GREY, linewidth=1, linestyle=":")
-        ax.text(20.6, 0.975, "agents get 20", color=_GREY, fontsize=9, va="top")
+        ax.axvline(20, color=GREY, linewidth=1, linestyle=":")
+        ax.text(20.6, 0.975, "agents get 20", color=GREY, fontsize=9, va="top")
         sizes = ", ".join(f"{one.retrieval[mode].size:.0f}" for one in found)
         ax.set_title(f"{mode} mode ({sizes} habits)")
         ax.set(xlabel="k", xlim=(0, LONGEST), ylim=(0, 1))
         ax.grid()
-        _percent_axis(ax.yaxis)
+        percent_axis(ax.yaxis)
     axes[0].set_ylabel("recall")
     axes[1].legend(loc="lower right")
     return figure

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import rankdata
 
 from ucon.core.rng import stream
 from ucon.habits import HabitDataset
+from ucon.habits.splits import category_split, entry_parts
 
-#: Vocabulary and distinct-2 grow with the text, so distinct-2 is measured on a fixed number of habits.
+#: Vocabulary grows and distinct-2 falls with the text, so datasets are compared on a fixed number of habits.
 _DISTINCT_SAMPLE = 5_000
 _NEAR_COSINE = 0.95
 _WORD = re.compile(r"[a-z']+")
@@ -23,7 +26,8 @@ def text_statistics(dataset: HabitDataset) -> dict[str, Any]:
     """Counts, words a habit, vocabulary, distinct-2, repetition, and what the sentences name.
 
     ``unique_masked`` is the share of unique sentences once category names are masked; ``names_target`` and
-    ``names_true_anchor`` are the shares of habits that name their target or one of their entry's anchors in full.
+    ``names_true_anchor`` are the shares of habits that name their target or one of their entry's anchors in full;
+    ``length_tells_support`` is the AUROC of the number of words for telling supporting habits from the others.
     """
     texts = dataset.texts
     words = [_WORD.findall(text.lower()) for text in texts]
@@ -37,13 +41,17 @@ def text_statistics(dataset: HabitDataset) -> dict[str, Any]:
         # Entries bound to scenes have an instruction instead of people.
         "households": None if dataset.scenes else len({e.household for e in dataset.entries}),
         "entries": len(dataset.entries),
+        "entries_by_part": dict(sorted(Counter(entry_parts(dataset).values()).items())),
+        "categories_by_part": dict(sorted(Counter(map(category_split, dataset.categories)).items())),
         "words_per_habit": round(float(np.mean(lengths)), 2),
         "words_per_habit_p5": int(np.percentile(lengths, 5)),
         "words_per_habit_p95": int(np.percentile(lengths, 95)),
         "vocabulary": len({word for sentence in words for word in sentence}),
+        "vocabulary_on_5000": len({word for i in order for word in words[i]}),
         "distinct_2": round(len(set(pairs)) / max(1, len(pairs)), 4),
         "unique_masked": round(len(set(_masked(dataset))) / len(texts), 4),
         "duplicates": len(texts) - len(set(texts)),
+        "length_tells_support": _length_auroc(dataset) if dataset.labelled else None,
         "names_target": target,
         "names_true_anchor": anchor,
     }
@@ -69,6 +77,15 @@ def word_counts(dataset: HabitDataset) -> NDArray[np.int64]:
 def names(text: str, category: str) -> bool:
     """Whether a sentence holds a category's full name, singular or plural, with or without underscores."""
     return _pattern(category).search(text.lower().replace("_", " ")) is not None
+
+
+def _length_auroc(dataset: HabitDataset) -> float | None:
+    supporting = np.asarray([bool(habit.supports) for habit in dataset.habits])
+    positive, negative = int(supporting.sum()), int((~supporting).sum())
+    if not positive or not negative:
+        return None
+    ranks = rankdata(word_counts(dataset))
+    return round(float(ranks[supporting].sum() - positive * (positive + 1) / 2) / (positive * negative), 4)
 
 
 @lru_cache(maxsize=4096)
