@@ -61,6 +61,8 @@ def test_small_text():
     assert (figures["habits"], figures["entries"], figures["households"]) == (6, 3, 2)
     assert figures["names_target"] == pytest.approx(2 / 6, abs=1e-4)
     assert figures["names_true_anchor"] == pytest.approx(3 / 6, abs=1e-4)
+    assert figures["length_tells_support"] == pytest.approx(8 / 9, abs=1e-4), "two ties of nine pairs"
+    assert text_statistics(small(labelled=False))["length_tells_support"] is None
 
 
 def test_small_places():
@@ -103,6 +105,7 @@ class TestBook:
         assert figures["unique_masked"] >= 0.995
         assert figures["duplicates"] == 0
 
+    @pytest.mark.slow
     def test_near_duplicates(self):
         assert near_duplicates(dataset_vectors(book(), DenseRetriever().encoder)) <= 0.002
 
