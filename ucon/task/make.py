@@ -42,7 +42,9 @@ def make_episodes(
         results = map(_sample, orders)
         return _collect(results, done, len(orders), progress)
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(dataset, task, context)) as pool:
+    with ProcessPoolExecutor(
+        workers, mp_context=context, initializer=_begin, initargs=(dataset, task, context)
+    ) as pool:
         return _collect(pool.map(_sample, orders, chunksize=4), done, len(orders), progress)
 
 

@@ -75,9 +75,7 @@ def generated(first_seed: int, count: int) -> tuple[str, ...]:
     return tuple(f"procedural:{KINDS[k % len(KINDS)]}:{first_seed + k}" for k in range(count))
 
 
-def set_orders(
-    name: str, dataset: HabitDataset, task: str = PAPER.name, *, context: bool = False
-) -> Iterator[Order]:
+def set_orders(name: str, dataset: HabitDataset, task: str = PAPER.name, *, context: bool = False) -> Iterator[Order]:
     """What to sample for every episode of a named set under the rules ``task``, scenes taken in turn.
 
     Scenes and seeds are the same under all rules, so that the sets of two rule sets differ by the rules alone.
