@@ -8,15 +8,14 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from ucon.commands import habits_show, habits_stats, habits_survey
+from ucon.commands import habits_build, habits_show, habits_stats, habits_survey
 
 if TYPE_CHECKING:
     from ucon.habits import HabitDataset
 
 _SHOWN = 20
-
-
 _ACTIONS = {
+    "build": (habits_build, "make the dataset file: propose, validate, verify"),
     "stats": (habits_stats, "variety, placements, homes and retrieval in figures and pictures"),
     "show": (habits_show, "a category's entries, or who lives in a scene, for reading"),
     "survey": (habits_survey, "make rating sheets for people, score the returned ones"),
@@ -78,12 +77,13 @@ def _print_first(title: str, lines: Sequence[object]) -> None:
 
 
 def load_dataset(path: str | None) -> HabitDataset:
-    """The dataset at a path: a JSON file is the official release, a folder of text files a book; None: the embedded."""
+    """The dataset at a path: ``*.habits.xz`` a built file, JSON the official release, a folder of text a book."""
     from ucon.commands.wiring import existing, folder_habits, official_habits
     from ucon.habits import book
+    from ucon.habits.datafile import SUFFIX
 
     if path is None:
         return book()
     found = existing(path, "PATH")
-    is_book = found.is_dir() and any(found.glob("*.txt"))
+    is_book = found.name.endswith(SUFFIX) or (found.is_dir() and any(found.glob("*.txt")))
     return folder_habits(path) if is_book else official_habits(path)
