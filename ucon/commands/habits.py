@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from ucon.commands import habits_build
+from ucon.commands import habits_build, habits_propose
 
 if TYPE_CHECKING:
     from ucon.habits import HabitDataset
@@ -23,6 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     reader.add_argument("path", metavar="PATH", help="task file, or the folder that holds it")
     stats = actions.add_parser("stats", help="variety, repetition and retrieval figures")
     stats.add_argument("path", metavar="PATH", nargs="?", help="task file or book folder; default: the embedded book")
+    habits_propose.add_arguments(actions.add_parser("propose", help="let a language model propose new entries"))
     habits_build.add_arguments(actions.add_parser("build", help="make the dataset file: propose, validate, verify"))
     for action in (reader, stats):
         action.add_argument("--json", action="store_true", help="print JSON")
@@ -32,6 +33,8 @@ def run(args: argparse.Namespace) -> int:
     """Carry out the chosen action; ``import`` ends with 1 where something was malformed."""
     if args.action == "build":
         return habits_build.run(args)
+    if args.action == "propose":
+        return habits_propose.run(args)
     return _import(args) if args.action == "import" else _stats(args)
 
 

@@ -157,7 +157,8 @@ def main() -> None:
     torch.set_num_threads(1)
     buffer = io.BytesIO()
     arrays = fit(book(), default_pair_reader())
-    np.savez_compressed(buffer, **{k: v.astype(np.float32) if v.dtype == np.float64 else v for k, v in arrays.items()})
+    packed = {k: v.astype(np.float32) if v.dtype == np.float64 else v for k, v in arrays.items()}
+    np.savez_compressed(buffer, **packed)  # type: ignore[arg-type]
     write_atomic(WEIGHTS, buffer.getvalue())
     write_manifest_of(WEIGHTS.parent)
     default_verifier.cache_clear()
