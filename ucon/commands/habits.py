@@ -8,13 +8,14 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from ucon.commands import habits_build, habits_show, habits_stats, habits_survey
+from ucon.commands import habits_build, habits_propose, habits_show, habits_stats, habits_survey
 
 if TYPE_CHECKING:
     from ucon.habits import HabitDataset
 
 _SHOWN = 20
 _ACTIONS = {
+    "propose": (habits_propose, "let a language model propose new entries"),
     "build": (habits_build, "make the dataset file: propose, validate, verify"),
     "stats": (habits_stats, "variety, placements, homes and retrieval in figures and pictures"),
     "show": (habits_show, "a category's entries, or who lives in a scene, for reading"),

@@ -33,6 +33,23 @@ class EpisodeError(UconError):
     """An episode that cannot be sampled, loaded or replayed."""
 
 
+class ServerError(UconError):
+    """A server that cannot be reached, refuses, or does not answer in the end.
+
+    ``status`` is the last HTTP status, None where no answer came at all; ``attempts`` is how often it was asked.
+    """
+
+    def __init__(self, message: str, *, server: str, status: int | None, attempts: int) -> None:
+        super().__init__(message)
+        self.server = server
+        self.status = status
+        self.attempts = attempts
+
+
+class AnswerError(ServerError):
+    """A server that works, but whose answers to one request cannot be used."""
+
+
 def unknown_name(kind: str, name: str, known: Iterable[str], *, remedy: str = "") -> str:
     """One line for a name that does not exist, with the nearest ones that do."""
     names = sorted(known)

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import rankdata
 
 from ucon.core.rng import stream
 from ucon.habits import HabitDataset
@@ -80,12 +79,14 @@ def names(text: str, category: str) -> bool:
 
 
 def _length_auroc(dataset: HabitDataset) -> float | None:
-    supporting = np.asarray([bool(habit.supports) for habit in dataset.habits])
-    positive, negative = int(supporting.sum()), int((~supporting).sum())
-    if not positive or not negative:
+    """Chance that a supporting habit has more words than another one; ties count half."""
+    words, supporting = word_counts(dataset), np.asarray([bool(habit.supports) for habit in dataset.habits])
+    n = int(words.max()) + 1
+    longer, other = (np.bincount(words[rows], minlength=n) for rows in (supporting, ~supporting))
+    if not longer.any() or not other.any():
         return None
-    ranks = rankdata(word_counts(dataset))
-    return round(float(ranks[supporting].sum() - positive * (positive + 1) / 2) / (positive * negative), 4)
+    won = longer @ (other.cumsum() - other / 2)
+    return round(float(won / (longer.sum() * other.sum())), 4)
 
 
 @lru_cache(maxsize=4096)

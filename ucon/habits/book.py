@@ -13,7 +13,7 @@ relations they allow. A file ends with a line break, which tells a whole file fr
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -22,23 +22,17 @@ from typing import Final, cast
 from ucon.core.errors import DataError, unknown_name
 from ucon.core.files import read_verified
 from ucon.habits.datafile import load_dataset_file
-from ucon.habits.types import KINDS, RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
+from ucon.habits.rules import Anchors, count_fault, habit_fault, header_fault, line_fault, placement_fault
+from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
 
 BOOK_FOLDER: Final = Path(__file__).parent / "book"
 BOOK_FILE: Final = Path(__file__).parent / "data" / "book.habits.xz"
 """The book as ``python -m ucon habits build`` makes it of the text: entries with PyBullet's verdicts."""
 ANCHORS: Final = "anchors.txt"
-MAX_LINE: Final = 400
-PLACEMENTS: Final = (3, 6)
-HABITS: Final = (8, 13)
-WORDS: Final = (5, 26)
 
 _HEADER = re.compile(r"# (\w+) \| (\S[^{}]*?)(?: \{(\w+)\})?")
 _PLACEMENT = re.compile(r"@ (\w+) (\w+)(?: \{([^{}]+)\})?")
 _HABIT = re.compile(r"(-|[1-9](?:,[1-9])*): (\S.*)")
-
-Anchors = Mapping[str, frozenset[str]]
-"""Relations that each anchor category allows."""
 
 
 @dataclass
@@ -80,10 +74,7 @@ def _lines(path: Path, raw: bytes) -> list[str]:
         raise DataError(f"{path}:{count}: the last line has no end, so the file is cut off; restore or complete it")
     lines = text.replace("\r\n", "\n").split("\n")[:-1]
     for number, line in enumerate(lines, 1):
-        if len(line) > MAX_LINE:
-            raise DataError(f"{path}:{number}: {len(line)} characters, at most {MAX_LINE} are allowed; shorten it")
-        if not line.isprintable():
-            raise DataError(f"{path}:{number}: a control character; expected plain text, remove it")
+        _refuse(f"{path}:{number}", line_fault(line))
     return lines
 
 
@@ -155,10 +146,7 @@ def _header(where: str, line: str, number: int, categories: Collection[str] | No
     match = _HEADER.fullmatch(line)
     if match is None:
         raise DataError(f"{where}: bad header '{line[:60]}', expected '# category | household'")
-    if categories is not None and match[1] not in categories:
-        raise DataError(f"{where}: {unknown_name('category', match[1], categories)}")
-    if match[3] is not None and match[3] not in KINDS:
-        raise DataError(f"{where}: {unknown_name('kind of place', match[3], KINDS)}")
+    _refuse(where, header_fault(match[1], match[2], match[3], categories))
     return _Draft(match[1], match[2], match[3], number)
 
 
@@ -166,21 +154,11 @@ def _placement(where: str, line: str, draft: _Draft, anchors: Anchors) -> Placem
     match = _PLACEMENT.fullmatch(line)
     if match is None:
         raise DataError(f"{where}: bad placement '{line[:60]}', expected '@ relation anchor' or '@ ... {{context}}'")
-    relation, anchor, context = match.groups()
     if draft.habits:
         raise DataError(f"{where}: placement after habits; list all placements of an entry first")
-    if relation not in RELATIONS:
-        raise DataError(f"{where}: {unknown_name('relation', relation, RELATIONS)}")
-    if anchor not in anchors:
-        raise DataError(f"{where}: {unknown_name('anchor', anchor, anchors)}")
-    if relation not in anchors[anchor]:
-        allowed = ", ".join(sorted(anchors[anchor]))
-        raise DataError(f"{where}: nothing is {relation} a {anchor}; expected one of {allowed}")
-    if anchor == draft.category:
-        raise DataError(f"{where}: a {anchor} placed onto itself; name another anchor")
-    if any((p.relation, p.anchor) == (relation, anchor) for p in draft.placements):
-        raise DataError(f"{where}: '{relation} {anchor}' is listed twice; keep one line")
-    return Placement(cast(Relation, relation), anchor, context)
+    placement = Placement(cast(Relation, match[1]), match[2], match[3])
+    _refuse(where, placement_fault(draft.category, draft.placements, placement, anchors))
+    return placement
 
 
 def _habit(where: str, line: str, draft: _Draft) -> Habit:
@@ -188,29 +166,14 @@ def _habit(where: str, line: str, draft: _Draft) -> Habit:
     if match is None:
         raise DataError(f"{where}: bad habit '{line[:60]}', expected '-: sentence' or '1,3: sentence'")
     supports = () if match[1] == "-" else tuple(int(digit) - 1 for digit in match[1].split(","))
-    for index in supports:
-        if index >= len(draft.placements):
-            raise DataError(f"{where}: no placement {index + 1}; the entry has {len(draft.placements)}")
-    if len(set(supports)) < len(supports):
-        raise DataError(f"{where}: a placement is named twice in '{match[1]}:'; name it once")
-    words = len(match[2].split())
-    if not WORDS[0] <= words <= WORDS[1]:
-        raise DataError(f"{where}: {words} words, expected {WORDS[0]} to {WORDS[1]}")
-    if "_" in match[2]:
-        raise DataError(f"{where}: an underscore in a sentence; write names as people do")
+    _refuse(where, habit_fault(match[2], supports, len(draft.placements)))
     return Habit(match[2], supports)
 
 
 def _finish(path: Path, draft: _Draft, count: dict[str, int]) -> Entry:
-    for what, found, (low, high) in (
-        ("placements", len(draft.placements), PLACEMENTS),
-        ("habits", len(draft.habits), HABITS),
-    ):
-        if not low <= found <= high:
-            raise DataError(
-                f"{path}:{draft.line}: entry '{draft.category}' has {found} {what}, expected {low} to {high}; "
-                "is the file cut off?"
-            )
+    fault = count_fault(len(draft.placements), len(draft.habits))
+    if fault is not None:
+        raise DataError(f"{path}:{draft.line}: entry '{draft.category}' has {fault}; is the file cut off?")
     number = count.get(draft.category, 0)
     count[draft.category] = number + 1
     return Entry(
@@ -221,6 +184,11 @@ def _finish(path: Path, draft: _Draft, count: dict[str, int]) -> Entry:
         tuple(draft.habits),
         kind=draft.kind,
     )
+
+
+def _refuse(where: str, fault: str | None) -> None:
+    if fault is not None:
+        raise DataError(f"{where}: {fault}")
 
 
 @cache

@@ -7,7 +7,7 @@ which texts are read together.
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -19,14 +19,10 @@ from ucon.core.files import read_verified, sha256_bytes
 
 WEIGHTS = Path(__file__).parent / "data" / "reader.npz"
 Array = NDArray[np.float64]
+EVIDENCE = ("anchors", "vocabulary", "bow", "dense", "pair", "bias", "any")
+"""What the evidence reader needs."""
 REQUIRED = (
-    "anchors",
-    "vocabulary",
-    "bow",
-    "dense",
-    "pair",
-    "bias",
-    "any",
+    *EVIDENCE,
     "prior_dense",
     "prior_bias",
     "relation_prior",
@@ -44,10 +40,16 @@ REQUIRED = (
 class Weights:
     """Named float64 arrays, two lists of names, and the hash of the file."""
 
-    def __init__(self, arrays: Mapping[str, NDArray], sha256: str) -> None:
-        missing = [name for name in REQUIRED if name not in arrays]
+    def __init__(
+        self,
+        arrays: Mapping[str, NDArray],
+        sha256: str,
+        required: Sequence[str] = REQUIRED,
+        made_by: str = "python -m ucon.retrieval.fit",
+    ) -> None:
+        missing = [name for name in required if name not in arrays]
         if missing:
-            raise DataError(f"reader weights: no {', '.join(missing)}; make them with `python -m ucon.retrieval.fit`")
+            raise DataError(f"reader weights: no {', '.join(missing)}; make them with `{made_by}`")
         self.sha256 = sha256
         self.anchors: tuple[str, ...] = tuple(_names(arrays["anchors"]))
         """Anchor categories that the reader has met in training, sorted."""
@@ -71,10 +73,19 @@ def _names(packed: NDArray) -> list[str]:
 
 def load_weights(path: Path) -> Weights:
     """Weights of a file that its folder's manifest lists."""
+    return Weights(*load_arrays(path))
+
+
+def load_arrays(path: Path) -> tuple[dict[str, NDArray], str]:
+    """Named arrays of a file that its folder's manifest lists, and the file's hash.
+
+    Raises:
+        DataError: the file is missing, altered, or holds no arrays.
+    """
     raw = read_verified(path)
     try:
         with np.load(io.BytesIO(raw), allow_pickle=False) as file:
-            return Weights({name: file[name] for name in file.files}, sha256_bytes(raw))
+            return {name: file[name] for name in file.files}, sha256_bytes(raw)
     except (ValueError, OSError) as error:
         raise DataError(f"{path}: not a file of arrays ({error}); restore it from the release") from None
 

@@ -1,0 +1,229 @@
+"""Step 1 of the pipeline: a language model proposes entries for new categories and households.
+
+What a model gives is checked by the rules of the habit book (:mod:`ucon.generation.proposal`); it is told what is
+wrong and may mend it a few times. What stays wrong is reported and left out. The result is a text file in the book's
+format, which a person can read and edit; entries that it holds already are kept, so an interrupted run goes on.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from string import Template
+from typing import Final
+
+from ucon.core.errors import AnswerError, ConfigError, unknown_name
+from ucon.core.files import write_atomic
+from ucon.core.rng import derived_seed, stream
+from ucon.generation.proposal import Offer, entry_json, entry_schema, read_entry, sentence_key
+from ucon.habits.book import book, book_anchors, parse_book
+from ucon.habits.contexts import context_table
+from ucon.habits.rules import Anchors
+from ucon.habits.splits import entry_parts
+from ucon.habits.types import KINDS, RELATIONS, Entry, HabitDataset
+from ucon.habits.writer import format_entries
+from ucon.language.chat import ChatClient, Usage
+from ucon.objects.catalogue import catalogue
+
+PROMPTS: Final = Path(__file__).parent / "prompts"
+ROUNDS: Final = 3
+N_EXAMPLES: Final = 2
+N_CONTEXTS: Final = 48
+_MOST_COMPLAINTS: Final = 20
+_MOST_HOUSEHOLDS: Final = 40
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """``count`` entries of a category are wanted in all, in homes or in one of the kinds of places."""
+
+    category: str
+    count: int = 1
+    kind: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """An entry that was asked for and is not there, and why."""
+
+    category: str
+    kind: str | None
+    complaints: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Proposed:
+    """Entries of the file, how many of them are new, what was left out, and what it cost."""
+
+    entries: tuple[Entry, ...]
+    new: int
+    left_out: tuple[LeftOut, ...]
+    usage: Usage
+
+
+def propose(
+    client: ChatClient,
+    wishes: Sequence[Wish],
+    out: Path,
+    *,
+    known: HabitDataset | None = None,
+    anchors: Anchors | None = None,
+    categories: Collection[str] | None = None,
+    rounds: int = ROUNDS,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Proposed:
+    """Ask for what ``out`` lacks and write it there, entry by entry.
+
+    Args:
+        client: the model.
+        wishes: how many entries of which categories ``out`` shall hold.
+        out: text file in the book's format; kept and completed where it exists.
+        known: entries that exist elsewhere: examples, and sentences that are not to be repeated; default the book.
+        anchors: anchors with their relations; default the book's.
+        categories: categories that exist; default the catalogue's.
+        rounds: how often an entry may be given, the first time included.
+        seed: another one asks for other entries.
+        progress: called with (entries tried or there, entries wanted).
+
+    Raises:
+        ConfigError: an unknown category or kind of place, or a count or number of rounds below 1.
+        DataError: ``out`` exists and is malformed; names file and line.
+        ServerError: the server is down or refuses; entries that were proposed before are in ``out``.
+    """
+    names = catalogue().names if categories is None else categories
+    _check(wishes, names, rounds)
+    allowed = book_anchors() if anchors is None else anchors
+    entries = parse_book(out, allowed, names) if out.is_file() else []
+    asker = _Asker(client, book() if known is None else known, allowed, rounds, seed)
+    there = len(entries)
+    left_out: list[LeftOut] = []
+    total, done = sum(wish.count for wish in wishes), 0
+    for wish in wishes:
+        have = sum((e.category, e.kind) == (wish.category, wish.kind) for e in entries)
+        for number in range(wish.count):
+            if number >= have:
+                entry, complaints = asker.entry(wish, number, entries)
+                if entry is None:
+                    left_out.append(LeftOut(wish.category, wish.kind, tuple(complaints)))
+                else:
+                    entries.append(entry)
+                    write_atomic(out, format_entries(entries))
+            done += 1
+            if progress:
+                progress(done, total)
+    return Proposed(tuple(entries), len(entries) - there, tuple(left_out), client.usage)
+
+
+class _Asker:
+    """Asks for one entry at a time."""
+
+    def __init__(self, client: ChatClient, known: HabitDataset, anchors: Anchors, rounds: int, seed: int) -> None:
+        self._client = client
+        self._known = known
+        self._anchors = anchors
+        self._rounds = rounds
+        self._seed = seed
+        self._sentences = frozenset(map(sentence_key, known.texts))
+        told = Counter(p.context for e in known.entries for p in e.placements if p.context in context_table())
+        self._contexts = sorted(sorted(filter(None, told)), key=lambda text: -told[text])[:N_CONTEXTS]
+
+    def entry(self, wish: Wish, number: int, there: Sequence[Entry]) -> tuple[Entry | None, list[str]]:
+        """A new entry, or None and what is wrong with the last one that was given."""
+        offer = self._offer(wish, there)
+        schema = entry_schema(offer, self._contexts)
+        messages = [_message("system", _prompt("entry_system").template.strip()), self._ask(offer, number)]
+        seed = derived_seed(self._seed, "propose", wish.category, wish.kind or "", number)
+        complaints: list[str] = []
+        for _ in range(self._rounds):
+            try:
+                reply = self._client.ask(messages, schema=schema, seed=seed)
+            except AnswerError as error:
+                return None, [*complaints, str(error)]
+            entry, complaints = read_entry(reply.data or {}, offer, sum(e.category == wish.category for e in there))
+            if entry is not None:
+                return entry, []
+            told = "\n".join(f"- {complaint}" for complaint in complaints[:_MOST_COMPLAINTS])
+            again = _message("user", _prompt("entry_again").substitute(complaints=told))
+            messages = [*messages[:2], _message("assistant", reply.text), again]
+        return None, complaints
+
+    def _offer(self, wish: Wish, there: Sequence[Entry]) -> Offer:
+        same = [e.household for e in (*self._known.entries, *there) if e.category == wish.category]
+        new = frozenset(sentence_key(h.text) for e in there for h in e.habits)
+        return Offer(
+            wish.category, wish.kind, self._usual(wish.kind), context_table(), self._sentences | new, frozenset(same)
+        )
+
+    def _usual(self, kind: str | None) -> Anchors:
+        """Anchors that known entries of such places use: shops have checkout counters, homes have not."""
+        used = {p.anchor for e in self._known.entries if e.kind in (None, kind) for p in e.placements}
+        return {name: relations for name, relations in self._anchors.items() if name in used} or self._anchors
+
+    def _ask(self, offer: Offer, number: int) -> dict[str, str]:
+        anchors = [
+            f"{anchor}: {' '.join(r for r in RELATIONS if r in allowed)}"
+            for anchor, allowed in sorted(offer.anchors.items())
+            if anchor != offer.category
+        ]
+        examples = [
+            f"An example, an entry about {_words(entry.category)}:\n{json.dumps(entry_json(entry), ensure_ascii=False)}"
+            for entry in self._examples(offer, number)
+        ]
+        others = [f"- {household}" for household in sorted(offer.households)[:_MOST_HOUSEHOLDS]]
+        told = _prompt("entry_ask").substitute(
+            category=_words(offer.category),
+            people=f"people of a {offer.kind}" if offer.kind else "people at home",
+            anchors="\n".join(anchors),
+            contexts="\n".join(self._contexts) or "(none: every context is null)",
+            examples="\n\n".join(examples) or "(no examples)",
+            households="\n".join(others) or "(none)",
+        )
+        return _message("user", told)
+
+    def _examples(self, offer: Offer, number: int) -> list[Entry]:
+        """Entries of other categories, as learning may see them: no sentence of a test is shown to a model."""
+        if not self._known.labelled:
+            return []
+        parts = entry_parts(self._known)
+        fit = [
+            entry
+            for entry in self._known.entries
+            if parts[entry.id] == "train" and entry.kind == offer.kind and entry.category != offer.category
+        ]
+        rng = stream(self._seed, "propose", "examples", offer.category, offer.kind or "", number)
+        return [fit[int(i)] for i in rng.permutation(len(fit))[:N_EXAMPLES]]
+
+
+def _check(wishes: Sequence[Wish], categories: Collection[str], rounds: int) -> None:
+    for wish in wishes:
+        if wish.category not in categories:
+            raise ConfigError(unknown_name("category", wish.category, categories))
+        if wish.kind is not None and wish.kind not in KINDS:
+            raise ConfigError(unknown_name("kind of place", wish.kind, KINDS))
+        if wish.count < 1:
+            raise ConfigError(f"{wish.count} entries of '{wish.category}' wished for, expected at least 1")
+    twice = [key for key, n in Counter((wish.category, wish.kind) for wish in wishes).items() if n > 1]
+    if twice:
+        raise ConfigError(f"entries of '{twice[0][0]}' are wished for twice; give one count")
+    if rounds < 1:
+        raise ConfigError(f"rounds={rounds}, expected at least 1")
+
+
+def _words(category: str) -> str:
+    return category.replace("_", " ")
+
+
+def _message(role: str, content: str) -> dict[str, str]:
+    return {"role": role, "content": content}
+
+
+@cache
+def _prompt(name: str) -> Template:
+    return Template((PROMPTS / f"{name}.txt").read_text(encoding="utf-8"))

@@ -1,0 +1,99 @@
+"""What a language model said: the answer of a chat server, and the JSON object inside its text."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+from typing import Any, Final
+
+_THOUGHT = re.compile(r"<(think|thinking|reasoning)>.*?</\1>", re.DOTALL)
+_FENCED = re.compile(r"\s*```\w*\s*\n(.*?)\n?\s*```\s*", re.DOTALL)
+_MOST_BRACES: Final = 200
+CUT_OFF: Final = " that was cut off at max_tokens (raise it)"
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """The text of an answer and what it cost. A server that does not count tokens costs 0."""
+
+    text: str
+    prompt_tokens: int
+    completion_tokens: int
+    cut_off: bool
+    """Whether it ended at ``max_tokens`` and not by itself."""
+
+
+def read_answer(body: bytes) -> Said:
+    """The first choice of a chat completion.
+
+    Raises:
+        ValueError: the body is no UTF-8, no JSON, no chat completion, or its content is empty.
+    """
+    try:
+        answer = json.loads(body.decode("utf-8"))
+    except UnicodeDecodeError:
+        raise ValueError("an answer that is not UTF-8") from None
+    except (ValueError, RecursionError):
+        raise ValueError("an answer that is not JSON") from None
+    try:
+        choice = answer["choices"][0]
+        text = choice["message"]["content"]
+    except (KeyError, IndexError, TypeError):
+        raise ValueError("an answer without choices[0].message.content") from None
+    cut_off = choice.get("finish_reason") == "length"
+    if not isinstance(text, str) or not text.strip():
+        raise ValueError("an empty answer" + CUT_OFF * cut_off)
+    used = answer.get("usage")
+    used = used if isinstance(used, dict) else {}
+    return Said(text, _count(used.get("prompt_tokens")), _count(used.get("completion_tokens")), cut_off)
+
+
+def refusal(body: bytes, key: str) -> str:
+    """What a server says about its refusal, in a few plain words in brackets, without the key; empty if nothing."""
+    text = body[:4000].decode("utf-8", "replace")
+    try:
+        error = json.loads(text)
+        error = error.get("error", error)
+        text = str(error.get("message", text) if isinstance(error, dict) else error)
+    except (ValueError, AttributeError, RecursionError):
+        pass
+    text = text.replace(key, "***") if key else text
+    text = " ".join("".join(c if c.isprintable() else " " for c in text).split())[:200]
+    return f" ('{text}')" if text else ""
+
+
+def json_object(text: str, required: tuple[str, ...] = ()) -> dict[str, Any] | None:
+    """The JSON object in a model's text, whatever stands around it; None where there is none.
+
+    A text that is one object, fenced or not, is taken as it is. Out of prose only an object with all ``required``
+    keys is taken: of an object that was cut off, the inner ones that are whole must not pass for it.
+    """
+    bare = _THOUGHT.sub("", text).strip()
+    fenced = _FENCED.fullmatch(bare)
+    whole = _decoded(fenced[1] if fenced else bare)
+    if whole is not None:
+        return whole[0]
+    position = bare.find("{")
+    for _ in range(_MOST_BRACES):
+        if position < 0:
+            return None
+        found = _decoded(bare[position:], all_of_it=False)
+        if found is not None and all(key in found[0] for key in required):
+            return found[0]
+        position = bare.find("{", position + (found[1] if found else 1))
+    return None
+
+
+def _decoded(text: str, *, all_of_it: bool = True) -> tuple[dict[str, Any], int] | None:
+    """The object at the start of a text and its length."""
+    stripped = text.strip() if all_of_it else text
+    try:
+        value, end = json.JSONDecoder().raw_decode(stripped)
+    except (ValueError, RecursionError):
+        return None
+    return (value, end) if isinstance(value, dict) and (not all_of_it or end == len(stripped)) else None
+
+
+def _count(value: object) -> int:
+    return value if isinstance(value, int) and value > 0 else 0
