@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final, cast
 
-from ucon.core.errors import DataError
+from ucon.core.errors import DataError, brief
 from ucon.habits.release import (
     category_name,
     default_file,
@@ -86,7 +86,7 @@ def official(path: Path | str, categories: Collection[str] | None = None) -> tup
     content, twice = load_release_file(file)
     report = ImportReport(file)
     for name in twice:
-        report.add(str(file), f"key {_quoted(name)} stands twice in one object; only the last one is read")
+        report.add(str(file), f"key '{brief(name)}' stands twice in one object; only the last one is read")
     entries: list[Entry] = []
     number: dict[tuple[str, str], int] = {}
     scenes: set[str] = set()
@@ -110,14 +110,12 @@ def _tasks(
     """(scene, category or None in list form, where, task) of everything that is an object."""
     for scene, group in content.items():
         if plain(scene) != scene:
-            report.add(str(file), f"scene {_quoted(scene)}, expected a name")
+            report.add(str(file), f"scene '{brief(scene)}', expected a name")
             continue
         if isinstance(group, dict):
-            lists = [
-                (name, f"{file}: {scene} > {plain(name) or _quoted(name)}", tasks) for name, tasks in group.items()
-            ]
+            lists = [(name, f"{file}: {brief(scene)} > {brief(name)}", tasks) for name, tasks in group.items()]
         else:
-            lists = [(None, f"{file}: {scene}", group)]
+            lists = [(None, f"{file}: {brief(scene)}", group)]
         for category, where, tasks in lists:
             if not isinstance(tasks, list):
                 report.add(where, f"{kind(tasks)}, expected a list of tasks")
@@ -171,16 +169,16 @@ def _target(
         return None
     target = category_name(told, categories)
     if category is not None and target != category_name(category, categories):
-        report.add(where, f"basic_object_name {_quoted(target)} is listed under {_quoted(category)}")
+        report.add(where, f"basic_object_name '{brief(target)}' is listed under '{brief(category)}'")
     if categories is None or target in categories:
         return target
     named = {parts[0] for text in locations if (parts := location_parts(text, categories))}
     if category is None and len(named) == 1 and named <= set(categories):
         report.add(
-            where, f"basic_object_name {_quoted(told)} is no category; its locations say '{min(named)}', read so"
+            where, f"basic_object_name '{brief(told)}' is no category; its locations say '{min(named)}', read so"
         )
         return min(named)
-    report.add(where, f"unknown target category {_quoted(target)}")
+    report.add(where, f"unknown target category '{brief(target)}'")
     return None
 
 
@@ -226,7 +224,7 @@ def _placement_fault(
 ) -> str:
     """What is wrong with a location; empty where nothing is."""
     if parts is None or (categories is None and not re.fullmatch(r"\w+", parts[2])):
-        return f"{_quoted(text)}, expected target.place_relation(anchor)"
+        return f"'{brief(text)}', expected target.place_relation(anchor)"
     named, relation, anchor = parts
     if relation not in RELATIONS:
         return f"unknown relation '{relation}', expected {', '.join(RELATIONS)}"
@@ -245,9 +243,4 @@ def _fault(value: Any) -> str:
     """What a value is that should be a text."""
     if not isinstance(value, str):
         return kind(value)
-    return f"{_quoted(value)} with a character that cannot be shown" if value.strip() else "empty"
-
-
-def _quoted(text: str) -> str:
-    """The start of a text, safe to print whatever it holds."""
-    return f"'{text[:60]}'" if text.isprintable() else ascii(text[:60])
+    return f"'{brief(value)}' with a character that cannot be shown" if value.strip() else "empty"
