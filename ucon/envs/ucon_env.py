@@ -60,10 +60,10 @@ class UcONEnv(gym.Env[Obs, int]):
     | step | Discrete(max_steps + 1) | steps taken |
 
     ### Info
-    ``target`` (category), ``camera_m`` (its height); at reset ``task`` (name of the rules), ``habits`` (texts),
-    ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for seeds and logs) and with ``planner="true"`` ``nav``
-    (free grid in the agent's frame); with ``detector=True``
-    ``detections``, ``tracks`` and ``opened`` (tracks); at the end ``episode_metrics``. With ``privileged=True`` also
+    ``target`` (category), ``camera_m`` (its height); at reset ``task`` (name of the rules), ``context`` (a sentence
+    or None), ``habits`` (texts), ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for seeds and logs), with
+    ``planner="true"`` ``nav`` (free grid in the agent's frame); with ``detector=True`` ``detections``, ``tracks`` and
+    ``opened`` (tracks); at the end ``episode_metrics``. With ``privileged=True`` also
     ``privileged`` (scene, episode, solution, locations, target instance, pose): for trainers and oracles only.
 
     ### Rewards
@@ -148,6 +148,7 @@ class UcONEnv(gym.Env[Obs, int]):
         info |= {
             "episode": self.episode.id,
             "task": self.rules.name,
+            "context": self.episode.context and self.episode.context.sentence(),
             "habit_level": self.habit_level,
             "habits": self._knowledge.texts,
             "habit_rows": self._knowledge.rows,
