@@ -97,7 +97,8 @@ def _header(path: Path, line: str) -> dict[str, Any]:
     except (ValueError, KeyError, TypeError, RecursionError):
         raise DataError(f"{path}:1: not the header of a habit dataset; expected a file of `habits build`") from None
     if found != (FORMAT, VERSION):
-        raise DataError(f"{path}:1: format {brief(f'{found[0]} {found[1]}')}, expected {FORMAT} {VERSION}; build it anew")
+        other = brief(f"{found[0]} {found[1]}")
+        raise DataError(f"{path}:1: format {other}, expected {FORMAT} {VERSION}; build it anew")
     return cast(dict[str, Any], header)
 
 
