@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from ucon.commands import habits_build, habits_import, habits_propose
+from ucon.commands import habits_build, habits_import, habits_propose, habits_show, habits_stats, habits_survey
 
 if TYPE_CHECKING:
     from ucon.habits import HabitDataset
@@ -14,6 +14,9 @@ _ACTIONS = {
     "import": (habits_import, "read the official release and try every location in PyBullet"),
     "propose": (habits_propose, "let a language model propose new entries"),
     "build": (habits_build, "make the dataset file: propose, validate, verify"),
+    "stats": (habits_stats, "variety, placements, homes and retrieval in figures and pictures"),
+    "show": (habits_show, "a category's entries, or who lives in a scene, for reading"),
+    "survey": (habits_survey, "make rating sheets for people, score the returned ones"),
 }
 
 
