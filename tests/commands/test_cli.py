@@ -57,6 +57,9 @@ def test_every_command_explains_itself_without_heavy_imports(command):
         (["compare", "nowhere", "else"], r"nowhere/episodes\.jsonl: no such file|nowhere: no such file"),
         (["compare", "one"], "at least two"),
         (["habits", "import", "nowhere.json", "--json"], r"nowhere\.json"),
+        (["habits", "import", "pyproject.toml", "--all"], "--all: pyproject.toml is a file"),
+        (["habits", "import", "configs", "--all"], "configs: no task file of the release in it"),
+        (["habits", "import", "configs"], r"no seen_obj_seen_scene\.json in it, found no task file at all"),
         (["scenes", "--scene", "Rs_imt"], "Rs_int"),
         (["episodes", "verify", "nowhere"], "nowhere"),
         (["episodes", "make", "mini", "--task", "papr"], "did you mean paper"),
@@ -119,13 +122,30 @@ def test_what_an_imported_file_holds_and_what_of_it_can_be_placed(tmp_path):
     locations = ["mug.place_ontop(breakfast_table)", "mug.place_inside(walls)", "mug.place_nextto(swing)", "mug"]
     task = {"basic_object_name": "mug", "habits": ["Keeps it on the table."], "location": locations}
     (tmp_path / "tasks.json").write_text(json.dumps({"Rs_int": {"mug": [task]}}))
-    result = run("habits", "import", str(tmp_path / "tasks.json"), "--json")
+    result = run("habits", "import", str(tmp_path / "tasks.json"), "--json", "--static")
     assert result.returncode == 1, "something was malformed"
     found = json.loads(result.stdout)
     counts = {name: value for name, value in found.items() if not isinstance(value, list)}
     assert counts == {
         **{"scenes": 1, "categories": 1, "tasks": 1, "habits": 1, "locations": 4},
-        **{"placed": 1, "implausible": 1, "absent_anchor": 1, "malformed": 1},
+        **{"placed": 1, "imported": 0, "implausible": 1, "absent_anchor": 1, "never_seen": 0, "malformed": 1},
     }
     where = [one["where"].rpartition("tasks.json: ")[2] for one in found["problems"] + found["unplaced"]]
     assert where == [f"Rs_int > mug[0].location[{k}]" for k in (3, 1, 2)]
+
+
+def test_all_files_of_a_folder_are_reported_each_by_itself(tmp_path):
+    task = {"basic_object_name": "mug", "habits": ["Keeps it on the table."], "location": ["mug.place_ontop(shelf)"]}
+    for name in ("task.json", "test.json"):
+        (tmp_path / name).write_text(json.dumps({"Rs_int": [task]}))
+    (tmp_path / "task_nodoor.json").write_text("[" * 50_000)
+    result = run("habits", "import", str(tmp_path), "--all", "--static", "--json")
+    assert result.returncode == 1, result.stderr
+    found = json.loads(result.stdout)
+    assert {name: file["placed"] for name, file in found["files"].items()} == {"task.json": 1, "test.json": 1}
+    assert [line.partition("task_nodoor.json")[2][:18] for line in found["unusable"]] == [": nested too deepl"]
+    assert any("seen_obj_seen_scene.json: missing" in line for line in found["warnings"])
+    shown = run("habits", "import", str(tmp_path), "--all", "--static")
+    assert "== test.json" in shown.stdout
+    assert "unusable:" in shown.stdout
+    assert "warnings:" in shown.stdout

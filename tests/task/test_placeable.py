@@ -10,7 +10,7 @@ import pytest
 
 from ucon.habits import official
 from ucon.objects.catalogue import catalogue
-from ucon.task.placeable import ABSENT, Unplaced, unplaced
+from ucon.task.placeable import ABSENT, Unplaced, counted, unplaced
 
 RELEASE = Path(__file__).resolve().parents[2] / "../shared/official_release/task"
 
@@ -43,6 +43,17 @@ def test_every_refusal_names_its_position_and_reason(tmp_path: Path) -> None:
         ("Rs_int > mug[0].location[5]", "implausible"),
     ]
     assert "no swing in Rs_int" in str(found[1])
+    assert [one.group for one in found] == ["implausible", "absent_anchor", "implausible"]
+
+
+def test_the_verdicts_add_up(tmp_path: Path) -> None:
+    locations = ("mug.place_ontop(breakfast_table)", "mug.place_nextto(tray)", "mug.place_nextto(swing)")
+    task = {"basic_object_name": "mug", "habits": ["Keeps it there."], "location": list(locations)}
+    path = tmp_path / "tasks.json"
+    path.write_text(json.dumps({"Rs_int": [task], "Rs_imt": [task]}))
+    _, report = official(path, catalogue().names)
+    counts = counted(report.located, unplaced(report.located))
+    assert counts == {"placed": 2, "imported": 1, "implausible": 0, "absent_anchor": 4, "never_seen": 0}
 
 
 def test_a_scene_that_does_not_exist_is_named(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -50,11 +50,16 @@ def _raise_users_error(error: BaseException | None, target: str) -> None:
 
 
 def official_habits(path: str) -> HabitDataset:
-    """Dataset of the official release at ``path``, without what is not in the catalogue."""
+    """Dataset of the official release at ``path``, without what is not in the catalogue.
+
+    Its verdicts are those of ``habits import`` where that was run before, else of the shapes.
+    """
+    from ucon.generation.kept import known_verdicts
     from ucon.habits import official
     from ucon.objects.catalogue import catalogue
 
-    return official(existing(path, "habits.path"), catalogue().names)[0]
+    dataset, _ = official(existing(path, "habits.path"), catalogue().names)
+    return replace(dataset, verdicts=known_verdicts(dataset))
 
 
 def folder_habits(path: str) -> HabitDataset:

@@ -50,9 +50,16 @@ class AnswerError(ServerError):
     """A server that works, but whose answers to one request cannot be used."""
 
 
+def brief(value: object) -> str:
+    """A value as messages show it: one line, safe to print, its first 80 characters."""
+    text = value if isinstance(value, str) else repr(value)
+    text = text if len(text) <= 80 else f"{text[:80]}..."
+    return text if text.isprintable() else ascii(text)[1:-1]
+
+
 def unknown_name(kind: str, name: str, known: Iterable[str], *, remedy: str = "") -> str:
     """One line for a name that does not exist, with the nearest ones that do."""
-    names = sorted(known)
+    names, name = sorted(known), brief(name)
     close = difflib.get_close_matches(name, names, n=3)
     hint = f"did you mean {', '.join(close)}?" if close else _sample(names)
     return f"unknown {kind} '{name}': {hint}{' ' + remedy if remedy else ''}"

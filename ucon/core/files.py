@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from ucon.core.errors import DataError
+from ucon.core.errors import DataError, brief
 
 MANIFEST = "MANIFEST.json"
 
@@ -85,17 +85,17 @@ def read_verified(path: Path) -> bytes:
         raise DataError(f"{path}: no such file")
     try:
         entry = json.loads(manifest.read_text())["files"][path.name]
-        expected, size = entry["sha256"], entry["bytes"]
+        expected, size = str(entry["sha256"]), int(entry["bytes"])
     except FileNotFoundError:
         raise DataError(
             f"{manifest}: missing, so {path.name} cannot be verified; restore it from the release"
         ) from None
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, LookupError, TypeError, OverflowError, RecursionError):
         raise DataError(f"{manifest}: no usable entry for {path.name}; restore it from the release") from None
     data = path.read_bytes()
     if len(data) != size or sha256_bytes(data) != expected:
         raise DataError(
-            f"{path}: {len(data)} bytes with SHA-256 {sha256_bytes(data)[:12]}, expected {size} bytes with "
-            f"{expected[:12]}; the file is truncated or altered, restore it from the release"
+            f"{path}: {len(data)} bytes with SHA-256 {sha256_bytes(data)[:12]}, expected {brief(size)} bytes with "
+            f"{brief(expected[:12])}; the file is truncated or altered, restore it from the release"
         )
     return data

@@ -22,7 +22,7 @@ from ucon.core.errors import DataError
 from ucon.core.files import canonical_json, sha256_bytes, write_atomic
 from ucon.core.rng import stream
 from ucon.habits.types import HabitDataset
-from ucon.habits.verdicts import Triple, Verdict, Verdicts
+from ucon.habits.verdicts import NEVER_SEEN, Triple, Verdict, Verdicts
 from ucon.scenes import SCENES
 from ucon.sim.arrangement import Arrangement
 from ucon.sim.cache import load_house
@@ -35,8 +35,6 @@ from ucon.task.solve import Solver
 
 ANCHORS_TRIED = 4
 HOMES_IMPORTED_INTO = 2
-NEVER_SEEN = "never_seen"
-"""Reason of what was placed and settled, but no pose in reach shows it."""
 _BLOCK = 200
 
 Progress = Callable[[int, int], None]
@@ -44,15 +42,17 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """Triples to be tried in one home."""
+    """Triples to be tried in one home, with an absent anchor brought to up to ``spots`` places."""
 
     home: str
     triples: tuple[Triple, ...]
+    spots: int = 1
 
     @property
     def key(self) -> str:
         """Names its results: hash of what is tried and of the home it is tried in."""
-        return sha256_bytes(canonical_json([self.home, load_house(self.home).spec.hash, self.triples]).encode())[:24]
+        what = [self.home, load_house(self.home).spec.hash, self.triples, *([self.spots] if self.spots > 1 else [])]
+        return sha256_bytes(canonical_json(what).encode())[:24]
 
 
 def dataset_triples(dataset: HabitDataset) -> dict[str, list[Triple]]:
@@ -77,7 +77,12 @@ def dataset_triples(dataset: HabitDataset) -> dict[str, list[Triple]]:
 
 
 def validate(
-    wanted: dict[str, list[Triple]], folder: Path, *, workers: int = 2, progress: Progress | None = None
+    wanted: dict[str, list[Triple]],
+    folder: Path,
+    *,
+    workers: int = 2,
+    spots: int = 1,
+    progress: Progress | None = None,
 ) -> Verdicts:
     """Try all triples in their homes.
 
@@ -85,10 +90,11 @@ def validate(
         wanted: triples by home, as of :func:`dataset_triples`.
         folder: where finished blocks are kept; what is there is not tried again.
         workers: processes; 0 or 1 tries everything in this one.
+        spots: places to which an anchor that a home lacks is brought, one after the other, until one serves.
         progress: called with (trials done, trials in all).
     """
     blocks = [
-        Block(home, tuple(triples[start : start + _BLOCK]))
+        Block(home, tuple(triples[start : start + _BLOCK]), spots)
         for home, triples in wanted.items()
         for start in range(0, len(triples), _BLOCK)
     ]
@@ -106,22 +112,32 @@ def validate(
     return Verdicts({triple: Verdict(count, dict(sorted(refused[triple].items()))) for triple, count in tried.items()})
 
 
-def try_triple(house: House, triple: Triple, eyes: RasterRenderer) -> str | None:
+def try_triple(house: House, triple: Triple, eyes: RasterRenderer, spots: int = 1) -> str | None:
     """None where the home takes the triple and the object can be found there; else why not."""
+    reason: str | None = None
+    for spot in range(1 if triple[2] in house.categories else spots):
+        reason = _try_at(house, triple, eyes, spot)
+        if reason is None or implausible(*triple) is not None:  # type: ignore[arg-type]
+            break
+    return reason
+
+
+def _try_at(house: House, triple: Triple, eyes: RasterRenderer, spot: int) -> str | None:
+    """One round of trials; ``spot`` counts the places to which an absent anchor was brought before."""
     category, relation, anchor = triple
-    home = house.spec.name
+    home, again = house.spec.name, (f"spot {spot}",) if spot else ()
     try:
-        before, instances = _with_anchor(house, anchor)
+        before, instances = _with_anchor(house, anchor, again)
     except RefusedError as error:
         return error.reason
     reason: str = "absent_anchor"
-    for k in stream(0, "validate", home, *triple).permutation(instances)[:ANCHORS_TRIED]:
+    for k in stream(0, "validate", home, *triple, *again).permutation(instances)[:ANCHORS_TRIED]:
         size = house.spec.items[k].size if k < house.n_items else None
         if (refusal := implausible(category, relation, anchor, size)) is not None:  # type: ignore[arg-type]
             reason = refusal[0]
             continue
         try:
-            rng = stream(0, "validate", home, *triple, int(k))
+            rng = stream(0, "validate", home, *triple, *again, int(k))
             placed = place(house, before, category, relation, int(k), rng)  # type: ignore[arg-type]
         except RefusedError as error:
             reason = error.reason
@@ -135,12 +151,13 @@ def try_triple(house: House, triple: Triple, eyes: RasterRenderer) -> str | None
     return reason
 
 
-def _with_anchor(house: House, anchor: str) -> tuple[Arrangement, list[int]]:
+def _with_anchor(house: House, anchor: str, again: tuple[str, ...]) -> tuple[Arrangement, list[int]]:
     """The home, the anchor brought in where it lacks one, and the anchor's instances."""
     there = [k for k, name in enumerate(house.categories) if name == anchor]
     if there:
         return Arrangement(), there
-    brought = import_anchor(house, Arrangement(), anchor, stream(0, "validate", "import", house.spec.name, anchor))
+    rng = stream(0, "validate", "import", house.spec.name, anchor, *again)
+    brought = import_anchor(house, Arrangement(), anchor, rng)
     return with_object(house, Arrangement(), brought), [house.n_instances]
 
 
@@ -170,7 +187,7 @@ def _kept(
 
 def _try_block(block: Block) -> list[str | None]:
     house, eyes = load_house(block.home), RasterRenderer()
-    return [try_triple(house, triple, eyes) for triple in block.triples]
+    return [try_triple(house, triple, eyes, block.spots) for triple in block.triples]
 
 
 def _path(folder: Path, block: Block) -> Path:

@@ -28,6 +28,7 @@ EVENT_GROUPS: Final = ("guests", "feast", "travel", "work", "chores", "health", 
 TABLE: Final = Path(__file__).parent / "data" / "contexts.txt"
 #: How often an episode that states its context has an occasion at all.
 EVENT_P: Final = 0.5
+MAX_LINE: Final = 400
 _WAKING_HOURS = range(6, 24)
 _SEASON_OF: Final = {
     **dict.fromkeys(("feast/christmas", "feast/advent", "feast/new-year", "feast/hanukkah", "feast/tet"), "winter"),
@@ -147,15 +148,17 @@ def read_contexts(path: Path) -> dict[str, Condition]:
         DataError: naming file and line of the first thing that is wrong.
     """
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
+        lines = path.read_bytes().decode("utf-8").replace("\r\n", "\n").split("\n")
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"{path}: cannot be read ({error}); expected lines 'context = conditions'") from None
     table: dict[str, Condition] = {}
     for number, line in enumerate(lines, 1):
+        where = f"{path}:{number}"
+        if len(line) > MAX_LINE or not line.isprintable():
+            raise DataError(f"{where}: expected plain text of at most {MAX_LINE} characters; mend the line")
         if not line.strip() or line.startswith("#"):
             continue
         text, equals, conditions = line.partition(" = ")
-        where = f"{path}:{number}"
         if not equals or not text.strip():
             raise DataError(f"{where}: '{line[:60]}', expected 'context = condition; condition'")
         if text in table:

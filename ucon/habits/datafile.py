@@ -11,7 +11,7 @@ import lzma
 from pathlib import Path
 from typing import Any, Final, cast
 
-from ucon.core.errors import DataError
+from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json, read_verified, sha256_bytes, write_atomic
 from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
 from ucon.habits.verdicts import Verdicts
@@ -61,7 +61,7 @@ def load_dataset_file(path: Path, *, verified: bool = False) -> HabitDataset:
     entries = tuple(_entry(row, f"{path}:{number}") for number, row in enumerate(rows[:-1], 2))
     try:
         verdicts = Verdicts.from_json(json.loads(rows[-1]))
-    except (ValueError, TypeError, AttributeError):
+    except (ValueError, TypeError, AttributeError, OverflowError, RecursionError):
         raise DataError(f"{path}:{len(rows) + 1}: not a list of verdicts; build the file anew") from None
     return HabitDataset(str(header["name"]), entries, labelled=bool(header["labelled"]), verdicts=verdicts)
 
@@ -91,13 +91,14 @@ def _header(path: Path, line: str) -> dict[str, Any]:
     try:
         header = json.loads(line)
         found = (header["format"], header["version"])
-        if not isinstance(header["entries"], int) or not isinstance(header["steps"], dict):
+        types = {"entries": int, "steps": dict, "body_sha256": str, "name": str, "labelled": bool}
+        if not all(isinstance(header[key], kind) for key, kind in types.items()) or not header["name"].isprintable():
             raise TypeError("header")
-        _ = header["body_sha256"], header["name"], header["labelled"]
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError):
         raise DataError(f"{path}:1: not the header of a habit dataset; expected a file of `habits build`") from None
     if found != (FORMAT, VERSION):
-        raise DataError(f"{path}:1: format {found[0]} {found[1]}, expected {FORMAT} {VERSION}; build it anew")
+        other = brief(f"{found[0]} {found[1]}")
+        raise DataError(f"{path}:1: format {other}, expected {FORMAT} {VERSION}; build it anew")
     return cast(dict[str, Any], header)
 
 
@@ -118,8 +119,24 @@ def _entry(row: str, where: str) -> Entry:
         name, category, household, scene, kind, places, habits = json.loads(row)
         placements = tuple(Placement(cast(Relation, relation), anchor, told) for relation, anchor, told in places)
         sentences = tuple(Habit(text, tuple(supports)) for text, supports in habits)
-        if not {p.relation for p in placements} <= set(RELATIONS) or not (placements and sentences):
+        entry = Entry(name, category, household, placements, sentences, scene, kind)
+        if not _usable(entry):
             raise ValueError(row)
-    except (ValueError, TypeError):
+    except (ValueError, TypeError, RecursionError):
         raise DataError(f"{where}: not an entry of a habit dataset; build the file anew") from None
-    return Entry(name, category, household, placements, sentences, scene, kind)
+    return entry
+
+
+def _usable(entry: Entry) -> bool:
+    """Whether every value is of the type that it should be, and every text can be shown."""
+    texts: list[Any] = [entry.id, entry.category, entry.household, *(h.text for h in entry.habits)]
+    texts += [text for p in entry.placements for text in (p.relation, p.anchor)]
+    texts += [text for text in (entry.scene, entry.kind, *(p.context for p in entry.placements)) if text is not None]
+    known = range(len(entry.placements))
+    supports: list[Any] = [index for habit in entry.habits for index in habit.supports]
+    return (
+        all(isinstance(text, str) and text.isprintable() for text in texts)
+        and all(type(index) is int and index in known for index in supports)
+        and all(p.relation in RELATIONS for p in entry.placements)
+        and bool(entry.placements and entry.habits)
+    )

@@ -1,24 +1,33 @@
 """Reader of the official release's task files. Its text is read from a path the user gives and never shipped.
 
 Two forms are accepted: scene -> category -> list of tasks, and scene -> list of tasks. A task has the fields
-``user_instruction``, ``basic_object_name``, ``prompt``, ``habits`` and ``location``; a location reads
-``target.place_relation(anchor)``. Whatever does not fit is reported with its file and position.
+``user_instruction``, ``basic_object_name``, ``prompt``, ``habits`` and ``location`` (or ``locations``); a location
+reads ``target.place_relation(anchor)``. Other fields, such as the answers that language models gave, are never looked
+at. Whatever does not fit is reported with its file and position.
 """
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, Final, cast
 
-from ucon.core.errors import DataError
+from ucon.core.errors import DataError, brief
+from ucon.habits.release import (
+    category_name,
+    default_file,
+    kind,
+    load_release_file,
+    location_parts,
+    plain,
+    unpacked,
+)
 from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
 
-DEFAULT_FILE = "seen_obj_seen_scene.json"
-_LOCATION = re.compile(r"\s*(\w+)\.place_(\w+)\((\w+)\)\s*")
+MAX_TEXT: Final = 2000
+"""Characters of one sentence; the release's longest has 259."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,64 +75,33 @@ def official(path: Path | str, categories: Collection[str] | None = None) -> tup
 
     Args:
         path: file or folder.
-        categories: names that exist; targets and anchors outside are reported and left out. None accepts any.
+        categories: names that exist; targets and anchors outside are reported and left out. Names of models and
+            instances are taken for their category. None accepts any name as it stands.
 
     Raises:
         DataError: the file cannot be read, is not JSON of one of the two forms, or holds no usable task.
     """
     file = Path(path)
-    file = file / DEFAULT_FILE if file.is_dir() else file
-    content = _load(file)
+    file = default_file(file) if file.is_dir() else file
+    content, twice = load_release_file(file)
     report = ImportReport(file)
+    for name in twice:
+        report.add(str(file), f"key '{brief(name)}' stands twice in one object; only the last one is read")
     entries: list[Entry] = []
     number: dict[tuple[str, str], int] = {}
-    names: set[str] = set()
     scenes: set[str] = set()
     for scene, category, where, task in _tasks(file, content, report):
         scenes.add(scene)
         entry = _entry(scene, category, where, task, report, categories)
         if entry is None:
             continue
-        names.add(entry.category)
         index = number.get((scene, entry.category), 0)
         number[scene, entry.category] = index + 1
-        entries.append(
-            Entry(f"{scene}/{entry.category}/{index}", *_rest(entry), scene=scene),
-        )
-    report.scenes, report.categories = len(scenes), len(names)
+        entries.append(replace(entry, id=f"{scene}/{entry.category}/{index}"))
+    report.scenes, report.categories = len(scenes), len({entry.category for entry in entries})
     if not entries:
         raise DataError(f"{file}: no usable task; expected scene -> category -> tasks (or scene -> tasks)")
     return HabitDataset(f"official:{file.stem}", tuple(entries), labelled=False), report
-
-
-def _rest(entry: Entry) -> tuple[str, str, tuple[Placement, ...], tuple[Habit, ...]]:
-    return entry.category, entry.household, entry.placements, entry.habits
-
-
-def _load(file: Path) -> dict[str, Any]:
-    try:
-        raw = file.read_bytes()
-    except OSError as error:
-        raise DataError(f"{file}: cannot be read ({error.strerror}); expected a task file of the release") from None
-    try:
-        content = json.loads(raw.decode("utf-8"))
-    except UnicodeDecodeError as error:
-        line = raw.count(b"\n", 0, error.start) + 1
-        raise DataError(f"{file}:{line}: not UTF-8 ({error.reason}); download the file again") from None
-    except json.JSONDecodeError as error:
-        raise DataError(
-            f"{file}:{error.lineno}:{error.colno}: not JSON ({error.msg}); the file is cut off or altered, "
-            "download it again"
-        ) from None
-    except RecursionError:
-        raise DataError(f"{file}: nested too deeply; expected scene -> category -> list of tasks") from None
-    if not isinstance(content, dict) or not content:
-        raise DataError(f"{file}: {_kind(content)} at the top, expected an object whose keys are scenes")
-    return content
-
-
-def _kind(value: Any) -> str:
-    return {dict: "object", list: "list", str: "text", type(None): "null"}.get(type(value), type(value).__name__)
 
 
 def _tasks(
@@ -131,19 +109,22 @@ def _tasks(
 ) -> Iterator[tuple[str, str | None, str, dict[str, Any]]]:
     """(scene, category or None in list form, where, task) of everything that is an object."""
     for scene, group in content.items():
+        if plain(scene) != scene:
+            report.add(str(file), f"scene '{brief(scene)}', expected a name")
+            continue
         if isinstance(group, dict):
-            lists = [(category, f"{file}: {scene} > {category}", tasks) for category, tasks in group.items()]
+            lists = [(name, f"{file}: {brief(scene)} > {brief(name)}", tasks) for name, tasks in group.items()]
         else:
-            lists = [(None, f"{file}: {scene}", group)]
+            lists = [(None, f"{file}: {brief(scene)}", group)]
         for category, where, tasks in lists:
             if not isinstance(tasks, list):
-                report.add(where, f"{_kind(tasks)}, expected a list of tasks")
+                report.add(where, f"{kind(tasks)}, expected a list of tasks")
                 continue
-            for i, task in enumerate(tasks):
+            for i, task in enumerate(map(unpacked, tasks)):
                 if isinstance(task, dict):
                     yield scene, category, f"{where}[{i}]", task
                 else:
-                    report.add(f"{where}[{i}]", f"{_kind(task)}, expected an object with habits and location")
+                    report.add(f"{where}[{i}]", f"{kind(task)}, expected an object with habits and location")
 
 
 def _entry(
@@ -155,63 +136,111 @@ def _entry(
     categories: Collection[str] | None,
 ) -> Entry | None:
     report.tasks += 1
-    target = task.get("basic_object_name")
-    habits = [Habit(text) for text in _strings(task, "habits", where, report)]
-    locations = _strings(task, "location", where, report)
+    habits = [Habit(text) for text in _strings(task, "habits", where, report).values()]
+    locations = _strings(task, "location" if "location" in task else "locations", where, report)
     report.habits += len(habits)
     report.locations += len(locations)
-    if not isinstance(target, str) or not target:
-        report.add(where, f"basic_object_name is {_kind(target)}, expected the target's category")
+    target = _target(task.get("basic_object_name"), category, list(locations.values()), where, report, categories)
+    if target is None:
         return None
-    if category is not None and target != category:
-        report.add(where, f"basic_object_name '{target}' is listed under '{category}'")
-    if categories is not None and target not in categories:
-        report.add(where, f"unknown target category '{target}'")
-        return None
-    placements = _placements(target, locations, where, report, categories)
+    placements = _placements(target, locations, report, categories)
     if not placements or not habits:
         report.add(where, f"{len(placements)} usable locations and {len(habits)} habits, expected at least 1 of each")
         return None
-    household = str(task.get("user_instruction") or "")
+    told = task.get("user_instruction")
+    household = plain(told)
+    if told and household is None:
+        report.add(where, f"user_instruction: {_fault(told)}, expected a text; left out")
     report.located += [Located(at, scene, target, placement) for at, placement in placements.items()]
-    return Entry("", target, household, tuple(placements.values()), tuple(habits), scene)
+    return Entry("", target, household or "", tuple(placements.values()), tuple(habits), scene)
 
 
-def _strings(task: dict[str, Any], key: str, where: str, report: ImportReport) -> list[str]:
+def _target(
+    told: Any,
+    category: str | None,
+    locations: list[str],
+    where: str,
+    report: ImportReport,
+    categories: Collection[str] | None,
+) -> str | None:
+    """The target's category; a raw file's free name for it gives way to the one that all its locations use."""
+    if plain(told) is None:
+        report.add(where, f"basic_object_name is {_fault(told)}, expected the target's category")
+        return None
+    target = category_name(told, categories)
+    if category is not None and target != category_name(category, categories):
+        report.add(where, f"basic_object_name '{brief(target)}' is listed under '{brief(category)}'")
+    if categories is None or target in categories:
+        return target
+    named = {parts[0] for text in locations if (parts := location_parts(text, categories))}
+    if category is None and len(named) == 1 and named <= set(categories):
+        report.add(
+            where, f"basic_object_name '{brief(told)}' is no category; its locations say '{min(named)}', read so"
+        )
+        return min(named)
+    report.add(where, f"unknown target category '{brief(target)}'")
+    return None
+
+
+def _strings(task: dict[str, Any], key: str, where: str, report: ImportReport) -> dict[str, str]:
+    """The usable texts of a list by their position in the file."""
     value = task.get(key)
     if not isinstance(value, list):
-        report.add(where, f"{key} is {_kind(value)}, expected a list of texts")
-        return []
+        report.add(where, f"{key} is {kind(value)}, expected a list of texts")
+        return {}
+    found: dict[str, str] = {}
     for i, text in enumerate(value):
-        if not isinstance(text, str) or not text.strip():
-            report.add(f"{where}.{key}[{i}]", f"{_kind(text) if text else 'empty'}, expected a text")
-    return [text for text in value if isinstance(text, str) and text.strip()]
+        at, line = f"{where}.{key}[{i}]", plain(text)
+        if line is None:
+            report.add(at, f"{_fault(text)}, expected a text")
+        elif len(line) > MAX_TEXT:
+            report.add(at, f"{len(line)} characters, expected at most {MAX_TEXT}")
+        else:
+            found[at] = line
+    return found
 
 
 def _placements(
-    target: str, locations: list[str], where: str, report: ImportReport, categories: Collection[str] | None
+    target: str, locations: dict[str, str], report: ImportReport, categories: Collection[str] | None
 ) -> dict[str, Placement]:
     """The usable placements by their position in the file."""
     found: dict[str, Placement] = {}
-    known: set[tuple[str, str]] = set()
-    for i, text in enumerate(locations):
-        message = ""
-        match = _LOCATION.fullmatch(text)
-        if match is None:
-            message = f"'{text[:60]}', expected target.place_relation(anchor)"
-        elif match[2] not in RELATIONS:
-            message = f"unknown relation '{match[2]}', expected {', '.join(RELATIONS)}"
-        elif match[1] != target:
-            message = f"location of '{match[1]}' in a task about '{target}'"
-        elif match[3] == target:
-            message = f"'{target}' placed {match[2]} itself"
-        elif categories is not None and match[3] not in categories:
-            message = f"unknown anchor category '{match[3]}'"
-        elif (match[2], match[3]) in known:
-            message = f"'{match[2]} {match[3]}' is listed twice"
-        if message or match is None:
-            report.add(f"{where}.location[{i}]", message)
-            continue
-        known.add((match[2], match[3]))
-        found[f"{where}.location[{i}]"] = Placement(cast(Relation, match[2]), match[3])
+    for at, text in locations.items():
+        parts = location_parts(text, categories)
+        fault = _placement_fault(target, text, parts, list(found.values()), categories)
+        if fault or parts is None:
+            report.add(at, fault)
+        else:
+            found[at] = Placement(cast(Relation, parts[1]), parts[2])
     return found
+
+
+def _placement_fault(
+    target: str,
+    text: str,
+    parts: tuple[str, str, str] | None,
+    earlier: list[Placement],
+    categories: Collection[str] | None,
+) -> str:
+    """What is wrong with a location; empty where nothing is."""
+    if parts is None or (categories is None and not re.fullmatch(r"\w+", parts[2])):
+        return f"'{brief(text)}', expected target.place_relation(anchor)"
+    named, relation, anchor = parts
+    if relation not in RELATIONS:
+        return f"unknown relation '{relation}', expected {', '.join(RELATIONS)}"
+    if named != target:
+        return f"location of '{named}' in a task about '{target}'"
+    if anchor == target:
+        return f"'{target}' placed {relation} itself"
+    if categories is not None and anchor not in categories:
+        return f"unknown anchor category '{anchor}'"
+    if any((p.relation, p.anchor) == (relation, anchor) for p in earlier):
+        return f"'{relation} {anchor}' is listed twice"
+    return ""
+
+
+def _fault(value: Any) -> str:
+    """What a value is that should be a text."""
+    if not isinstance(value, str):
+        return kind(value)
+    return f"'{brief(value)}' with a character that cannot be shown" if value.strip() else "empty"

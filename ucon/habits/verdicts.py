@@ -9,10 +9,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Final
 
 Triple = tuple[str, str, str]
 """Category, relation, anchor."""
+NEVER_SEEN: Final = "never_seen"
+"""Reason of what was placed and settled, but no pose in reach shows it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from ucon.core.errors import ConfigError, EpisodeError
+from ucon.core.errors import ConfigError, EpisodeError, brief
 from ucon.objects.catalogue import catalogue
 from ucon.objects.model import RELATIONS
 from ucon.sim.arrangement import PlacedObject
@@ -30,7 +30,7 @@ def check_data(episode: Episode, where: str) -> None:
     """
     for name in _TEXTS:
         value = getattr(episode, name)
-        _expect(isinstance(value, str), where, name, value, "a text")
+        _expect(_is_text(value), where, name, value, "a text")
     try:
         task_rules(episode.task)
     except ConfigError as error:
@@ -45,7 +45,15 @@ def check_data(episode: Episode, where: str) -> None:
     _expect(isinstance(episode.seed, int), where, "seed", episode.seed, "a whole number")
     for name in ("entries", "task_entries"):
         ids = getattr(episode, name)
-        _expect(isinstance(ids, tuple) and len(ids) > 0, where, name, ids, "at least one entry; its habits are all")
+        right = isinstance(ids, tuple) and len(ids) > 0 and all(map(_is_text, ids))
+        _expect(right, where, name, ids, "at least one entry; its habits are all")
+    origins = episode.placed_by
+    right = all(isinstance(o, tuple) and len(o) == 2 and _is_text(o[0]) and type(o[1]) is int for o in origins)
+    _expect(right, where, "placed_by", origins, "an entry and a number for each object")
+    context = episode.context
+    if context is not None:
+        right = _is_text(context.asker) and (context.occasion is None or _is_text(context.occasion))
+        _expect(right, where, "context", context, "an asker and an occasion that are texts")
     for number, placed in enumerate(objects):
         _check_object(placed, f"{where}: object {number}")
     same = [o.category for o in objects].count(episode.target_category)
@@ -111,7 +119,13 @@ def _check_object(placed: PlacedObject, where: str) -> None:
 
 def _expect(right: bool, where: str, what: str, found: Any, expected: str) -> None:
     if not right:
-        raise EpisodeError(f"{where}: {what} {found!r}, expected {expected}; restore or make the episodes anew")
+        raise EpisodeError(
+            f"{where}: {what} {brief(repr(found))}, expected {expected}; restore or make the episodes anew"
+        )
+
+
+def _is_text(value: Any) -> bool:
+    return isinstance(value, str) and value.isprintable()
 
 
 def _is_index(value: Any, count: int) -> bool:

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, fields
 from functools import cached_property
 from typing import Any
 
-from ucon.core.errors import EpisodeError
+from ucon.core.errors import EpisodeError, brief
 from ucon.core.files import canonical_json, sha256_bytes
 from ucon.habits.contexts import Context
 from ucon.sim.arrangement import Arrangement, PlacedObject
@@ -92,7 +92,8 @@ class Episode:
         """
         try:
             if data.get("format") != FORMAT:
-                raise EpisodeError(f"{where}: episode format {data.get('format')!r}, expected {FORMAT}; make it anew")
+                found = brief(repr(data.get("format")))
+                raise EpisodeError(f"{where}: episode format {found}, expected {FORMAT}; make it anew")
             raw = dict(data)
             del raw["format"]
             change = raw.pop("arrangement")
@@ -111,8 +112,10 @@ class Episode:
             plain = {k: _frozen(v) for k, v in raw.items()}
             episode = cls(arrangement=arrangement, start=start, context=context, **plain)
             check_data(episode, where)
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise EpisodeError(f"{where}: not a usable episode ({error}); restore or make the file anew") from None
+        except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
+            raise EpisodeError(
+                f"{where}: not a usable episode ({brief(str(error))}); restore or make the file anew"
+            ) from None
         return episode
 
 

@@ -1,25 +1,41 @@
 """Which placements of an imported dataset the homes can realise, and why the others not.
 
-A placement can be realised where its anchor stands in the entry's home, or can be brought in, and the shapes allow the
-relation. Nothing is settled here: a home may still be too full when an episode is sampled.
+Judged by the verdicts of really trying them where there are any, else by shapes alone: then a placement can be realised
+where its anchor stands in the entry's home, or can be brought in, and the shapes allow the relation. Nothing is settled
+for that: a home may still be too full when an episode is sampled.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Final, Literal, cast
 
-from ucon.core.errors import SceneError
+from ucon.core.errors import ConfigError, SceneError
 from ucon.habits.official import Located
-from ucon.objects.model import Vec3
+from ucon.habits.verdicts import NEVER_SEEN, Triple, Verdicts
+from ucon.objects.model import Relation, Vec3
 from ucon.scenes import SCENES
 from ucon.sim.cache import load_house
 from ucon.sim.house import STRUCTURE
-from ucon.sim.placement import Reason, implausible, importable
+from ucon.sim.placement import implausible, importable
 
-#: Reason of a placement that only lacks its anchor; every other one says that it can be nowhere.
-ABSENT: Reason = "absent_anchor"
+Group = Literal["implausible", "absent_anchor", "never_seen"]
+#: Reason of a placement that only lacks its anchor.
+ABSENT: Final = "absent_anchor"
+
+_PHRASES: Final = {
+    "no_free_slot": "no free room there by any {anchor} of {scene}",
+    "blocks_path": "by every {anchor} of {scene} it would stand in the way",
+    "unstable": "it does not come to rest there by any {anchor} of {scene}",
+    "too_large": "it is too large for every {anchor} of {scene}",
+    "not_a_support": "no {anchor} of {scene} has a level surface on top",
+    "not_a_container": "no {anchor} of {scene} has a space inside",
+    "no_room_under": "there is no space under any {anchor} of {scene}",
+    NEVER_SEEN: "placed, but nobody in reach can see it there by any {anchor} of {scene}",
+    ABSENT: "no {anchor} in {scene}, and it cannot be brought in",
+}
 
 _Sizes = dict[str, tuple[Vec3 | None, ...]]
 
@@ -29,31 +45,75 @@ class Unplaced:
     """A placement that cannot be realised: where it is written, a reason that can be counted, a phrase for people."""
 
     where: str
-    reason: Reason
+    reason: str
     message: str
+
+    @property
+    def group(self) -> Group:
+        """The verdict that the reason stands for: the anchor is absent, the object is never seen, or implausible."""
+        return cast(Group, self.reason) if self.reason in (ABSENT, NEVER_SEEN) else "implausible"
 
     def __str__(self) -> str:
         return f"{self.where}: {self.message} ({self.reason})"
 
 
-def unplaced(located: Iterable[Located]) -> list[Unplaced]:
-    """The placements that cannot be realised in the homes that their entries are bound to."""
-    return [found for one in located if (found := _check(one)) is not None]
+def unplaced(located: Iterable[Located], verdicts: Verdicts | None = None) -> list[Unplaced]:
+    """The placements that cannot be realised in the homes that their entries are bound to.
+
+    Args:
+        located: placements of a file.
+        verdicts: of trying them; None judges them by shapes.
+    """
+    found = []
+    for one in located:
+        triple: Triple = (one.category, one.placement.relation, one.placement.anchor)
+        refused = _by_shape(one.scene, triple) if verdicts is None else _by_trial(one.scene, triple, verdicts)
+        if refused is not None:
+            found.append(Unplaced(one.where, *refused))
+    return found
 
 
-def _check(one: Located) -> Unplaced | None:
-    category, relation, anchor = one.category, one.placement.relation, one.placement.anchor
+def counted(located: Sequence[Located], rest: Iterable[Unplaced]) -> dict[str, int]:
+    """How many placements have which verdict: ``placed`` (``imported`` of them by an anchor brought in) and others."""
+    groups = {one.where: one.group for one in rest}
+    placed = [one for one in located if one.where not in groups]
+    counts = {"placed": len(placed), "imported": sum(one.placement.anchor not in _sizes(one.scene) for one in placed)}
+    names: tuple[Group, ...] = ("implausible", "absent_anchor", "never_seen")
+    return counts | {name: sum(group == name for group in groups.values()) for name in names}
+
+
+def refusal(scene: str, triple: Triple) -> str | None:
+    """Why a home cannot realise a triple, judged by shapes; None where nothing speaks against it."""
+    refused = _by_shape(scene, triple)
+    return refused and refused[0]
+
+
+def _by_trial(scene: str, triple: Triple, verdicts: Verdicts) -> tuple[str, str] | None:
+    """What came of trying it in this very home; by shapes where it was not tried there."""
+    verdict, shape = verdicts.of.get(triple), _by_shape(scene, triple)
+    if verdict is None or scene not in SCENES:
+        return shape
+    reason = verdict.refused.get(scene)
+    if reason is None:
+        return None
+    if shape is not None and shape[0] != ABSENT:
+        return shape  # says more than the reason by itself
+    reason = ABSENT if reason == "not_importable" else reason
+    return reason, _PHRASES.get(reason, "refused by every {anchor} of {scene}").format(anchor=triple[2], scene=scene)
+
+
+def _by_shape(scene: str, triple: Triple) -> tuple[str, str] | None:
+    category, relation, anchor = triple
     try:
-        sizes = _sizes(one.scene).get(anchor, ())
-    except SceneError as error:
-        return Unplaced(one.where, ABSENT, str(error))
+        sizes = _sizes(scene).get(anchor, ())
+    except (ConfigError, SceneError) as error:
+        return ABSENT, str(error)
     # Without the anchor at hand, its usual size still tells what can be nowhere from what only lacks its anchor.
-    refusals = [implausible(category, relation, anchor, size) for size in sizes or (None,)]
+    refusals = [implausible(category, cast(Relation, relation), anchor, size) for size in sizes or (None,)]
     if all(refusals):
-        reason, message = next(refusal for refusal in refusals if refusal)
-        return Unplaced(one.where, reason, message)
+        return next(refusal for refusal in refusals if refusal)
     if not sizes and not importable(anchor):
-        return Unplaced(one.where, ABSENT, f"no {anchor} in {one.scene}, and it cannot be brought in")
+        return ABSENT, _PHRASES[ABSENT].format(anchor=anchor, scene=scene)
     return None
 
 

@@ -96,7 +96,7 @@ def _load(path: Path, _mtime: int) -> tuple[Episode, ...]:
     for number, line in enumerate(text.splitlines(), 1):
         try:
             data = json.loads(line)
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise EpisodeError(f"{path}:{number}: not JSON ({error}); restore it or make it anew") from None
         episodes.append(Episode.from_json(data, where=f"{path}:{number}"))
     if not episodes:
@@ -119,5 +119,5 @@ def _in_manifest(path: Path) -> bool:
         return path.name in json.loads(manifest.read_text())["files"]
     except FileNotFoundError:
         return False
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, LookupError, TypeError, RecursionError):
         raise DataError(f"{manifest}: not a usable manifest; restore it from the release") from None

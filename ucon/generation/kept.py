@@ -1,0 +1,97 @@
+"""Verdicts of imported files, kept in the user's cache: what was tried in a home is not tried again.
+
+They are kept by home and triple, so the release's files, which share most of their locations, share them too; and
+apart for every version of the code that decides them.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import lru_cache
+from pathlib import Path
+from typing import Final
+
+import ucon
+from ucon.core.errors import DataError
+from ucon.core.files import canonical_json, sha256_bytes, user_cache, write_atomic
+from ucon.generation.validate import ANCHORS_TRIED, Progress, dataset_triples, validate
+from ucon.habits.types import HabitDataset
+from ucon.habits.verdicts import Triple, Verdict, Verdicts
+from ucon.sim.cache import fingerprint
+from ucon.task.placeable import refusal
+
+_DECIDES: Final = ("sim/placement", "sim/render", "task/rules.py", "task/search.py", "task/solve.py")
+_TRIALS: Final = ("generation/validate.py", "generation/kept.py")
+
+Tried = dict[Triple, str | None]
+"""Reasons of one home; None where it takes the triple."""
+
+
+def tried(dataset: HabitDataset, *, workers: int = 2, progress: Progress | None = None) -> Verdicts:
+    """Verdicts on all placements of a dataset, each really tried; what is known from before is not tried again.
+
+    An anchor that a home lacks is brought to as many places as instances of one that stands there are tried.
+
+    Args:
+        dataset: entries, bound to scenes or not.
+        workers: processes.
+        progress: called with (trials done, trials in all) of what is not known yet.
+    """
+    wanted, folder = dataset_triples(dataset), kept_folder()
+    known = {home: _read(_path(folder, home)) for home, triples in wanted.items() if triples}
+    missing = {home: [t for t in wanted[home] if t not in found] for home, found in known.items()}
+    if any(missing.values()):
+        found = validate(missing, folder / "blocks", workers=workers, spots=ANCHORS_TRIED, progress=progress)
+        for home, triples in missing.items():
+            known[home] |= {triple: found.of[triple].refused.get(home) for triple in triples}
+            write_atomic(_path(folder, home), canonical_json([[*t, why] for t, why in sorted(known[home].items())]))
+    return _verdicts({home: {t: found[t] for t in wanted[home]} for home, found in known.items()})
+
+
+def known_verdicts(dataset: HabitDataset) -> Verdicts:
+    """What is known of a dataset at once: verdicts of earlier trials, and where there are none those of the shapes."""
+    folder = kept_folder()
+    by_home: dict[str, Tried] = {}
+    for home, triples in dataset_triples(dataset).items():
+        known = _read(_path(folder, home)) if triples else {}
+        by_home[home] = {t: known[t] if t in known else refusal(home, t) for t in triples}
+    return _verdicts(by_home)
+
+
+def kept_folder() -> Path:
+    """Folder of the verdicts that this version of the code reaches."""
+    return user_cache() / "validate" / f"imported-{_version()[:16]}"
+
+
+def _verdicts(by_home: dict[str, Tried]) -> Verdicts:
+    tried_in: dict[Triple, int] = {}
+    refused: dict[Triple, dict[str, str]] = {}
+    for home, found in by_home.items():
+        for triple, reason in found.items():
+            tried_in[triple] = tried_in.get(triple, 0) + 1
+            if reason is not None:
+                refused.setdefault(triple, {})[home] = reason
+    return Verdicts({triple: Verdict(count, refused.get(triple, {})) for triple, count in tried_in.items()})
+
+
+@lru_cache(maxsize=1)
+def _version() -> str:
+    root = Path(ucon.__file__).parent
+    sources = [root / name for name in (*_DECIDES, *_TRIALS)]
+    files = [path for source in sources for path in (sorted(source.rglob("*.py")) if source.is_dir() else [source])]
+    return sha256_bytes("\n".join([fingerprint(), *(sha256_bytes(path.read_bytes()) for path in files)]).encode())
+
+
+def _path(folder: Path, home: str) -> Path:
+    return folder / f"{home}.json"
+
+
+def _read(path: Path) -> Tried:
+    if not path.is_file():
+        return {}
+    try:
+        rows = json.loads(path.read_text(encoding="utf-8"))
+        found: Tried = {(str(c), str(r), str(a)): None if why is None else str(why) for c, r, a, why in rows}
+    except (ValueError, TypeError):
+        raise DataError(f"{path}: not a list of verdicts; remove the file, it is made again") from None
+    return found

@@ -1,0 +1,166 @@
+"""The official release's task folder: which files it holds, and the names that its files use for things.
+
+The raw files under ``origin/`` were never cleaned: they name models (``coffee_table_fqluyq_0``,
+``bottom_cabinet-jhymlr``) and instances (``vinegar_bottle_194``) instead of categories, write ``on_top`` for ``ontop``,
+put quotes around locations, and give some tasks as texts that hold JSON.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Collection, Iterator
+from fnmatch import fnmatch
+from pathlib import Path
+from typing import Any, Final
+
+from ucon.core.errors import DataError
+
+DEFAULT_FILE: Final = "seen_obj_seen_scene.json"
+ORIGIN: Final = "origin"
+_SPLITS: Final = tuple(f"{o}_obj_{s}_scene" for o in ("seen", "unseen") for s in ("seen", "unseen"))
+TASK_FILES: Final = (
+    *(f"{split}{door}.json" for split in _SPLITS for door in ("", "_nodoor")),
+    *("task.json", "task_merge_category.json", "task_merge_no_door.json", "task_nodoor.json"),
+    *("task_with_answer.json", "task_with_multi_habit_answer.json", "test.json"),
+)
+INDEX_FILES: Final = frozenset(
+    (
+        *("id2sem.json", "obj.json", "scene_obj.json", "sem2id.json"),
+        *("test_object_categories.json", "train_object_categories.json"),
+    )
+)
+"""Files that list things, not tasks."""
+_PATTERNS: Final = ("*seen_obj_*seen_scene*.json", "task*.json", "test*.json", f"{ORIGIN}/*.json")
+
+_RELATION_NAMES: Final = {"on": "ontop", "on_top": "ontop", "on_top_of": "ontop", "next_to": "nextto", "in": "inside"}
+_LOCATION: Final = re.compile(r"""['"\s]*([^.()]+)\.place_(\w+)\(([^()]+)\)['"\s]*""")
+_MODEL: Final = re.compile(r"[a-z0-9]{6}")
+
+
+def task_files(folder: Path) -> list[Path]:
+    """The task files of a release folder, known ones and their variants: its own, then those of ``origin/``."""
+    found = [path for path in _json_files(folder) if _is_task_file(path.relative_to(folder).as_posix())]
+    return sorted(found, key=lambda path: (path.parent != folder, path.name))
+
+
+def release_warnings(folder: Path) -> list[str]:
+    """One line for every task file of the release that a folder lacks, and for every file that is none of it."""
+    found = {path.relative_to(folder).as_posix() for path in _json_files(folder)}
+    lines = [f"{folder / name}: missing, the release has it" for name in TASK_FILES if name not in found]
+    if not any(name.startswith(f"{ORIGIN}/") for name in found):
+        lines.append(f"{folder / ORIGIN}: no *.json in it, the release has its raw files there")
+    others = sorted(name for name in found - INDEX_FILES if not _is_task_file(name))
+    return lines + [f"{folder / name}: not a file of the release, left out" for name in others]
+
+
+def default_file(folder: Path) -> Path:
+    """The file that a folder stands for; raises :class:`DataError` naming what is there where it is missing."""
+    file = folder / DEFAULT_FILE
+    if file.is_file():
+        return file
+    found = ", ".join(path.relative_to(folder).as_posix() for path in task_files(folder)) or "no task file at all"
+    raise DataError(f"{folder}: no {DEFAULT_FILE} in it, found {found}; give the path of one file, or use --all")
+
+
+def load_release_file(file: Path) -> tuple[dict[str, Any], list[str]]:
+    """The object that a file holds, and the keys that one of its objects has twice (the last one counts).
+
+    Raises:
+        DataError: the file cannot be read, or is no JSON object.
+    """
+    try:
+        raw = file.read_bytes()
+    except OSError as error:
+        raise DataError(f"{file}: cannot be read ({error.strerror}); expected a task file of the release") from None
+    twice: list[str] = []
+    try:
+        content = json.loads(raw.decode("utf-8-sig"), object_pairs_hook=lambda pairs: _object(pairs, twice))
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise DataError(f"{file}:{line}: not UTF-8 ({error.reason}); download the file again") from None
+    except json.JSONDecodeError as error:
+        raise DataError(
+            f"{file}:{error.lineno}:{error.colno}: not JSON ({error.msg}); the file is cut off or altered, "
+            "download it again"
+        ) from None
+    except ValueError:
+        raise DataError(f"{file}: a number of thousands of digits; download the file again") from None
+    except RecursionError:
+        raise DataError(f"{file}: nested too deeply; expected scene -> category -> list of tasks") from None
+    if not isinstance(content, dict) or not content:
+        raise DataError(f"{file}: {kind(content)} at the top, expected an object whose keys are scenes")
+    return content, twice
+
+
+def unpacked(task: Any) -> Any:
+    """A task that is given as a text holding JSON, read; anything else as it is."""
+    if not isinstance(task, str):
+        return task
+    try:
+        return json.loads(task)
+    except (ValueError, RecursionError):
+        return task
+
+
+def kind(value: Any) -> str:
+    """What a JSON value is, for messages."""
+    return {dict: "object", list: "list", str: "text", type(None): "null"}.get(type(value), type(value).__name__)
+
+
+def plain(text: Any) -> str | None:
+    """A text on one line, without what cannot be shown; None for anything else."""
+    if not isinstance(text, str):
+        return None
+    line = text if text.isprintable() else " ".join(text.split())
+    return line if line.strip() and line.isprintable() else None
+
+
+def category_name(text: str, categories: Collection[str] | None) -> str:
+    """The category behind a name: ``sink`` of ``sink_ksecxq_0``, ``carving_knife`` of ``Carving knife``.
+
+    The longest form that is among ``categories``; the whole name where none is, or nothing is known of them.
+    """
+    name = re.sub(r"[\s-]+", "_", text.strip("'\" \t\n").lower())
+    if categories is None or name in categories:
+        return name
+    for form in _shorter(name):
+        if form in categories:
+            return form
+    return name
+
+
+def location_parts(text: str, categories: Collection[str] | None) -> tuple[str, str, str] | None:
+    """Target, relation and anchor of ``target.place_relation(anchor)``, names as of :func:`category_name`."""
+    match = _LOCATION.fullmatch(text)
+    if match is None:
+        return None
+    relation = match[2].lower()
+    target, anchor = category_name(match[1], categories), category_name(match[3], categories)
+    return target, _RELATION_NAMES.get(relation, relation), anchor
+
+
+def _shorter(name: str) -> Iterator[str]:
+    """A name without its instance number, then without its model."""
+    parts = name.split("_")
+    if len(parts) > 1 and parts[-1].isdecimal():
+        parts.pop()
+        yield "_".join(parts)
+    if len(parts) > 1 and _MODEL.fullmatch(parts[-1]):
+        yield "_".join(parts[:-1])
+
+
+def _object(pairs: list[tuple[str, Any]], twice: list[str]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice += sorted({name for name in names if names.count(name) > 1})
+    return found
+
+
+def _json_files(folder: Path) -> list[Path]:
+    return [path for pattern in ("*.json", f"{ORIGIN}/*.json") for path in folder.glob(pattern) if path.is_file()]
+
+
+def _is_task_file(name: str) -> bool:
+    return name not in INDEX_FILES and any(fnmatch(name, pattern) for pattern in _PATTERNS)
