@@ -78,3 +78,6 @@ def test_verdicts():
     assert verdicts.refusal(("cap", "ontop", "desk"), "Rs_int") is None
     everywhere = Verdicts({TRIPLE: Verdict(2, {"Rs_int": "unstable", "Merom_1_int": "too_large"})})
     assert everywhere.refusal(TRIPLE, "procedural:house:3") in ("unstable", "too_large")
+    absent = Verdicts({TRIPLE: Verdict(2, {"Rs_int": "not_importable", "Merom_1_int": "absent_anchor"})})
+    assert absent.refusal(TRIPLE, "Rs_int") == "not_importable"
+    assert absent.refusal(TRIPLE, "procedural:house:3") is None, "another home may have the anchor"

@@ -11,6 +11,9 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Final
 
+#: Reasons that speak of the home, not of the triple: elsewhere the anchor may stand.
+_OF_THE_HOME = frozenset({"absent_anchor", "not_importable"})
+
 Triple = tuple[str, str, str]
 """Category, relation, anchor."""
 NEVER_SEEN: Final = "never_seen"
@@ -26,11 +29,14 @@ class Verdict:
 
     @property
     def reason(self) -> str | None:
-        """Why the triple is implausible everywhere: its most frequent reason; None where some home takes it."""
+        """Why the triple is implausible everywhere: its most frequent reason; None where some home takes it.
+
+        None as well where no home that was tried has the anchor.
+        """
         if not self.tried or len(self.refused) < self.tried:
             return None
-        reasons = list(self.refused.values())
-        return max(sorted(set(reasons)), key=reasons.count)
+        reasons = [reason for reason in self.refused.values() if reason not in _OF_THE_HOME]
+        return max(sorted(set(reasons)), key=reasons.count) if reasons else None
 
 
 @dataclass(frozen=True)
