@@ -59,8 +59,9 @@ def test_reads_a_small_household(reader):
     belief = reader.belief("wallet", HABITS, names, trusted=True)
     assert belief.p.sum() + belief.unseen == pytest.approx(1)
     assert belief.unseen == pytest.approx(sum(belief.unseen_p.values()))
-    best = [names[i] for i in np.argsort(-belief.p)[:2]]
-    assert sorted(best) == ["coffee_table", "suitcase"]
+    p = dict(zip(names, belief.p, strict=True))
+    assert max(p, key=p.__getitem__) == "coffee_table"
+    assert p["suitcase"] > 5 * max(p["fridge"], p["toilet"], p["desk"])  # the couch is named, and may come between
     assert RELATIONS[belief.relation[0].argmax()] == "ontop"
     assert RELATIONS[belief.relation[2].argmax()] == "inside"
     assert np.allclose(belief.relation.sum(axis=1), 1)

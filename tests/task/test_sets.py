@@ -80,7 +80,8 @@ def test_sets_are_what_they_say(name: str) -> None:
     alike = [(e, [o.category for o in e.arrangement.objects]) for e in episodes]
     assert all(names.count(e.target_category) == 1 for e, names in alike)
     base = name.split(".")[0]
-    assert name == set_name(base, episodes[0].task)
+    stated = episodes[0].context is not None
+    assert name == set_name(base, episodes[0].task, context=stated)
     assert len({e.task for e in episodes}) == 1
     if base in ("mini", "val", "test"):
         cells = {cell.label: cell for cell in set_cells(base)}
