@@ -188,7 +188,10 @@ def test_without_the_model_one_line_says_how_to_get_it(tmp_path: Path, monkeypat
     for path in ("BAAI/bge-m3", str(tmp_path / "nowhere")):
         with pytest.raises(DataError, match=r"nothing is downloaded.*hf download.*retriever\.path=FOLDER"):
             bge_folder(path)
-    with pytest.raises(DataError, match=r"no config\.json, no modules\.json, no tokenizer\.json, no model\.safetensors or pytorch_model\.bin"):
+    with pytest.raises(
+        DataError,
+        match=r"no config\.json, .*no model\.safetensors or pytorch_model\.bin",
+    ):
         bge_folder(str(tmp_path))
 
 

@@ -1,4 +1,4 @@
-"""Habit level ``context``: what is seen pulls habits up, what was found empty pushes them down, and nothing else does."""
+"""Habit level ``context``: what is seen pulls habits up, what was found empty pushes them down."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def places(kb: KnowledgeBase) -> dict[str, np.ndarray]:
 
 def test_levels() -> None:
     assert FIXED_LEVELS == ("none", "full", "gt", "retrieval")
-    assert LEVELS == (*FIXED_LEVELS, "context")
+    assert (*FIXED_LEVELS, "context") == LEVELS
     assert set(RANKED_LEVELS) < set(LEVELS)
 
 
@@ -60,9 +60,7 @@ def test_without_facts_it_is_retrieval(kb: KnowledgeBase, base: type) -> None:
         assert habits_at_level("context", kb, name, base()).tolist() == expected[:20].tolist()
 
 
-def test_seen_landmarks_rise_and_emptied_ones_sink(
-    kb: KnowledgeBase, target: str, retriever: ContextRetriever
-) -> None:
+def test_seen_landmarks_rise_and_emptied_ones_sink(kb: KnowledgeBase, target: str, retriever: ContextRetriever) -> None:
     def standing(where: int, *facts: object) -> int:
         return retriever.rank(target, kb, *facts).tolist().index(kb.rows[where])  # type: ignore[arg-type]
 
@@ -82,7 +80,7 @@ def test_seen_landmarks_rise_and_emptied_ones_sink(
 
 def test_only_the_facts_decide(kb: KnowledgeBase, target: str, retriever: ContextRetriever) -> None:
     names = list(places(kb))
-    facts = names[:6], {name: 0.5 for name in names[2:4]}
+    facts = names[:6], dict.fromkeys(names[2:4], 0.5)
     expected = retriever.rank(target, kb, *facts).tolist()
     assert sorted(expected) == sorted(kb.rows)
     turned = KnowledgeBase(kb.dataset, np.ascontiguousarray(kb.rows[::-1]))

@@ -43,9 +43,7 @@ def observation_space(image_px: tuple[int, int] | None, dimension: int, max_habi
     return spaces.Dict(entries)
 
 
-def padded(
-    rows: NDArray[np.int32], max_habits: int, where: str
-) -> tuple[NDArray[np.int32], NDArray[np.int8]]:
+def padded(rows: NDArray[np.int32], max_habits: int, where: str) -> tuple[NDArray[np.int32], NDArray[np.int8]]:
     """``habits`` and ``habits_mask`` of an observation, each (max_habits,).
 
     Raises:
