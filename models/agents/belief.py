@@ -141,10 +141,10 @@ class Rereading(Believing):
 
     def reread(self, known: SemanticMap, places: Places) -> bool:
         """See :class:`models.agents.search.Expecting`."""
-        context = self._info["context"]
-        if not context.update(known.instances.keys() & self._row.keys(), self._emptied(known, places)):
+        ranking = self._info["reranking"]
+        if not ranking.update(known.instances.keys() & self._row.keys(), self._emptied(known, places)):
             return False
-        self._believe(self._locate(self._info | {"habits": context.texts}))
+        self._believe(self._locate(self._info | {"habits": ranking.texts}))
         return True
 
     def _emptied(self, known: SemanticMap, places: Places) -> dict[str, float]:
@@ -187,7 +187,7 @@ class BeliefAgent(ControllerAgent):
         """See :class:`models.agents.base.ControllerAgent`."""
         coverage = Indifferent(str(info["target"]), self._coverage)
         locations = self._locate(info)
-        if "context" in info:
+        if "reranking" in info:
             believing: Believing = Rereading(locations, coverage, self._weights, info, self._locate)
         else:
             believing = Believing(locations, coverage, self._weights)

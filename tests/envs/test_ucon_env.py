@@ -199,18 +199,18 @@ def test_context_is_retrieval_until_it_is_told_more(episodes: tuple[Episode, ...
     envs = [UcONEnv(episodes, habit_level=level, detector=True) for level in ("retrieval", "context")]
     for a, b in zip(*(rollout(env, episodes[1]) for env in envs), strict=True):
         assert same(a[0], b[0])
-        assert set(b[-1]) - set(a[-1]) <= {"context"}
+        assert set(b[-1]) - set(a[-1]) <= {"reranking"}
 
 
 def test_observations_follow_the_context(episodes: tuple[Episode, ...]) -> None:
     env = UcONEnv(episodes, observe="symbolic", habit_level="context")
     obs, info = env.reset(options={"episode": 0})
     first = obs["habits"].tolist()
-    assert info["context"].update({"bed", "sofa", "shelf", "desk", "fridge"}, {"bed": 0.5})
-    assert info["context"].texts != info["habits"]
+    assert info["reranking"].update({"bed", "sofa", "shelf", "desk", "fridge"}, {"bed": 0.5})
+    assert info["reranking"].texts != info["habits"]
     obs, *_ = env.step(int(Action.ROTATE_LEFT))
     assert obs["habits"].tolist() != first
-    assert obs["habits"][:20].tolist() == info["context"].rows.tolist()
+    assert obs["habits"][:20].tolist() == info["reranking"].rows.tolist()
     assert obs in env.observation_space
     assert env.reset(options={"episode": 0})[0]["habits"].tolist() == first
 

@@ -35,7 +35,7 @@ class Knowledge:
     target_embedding: NDArray[np.float16]
     retriever: Retriever
     target: str
-    context: ContextHabits | None = None
+    reranking: ContextHabits | None = None
     """At level ``context``: the list that follows what is seen; ``rows`` are those of the start."""
 
     @cached_property
@@ -159,5 +159,5 @@ class HabitSource:
             target_embedding=self.encoder.encode_half([phrase(target)])[0],
             retriever=self.retriever,
             target=target,
-            context=ContextHabits(self.context, base, target, self.top_p) if level == "context" else None,
+            reranking=ContextHabits(self.context, base, target, self.top_p) if level == "context" else None,
         )

@@ -61,7 +61,7 @@ class UcONEnv(gym.Env[Obs, int]):
 
     ### Info
     ``target`` (category), ``camera_m`` (its height); at reset ``task`` (name of the rules), ``habits`` (texts),
-    ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for seeds and logs), at level ``context`` ``context``
+    ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for seeds and logs), at level ``context`` ``reranking``
     (:class:`ucon.retrieval.ContextHabits`: told what was seen, it ranks the habits anew), with ``planner="true"``
     ``nav`` (free grid in the agent's frame); with ``detector=True`` ``detections``, ``tracks`` and ``opened``
     (tracks); at the end ``episode_metrics``. With ``privileged=True`` also
@@ -153,8 +153,8 @@ class UcONEnv(gym.Env[Obs, int]):
             "habits": self._knowledge.texts,
             "habit_rows": self._knowledge.rows,
         }
-        if self._knowledge.context is not None:
-            info["context"] = self._knowledge.context
+        if self._knowledge.reranking is not None:
+            info["reranking"] = self._knowledge.reranking
         if self._planner == "true":
             free, cell = self._frame.grid(self._world.free)
             info["nav"] = {"free": free, "start": cell}
@@ -265,7 +265,8 @@ class UcONEnv(gym.Env[Obs, int]):
 
     def _give_habits(self) -> None:
         """What observations show: the habits of the level, at level ``context`` as they are ranked now."""
-        rows = self._knowledge.rows if self._knowledge.context is None else self._knowledge.context.rows
+        known = self._knowledge
+        rows = known.rows if known.reranking is None else known.reranking.rows
         if rows is not self._habit_rows:
             self._habits, self._habits_mask = padded(rows, self._max_habits, f"episode {self.episode.id}")
             self._habit_rows = rows

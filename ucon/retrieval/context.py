@@ -95,7 +95,7 @@ class ContextRetriever:
 
 
 class ContextHabits:
-    """The list of one episode: ``info["context"]`` of the environments.
+    """The list of one episode: ``info["reranking"]`` of the environments.
 
     An agent that keeps track of what it saw calls :meth:`update` where it decides; observations follow the list. An
     agent that does not is given the query's list, as at level ``retrieval``. The rest of the knowledge base is behind
