@@ -40,8 +40,9 @@ def main(cfg: DictConfig) -> None:
 def evaluate_and_report(cfg: DictConfig, out: Path) -> None:
     """Play what is missing in the output folder ``out``, then write and print the results."""
     config: dict[str, Any] = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)  # type: ignore[assignment]
-    episodes = chosen_episodes(config["episodes"], config["limit"], config["task"]["name"])
-    warn_of_other_rules(episodes, config["task"]["name"])
+    task = config["task"]
+    episodes = chosen_episodes(config["episodes"], config["limit"], task["name"], context=task["context"])
+    warn_of_other_rules(episodes, task["name"])
     folder = RunFolder(out, run_hashes(config, episodes))
     done = folder.open()
     played, seconds = play_missing(config, episodes, folder, done, out)
@@ -52,11 +53,11 @@ def evaluate_and_report(cfg: DictConfig, out: Path) -> None:
     console.print(f"{failure_line(figures)}\n{seconds:.1f} s for {len(played) - len(done)} episodes; results in {out}")
 
 
-def chosen_episodes(name: str, limit: int | None, task: str) -> tuple[Episode, ...]:
-    """The first ``limit`` episodes of a set, of those made under the rules ``task``."""
+def chosen_episodes(name: str, limit: int | None, task: str, *, context: bool) -> tuple[Episode, ...]:
+    """The first ``limit`` episodes of a set, of those made under the rules ``task``, stating their context or not."""
     if limit is not None and (not isinstance(limit, int) or limit < 1):
         raise ConfigError(f"limit={limit}: expected a number of episodes from 1 up, or null for all")
-    return load_episodes(name, task)[:limit]
+    return load_episodes(name, task, context=context)[:limit]
 
 
 def warn_of_other_rules(episodes: tuple[Episode, ...], task: str) -> None:

@@ -41,7 +41,7 @@ def test_book_counts_and_speed():
 
     assert fastest_s(load) < 0.5
     data = book()
-    assert (len(data), len(data.categories), len(data.entries)) == (23_436, 497, 2_339)
+    assert (len(data), len(data.categories), len(data.entries)) == (24_423, 497, 2_443)
     assert len(set(data.texts)) == len(data)
 
 
@@ -140,8 +140,25 @@ def test_altered_book_file_is_noticed(tmp_path):
         read_book(tmp_path / "book", verified=True)
 
 
-def test_category_in_two_files(tmp_path):
+def test_entries_of_a_category_in_two_files_are_numbered_on(tmp_path):
     for name in ("a.txt", "b.txt"):
         (tmp_path / name).write_text(GOOD)
-    with pytest.raises(DataError, match=r"b\.txt: entries of 'wallet' lie also in"):
+    ids = [entry.id for entry in read_book(tmp_path).entries]
+    assert len(set(ids)) == len(ids) > 1
+    assert [int(i.split("/")[1]) for i in ids if i.startswith("wallet/")] == list(range(len(ids)))
+
+
+def test_the_shipped_file_is_what_the_text_says():
+    text = read_book(BOOK_FOLDER, verified=True)
+    assert text.sha256 == book().sha256, "the book's text has changed: run `python -m ucon habits build`"
+    assert book().verdicts.of
+
+
+def test_kinds_of_places(tmp_path):
+    (tmp_path / "a.txt").write_text(GOOD.replace("\n", " {office}\n", 1))
+    (entry,) = read_book(tmp_path).entries
+    assert entry.kind == "office"
+    assert "{" not in entry.household
+    (tmp_path / "a.txt").write_text(GOOD.replace("\n", " {offce}\n", 1))
+    with pytest.raises(DataError, match=r"a\.txt:1: unknown kind of place 'offce': did you mean office"):
         read_book(tmp_path)

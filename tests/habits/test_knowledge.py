@@ -1,10 +1,15 @@
 """Households, hosting, knowledge bases, splits."""
 
+from collections import Counter
+from itertools import combinations
+
 import numpy as np
 import pytest
 
 from ucon.core.errors import ConfigError
 from ucon.habits import KnowledgeBase, book, category_split, hosted, household, split_categories
+from ucon.habits.splits import PARTS_USED, SPLITS, entry_parts
+from ucon.habits.types import KINDS
 
 
 def drawn(home: str = "Rs_int", k: int = 20):
@@ -75,6 +80,48 @@ def test_splits():
     names = book().categories
     parts = {split: split_categories(names, split) for split in ("train", "val", "test")}
     assert sorted(sum(parts.values(), ())) == sorted(names)
-    assert len(parts["val"]) + len(parts["test"]) >= 60
+    assert len(parts["test"]) >= 60
+    assert len(parts["val"]) >= 40
     assert len(parts["train"]) > 300
     assert category_split("wallet") == "test"  # unseen in the official release
+
+
+def test_every_training_category_keeps_entries_for_testing():
+    data, parts = book(), entry_parts(book())
+    for category in split_categories(data.categories, "train"):
+        found = Counter(parts[e.id] for e in data.entries_of(category))
+        assert set(found) <= {"train", "test"}
+        assert found["test"] >= 1
+    for split in ("val", "test"):
+        for category in split_categories(data.categories, split):
+            assert {parts[e.id] for e in data.entries_of(category)} == {split}
+    counts = Counter(parts.values())
+    assert 0.35 < counts["train"] / len(parts) < 0.5
+
+
+def test_parts_share_no_sentence_and_no_tested_category_is_learned():
+    data, parts = book(), entry_parts(book())
+    texts = {split: {h.text for e in data.entries if parts[e.id] == split for h in e.habits} for split in SPLITS}
+    assert not any(texts[a] & texts[b] for a, b in combinations(SPLITS, 2))
+    learned = {e.category for e in data.entries if parts[e.id] == "train"}
+    assert not learned & {*split_categories(data.categories, "test"), *split_categories(data.categories, "val")}
+
+
+@pytest.mark.parametrize("part", SPLITS)
+def test_households_of_a_part_have_its_entries_only(part):
+    parts = entry_parts(book())
+    people = household("Rs_int", book(), part=part)
+    assert {parts[e.id] for entries in people.values() for e in entries} <= PARTS_USED[part]
+    assert len(people) > 100
+
+
+def test_people_bound_to_a_kind_of_place_live_there_and_come_first():
+    kinds = {kind: [e for e in book().entries if e.kind == kind] for kind in KINDS}
+    assert all(len(entries) >= 20 for entries in kinds.values())
+    at_home = household("Rs_int", book())
+    assert not [e for entries in at_home.values() for e in entries if e.kind]
+    for kind, entries in kinds.items():
+        people = household("some_place", book(), kinds=(kind,))
+        found = {e for found in people.values() for e in found if e.kind}
+        assert {e.kind for e in found} == {kind}
+        assert len(found) >= 0.9 * len({e.category for e in entries})

@@ -21,7 +21,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     maker = actions.add_parser("make", help="sample, check and write a set")
     maker.add_argument("name", metavar="SET", help="mini, val, test, or official (with --habits PATH)")
     maker.add_argument("--task", default="paper", help="rules that the episodes are made under: paper, released_code")
-    maker.add_argument("--context", action="store_true", help="episodes state day, season and occasion, and follow them")
+    maker.add_argument(
+        "--context", action="store_true", help="episodes state day, season and occasion, and follow them"
+    )
     maker.add_argument("--out", type=Path, help="file to write; default: where the set is looked for")
     maker.add_argument("--limit", type=int, help="only the first so many episodes")
     maker.add_argument("--habits", metavar="PATH", help="habit dataset by path; default: the embedded book")

@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from ucon.commands import habits_build
+
 if TYPE_CHECKING:
     from ucon.habits import HabitDataset
 
@@ -21,12 +23,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     reader.add_argument("path", metavar="PATH", help="task file, or the folder that holds it")
     stats = actions.add_parser("stats", help="variety, repetition and retrieval figures")
     stats.add_argument("path", metavar="PATH", nargs="?", help="task file or book folder; default: the embedded book")
+    habits_build.add_arguments(actions.add_parser("build", help="make the dataset file: propose, validate, verify"))
     for action in (reader, stats):
         action.add_argument("--json", action="store_true", help="print JSON")
 
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the chosen action; ``import`` ends with 1 where something was malformed."""
+    if args.action == "build":
+        return habits_build.run(args)
     return _import(args) if args.action == "import" else _stats(args)
 
 
@@ -87,12 +92,13 @@ def _stats(args: argparse.Namespace) -> int:
 
 
 def load_dataset(path: str | None) -> HabitDataset:
-    """The dataset at a path: a JSON file is the official release, a folder of text files a book; None: the embedded."""
+    """The dataset at a path: ``*.habits.xz`` a built file, JSON the official release, a folder of text a book."""
     from ucon.commands.wiring import existing, folder_habits, official_habits
     from ucon.habits import book
+    from ucon.habits.datafile import SUFFIX
 
     if path is None:
         return book()
     found = existing(path, "PATH")
-    is_book = found.is_dir() and any(found.glob("*.txt"))
+    is_book = found.name.endswith(SUFFIX) or (found.is_dir() and any(found.glob("*.txt")))
     return folder_habits(path) if is_book else official_habits(path)

@@ -58,11 +58,16 @@ def official_habits(path: str) -> HabitDataset:
 
 
 def folder_habits(path: str) -> HabitDataset:
-    """Dataset of the files in a folder, in the habit book's format; what the catalogue lacks is an error."""
+    """Dataset of a file of ``habits build``, or of a folder in the habit book's format (not validated then).
+
+    What the catalogue lacks is an error.
+    """
     from ucon.habits.book import read_book
+    from ucon.habits.datafile import SUFFIX, load_dataset_file
     from ucon.objects.catalogue import catalogue
 
-    return read_book(existing(path, "habits.path"), catalogue().names)
+    found = existing(path, "habits.path")
+    return load_dataset_file(found) if found.name.endswith(SUFFIX) else read_book(found, catalogue().names)
 
 
 def existing(path: str, option: str) -> Path:

@@ -60,12 +60,12 @@ class UcONEnv(gym.Env[Obs, int]):
     | step | Discrete(max_steps + 1) | steps taken |
 
     ### Info
-    ``target`` (category), ``camera_m`` (its height); at reset ``task`` (name of the rules), ``habits`` (texts),
-    ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for seeds and logs), at level ``context`` ``reranking``
-    (:class:`ucon.retrieval.ContextHabits`: told what was seen, it ranks the habits anew), with ``planner="true"``
-    ``nav`` (free grid in the agent's frame); with ``detector=True`` ``detections``, ``tracks`` and ``opened``
-    (tracks); at the end ``episode_metrics``. With ``privileged=True`` also
-    ``privileged`` (scene, episode, solution, locations, target instance, pose): for trainers and oracles only.
+    ``target`` (category), ``camera_m`` (its height); at reset ``task`` (name of the rules), ``context`` (a sentence or
+    None), ``habits`` (texts), ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for seeds and logs), at level
+    ``context`` ``reranking`` (:class:`ucon.retrieval.ContextHabits`: told what was seen, it ranks anew), with
+    ``planner="true"`` ``nav`` (free grid in the agent's frame); with ``detector=True`` ``detections``, ``tracks`` and
+    ``opened`` (tracks); at the end ``episode_metrics``. With ``privileged=True`` also ``privileged`` (scene, episode,
+    solution, locations, target instance, pose): for trainers and oracles only.
 
     ### Rewards
     :class:`ucon.task.reward.Reward`: +10 for a successful Done and -0.01 a step by default.
@@ -149,6 +149,7 @@ class UcONEnv(gym.Env[Obs, int]):
         info |= {
             "episode": self.episode.id,
             "task": self.rules.name,
+            "context": self.episode.context and self.episode.context.sentence(),
             "habit_level": self.habit_level,
             "habits": self._knowledge.texts,
             "habit_rows": self._knowledge.rows,
@@ -265,8 +266,7 @@ class UcONEnv(gym.Env[Obs, int]):
 
     def _give_habits(self) -> None:
         """What observations show: the habits of the level, at level ``context`` as they are ranked now."""
-        known = self._knowledge
-        rows = known.rows if known.reranking is None else known.reranking.rows
+        rows = (self._knowledge.reranking or self._knowledge).rows
         if rows is not self._habit_rows:
             self._habits, self._habits_mask = padded(rows, self._max_habits, f"episode {self.episode.id}")
             self._habit_rows = rows

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final, cast
 
 from ucon.core.errors import DataError
-from ucon.core.files import canonical_json, sha256_bytes, write_atomic
+from ucon.core.files import canonical_json, read_verified, sha256_bytes, write_atomic
 from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
 from ucon.habits.verdicts import Verdicts
 
@@ -44,13 +44,13 @@ def save_dataset(dataset: HabitDataset, path: Path, steps: dict[str, Any] | None
     write_atomic(path, lzma.compress(f"{canonical_json(header)}\n{body}".encode(), preset=9))
 
 
-def load_dataset_file(path: Path) -> HabitDataset:
-    """The dataset of a file.
+def load_dataset_file(path: Path, *, verified: bool = False) -> HabitDataset:
+    """The dataset of a file; ``verified`` checks it against the manifest of its folder as well.
 
     Raises:
         DataError: no such file, a truncated or altered one, another version, or a line that is no entry.
     """
-    lines = _lines(path)
+    lines = _lines(path, verified=verified)
     header = _header(path, lines[0])
     body = "\n".join(lines[1:])
     if sha256_bytes(body.encode()) != header["body_sha256"]:
@@ -71,15 +71,19 @@ def dataset_steps(path: Path) -> dict[str, Any]:
     return dict(_header(path, _lines(path)[0])["steps"])
 
 
-def _lines(path: Path) -> list[str]:
+def _lines(path: Path, *, verified: bool = False) -> list[str]:
     try:
-        raw = path.read_bytes()
+        raw = read_verified(path) if verified else path.read_bytes()
     except OSError as error:
         raise DataError(f"{path}: cannot be read ({error.strerror}); expected a dataset file (*{SUFFIX})") from None
+    unpacker = lzma.LZMADecompressor()
     try:
-        text = lzma.LZMADecompressor().decompress(raw, max_length=_MAX_BYTES).decode("utf-8")
+        text = unpacker.decompress(raw, max_length=_MAX_BYTES).decode("utf-8")
+        problem = "" if unpacker.eof else "it ends too early, or is larger than any dataset"
     except (lzma.LZMAError, EOFError, UnicodeDecodeError) as error:
-        raise DataError(f"{path}: not a whole dataset file ({error}); restore it or build it anew") from None
+        problem = str(error)
+    if problem:
+        raise DataError(f"{path}: not a whole dataset file ({problem}); restore it or build it anew")
     return text.split("\n")
 
 

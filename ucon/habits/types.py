@@ -67,7 +67,7 @@ class HabitDataset:
     labelled: bool = True
     """Whether ``supports`` is known; the official release does not say which habit speaks for which place."""
     verdicts: Verdicts = NO_VERDICTS
-    """What PyBullet says about the placements. Not part of the contents: it decides what is sampled, not what is told."""
+    """What PyBullet says about the placements. It decides what is sampled, not what is told: no part of the hash."""
 
     @cached_property
     def sha256(self) -> str:

@@ -1,7 +1,8 @@
 """Makes the shipped tables from the habit book and the catalogue: ``python -m ucon.language.build``.
 
 Rows of ``embeddings``: the book's habits by row number, then each catalogue name, then the retrieval query of each of
-the book's categories. The words of all these texts go to ``words.npz``. About ten minutes on one core; what the cache holds is not repeated.
+the book's categories. The words of all these texts go to ``words.npz``. About ten minutes on one core; what the cache
+holds is not repeated.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Fits the anchor reader and writes ``data/reader.npz``: ``python -m ucon.retrieval.fit``.
 
-Only training categories of the habit book teach the prior, the evidence and the gate; validation categories set the
-few weights that mix them; test categories are not touched. Everything is seeded; about five minutes on one core.
+Only training entries of the habit book teach the prior, the evidence and the gate; validation categories set the
+few weights that mix them; test entries are not touched. Everything is seeded; about five minutes on one core.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ucon.core.files import write_atomic
 from ucon.core.rng import stream
 from ucon.habits.book import book, book_anchors
 from ucon.habits.knowledge import MODES
-from ucon.habits.splits import category_split, split_categories
+from ucon.habits.splits import entry_parts, split_categories
 from ucon.habits.types import RELATIONS, HabitDataset
 from ucon.language.pairs import PairReader, default_pair_reader
 from ucon.language.store import write_manifest_of
@@ -41,12 +41,14 @@ N_CLUTTER = 40
 
 def fit_prior(data: HabitDataset, pairs: PairReader, anchors: Sequence[str], l2: float = 1e-4) -> Arrays:
     """p(anchor | name) by softmax regression, p(relation | anchor) by smoothed counts over allowed relations."""
+    parts = entry_parts(data)
     names = split_categories(data.categories, "train")
     x = torch.tensor(pairs.encoder.encode([phrase(name) for name in names]))
     y = torch.zeros(len(names), len(anchors))
     counts = np.zeros((len(anchors), len(RELATIONS)))
     for i, name in enumerate(names):
-        for (anchor, relation), p in location_distribution(data.entries_of(name)).items():
+        learned = [e for e in data.entries_of(name) if parts[e.id] == "train"]
+        for (anchor, relation), p in location_distribution(learned).items():
             y[i, anchors.index(anchor)] += p
             counts[anchors.index(anchor), RELATIONS.index(relation)] += 1  # type: ignore[arg-type]
     weight = torch.zeros(x.shape[1], len(anchors), requires_grad=True)
@@ -72,7 +74,8 @@ def fit_prior(data: HabitDataset, pairs: PairReader, anchors: Sequence[str], l2:
 def fit_evidence(data: HabitDataset, pairs: PairReader, anchors: Sequence[str], epochs: int = 9) -> Arrays:
     """Which anchor and relation a habit speaks for: words, word pairs, sentence vector and pair features."""
     torch.manual_seed(0)
-    rows = np.asarray([r for r in range(len(data)) if category_split(data.entry_of(r).category) == "train"])
+    parts = entry_parts(data)
+    rows = np.asarray([r for r in range(len(data)) if parts[data.entry_of(r).id] == "train"])
     lists = [grams(data.texts[r]) for r in rows]
     counts = Counter(gram for found in lists for gram in found)
     vocabulary = sorted(gram for gram, n in counts.items() if n >= MIN_COUNT)

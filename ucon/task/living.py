@@ -99,7 +99,7 @@ def occasions_of(living: Living, names: Iterable[str]) -> list[str]:
 
 
 def drawn_context(living: Living, names: Sequence[str], target: str, rng: np.random.Generator) -> Context:
-    """A context for an episode about ``target``: who asks is one of its users, the occasion one that matters to them."""
+    """A context for an episode about ``target``: who asks is one of its users, the occasion matters to them."""
     hosts = [host for host in living[target] if host.ok]
     asker = hosts[int(rng.integers(len(hosts)))].entry.household
     return draw_context(rng, occasions_of(living, [target]) or occasions_of(living, names), asker)

@@ -31,18 +31,19 @@ def make_episodes(
     workers: int = 2,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Episode]:
-    """Sample every order, in order, under the rules ``task``, with ``context`` stated or not. Without ``dataset``: the habit book.
+    """Sample every order, in order, under the rules ``task``, their context stated or not; by default of the book.
 
     Raises:
         EpisodeError: an order that no seed satisfies.
     """
     done: list[Episode] = []
+    begin = (dataset, task, context)
     if workers <= 1:
-        _begin(dataset, task, context)
+        _begin(*begin)
         results = map(_sample, orders)
         return _collect(results, done, len(orders), progress)
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(dataset, task, context)) as pool:
+    spawn = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, mp_context=spawn, initializer=_begin, initargs=begin) as pool:
         return _collect(pool.map(_sample, orders, chunksize=4), done, len(orders), progress)
 
 

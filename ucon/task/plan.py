@@ -1,8 +1,8 @@
 """The fixed evaluation sets: which home, seed and target categories every episode of a named set has.
 
 ``test``: 250 episodes in each of seen / unseen category x seen / unseen scene, all people new; ``val`` 400 and ``mini``
-50 on homes and categories of their own. Seen scenes are the canonical layouts of the 20 official training scenes; unseen ones are the
-two official test scenes and generated homes from a reserved range of seeds.
+50 on homes and categories of their own. Seen scenes are the canonical layouts of the 20 official training scenes;
+unseen ones are the two official test scenes and generated homes from a reserved range of seeds.
 """
 
 from __future__ import annotations
@@ -75,9 +75,7 @@ def generated(first_seed: int, count: int) -> tuple[str, ...]:
     return tuple(f"procedural:{KINDS[k % len(KINDS)]}:{first_seed + k}" for k in range(count))
 
 
-def set_orders(
-    name: str, dataset: HabitDataset, task: str = PAPER.name, *, context: bool = False
-) -> Iterator[Order]:
+def set_orders(name: str, dataset: HabitDataset, task: str = PAPER.name, *, context: bool = False) -> Iterator[Order]:
     """What to sample for every episode of a named set under the rules ``task``, scenes taken in turn.
 
     Scenes and seeds are the same under all rules, so that the sets of two rule sets differ by the rules alone.

@@ -41,9 +41,7 @@ class EpisodeSampler:
         context: whether episodes state day, hour, season, occasion and asker, and placements follow them.
     """
 
-    def __init__(
-        self, dataset: HabitDataset, *, k: int = 20, rules: TaskRules = PAPER, context: bool = False
-    ) -> None:
+    def __init__(self, dataset: HabitDataset, *, k: int = 20, rules: TaskRules = PAPER, context: bool = False) -> None:
         self.dataset, self.k, self.rules, self.context = dataset, k, rules, context
         self._eyes = RasterRenderer()
         self._living: dict[tuple[str, Split | None], Living] = {}

@@ -44,9 +44,7 @@ def set_path(name: str) -> Path:
     return (_PACKAGE if name.split(".")[0] == "mini" else _CLONE) / f"{name}{SUFFIX}"
 
 
-def load_episodes(
-    name_or_path: str | Path, task: str = PAPER.name, *, context: bool = False
-) -> tuple[Episode, ...]:
+def load_episodes(name_or_path: str | Path, task: str = PAPER.name, *, context: bool = False) -> tuple[Episode, ...]:
     """Episodes of a named set, in the version made under the rules ``task``, or of a file as it is.
 
     Args:

@@ -1,0 +1,58 @@
+"""``python -m ucon habits build``: from the book's text to the dataset file that everything else loads."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the action."""
+    parser.add_argument("--book", metavar="FOLDER", help="files in the habit book's format; default: the embedded book")
+    parser.add_argument("--out", metavar="FILE", help="dataset file to write; default: the one that is shipped")
+    parser.add_argument("--work", metavar="FOLDER", help="keeps finished work; default: the user's cache")
+    parser.add_argument("--workers", type=int, default=2, help="processes (default 2); changes no byte of the result")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Build and say what was found."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from ucon.commands.output import stdout_to_stderr
+    from ucon.commands.wiring import existing
+    from ucon.core.files import MANIFEST, write_manifest
+    from ucon.generation.build import build
+    from ucon.habits.book import BOOK_FILE, BOOK_FOLDER
+    from ucon.habits.datafile import SUFFIX
+
+    out = Path(args.out).expanduser() if args.out else BOOK_FILE
+    book = existing(args.book, "--book") if args.book else BOOK_FOLDER
+    with stdout_to_stderr(), Progress(console=Console(stderr=True)) as bar:
+        tasks = {}
+
+        def show(step: str, done: int, total: int) -> None:
+            if step not in tasks:
+                tasks[step] = bar.add_task(step, total=total)
+            bar.update(tasks[step], completed=done)
+
+        built = build(
+            out,
+            book=book,
+            work=Path(args.work).expanduser() if args.work else None,
+            workers=args.workers,
+            progress=show,
+        )
+    if out == BOOK_FILE:
+        write_manifest(out.parent, [p.name for p in out.parent.iterdir() if p.is_file() and p.name != MANIFEST])
+    figures = {"path": str(out), "bytes": out.stat().st_size, "sha256": built.dataset.sha256, **built.steps}
+    if args.json:
+        print(json.dumps(figures, indent=1))
+        return 0
+    for name, value in figures.items():
+        print(f"{name:<10} {value}")
+    sys.stderr.write(f"{out.name.removesuffix(SUFFIX)}: {len(built.dataset)} habits\n")
+    return 0
