@@ -163,8 +163,7 @@ class UcONEnv(gym.Env[Obs, int]):
 
     def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
         """Carry out one action."""
-        action = int(action)
-        ledger, potential = self._ledger, self._reward.progress != 0
+        action, ledger, potential = int(action), self._ledger, self._reward.progress != 0
         if ledger is None:
             raise EpisodeError("step before reset: call reset() first")
         before_m = ledger.to_goal_m() if potential else 0.0
