@@ -86,7 +86,7 @@ def play_missing(
     )
     started = time.perf_counter()
     with embedding_progress(visible=config["progress"]) as on_text:
-        Factory(config["env"]["source"])().prepare(on_text)
+        Factory(config["env"]["source"])().prepare(on_text, spec.habit_level)
     label = f"{config['agent']['_target_'].rsplit('.', 1)[-1]} {spec.habit_level}"
     with EvaluationProgress(label, len(episodes), visible=config["progress"], done=done.values()) as progress:
 

@@ -117,6 +117,17 @@ def test_an_interrupted_run_goes_on(tmp_path):
     assert (out / "episodes.jsonl").read_bytes() == (tmp_path / "whole" / "episodes.jsonl").read_bytes()
 
 
+def test_context_is_the_same_bytes_with_any_workers(tmp_path):
+    levels = ("agent=belief", "episodes=mini", "limit=3", "pictures=0", "progress=false")
+    result = evaluate("-m", *levels, "habit_level=retrieval,context", "workers=2", f"out={tmp_path}/sweep")
+    assert result.returncode == 0, result.stderr[-2000:]
+    assert "belief context - belief retrieval" in result.stdout
+    alone = evaluate(*levels, "habit_level=context", "workers=0", f"out={tmp_path}/alone")
+    assert alone.returncode == 0, alone.stderr[-2000:]
+    swept = next((tmp_path / "sweep").glob("*context*/episodes.jsonl"))
+    assert swept.read_bytes() == (tmp_path / "alone" / "episodes.jsonl").read_bytes()
+
+
 def test_a_sweep_ends_in_a_comparison(tmp_path):
     result = evaluate("-m", "agent=random,frontier", "habit_level=none,gt", *QUICK, f"out={tmp_path}/sweep")
     assert result.returncode == 0, result.stderr[-2000:]

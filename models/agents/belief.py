@@ -20,7 +20,7 @@ from ucon.perception.neighbourhood import interest
 from ucon.perception.places import Places, with_fallback
 from ucon.perception.semantic_map import CELL_M, SemanticMap
 from ucon.perception.viewpoints import Costs, Expectation
-from ucon.retrieval.reader import AnchorReader
+from ucon.retrieval.reader import AnchorReader, default_reader
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class ReadHabits:
     def __call__(self, info: Info) -> Locations:
         """Read ``info["habits"]`` about ``info["target"]``; at level ``gt`` all of them are about it."""
         if self._reader is None:
-            self._reader = AnchorReader()
+            self._reader = default_reader()
         trusted = info.get("habit_level") == "gt"
         reading = self._reader.read(str(info["target"]), tuple(info["habits"]), trusted=trusted)
         belief = reading.belief(self._reader.known)
@@ -75,13 +75,21 @@ class Believing:
     """Expects the target where the habits say, and a little everywhere."""
 
     def __init__(self, locations: Locations, coverage: Indifferent, weights: BeliefWeights) -> None:
-        self._row = {name: k for k, name in enumerate(locations.names)}
-        self._locations, self._coverage, self._weights = locations, coverage, weights
-        self._anywhere = max(0.0, 1.0 - float(locations.p.sum()))
-        self._seen = (-1, 0)
+        self._coverage, self._weights = coverage, weights
         self._mass = np.zeros((0, 4))
         self._unseen_per_m2 = 0.0
         self._interest: NDArray[np.float32] | None = None
+        self._believe(locations)
+
+    def _believe(self, locations: Locations) -> None:
+        self._row = {name: k for k, name in enumerate(locations.names)}
+        self._locations = locations
+        self._anywhere = max(0.0, 1.0 - float(locations.p.sum()))
+        self._seen = (-1, 0)
+
+    def reread(self, known: SemanticMap, places: Places) -> bool:
+        """See :class:`models.agents.search.Expecting`: habits read once stay as they were read."""
+        return False
 
     def expect(self, known: SemanticMap, places: Places) -> Expectation:
         """See :class:`models.agents.search.Expecting`."""
@@ -122,6 +130,36 @@ class Believing:
         }
 
 
+class Rereading(Believing):
+    """At habit level ``context``: says what it saw, and reads the list that comes of it."""
+
+    def __init__(
+        self, locations: Locations, coverage: Indifferent, weights: BeliefWeights, info: Info, locate: Locate
+    ) -> None:
+        super().__init__(locations, coverage, weights)
+        self._info, self._locate = dict(info), locate
+
+    def reread(self, known: SemanticMap, places: Places) -> bool:
+        """See :class:`models.agents.search.Expecting`."""
+        ranking = self._info["reranking"]
+        if not ranking.update(known.instances.keys() & self._row.keys(), self._emptied(known, places)):
+            return False
+        self._believe(self._locate(self._info | {"habits": ranking.texts}))
+        return True
+
+    def _emptied(self, known: SemanticMap, places: Places) -> dict[str, float]:
+        """Share of each category's belief that was looked at in vain, in tenths: less makes no new list."""
+        n = known.n_tracks
+        left = np.bincount(places.track, places.weights(self._mass), n)
+        whole = np.bincount(places.track, self._mass[places.track, places.relation] * places.share, n)
+        out: dict[str, float] = {}
+        for name, tracks in known.instances.items():
+            total = float(whole[tracks].sum())
+            if name in self._row and total > 0.0:
+                out[name] = round(1.0 - float(left[tracks].sum()) / total, 1)
+        return {name: share for name, share in out.items() if share > 0.0}
+
+
 #: Mass of a whole home in the units of :class:`Indifferent`: what its weights come to in a home of common size.
 _COVERAGE_UNITS = 450.0
 
@@ -148,4 +186,9 @@ class BeliefAgent(ControllerAgent):
     def start(self, info: Info) -> Controller:
         """See :class:`models.agents.base.ControllerAgent`."""
         coverage = Indifferent(str(info["target"]), self._coverage)
-        return SearchController(info, Believing(self._locate(info), coverage, self._weights), self._costs)
+        locations = self._locate(info)
+        if "reranking" in info:
+            believing: Believing = Rereading(locations, coverage, self._weights, info, self._locate)
+        else:
+            believing = Believing(locations, coverage, self._weights)
+        return SearchController(info, believing, self._costs)

@@ -71,6 +71,10 @@ class Indifferent:
             self._mass = grown
         return Expectation(self._mass, self._weights.unknown, self._weights.near)
 
+    def reread(self, known: SemanticMap, places: Places) -> bool:
+        """It reads nothing."""
+        return False
+
     def _of(self, category: str) -> tuple[float, float, float, float]:
         if category in ("", "floors", "walls", "ceilings"):
             return 0.0, 0.0, 0.0, 0.0

@@ -33,6 +33,10 @@ class Expecting(Protocol):
         """Mass of tracks, unexplored space and space seen from afar."""
         ...
 
+    def reread(self, known: SemanticMap, places: Places) -> bool:
+        """Called before a view is chosen: read anew what depends on what was seen; True if that changed anything."""
+        ...
+
 
 class SearchController:
     """Searches one home for one target."""
@@ -135,6 +139,8 @@ class SearchController:
             self.viewpoints.disappoint(self.map, self.places, expected, self._openable_now())
             self.choice = None
         if self.choice is None or not self._plan or self._age >= self.REPLAN_STEPS:
+            if self.expecting.reread(self.map, self.places):
+                expected = self.expecting.expect(self.map, self.places)
             self._choose(expected)
         self._age += 1
         return self._plan.popleft() if self._plan else Action.ROTATE_LEFT

@@ -14,6 +14,7 @@ from gymnasium.utils.env_checker import check_env
 
 from ucon.core.errors import ConfigError, EpisodeError
 from ucon.envs.ucon_env import UcONEnv
+from ucon.retrieval.context import ContextHabits
 from ucon.retrieval.levels import LEVELS
 from ucon.task.actions import Action
 from ucon.task.episode import Episode
@@ -27,6 +28,8 @@ def same(a: Any, b: Any) -> bool:
         return a.keys() == b.keys() and all(same(a[k], b[k]) for k in a)
     if isinstance(a, np.ndarray):
         return a.dtype == b.dtype and a.tobytes() == b.tobytes()
+    if isinstance(a, ContextHabits):
+        return same((a.rows, a.texts), (b.rows, b.texts))
     if isinstance(a, tuple | list):
         return len(a) == len(b) and all(same(x, y) for x, y in zip(a, b, strict=True))
     if hasattr(a, "__slots__"):
@@ -127,7 +130,7 @@ def _names(value: Any, found: set[str]) -> set[str]:
 
 def test_nothing_privileged_is_given(episodes: tuple[Episode, ...]) -> None:
     allowed_info = {
-        "target", "episode", "task", "habit_level", "habits", "habit_rows", "nav", "free", "start",
+        "target", "episode", "task", "context", "habit_level", "habits", "habit_rows", "nav", "free", "start",
         "camera_m", "detections", "tracks", "opened", "depth", "episode_metrics",
     }  # fmt: skip
     env = UcONEnv(episodes, observe="symbolic", detector=True)
@@ -158,7 +161,7 @@ def test_observation_does_not_depend_on_where_the_target_is(episodes: tuple[Epis
     assert same(info, other)
 
 
-@pytest.mark.parametrize("level", ["none", "full"])
+@pytest.mark.parametrize("level", ["none", "full", "context"])
 def test_an_unseen_target_leaves_no_trace(level: str, episodes: tuple[Episode, ...]) -> None:
     """With the target taken out of the world, all that an agent gets before it would see the target is the same."""
     envs = [UcONEnv(episodes, habit_level=level, detector=True) for _ in range(2)]
@@ -189,6 +192,27 @@ def test_levels_give_what_they_say(episodes: tuple[Episode, ...]) -> None:
     assert len(rows["retrieval"]) == 20
     assert rows["gt"] < rows["full"]
     assert rows["retrieval"] < rows["full"]
+    assert rows["context"] == rows["retrieval"]
+
+
+def test_context_is_retrieval_until_it_is_told_more(episodes: tuple[Episode, ...]) -> None:
+    envs = [UcONEnv(episodes, habit_level=level, detector=True) for level in ("retrieval", "context")]
+    for a, b in zip(*(rollout(env, episodes[1]) for env in envs), strict=True):
+        assert same(a[0], b[0])
+        assert set(b[-1]) - set(a[-1]) <= {"reranking"}
+
+
+def test_observations_follow_the_context(episodes: tuple[Episode, ...]) -> None:
+    env = UcONEnv(episodes, observe="symbolic", habit_level="context")
+    obs, info = env.reset(options={"episode": 0})
+    first = obs["habits"].tolist()
+    assert info["reranking"].update({"bed", "sofa", "shelf", "desk", "fridge"}, {"bed": 0.5})
+    assert info["reranking"].texts != info["habits"]
+    obs, *_ = env.step(int(Action.ROTATE_LEFT))
+    assert obs["habits"].tolist() != first
+    assert obs["habits"][:20].tolist() == info["reranking"].rows.tolist()
+    assert obs in env.observation_space
+    assert env.reset(options={"episode": 0})[0]["habits"].tolist() == first
 
 
 def test_render_shows_frame_and_map(episodes: tuple[Episode, ...]) -> None:

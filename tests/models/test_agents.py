@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from models.agents.random import RandomAgent
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.habits import book
+from ucon.retrieval.context import ContextHabits
 from ucon.task.sets import load_episodes
 
 TARGETS = ("bowl", "pencil_box", "coffee_cup", "teapot")
@@ -123,3 +125,44 @@ def test_oracle_locations_knows_the_places_and_no_more() -> None:
         assert known.p.sum() == pytest.approx(1.0)
     with pytest.raises(ConfigError, match="privileged=True"):
         OracleLocationsAgent().reset([{"target": "mug"}])
+
+
+def test_belief_at_context_tells_what_it_saw_and_reads_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All that it tells was detected before; without the target in the home it does the same until it would see it."""
+    told: list[tuple[set[str], dict[str, float]]] = []
+    lists: list[tuple[str, ...]] = []
+    update = ContextHabits.update
+
+    def heard(self: ContextHabits, seen: set[str], emptied: dict[str, float]) -> bool:
+        told.append((set(seen), dict(emptied)))
+        changed = update(self, seen, emptied)
+        lists.append(self.texts)
+        return changed
+
+    monkeypatch.setattr(ContextHabits, "update", heard)
+    env = UcONEnv("mini", observe="symbolic", detector=True, habit_level="context")
+    actions = []
+    for episode in sorted(load_episodes("mini"), key=lambda e: -e.shortest_path_m)[:2]:
+        objects = list(episode.arrangement.objects)
+        objects[episode.target] = replace(objects[episode.target], position=(0.0, 0.0, -50.0))
+        gone = replace(episode, arrangement=replace(episode.arrangement, objects=tuple(objects)))
+        for version in (episode, gone):
+            agent, detected = BeliefAgent(), set()
+            obs, info = env.reset(options={"episode": version})
+            agent.reset([info])
+            actions.append([])
+            for _ in range(40):
+                if env.search.counts[env.search.target]:
+                    break
+                detected |= set(info["detections"].category)
+                actions[-1] += agent.act([obs], [info])
+                if told:
+                    assert told[-1][0] <= detected
+                    assert told[-1][1].keys() <= told[-1][0]
+                obs, _, done, _, info = env.step(actions[-1][-1])
+                assert not done
+            told.clear()
+        n = len(actions[-2])
+        assert n > 3
+        assert actions[-1][:n] == actions[-2]
+    assert len(set(lists)) > 4

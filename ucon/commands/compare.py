@@ -82,9 +82,10 @@ _LEVEL_ORDER = {"none": 0, "full": 1, "gt": 2, "retrieval": 3, "context": 4}
 
 
 def _answers_something(a: dict[str, Any], b: dict[str, Any]) -> bool:
-    """Whether ``a - b`` is worth a row: a level of an agent minus its ``none``, or two agents at one level."""
+    """Whether ``a - b`` is worth a row: a level of an agent minus its basis, or two agents at one level."""
     if a["agent"] == b["agent"]:
-        return bool(b["habit_level"] == "none" != a["habit_level"])
+        levels = (a["habit_level"], b["habit_level"])
+        return levels == ("context", "retrieval") or bool(levels[1] == "none" != levels[0])
     return bool(a["habit_level"] == b["habit_level"] and a["agent"] < b["agent"])
 
 

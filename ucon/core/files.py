@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import os
@@ -42,6 +43,23 @@ def sha256_file(path: Path) -> str:
         while chunk := file.read(1 << 20):
             digest.update(chunk)
     return digest.hexdigest()
+
+
+def remembered_sha256(path: Path) -> str:
+    """Hex SHA-256 of a large file, read again only where its size or time has changed since."""
+    stat, name = path.stat(), str(path.resolve())
+    note = user_cache() / "sha256" / f"{sha256_bytes(name.encode())[:32]}.json"
+    state = {"bytes": stat.st_size, "mtime_ns": stat.st_mtime_ns}
+    try:
+        known = json.loads(note.read_text())
+        if {key: known[key] for key in state} == state:
+            return str(known["sha256"])
+    except (OSError, ValueError, KeyError, TypeError):
+        pass
+    found = sha256_file(path)
+    with contextlib.suppress(OSError):
+        write_atomic(note, canonical_json(state | {"sha256": found}))
+    return found
 
 
 def write_atomic(path: Path, data: bytes | str) -> None:

@@ -15,9 +15,10 @@ from ucon.habits.knowledge import MODES, KnowledgeBase
 from ucon.habits.types import Entry, HabitDataset
 from ucon.language.encoder import Progress
 from ucon.language.store import StoredEncoder, default_encoder
-from ucon.retrieval.base import Retriever, mrr, phrase, recall_at
+from ucon.retrieval.base import PreparedRetriever, Retriever, mrr, phrase, recall_at
+from ucon.retrieval.context import ContextHabits, ContextRetriever, ContextWeights
 from ucon.retrieval.dense import DenseRetriever, dataset_vectors
-from ucon.retrieval.levels import LEVELS, TOP_P, habits_at_level
+from ucon.retrieval.levels import LEVELS, RANKED_LEVELS, TOP_P, habits_at_level
 from ucon.sim.house import House
 from ucon.task.episode import Episode
 
@@ -34,6 +35,8 @@ class Knowledge:
     target_embedding: NDArray[np.float16]
     retriever: Retriever
     target: str
+    reranking: ContextHabits | None = None
+    """At level ``context``: the list that follows what is seen; ``rows`` are those of the start."""
 
     @cached_property
     def texts(self) -> tuple[str, ...]:
@@ -54,7 +57,9 @@ class HabitSource:
         dataset: habits by which the episodes were made; the habit book by default.
         retriever: ranks habits for level ``retrieval``; dense by default.
         mode: knowledge base of all entries of a category (``category``) or of one (``task``).
-        top_p: habits given at level ``retrieval``.
+        top_p: habits given at levels ``retrieval`` and ``context``.
+        encoder: makes the embeddings of observations; MiniLM by default.
+        context: how strongly level ``context`` follows what is seen.
     """
 
     def __init__(
@@ -64,6 +69,7 @@ class HabitSource:
         mode: str = "category",
         top_p: int = TOP_P,
         encoder: StoredEncoder | None = None,
+        context: ContextWeights | None = None,
     ) -> None:
         if mode not in MODES:
             raise ConfigError(unknown_name("knowledge base mode", mode, MODES))
@@ -71,6 +77,7 @@ class HabitSource:
             raise ConfigError(f"top_p={top_p}, expected at least 1")
         self.mode, self.top_p = mode, top_p
         self._dataset, self._retriever, self._encoder = dataset, retriever, encoder
+        self._context = context
 
     @cached_property
     def dataset(self) -> HabitDataset:
@@ -84,17 +91,27 @@ class HabitSource:
 
     @cached_property
     def retriever(self) -> Retriever:
-        """The retriever of level ``retrieval``."""
+        """The retriever of levels ``retrieval`` and ``context``."""
         return self._retriever or DenseRetriever(self.encoder)
+
+    @cached_property
+    def context(self) -> ContextRetriever:
+        """Re-ranks at level ``context``."""
+        return ContextRetriever(self.retriever, self._context)
 
     @property
     def dimension(self) -> int:
         """Length of an embedding."""
         return self.encoder.dim
 
-    def prepare(self, progress: Progress | None = None) -> None:
-        """Make the dataset's embeddings, once for all processes: they are kept on disk. Nothing to do for the book."""
+    def prepare(self, progress: Progress | None = None, level: str = "none") -> None:
+        """Make the dataset's embeddings, once for all processes: they are kept on disk. Nothing to do for the book.
+
+        Those of the retriever only where ``level`` asks it.
+        """
         dataset_vectors(self.dataset, self.encoder, progress)
+        if level in RANKED_LEVELS and isinstance(self.retriever, PreparedRetriever):
+            self.retriever.prepare(self.dataset, progress)
 
     @staticmethod
     def check_level(level: str) -> str:
@@ -142,4 +159,5 @@ class HabitSource:
             target_embedding=self.encoder.encode_half([phrase(target)])[0],
             retriever=self.retriever,
             target=target,
+            reranking=ContextHabits(self.context, base, target, self.top_p) if level == "context" else None,
         )

@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 from gymnasium import spaces
+from numpy.typing import NDArray
 
+from ucon.core.errors import ConfigError
 from ucon.sim.render import SKY_DEPTH_M
 from ucon.task.actions import Action
 
@@ -39,3 +41,16 @@ def observation_space(image_px: tuple[int, int] | None, dimension: int, max_habi
         "step": spaces.Discrete(max_steps + 1),
     }
     return spaces.Dict(entries)
+
+
+def padded(rows: NDArray[np.int32], max_habits: int, where: str) -> tuple[NDArray[np.int32], NDArray[np.int8]]:
+    """``habits`` and ``habits_mask`` of an observation, each (max_habits,).
+
+    Raises:
+        ConfigError: more rows than that.
+    """
+    if len(rows) > max_habits:
+        raise ConfigError(f"{where}: {len(rows)} habits, expected at most {max_habits}; raise max_habits")
+    habits = np.full(max_habits, -1, np.int32)
+    habits[: len(rows)] = rows
+    return habits, (habits >= 0).astype(np.int8)

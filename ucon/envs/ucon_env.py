@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ucon.core.errors import ConfigError, EpisodeError
 from ucon.envs.frame import StartFrame
 from ucon.envs.knowledge import HabitSource
-from ucon.envs.spaces import NO_ACTION, observation_space
+from ucon.envs.spaces import NO_ACTION, observation_space, padded
 from ucon.envs.topdown import TopDownMap
 from ucon.envs.tracks import Tracks
 from ucon.sim.cache import load_house
@@ -60,11 +60,12 @@ class UcONEnv(gym.Env[Obs, int]):
     | step | Discrete(max_steps + 1) | steps taken |
 
     ### Info
-    ``target`` (category), ``camera_m`` (its height); at reset ``task`` (name of the rules), ``context`` (a sentence
-    or None), ``habits`` (texts), ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for seeds and logs), with
+    ``target`` (category), ``camera_m`` (its height); at reset ``task`` (name of the rules), ``context`` (a sentence or
+    None), ``habits`` (texts), ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for seeds and logs), at level
+    ``context`` ``reranking`` (:class:`ucon.retrieval.ContextHabits`: told what was seen, it ranks anew), with
     ``planner="true"`` ``nav`` (free grid in the agent's frame); with ``detector=True`` ``detections``, ``tracks`` and
-    ``opened`` (tracks); at the end ``episode_metrics``. With ``privileged=True`` also
-    ``privileged`` (scene, episode, solution, locations, target instance, pose): for trainers and oracles only.
+    ``opened`` (tracks); at the end ``episode_metrics``. With ``privileged=True`` also ``privileged`` (scene, episode,
+    solution, locations, target instance, pose): for trainers and oracles only.
 
     ### Rewards
     :class:`ucon.task.reward.Reward`: +10 for a successful Done and -0.01 a step by default.
@@ -116,7 +117,7 @@ class UcONEnv(gym.Env[Obs, int]):
         self.action_space = spaces.Discrete(len(Action))  # type: ignore[assignment]  # it draws NumPy integers
         image = (height_px, width_px) if observe == "pixels" else None
         self.observation_space = observation_space(image, self.source.dimension, max_habits, self.rules.max_steps)
-        self._instance = np.empty((height_px, width_px), np.int16)
+        self._instance, self._habit_rows = np.empty((height_px, width_px), np.int16), np.empty(0, np.int32)
 
     @property
     def habit_table(self) -> NDArray[np.float16]:
@@ -136,7 +137,7 @@ class UcONEnv(gym.Env[Obs, int]):
         self.search = Search(self._world, self._renderer, target, pose, self.rules)
         self._frame = StartFrame(start)
         self._knowledge = self.source.knowledge(self.episode, self.habit_level)
-        self._habits, self._habits_mask = self._padded(self._knowledge.rows)
+        self._give_habits()
         self._target_embedding = self._knowledge.target_embedding.astype(np.float32)
         self._tracks = Tracks(self._world.categories)
         self._last_action, self._collision = NO_ACTION, 0
@@ -153,6 +154,8 @@ class UcONEnv(gym.Env[Obs, int]):
             "habits": self._knowledge.texts,
             "habit_rows": self._knowledge.rows,
         }
+        if self._knowledge.reranking is not None:
+            info["reranking"] = self._knowledge.reranking
         if self._planner == "true":
             free, cell = self._frame.grid(self._world.free)
             info["nav"] = {"free": free, "start": cell}
@@ -160,11 +163,11 @@ class UcONEnv(gym.Env[Obs, int]):
 
     def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
         """Carry out one action."""
-        action = int(action)
-        ledger, potential = self._ledger, self._reward.progress != 0
+        action, ledger, potential = int(action), self._ledger, self._reward.progress != 0
         if ledger is None:
             raise EpisodeError("step before reset: call reset() first")
         before_m = ledger.to_goal_m() if potential else 0.0
+        self._give_habits()
         outcome = self.search.step(action)
         self._last_action, self._collision = action, int(outcome.collision)
         truncated = not outcome.done and ledger.steps + 1 >= self.rules.max_steps
@@ -260,6 +263,13 @@ class UcONEnv(gym.Env[Obs, int]):
         obs["step"] = 0
         return obs, info
 
+    def _give_habits(self) -> None:
+        """What observations show: the habits of the level, at level ``context`` as they are ranked now."""
+        rows = (self._knowledge.reranking or self._knowledge).rows
+        if rows is not self._habit_rows:
+            self._habits, self._habits_mask = padded(rows, self._max_habits, f"episode {self.episode.id}")
+            self._habit_rows = rows
+
     def _choose(self, options: dict[str, Any]) -> Episode:
         wanted = options.get("episode")
         if wanted is None:
@@ -274,17 +284,6 @@ class UcONEnv(gym.Env[Obs, int]):
         if not 0 <= int(wanted) < len(self.episodes):
             raise EpisodeError(f"episode index {wanted}, expected 0 to {len(self.episodes) - 1}")
         return self.episodes[int(wanted)]
-
-    def _padded(self, rows: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.int8]]:
-        if len(rows) > self._max_habits:
-            raise ConfigError(
-                f"episode {self.episode.id}: {len(rows)} habits at level {self.habit_level}, expected at most "
-                f"{self._max_habits}; raise max_habits"
-            )
-        habits = np.full(self._max_habits, -1, np.int32)
-        habits[: len(rows)] = rows
-        mask = (habits >= 0).astype(np.int8)
-        return habits, mask
 
 
 def _make_renderer(name: str, width_px: int, height_px: int, fov_deg: float) -> Renderer:

@@ -16,11 +16,9 @@ from typing import Any, Protocol
 import gymnasium as gym
 
 from ucon.evaluation.record import EpisodeRecord, EpisodeTiming
+from ucon.retrieval.levels import RANKED_LEVELS
 from ucon.task.actions import Action
 from ucon.task.episode import Episode
-
-#: Habit levels whose habits come ranked, so that recall and reciprocal rank mean something.
-RANKED_LEVELS = ("retrieval", "context")
 
 Env = gym.Env[Any, Any]
 

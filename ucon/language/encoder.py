@@ -91,7 +91,7 @@ class MiniLM:
         out = np.empty((len(texts), DIM), np.float16)
         if texts:
             self._load()
-        with _one_thread():
+        with one_thread():
             for i, text in enumerate(texts):
                 out[i] = self._one(text)
                 if self._progress is not None:
@@ -122,7 +122,7 @@ class MiniLM:
         import torch
         import transformers
 
-        with _quiet(transformers):
+        with quiet(transformers):
             self._tokenizer = transformers.AutoTokenizer.from_pretrained(folder, local_files_only=True)
             self._model = transformers.AutoModel.from_pretrained(
                 folder, local_files_only=True, dtype=torch.float32, attn_implementation="eager"
@@ -130,7 +130,8 @@ class MiniLM:
 
 
 @contextmanager
-def _one_thread() -> Iterator[None]:
+def one_thread() -> Iterator[None]:
+    """Keep torch to one thread: sums must not depend on the number of threads."""
     import torch
 
     threads = torch.get_num_threads()
@@ -142,7 +143,7 @@ def _one_thread() -> Iterator[None]:
 
 
 @contextmanager
-def _quiet(transformers: Any) -> Iterator[None]:
+def quiet(transformers: Any) -> Iterator[None]:
     """Keep the library's progress bars and reports off the terminal while weights load."""
     logging = transformers.utils.logging
     level, bar = logging.get_verbosity(), logging.is_progress_bar_enabled()

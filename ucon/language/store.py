@@ -195,6 +195,10 @@ class StoredEncoder:
                 out[i] = vector
         return out
 
+    def add(self, texts: Sequence[str], vectors: Vectors) -> None:
+        """Keep vectors (n, dim) that this encoder has given elsewhere."""
+        self._cache.add([text_key(text) for text in texts], vectors.astype(np.float16))
+
     def table_slice(self, texts: Sequence[str]) -> NDArray[np.float16] | None:
         """View (n, dim) of a table that holds exactly these texts in a row; None if none does."""
         for table in self._tables:

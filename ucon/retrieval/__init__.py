@@ -1,7 +1,9 @@
 """The habit retrieval module and the habit levels: which sentences an agent is given."""
 
 from ucon.retrieval.base import QUERY, Retriever, mrr, phrase, query_text, recall_at
+from ucon.retrieval.bge import BgeRetriever
 from ucon.retrieval.bm25 import BM25Retriever
+from ucon.retrieval.context import ContextHabits, ContextRetriever, ContextWeights
 from ucon.retrieval.dense import DenseRetriever, dataset_vectors
 from ucon.retrieval.levels import LEVELS, Level, habits_at_level
 from ucon.retrieval.reader import AnchorBelief, AnchorReader, Reading
@@ -12,6 +14,10 @@ __all__ = [
     "AnchorBelief",
     "AnchorReader",
     "BM25Retriever",
+    "BgeRetriever",
+    "ContextHabits",
+    "ContextRetriever",
+    "ContextWeights",
     "DenseRetriever",
     "Level",
     "Reading",

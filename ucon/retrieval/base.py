@@ -6,13 +6,14 @@ on the last bits of a matrix product or on the order of the knowledge base.
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from typing import Final, Protocol
+from collections.abc import Callable, Collection
+from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ucon.habits.knowledge import KnowledgeBase
+from ucon.habits.types import HabitDataset
 
 #: The paper's query.
 QUERY: Final = "Please retrieve the habit about {target}."
@@ -28,6 +29,15 @@ class Retriever(Protocol):
 
     def rank(self, target: str, kb: KnowledgeBase) -> NDArray[np.int32]:
         """All rows of the knowledge base, best first, (N,)."""
+        ...
+
+
+@runtime_checkable
+class PreparedRetriever(Retriever, Protocol):
+    """A retriever that encodes a dataset, once for all processes."""
+
+    def prepare(self, dataset: HabitDataset, progress: Callable[[int, int], None] | None = None) -> None:
+        """Encode what was not encoded before; ``progress`` is told (texts done, texts in all)."""
         ...
 
 

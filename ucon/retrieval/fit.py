@@ -29,7 +29,7 @@ from ucon.retrieval.base import phrase
 from ucon.retrieval.dense import DenseRetriever, dataset_vectors
 from ucon.retrieval.evidence import grams
 from ucon.retrieval.gate import gate_features
-from ucon.retrieval.levels import LEVELS, habits_at_level
+from ucon.retrieval.levels import FIXED_LEVELS, habits_at_level
 from ucon.retrieval.reader import N_MIX, AnchorReader
 from ucon.retrieval.sampling import anchor_distribution, location_distribution, sampled_kb
 from ucon.retrieval.weights import WEIGHTS, Weights, pack_names
@@ -220,7 +220,7 @@ def _mix_cases(data: HabitDataset, n_kbs: int) -> Any:
     for seed in range(n_kbs):
         kb = sampled_kb(data, "val", seed, MODES[seed % 2])
         for target, entries in kb.entries.items():
-            for level in LEVELS:
+            for level in FIXED_LEVELS:
                 rows = habits_at_level(level, kb, target, retriever)
                 masked = stream(seed, "mask", target, level)
                 yield target, [data.texts[row] for row in rows], level == "gt", anchor_distribution(entries), masked

@@ -11,8 +11,12 @@ from ucon.core.errors import ConfigError, unknown_name
 from ucon.habits.knowledge import KnowledgeBase
 from ucon.retrieval.base import Retriever
 
-Level = Literal["none", "full", "gt", "retrieval"]
-LEVELS: tuple[Level, ...] = ("none", "full", "gt", "retrieval")
+Level = Literal["none", "full", "gt", "retrieval", "context"]
+#: Levels of the paper: what is given does not change during an episode.
+FIXED_LEVELS: tuple[Level, ...] = ("none", "full", "gt", "retrieval")
+#: Levels whose habits come ranked, so that recall and reciprocal rank mean something.
+RANKED_LEVELS: tuple[Level, ...] = ("retrieval", "context")
+LEVELS: tuple[Level, ...] = (*FIXED_LEVELS, "context")
 TOP_P = 20
 
 
@@ -22,10 +26,11 @@ def habits_at_level(
     """Rows of the dataset that an agent is given.
 
     ``none``: nothing; ``full``: all, in the order of the knowledge base; ``gt``: every habit whose category is the
-    target, supporting a placement or not; ``retrieval``: the ``p`` best of the retriever, best first.
+    target, supporting a placement or not; ``retrieval``: the ``p`` best of the retriever, best first; ``context``: the
+    same at the start, then re-ranked by what is seen (:class:`ucon.retrieval.context.ContextHabits`).
 
     Raises:
-        ConfigError: unknown level or target, ``p`` < 1, or no retriever for ``retrieval``.
+        ConfigError: unknown level or target, ``p`` < 1, or no retriever for a level that ranks.
     """
     if level == "none":
         return np.empty(0, np.int32)
@@ -33,10 +38,10 @@ def habits_at_level(
         return kb.rows
     if level == "gt":
         return kb.rows_about(target)
-    if level != "retrieval":
+    if level not in RANKED_LEVELS:
         raise ConfigError(unknown_name("habit level", level, LEVELS))
     if retriever is None:
-        raise ConfigError("habit level 'retrieval' without a retriever; give one, for example DenseRetriever()")
+        raise ConfigError(f"habit level '{level}' without a retriever; give one, for example DenseRetriever()")
     if p < 1:
         raise ConfigError(f"retrieval of p={p} habits, expected at least 1")
     return retriever.rank(target, kb)[:p]

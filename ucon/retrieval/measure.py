@@ -21,7 +21,7 @@ from ucon.objects.catalogue import catalogue
 from ucon.retrieval.base import Retriever, mrr, recall_at
 from ucon.retrieval.bm25 import BM25Retriever
 from ucon.retrieval.dense import DenseRetriever
-from ucon.retrieval.levels import LEVELS, habits_at_level
+from ucon.retrieval.levels import FIXED_LEVELS, habits_at_level
 from ucon.retrieval.reader import AnchorReader
 from ucon.retrieval.sampling import anchor_distribution, location_distribution, sampled_kb
 
@@ -95,7 +95,7 @@ def measure(
         kbs = [sampled_kb(data, split, 10_000 + seed, mode) for seed in range(n_kbs)]
         size = float(np.mean([len(kb) for kb in kbs]))
         rows = {"dense": measure_retrieval(kbs, dense), "bm25": measure_retrieval(kbs, BM25Retriever())}
-        rows |= {level: measure_reader(kbs, level, reader, dense) for level in LEVELS}
+        rows |= {level: measure_reader(kbs, level, reader, dense) for level in FIXED_LEVELS}
         rows |= {f"{level}+clutter": measure_reader(kbs, level, reader, dense, clutter) for level in ("none", "gt")}
         for name, row in rows.items():
             say(f"{mode:9s} N={size:.0f} {name:12s} " + "  ".join(f"{k} {v:.3f}" for k, v in row.items()))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -156,3 +157,9 @@ class AnchorReader:
         """Logits (C,) of candidates."""
         w = self.weights
         return two_layers(x, w["mix_hidden"], w["mix_hidden_bias"], w["mix_out"])
+
+
+@cache
+def default_reader() -> AnchorReader:
+    """The shipped reader, one per process."""
+    return AnchorReader()

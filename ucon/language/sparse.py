@@ -1,0 +1,108 @@
+"""Sparse vectors of texts: token ids and their weights, and parts of them on disk."""
+
+from __future__ import annotations
+
+import io
+import sys
+import zipfile
+import zlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.files import sha256_bytes, write_atomic
+
+
+@dataclass(frozen=True, eq=False)
+class SparseRows:
+    """n sparse vectors, one after the other."""
+
+    start: NDArray[np.int32]
+    """(n + 1,): row i is at ``start[i]:start[i + 1]`` of the others."""
+    ids: NDArray[np.int32]
+    """(m,) token ids, ascending within a row."""
+    weights: NDArray[np.float16]
+    """(m,) weights above 0."""
+
+    def __len__(self) -> int:
+        return len(self.start) - 1
+
+    @classmethod
+    def stack(cls, rows: Sequence[tuple[NDArray[np.int32], NDArray[np.float16]]]) -> SparseRows:
+        """From (ids, weights) of every row."""
+        start = np.cumsum([0, *(len(ids) for ids, _ in rows)]).astype(np.int32)
+        ids = np.concatenate([np.empty(0, np.int32), *(ids for ids, _ in rows)])
+        return cls(start, ids, np.concatenate([np.empty(0, np.float16), *(weights for _, weights in rows)]))
+
+    def row(self, i: int) -> tuple[NDArray[np.int32], NDArray[np.float16]]:
+        """Ids and weights of one row."""
+        part = slice(self.start[i], self.start[i + 1])
+        return self.ids[part], self.weights[part]
+
+    def dot(self, ids: NDArray[np.int32], weights: NDArray[np.float16]) -> NDArray[np.float64]:
+        """Sum over shared tokens of the products of weights, (n,); ``ids`` ascending."""
+        place = np.minimum(np.searchsorted(ids, self.ids), max(len(ids) - 1, 0))
+        shared = (ids[place] == self.ids) if len(ids) else np.zeros(len(self.ids), bool)
+        product = np.zeros(len(self.ids))
+        product[shared] = self.weights[shared].astype(np.float64) * weights[place[shared]].astype(np.float64)
+        total = np.concatenate([[0.0], np.cumsum(product)])
+        return total[self.start[1:]] - total[self.start[:-1]]
+
+    def save(self, path: Path) -> None:
+        """Write a part: 4 to 6 bytes a token, its own checksum within."""
+        buffer = io.BytesIO()
+        np.savez_compressed(buffer, start=self.start, ids=self.ids, weights=self.weights)
+        write_atomic(path, buffer.getvalue())
+
+    @classmethod
+    def load(cls, path: Path, n: int) -> SparseRows | None:
+        """A part of ``n`` rows; None where it is not there yet or damaged."""
+        try:
+            with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as file:
+                found = cls(file["start"], file["ids"], file["weights"])
+            if len(found) == n and found.start[-1] == len(found.ids) == len(found.weights):
+                return found
+            raise ValueError("rows")
+        except FileNotFoundError:
+            return None
+        except (ValueError, KeyError, OSError, EOFError, zipfile.BadZipFile, zlib.error):
+            print(f"warning: {path} is damaged; its texts are encoded again", file=sys.stderr)  # noqa: T201
+            return None
+
+
+def joined(parts: Sequence[SparseRows]) -> SparseRows:
+    """All rows of some parts in order."""
+    return SparseRows.stack([part.row(i) for part in parts for i in range(len(part))])
+
+
+class SparseFolder:
+    """Sparse vectors of long lists of texts, made in parts of :data:`PART_TEXTS`: what was interrupted goes on."""
+
+    PART_TEXTS = 2000
+
+    def __init__(self, folder: Path, make: Callable[[Sequence[str], int, int], SparseRows]) -> None:
+        """``make`` gives the rows of some texts; it is also told how many were done before, and how many there are."""
+        self._folder, self._make = folder, make
+
+    def rows(self, texts: Sequence[str]) -> SparseRows:
+        """Vectors of texts; the parts that are not on disk are made and kept."""
+        parts = []
+        for begin in range(0, len(texts), self.PART_TEXTS):
+            part = texts[begin : begin + self.PART_TEXTS]
+            path = self._folder / f"{sha256_bytes(chr(10).join(part).encode())[:32]}.npz"
+            found = SparseRows.load(path, len(part))
+            if found is None:
+                found = self._make(part, begin, len(texts))
+                self._keep(found, path)
+            parts.append(found)
+        return joined(parts)
+
+    @staticmethod
+    def _keep(rows: SparseRows, path: Path) -> None:
+        try:
+            rows.save(path)
+        except OSError as error:
+            print(f"warning: {path} cannot be written ({error.strerror})", file=sys.stderr)  # noqa: T201
