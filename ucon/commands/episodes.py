@@ -41,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _make(args: argparse.Namespace) -> int:
-    from ucon.commands.habits import load_dataset
+    from ucon.commands.wiring import load_dataset
     from ucon.task.make import make_episodes
     from ucon.task.plan import set_orders
     from ucon.task.sets import save_episodes, set_name, set_path

@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING
 
 from ucon.commands import habits_build, habits_import, habits_propose, habits_show, habits_stats, habits_survey
-
-if TYPE_CHECKING:
-    from ucon.habits import HabitDataset
 
 _ACTIONS = {
     "import": (habits_import, "read the official release and try every location in PyBullet"),
@@ -30,16 +26,3 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Carry out the chosen action."""
     return _ACTIONS[args.action][0].run(args)
-
-
-def load_dataset(path: str | None) -> HabitDataset:
-    """The dataset at a path: ``*.habits.xz`` a built file, JSON the official release, a folder of text a book."""
-    from ucon.commands.wiring import existing, folder_habits, official_habits
-    from ucon.habits import book
-    from ucon.habits.datafile import SUFFIX
-
-    if path is None:
-        return book()
-    found = existing(path, "PATH")
-    is_book = found.name.endswith(SUFFIX) or (found.is_dir() and any(found.glob("*.txt")))
-    return folder_habits(path) if is_book else official_habits(path)

@@ -27,8 +27,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Find out what the name means and show it."""
-    from ucon.commands.habits import load_dataset
     from ucon.commands.output import stdout_to_stderr
+    from ucon.commands.wiring import load_dataset
     from ucon.core.errors import ConfigError, unknown_name
     from ucon.scenes import SCENES
 

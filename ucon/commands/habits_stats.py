@@ -24,8 +24,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Measure, draw, print."""
-    from ucon.commands.habits import load_dataset
     from ucon.commands.output import stdout_to_stderr
+    from ucon.commands.wiring import load_dataset
     from ucon.evaluation.habit_plots import draw_plots, require_matplotlib
     from ucon.evaluation.habit_statistics import measure
 

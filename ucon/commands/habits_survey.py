@@ -30,7 +30,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _make(args: argparse.Namespace) -> int:
-    from ucon.commands.habits import load_dataset
+    from ucon.commands.wiring import load_dataset
     from ucon.core.errors import ConfigError
     from ucon.core.files import write_atomic
     from ucon.evaluation.survey import draw_items, key_csv, sheet_csv

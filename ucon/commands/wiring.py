@@ -81,3 +81,15 @@ def existing(path: str, option: str) -> Path:
     if not found.exists():
         raise ConfigError(f"{option}={path}: no such file or folder; give the path of an existing one")
     return found
+
+
+def load_dataset(path: str | None) -> HabitDataset:
+    """The dataset at a path: ``*.habits.xz`` a built file, JSON the official release, a folder of text a book."""
+    from ucon.habits import book
+    from ucon.habits.datafile import SUFFIX
+
+    if path is None:
+        return book()
+    found = existing(path, "PATH")
+    is_book = found.name.endswith(SUFFIX) or (found.is_dir() and any(found.glob("*.txt")))
+    return folder_habits(path) if is_book else official_habits(path)
