@@ -13,6 +13,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--book", metavar="FOLDER", help="files in the habit book's format; default: the embedded book")
     parser.add_argument("--out", metavar="FILE", help="dataset file to write; default: the one that is shipped")
     parser.add_argument("--work", metavar="FOLDER", help="keeps finished work; default: the user's cache")
+    parser.add_argument("--doubts", metavar="FILE", help="write the labels that the verifier doubts, one a line")
     parser.add_argument("--workers", type=int, default=2, help="processes (default 2); changes no byte of the result")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
@@ -24,7 +25,7 @@ def run(args: argparse.Namespace) -> int:
 
     from ucon.commands.output import stdout_to_stderr
     from ucon.commands.wiring import existing
-    from ucon.core.files import MANIFEST, write_manifest
+    from ucon.core.files import MANIFEST, write_atomic, write_manifest
     from ucon.generation.build import build
     from ucon.habits.book import BOOK_FILE, BOOK_FOLDER
     from ucon.habits.datafile import SUFFIX
@@ -48,6 +49,8 @@ def run(args: argparse.Namespace) -> int:
         )
     if out == BOOK_FILE:
         write_manifest(out.parent, [p.name for p in out.parent.iterdir() if p.is_file() and p.name != MANIFEST])
+    if args.doubts:
+        write_atomic(Path(args.doubts).expanduser(), "".join(f"{doubt}\n" for doubt in built.doubts))
     figures = {"path": str(out), "bytes": out.stat().st_size, "sha256": built.dataset.sha256, **built.steps}
     if args.json:
         print(json.dumps(figures, indent=1))

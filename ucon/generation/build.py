@@ -6,13 +6,14 @@ Equal text, code and catalogue give equal bytes, whatever the number of processe
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from ucon.core.files import user_cache
 from ucon.generation.validate import ANCHORS_TRIED, dataset_triples, validate
+from ucon.generation.verify import Doubt, doubtful
 from ucon.habits.book import BOOK_FOLDER, read_book
 from ucon.habits.datafile import save_dataset
 from ucon.habits.types import HabitDataset
@@ -29,6 +30,8 @@ class Built:
     dataset: HabitDataset
     path: Path
     steps: dict[str, Any]
+    doubts: tuple[Doubt, ...]
+    """Labels that the text does not bear out, the most doubtful first: for a person to read."""
 
 
 def validation_folder() -> Path:
@@ -65,9 +68,14 @@ def build(
 
     verdicts = validate(wanted, work or validation_folder(), workers=workers, progress=tried)
     dataset = replace(text, verdicts=verdicts)
-    steps = {"propose": _proposed(dataset), "validate": validation_figures(dataset, wanted)}
+    doubts = tuple(doubtful(dataset))
+    steps = {
+        "propose": _proposed(dataset),
+        "validate": validation_figures(dataset, wanted),
+        "verify": _verified(dataset, doubts),
+    }
     save_dataset(dataset, out, steps)
-    return Built(dataset, out, steps)
+    return Built(dataset, out, steps, doubts)
 
 
 def _proposed(dataset: HabitDataset) -> dict[str, int]:
@@ -76,6 +84,15 @@ def _proposed(dataset: HabitDataset) -> dict[str, int]:
         "habits": len(dataset),
         "categories": len(dataset.categories),
         "placements": sum(len(entry.placements) for entry in dataset.entries),
+    }
+
+
+def _verified(dataset: HabitDataset, doubts: Sequence[Doubt]) -> dict[str, int]:
+    """How many pairs of a sentence and a placement were looked at, and which labels the verifier doubts."""
+    return {
+        "pairs": sum(len(entry.habits) * len(entry.placements) for entry in dataset.entries),
+        "doubted_supports": sum(doubt.labelled for doubt in doubts),
+        "doubted_distractors": sum(not doubt.labelled for doubt in doubts),
     }
 
 

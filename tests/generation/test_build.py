@@ -1,0 +1,56 @@
+"""The pipeline as one call, on a small book."""
+
+import json
+
+import pytest
+
+from tests.habits.test_book import GOOD
+from ucon.__main__ import main
+from ucon.core.errors import DataError
+from ucon.generation.build import build
+from ucon.habits.datafile import dataset_steps, load_dataset_file
+
+
+@pytest.fixture
+def folder(tmp_path):
+    book = tmp_path / "book"
+    book.mkdir()
+    (book / "mine.txt").write_text(GOOD)
+    return book
+
+
+def test_equal_text_gives_equal_bytes_in_any_number_of_processes(tmp_path, folder):
+    files = []
+    for workers in (0, 2):
+        out = tmp_path / f"{workers}.habits.xz"
+        files.append(build(out, book=folder, work=tmp_path / f"work{workers}", workers=workers))
+    assert files[0].path.read_bytes() == files[1].path.read_bytes()
+    dataset = load_dataset_file(files[0].path)
+    assert set(dataset.verdicts.of) == {
+        ("wallet", "ontop", "desk"),
+        ("wallet", "inside", "tote"),
+        ("wallet", "nextto", "bed"),
+    }
+    steps = dataset_steps(files[0].path)
+    assert steps["propose"] == {"entries": 1, "habits": 8, "categories": 1, "placements": 3}
+    assert steps["validate"]["triples"] == 3
+    assert steps["verify"]["pairs"] == 24
+
+
+def test_the_command_writes_the_file_and_the_doubts(tmp_path, folder, capsys):
+    wrong = GOOD.replace("1: The wallet stays on the desk", "3: The wallet stays on the desk")
+    (folder / "mine.txt").write_text(wrong)
+    out, doubts = tmp_path / "mine.habits.xz", tmp_path / "doubts.txt"
+    words = ["habits", "build", "--book", str(folder), "--out", str(out), "--work", str(tmp_path / "work"), "--json"]
+    assert main([*words, "--doubts", str(doubts), "--workers", "0"]) == 0
+    figures = json.loads(capsys.readouterr().out)
+    assert figures["verify"]["doubted_supports"] + figures["verify"]["doubted_distractors"] >= 1
+    assert "The wallet stays on the desk" in doubts.read_text()
+    assert load_dataset_file(out).sha256 == figures["sha256"]
+
+
+def test_malformed_text_is_refused_before_anything_is_tried(tmp_path, folder):
+    (folder / "mine.txt").write_text(GOOD.replace("@ ontop desk", "@ ontop dsk"))
+    with pytest.raises(DataError, match=r"mine\.txt:2: unknown anchor 'dsk'"):
+        build(tmp_path / "a.habits.xz", book=folder, work=tmp_path / "work")
+    assert not (tmp_path / "work").exists()
