@@ -93,8 +93,13 @@ class HabitSource:
         return self.encoder.dim
 
     def prepare(self, progress: Progress | None = None) -> None:
-        """Make the dataset's embeddings, once for all processes: they are kept on disk. Nothing to do for the book."""
+        """Make the dataset's embeddings, for observations and for the retriever, once for all processes.
+
+        They are kept on disk. Nothing to do for the book and the encoders that its tables were made with.
+        """
         dataset_vectors(self.dataset, self.encoder, progress)
+        if isinstance(self.retriever, DenseRetriever):
+            self.retriever.prepare(self.dataset, progress)
 
     @staticmethod
     def check_level(level: str) -> str:

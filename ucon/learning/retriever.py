@@ -232,7 +232,7 @@ class RetrieverLearner:
             "frozen encoder is all-MiniLM-L6-v2 (Apache-2.0).\n\n"
             f"Trained with InfoNCE inside knowledge bases on the {count('train')} `train` entries of "
             f"`{self.dataset.name}`, chosen on its {count('val')} `val` entries; `test` entries were not read.\n\n"
-            "Use: `python eval.py retriever=tuned retriever.encoder.adapter=THIS_RUN/model/retriever.safetensors`.\n\n"
+            "Use: `python eval.py retriever=tuned retriever.encoder.adapter=RUN`.\n\n"
             "It ranks sentences in English about where people keep things. It is no general sentence encoder any "
             "more: similarity of other texts was not measured.",
         )

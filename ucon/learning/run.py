@@ -1,10 +1,10 @@
 """One training run: a folder, a loop that can be stopped anywhere, and what is left when it ends.
 
-    config.yaml      what was asked for; `resume=` reads it
-    metrics.jsonl    a line a step and a validation: no times, so equal runs write equal bytes
-    checkpoints/     see :mod:`ucon.learning.checkpoints`
-    model/           what was learned, by the best checkpoint, with a manifest
-    MODEL_CARD.md, summary.json
+config.yaml      what was asked for; `resume=` reads it
+metrics.jsonl    a line a step and a validation: no times, so equal runs write equal bytes
+checkpoints/     see :mod:`ucon.learning.checkpoints`
+model/           what was learned, by the best checkpoint, with a manifest
+MODEL_CARD.md, summary.json
 """
 
 from __future__ import annotations
