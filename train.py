@@ -4,8 +4,8 @@
     python train.py learner=retriever habits=official habits.path=FILE
     python train.py resume=runs/train/RUN
 
-Writes config.yaml, metrics.jsonl, checkpoints/, model/, MODEL_CARD.md and summary.json to ``out=``. Ctrl-C and SIGTERM save and
-end; ``resume=`` goes on to the same bytes that an uninterrupted run would have written.
+Writes config.yaml, metrics.jsonl, checkpoints/, model/, MODEL_CARD.md and summary.json to ``out=``. Ctrl-C and
+SIGTERM save and end; ``resume=`` goes on to the same bytes that an uninterrupted run would have written.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
 from ucon.commands.entry import one_line_errors, run_entry
-from ucon.commands.training import chosen_run, use_threads, run_identity
+from ucon.commands.training import chosen_run, run_identity, use_threads
 from ucon.commands.wiring import Factory
 from ucon.learning.progress import training_progress, wandb_log
 from ucon.learning.run import Interrupted, Plan, TrainingRun

@@ -65,16 +65,16 @@ def test_a_signal_saves_and_the_rest_is_the_same(whole, tmp_path, number, at):
 
 
 def test_a_killed_process_loses_only_what_it_does_again(whole, tmp_path):
-    class Killed(Exception):
+    class KilledError(Exception):
         pass
 
     def kill(done):
         if done == 14:
-            raise Killed
+            raise KilledError
 
     learner = Line()
     learner.on_step = kill
-    with pytest.raises(Killed):
+    with pytest.raises(KilledError):
         begun(tmp_path / "run", learner).run()
     with (tmp_path / "run" / METRICS).open("a") as file:
         file.write('{"loss": 1.0, "st')  # cut off in mid-write

@@ -25,9 +25,10 @@ class AdaptedMiniLM(MiniLM):
         return f"{super().name}+{sha256_bytes(read_verified(self._adapter))[:8]}"
 
     def _load(self) -> None:
-        if self._model is None:
-            from ucon.language.adapter import merge, read_adapter
+        if self._model is not None:
+            return
+        from ucon.language.adapter import merge, read_adapter
 
-            adapter = read_adapter(self._adapter, MINILM_SHA256)
-            super()._load()
-            merge(self._model, adapter, str(self._adapter))
+        adapter = read_adapter(self._adapter, MINILM_SHA256)
+        super()._load()
+        merge(self._model, adapter, str(self._adapter))  # type: ignore[arg-type]

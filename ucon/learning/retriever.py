@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -124,7 +123,7 @@ class RetrieverLearner:
         lr: float = 1e-3,
         warm_up: int = 20,
         temperature: float = 0.05,
-        other_weight: float = 0.2,
+        other_weight: float = 0.05,
         decay: float = 0.01,
         seed: int = 0,
         n_kbs: int = 10,

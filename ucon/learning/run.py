@@ -189,8 +189,8 @@ class TrainingRun:
         hashes = "".join(f"- {name}: `{value}`\n" for name, value in summary["hashes"].items())
         files = "".join(f"- `{MODEL}/{name}`, {size:,} bytes\n" for name, size in summary["files"].items())
         return (
-            f"# {card.title}\n\n{card.text}\n\n## Validation, best checkpoint\n\n| figure | value |\n|---|---|\n{rows}\n"
-            f"## Files\n\n{files}\n## Made from\n\n{hashes}"
+            f"# {card.title}\n\n{card.text}\n\n## Validation, best checkpoint\n\n| figure | value |\n|---|---|\n{rows}"
+            f"\n## Files\n\n{files}\n## Made from\n\n{hashes}"
         )
 
 
