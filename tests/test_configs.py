@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from hydra import compose, initialize_config_dir
+from hydra.utils import get_class
 from omegaconf import OmegaConf
 
 from ucon.commands.wiring import Factory
@@ -15,13 +16,26 @@ OPTIONS = sorted((p.parent.name, p.stem) for p in CONFIGS.glob("*/*.yaml"))
 MANDATORY = {("habits", "official"): "habits.path=somewhere", ("habits", "folder"): "habits.path=somewhere"}
 
 
-def composed(*overrides: str) -> dict:
+#: Groups that belong to ``train.yaml`` alone.
+TRAINING = {"learner"}
+
+
+def composed(*overrides: str, root: str = "eval") -> dict:
     with initialize_config_dir(str(CONFIGS), version_base="1.3"):
-        config = compose("eval", overrides=[*overrides, "out=runs/test"])
+        config = compose(root, overrides=[*overrides, "out=runs/test"])
     return OmegaConf.to_container(config, resolve=True, throw_on_missing=True)
 
 
-@pytest.mark.parametrize(("group", "name"), OPTIONS)
+@pytest.mark.parametrize(("group", "name"), [(g, n) for g, n in OPTIONS if g in TRAINING | {"habits"}])
+def test_every_option_of_training_composes(group, name):
+    extra = MANDATORY.get((group, name))
+    config = composed(f"{group}={name}", *([extra] if extra else []), root="train")
+    assert config["training"]["steps"] >= 1
+    assert config["learner"]["_target_"].startswith("ucon.learning.")
+    assert callable(get_class(config["learner"]["_target_"]))
+
+
+@pytest.mark.parametrize(("group", "name"), [(g, n) for g, n in OPTIONS if g not in TRAINING])
 def test_every_option_composes(group, name):
     extra = MANDATORY.get((group, name))
     config = composed(f"{group}={name}", *([extra] if extra else []))

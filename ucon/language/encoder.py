@@ -86,6 +86,11 @@ class MiniLM:
         """384."""
         return DIM
 
+    def parts(self) -> tuple[Any, Any]:
+        """Tokenizer and torch model, loaded and checked: for training, which batches."""
+        self._load()
+        return self._tokenizer, self._model
+
     def encode(self, texts: Sequence[str]) -> Vectors:
         """Unit vectors (n, 384) float32, rounded to fp16, each text on its own."""
         out = np.empty((len(texts), DIM), np.float16)

@@ -7,6 +7,7 @@ from ucon.retrieval.context import ContextHabits, ContextRetriever, ContextWeigh
 from ucon.retrieval.dense import DenseRetriever, dataset_vectors
 from ucon.retrieval.levels import LEVELS, Level, habits_at_level
 from ucon.retrieval.reader import AnchorBelief, AnchorReader, Reading
+from ucon.retrieval.tuned import tuned_encoder
 
 __all__ = [
     "LEVELS",
@@ -28,4 +29,5 @@ __all__ = [
     "phrase",
     "query_text",
     "recall_at",
+    "tuned_encoder",
 ]

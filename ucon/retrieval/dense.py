@@ -36,15 +36,36 @@ def dataset_vectors(
 class DenseRetriever:
     """Ranks by cosine in float64, so that rounding to 1e-4 hides how the product was computed."""
 
-    def __init__(self, encoder: StoredEncoder | None = None) -> None:
-        """``encoder`` defaults to MiniLM behind the shipped table."""
+    def __init__(self, encoder: StoredEncoder | None = None, *, whole: bool = True) -> None:
+        """``encoder`` defaults to MiniLM behind the shipped table.
+
+        ``whole`` encodes a dataset at once; False only the knowledge bases asked about, to measure a new encoder soon.
+        """
         self.encoder = encoder or default_encoder()
+        self._whole = whole
+        self._converted: WeakKeyDictionary[KnowledgeBase, NDArray[np.float64]] = WeakKeyDictionary()
+
+    def prepare(self, dataset: HabitDataset, progress: Callable[[int, int], None] | None = None) -> None:
+        """Encode a dataset's habits and the queries of its categories, which stay on disk for all processes."""
+        dataset_vectors(dataset, self.encoder, progress)
+        self.encoder.encode_half([query_text(category) for category in dataset.categories], progress)
 
     def scores(self, target: str, kb: KnowledgeBase) -> NDArray[np.float64]:
         """Cosines (N,) in the order of ``kb.rows``."""
         query = self.encoder.encode_half([query_text(target)])[0].astype(np.float64)
-        return dataset_vectors(kb.dataset, self.encoder)[kb.rows].astype(np.float64) @ query
+        return self._vectors(kb) @ query
 
     def rank(self, target: str, kb: KnowledgeBase) -> NDArray[np.int32]:
         """Rows of the knowledge base, best first."""
         return ranked(self.scores(target, kb), kb.rows)
+
+    def _vectors(self, kb: KnowledgeBase) -> NDArray[np.float64]:
+        """Vectors (N, dim) of a knowledge base, kept while it lives: to widen fp16 costs five products."""
+        if kb not in self._converted:
+            known = (
+                dataset_vectors(kb.dataset, self.encoder)[kb.rows]
+                if self._whole
+                else self.encoder.encode_half(kb.texts)
+            )
+            self._converted[kb] = known.astype(np.float64)
+        return self._converted[kb]

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ucon.habits.book import book
 from ucon.habits.knowledge import MODES, KnowledgeBase, Mode
 from ucon.habits.splits import Split
-from ucon.habits.types import RELATIONS, HabitDataset
+from ucon.habits.types import RELATIONS, Entry, HabitDataset
 from ucon.objects.catalogue import catalogue
 from ucon.retrieval.base import Retriever, mrr, recall_at
 from ucon.retrieval.bm25 import BM25Retriever
@@ -28,15 +28,21 @@ from ucon.retrieval.sampling import anchor_distribution, location_distribution, 
 Row = dict[str, float]
 
 
-def measure_retrieval(kbs: Sequence[KnowledgeBase], retriever: Retriever) -> Row:
-    """Means over all targets: MRR, recall of the target's habits, recall of its supporting habits."""
+def measure_retrieval(
+    kbs: Sequence[KnowledgeBase], retriever: Retriever, about: Callable[[Entry], bool] = lambda _: True
+) -> Row:
+    """Means over all targets: MRR, recall of the target's habits, recall of its supporting habits where they are known.
+
+    ``about`` chooses the targets: those with all entries chosen, say the entries of one part.
+    """
     rows: list[Row] = []
     for kb in kbs:
-        for target in kb.entries:
+        for target in (name for name, entries in kb.entries.items() if all(map(about, entries))):
             ranking, own = retriever.rank(target, kb), kb.rows_about(target)
             supporting = [row for row in own if kb.dataset.habits[row].supports]
             found = {f"recall_at_{k}": recall_at(ranking, own, k) for k in (10, 20)}
-            rows.append({"mrr": mrr(ranking, own), **found, "supporting_at_20": recall_at(ranking, supporting, 20)})
+            known = {"supporting_at_20": recall_at(ranking, supporting, 20)} if kb.dataset.labelled else {}
+            rows.append({"mrr": mrr(ranking, own), **found, **known})
     return _means(rows)
 
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
+import numpy as np
+
+from ucon.core.errors import DataError
 from ucon.core.rng import stream
 from ucon.habits.hosting import N_ENTRIES_P
 from ucon.habits.knowledge import KnowledgeBase, Mode
@@ -29,6 +32,33 @@ def sampled_kb(
         count = min(int(rng.choice(3, p=N_ENTRIES_P)) + 1, len(entries))
         drawn[str(name)] = [entries[i] for i in sorted(rng.choice(len(entries), size=count, replace=False))]
     return KnowledgeBase.build(data, drawn, seed, mode)
+
+
+def part_kb(data: HabitDataset, part: Split, seed: int, k: int = 20) -> KnowledgeBase:
+    """Knowledge base of ``k`` categories with one entry each; every category that can has an entry of ``part``.
+
+    Datasets bound to scenes: all from one scene, drawn by how many categories of the part it has, and filled up with
+    training entries where the part has fewer than ``k`` categories there. Others: entries of the part alone.
+    """
+    rng, parts = stream(seed, "part_kb", part), entry_parts(data)
+    own = [entry for entry in data.entries if parts[entry.id] == part]
+    if not own:
+        raise DataError(f"{data.name}: no entry in its {part} part; give a larger dataset")
+    if data.scenes:
+        groups = sorted({(e.scene or "", e.category) for e in own})
+        scene = groups[int(rng.integers(len(groups)))][0]
+        own = [e for e in own if e.scene == scene]
+        others = [e for e in data.entries if e.scene == scene and parts[e.id] == "train"]
+    else:
+        others = []
+    names = _drawn(rng, {e.category for e in own}, k)
+    names += _drawn(rng, {e.category for e in others} - {e.category for e in own}, k - len(names))
+    drawn = {name: [e for e in [*own, *others] if e.category == name] for name in names}
+    return KnowledgeBase.build(data, drawn, seed, "task")
+
+
+def _drawn(rng: np.random.Generator, names: Collection[str], k: int) -> list[str]:
+    return [str(name) for name in rng.choice(sorted(names), size=min(k, len(names)), replace=False)] if names else []
 
 
 def location_distribution(entries: Sequence[Entry]) -> dict[tuple[str, str], float]:

@@ -1,0 +1,35 @@
+"""Before episodes are played, every text that a retriever will want has been encoded and kept on disk."""
+
+import numpy as np
+
+from ucon.envs.knowledge import HabitSource
+from ucon.habits import book
+from ucon.habits.types import HabitDataset
+from ucon.language import StoredEncoder
+from ucon.retrieval import DenseRetriever, query_text
+
+
+class Counting:
+    """An encoder of word counts that counts what it is asked for."""
+
+    name, dim = "counting", 8
+
+    def __init__(self):
+        self.texts = []
+
+    def encode(self, texts):
+        self.texts += texts
+        return np.asarray([[text.count(letter) + 1 for letter in "aeioutnr"] for text in texts], np.float32)
+
+
+def test_the_retrievers_own_encoder_is_prepared(tmp_path):
+    data = HabitDataset("some", book().entries[:12])
+    source = HabitSource(data, DenseRetriever(StoredEncoder(first := Counting(), folder=tmp_path)))
+    told = []
+    source.prepare(lambda done, total: told.append((done, total)))
+    assert set(first.texts) == {*data.texts, *map(query_text, data.categories)}
+    assert told[-1][0] == told[-1][1]
+    assert max(total for _, total in told) == len(set(data.texts))
+    later = StoredEncoder(second := Counting(), folder=tmp_path)
+    HabitSource(data, DenseRetriever(later)).prepare()
+    assert not second.texts

@@ -1,0 +1,167 @@
+"""Fine-tuning of the retriever on a small random encoder, and what it may learn from."""
+
+import json
+
+import numpy as np
+import pytest
+import torch
+
+from tests.learning.tiny import some_habits, tiny_learner, write_tiny_bert
+from ucon.core.errors import ConfigError, DataError
+from ucon.core.files import write_manifest
+from ucon.habits import book
+from ucon.habits.splits import entry_parts
+from ucon.language import MiniLM
+from ucon.language.adapted import AdaptedMiniLM
+from ucon.language.adapter import adapter_bytes, add_adapters, merge, read_adapter
+from ucon.language.encoder import MINILM_SHA256
+from ucon.learning.learner import State
+from ucon.learning.retriever import PRODUCT, RetrieverLearner, info_nce, schedule
+from ucon.learning.run import METRICS, Plan, TrainingRun
+from ucon.retrieval.sampling import part_kb
+
+TEXTS = ["The keys hang by the door.", "tea", "Every night the wallet is left on the low table."]
+
+
+@pytest.fixture(scope="module")
+def bert(tmp_path_factory):
+    return write_tiny_bert(tmp_path_factory.mktemp("bert"))
+
+
+def learned(folder):
+    run = folder / "checkpoints"
+    return (run / (run / "latest").read_text().strip() / "tensors.safetensors").read_bytes()
+
+
+def test_loss_falls(bert):
+    learner = tiny_learner(bert, steps=30)
+    losses = [learner.step()["loss"] for _ in range(12)]
+    assert np.mean(losses[-4:]) < np.mean(losses[:4]) - 0.05
+
+
+def test_a_resumed_run_is_bit_identical(bert, tmp_path):
+    plan = Plan(steps=6, validate_every=3, save_every=2)
+    whole = TrainingRun(tmp_path / "whole", tiny_learner(bert), plan, {})
+    whole.start("")
+    whole.run()
+    parts = TrainingRun(tmp_path / "parts", tiny_learner(bert), plan, {})
+    parts.start("")
+    for _ in range(4):
+        parts._one_step(lambda step, figures: None)
+    again = TrainingRun(tmp_path / "parts", tiny_learner(bert), plan, {})
+    again.resume()
+    assert again.step == 4
+    again.run()
+    for name in (METRICS, f"model/{PRODUCT}"):
+        assert (tmp_path / "whole" / name).read_bytes() == (tmp_path / "parts" / name).read_bytes()
+    assert learned(tmp_path / "whole") == learned(tmp_path / "parts")
+    assert whole.learner.state_dict().tensors.keys() == again.learner.state_dict().tensors.keys()
+
+
+def test_state_of_another_learner_is_refused(bert):
+    state = tiny_learner(bert, rank=3).state_dict()
+    with pytest.raises(DataError, match="names or shapes differ"):
+        tiny_learner(bert).load_state_dict(state)
+    stepped = tiny_learner(bert)
+    stepped.step()
+    with pytest.raises(DataError, match="names or shapes differ"):
+        tiny_learner(bert).load_state_dict(State(stepped.state_dict().tensors, {"done": 0}))
+
+
+def test_only_training_entries_teach(bert):
+    """Of the whole book: what hundreds of steps read is never a sentence of a val or test entry."""
+    learner = tiny_learner(bert)
+    learner.dataset = book()
+    parts = entry_parts(book())
+    held = {h.text for e in book().entries if parts[e.id] != "train" for h in e.habits}
+    read = set()
+    for step in range(300):
+        kb = learner.training_kb(step)
+        assert {parts[e.id] for entries in kb.entries.values() for e in entries} == {"train"}
+        read |= set(kb.texts)
+    shared = read & held
+    assert len(read) > 3000
+    assert not shared, sorted(shared)[:3]
+    chosen = {parts[e.id] for kb in learner.validation_kbs for entries in kb.entries.values() for e in entries}
+    assert chosen == {"val"}
+
+
+def test_knowledge_bases_of_a_part():
+    kb = part_kb(some_habits(), "train", 1)
+    assert all(len(entries) == 1 for entries in kb.entries.values())
+    assert len(kb.entries) == 20
+    assert list(kb.rows) == list(part_kb(some_habits(), "train", 1).rows)
+    assert set(kb.rows) != set(part_kb(some_habits(), "train", 2).rows)
+
+
+def test_a_new_adapter_changes_nothing(tmp_path):
+    _, model = MiniLM().parts()
+    path = tmp_path / PRODUCT
+    path.write_bytes(adapter_bytes(add_adapters(model, 4, seed=0), MINILM_SHA256))
+    write_manifest(tmp_path, [PRODUCT])
+    adapted = AdaptedMiniLM(path)
+    assert adapted.encode(TEXTS).tobytes() == MiniLM().encode(TEXTS).tobytes()
+    assert adapted.name.startswith(MiniLM().name + "+")
+
+
+def test_merged_is_what_was_trained(bert):
+    learner = tiny_learner(bert)
+    for _ in range(2):
+        learner.step()
+    with torch.no_grad():
+        trained = learner._encode(TEXTS)
+    _, plain = (encoder := MiniLM(bert, check=False)).parts()
+    merge(plain, {name: value.detach() for name, value in learner.parameters.items()})
+    inputs = encoder.parts()[0](TEXTS[0], return_tensors="pt")
+    with torch.no_grad():
+        alone = torch.nn.functional.normalize(plain(**inputs).last_hidden_state[0].mean(0), dim=0)
+    assert torch.allclose(alone, trained[0], atol=1e-5)
+
+
+def test_unfit_adapters_are_refused(bert, tmp_path):
+    path = tmp_path / PRODUCT
+    path.write_bytes(tiny_learner(bert).product()[PRODUCT])
+    with pytest.raises(DataError, match="cannot be verified"):
+        read_adapter(path, MINILM_SHA256)
+    write_manifest(tmp_path, [PRODUCT])
+    with pytest.raises(DataError, match="made for weights"):
+        read_adapter(path, "0" * 64)
+    with pytest.raises(DataError, match="use the encoder it was made for"):
+        AdaptedMiniLM(path).encode(["x"])
+    adapter = read_adapter(path, MINILM_SHA256)
+    first = next(iter(adapter))
+    _, plain = MiniLM(bert, check=False).parts()
+    with pytest.raises(DataError, match="does not fit"):
+        merge(plain, adapter | {first: adapter[first][:, :-1]})
+    path.write_bytes(b"x" * 50)
+    with pytest.raises(DataError, match="truncated or altered"):
+        read_adapter(path, MINILM_SHA256)
+    write_manifest(tmp_path, [PRODUCT])
+    with pytest.raises(DataError, match="not an adapter"):
+        read_adapter(path, MINILM_SHA256)
+
+
+def test_info_nce_by_hand():
+    similarity = torch.tensor([[0.9, 0.5, 0.1]])
+    own = torch.tensor([[True, True, False]])
+    one, two = (torch.log1p(torch.exp(torch.tensor((0.1 - s) / 0.1))) for s in (0.9, 0.5))
+    loss = info_nce(similarity, own, torch.tensor([1.0, 0.5, 1.0]), 0.1)
+    assert float(loss) == pytest.approx(float((one + 0.5 * two) / 1.5), rel=1e-5)
+
+
+def test_schedule():
+    rates = [schedule(step, 100, 10) for step in range(100)]
+    assert rates[0] == pytest.approx(0.1)
+    assert max(rates) == rates[9] == rates[10] == 1
+    assert rates[10:] == sorted(rates[10:], reverse=True)
+    assert rates[-1] < 0.001
+
+
+def test_card_and_bad_options(bert):
+    card = tiny_learner(bert).card()
+    assert "`test` entries were not read" in card.text
+    json.dumps(dict(tiny_learner(bert).identity))
+    with pytest.raises(ConfigError, match="unknown precision 'float16'"):
+        RetrieverLearner(some_habits(), 1, precision="float16")
+    with pytest.raises(ConfigError, match="must be above 0"):
+        RetrieverLearner(some_habits(), 1, rank=0)

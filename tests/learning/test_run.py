@@ -1,0 +1,120 @@
+"""A run that is stopped anywhere goes on to the same bytes."""
+
+import json
+import os
+import signal
+
+import pytest
+
+from tests.learning.tiny import Line
+from ucon.core.errors import ConfigError, DataError
+from ucon.learning.checkpoints import CheckpointError
+from ucon.learning.run import CARD, METRICS, SUMMARY, Interrupted, Plan, TrainingRun
+
+PLAN = Plan(steps=23, validate_every=5, save_every=3, keep=2)
+
+
+def begun(folder, learner=None, plan=PLAN):
+    run = TrainingRun(folder, learner or Line(), plan, {"config": "x"})
+    run.start("a: 1\n")
+    return run
+
+
+def files(folder):
+    """Everything in a folder but the seconds in its summary."""
+    found = {p.relative_to(folder).as_posix(): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+    found[SUMMARY] = {k: v for k, v in json.loads(found[SUMMARY]).items() if k != "seconds"}
+    return found
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("runs") / "whole"
+    begun(folder).run()
+    return folder
+
+
+def test_leaves_what_is_needed(whole):
+    lines = [json.loads(line) for line in (whole / METRICS).read_text().splitlines()]
+    assert [line["step"] for line in lines if "loss" in line] == list(range(1, 24))
+    assert [line["step"] for line in lines if "val/score" in line] == [0, 5, 10, 15, 20, 23]
+    summary = json.loads((whole / SUMMARY).read_text())
+    assert summary["best"]["score"] == max(line.get("val/score", -99) for line in lines)
+    card = (whole / CARD).read_text()
+    assert card.startswith("# A line\n")
+    assert "model/line.bin" in card
+    assert (whole / "model" / "MANIFEST.json").is_file()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("at", [1, 5, 7, 22])
+def test_a_signal_saves_and_the_rest_is_the_same(whole, tmp_path, number, at):
+    learner = Line()
+    learner.on_step = lambda done: os.kill(os.getpid(), number) if done == at else None
+    handler = signal.getsignal(number)
+    with pytest.raises(Interrupted) as stop:
+        begun(tmp_path / "run", learner).run()
+    assert (stop.value.step, stop.value.number) == (at, number)
+    assert signal.getsignal(number) is handler
+    again = TrainingRun(tmp_path / "run", Line(), PLAN, {"config": "x"})
+    again.resume()
+    assert again.step == at
+    again.run()
+    ours, theirs = files(tmp_path / "run"), files(whole)
+    assert {k: v for k, v in ours.items() if "step_" not in k} == {k: v for k, v in theirs.items() if "step_" not in k}
+
+
+def test_a_killed_process_loses_only_what_it_does_again(whole, tmp_path):
+    class KilledError(Exception):
+        pass
+
+    def kill(done):
+        if done == 14:
+            raise KilledError
+
+    learner = Line()
+    learner.on_step = kill
+    with pytest.raises(KilledError):
+        begun(tmp_path / "run", learner).run()
+    with (tmp_path / "run" / METRICS).open("a") as file:
+        file.write('{"loss": 1.0, "st')  # cut off in mid-write
+    again = TrainingRun(tmp_path / "run", Line(), PLAN, {"config": "x"})
+    again.resume()
+    assert again.step == 12
+    again.run()
+    assert files(tmp_path / "run") == files(whole)
+
+
+def test_an_earlier_checkpoint_may_be_chosen(whole, tmp_path):
+    run = begun(tmp_path / "run", plan=Plan(steps=23, validate_every=5, save_every=3, keep=5))
+    run.run()
+    again = TrainingRun(tmp_path / "run", Line(), run.plan, {"config": "x"})
+    again.resume("step_00000018")
+    assert again.step == 18
+    again.run()
+    assert (tmp_path / "run" / METRICS).read_bytes() == (whole / METRICS).read_bytes()
+
+
+def test_refusals(whole, tmp_path):
+    with pytest.raises(ConfigError, match="holds a run already; go on with resume="):
+        begun(whole)
+    for learner, identity in ((Line("b"), {"config": "x"}), (Line(), {"config": "y"})):
+        with pytest.raises(CheckpointError, match="another run"):
+            TrainingRun(whole, learner, PLAN, identity).resume()
+    with pytest.raises(CheckpointError, match="start the run anew"):
+        TrainingRun(tmp_path, Line(), PLAN, {}).resume()
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ConfigError, match="cannot be written"):
+        begun(tmp_path / "file" / "run")
+    with pytest.raises(ConfigError, match=r"training\.steps=0"):
+        Plan(steps=0)
+
+
+def test_spoilt_metrics_are_named_by_line(tmp_path):
+    run = begun(tmp_path / "run")
+    run.run()
+    path = tmp_path / "run" / METRICS
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join([*lines[:3], "nonsense", *lines[3:]]) + "\n")
+    with pytest.raises(DataError, match=r"metrics\.jsonl:4"):
+        TrainingRun(tmp_path / "run", Line(), PLAN, {"config": "x"}).resume()

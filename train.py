@@ -1,0 +1,64 @@
+"""Train what agents learn: so far the habit retriever.
+
+    python train.py learner=retriever
+    python train.py learner=retriever habits=official habits.path=FILE
+    python train.py resume=runs/train/RUN
+
+Writes config.yaml, metrics.jsonl, checkpoints/, model/, MODEL_CARD.md and summary.json to ``out=``. Ctrl-C and
+SIGTERM save and end; ``resume=`` goes on to the same bytes that an uninterrupted run would have written.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import hydra
+from hydra.core.hydra_config import HydraConfig
+from hydra.types import RunMode
+from omegaconf import DictConfig, OmegaConf
+
+from ucon.commands.entry import one_line_errors, run_entry
+from ucon.commands.training import chosen_run, run_identity, use_threads
+from ucon.commands.wiring import Factory
+from ucon.learning.progress import training_progress, wandb_log
+from ucon.learning.run import Interrupted, Plan, TrainingRun
+
+
+@hydra.main(version_base="1.3", config_path="configs", config_name="train")
+def main(cfg: DictConfig) -> None:
+    """One run; Hydra calls it once for each combination of a sweep."""
+    with one_line_errors("train"):
+        hydra_config = HydraConfig.get()
+        swept = Path(hydra_config.runtime.output_dir) if hydra_config.mode == RunMode.MULTIRUN else None
+        train_and_report(cfg, list(hydra_config.overrides.task), swept)
+
+
+def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None = None) -> None:
+    """Train to the end in ``out`` (of a sweep: ``swept``), or go on with the run that ``resume`` names."""
+    chosen = chosen_run(cfg, overrides, swept)
+    config: dict[str, Any] = chosen.config
+    use_threads(config["threads"])
+    learner = Factory(config["learner"])()
+    run = TrainingRun(chosen.folder, learner, Plan(**config["training"]), run_identity(config))
+    if chosen.checkpoint:
+        run.resume(chosen.checkpoint)
+    else:
+        run.start(OmegaConf.to_yaml(OmegaConf.create(config)))
+    label = config["learner"]["_target_"].rsplit(".", 1)[-1]
+    try:
+        with (
+            wandb_log(config["wandb"], chosen.folder, config) as log,
+            training_progress(label, run.plan.steps, run.step, visible=config["progress"]) as show,
+        ):
+            summary = run.run(lambda step, figures: (show(step, figures), log(step, figures))[0])
+    except Interrupted as stop:
+        print(f"stopped after step {stop.step}, saved; go on with resume={chosen.folder}", file=sys.stderr)
+        sys.exit(128 + stop.number)
+    figures = "  ".join(f"{name} {value:g}" for name, value in summary["best"].items())
+    print(f"best validation: {figures}\n{summary['seconds']:.1f} s; model and card in {chosen.folder}")
+
+
+if __name__ == "__main__":
+    run_entry(main, "train")

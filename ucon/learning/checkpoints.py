@@ -1,0 +1,158 @@
+"""Checkpoints: folders of safetensors and JSON under a SHA-256 manifest, whole or not there.
+
+    checkpoints/step_00000200/{tensors.safetensors, state.json, MANIFEST.json}
+    checkpoints/latest        the name of the newest
+    checkpoints/best          the name of the one that validated best
+
+A checkpoint is written under a temporary name and renamed, ``latest`` is moved after that: whenever a run is killed,
+``latest`` names a whole checkpoint. What was altered since, cut off, or belongs to another run is refused.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from ucon.core.errors import DataError
+from ucon.core.files import canonical_json, read_verified, write_atomic, write_manifest
+from ucon.learning.learner import State
+
+TENSORS: Final = "tensors.safetensors"
+VALUES: Final = "state.json"
+LATEST: Final = "latest"
+BEST: Final = "best"
+FORMAT: Final = 1
+
+
+class CheckpointError(DataError):
+    """A checkpoint that is missing, truncated or altered, or of another run."""
+
+
+class Checkpoints:
+    """The checkpoints of one run, named by its hashes."""
+
+    def __init__(self, folder: Path, identity: Mapping[str, str], keep: int = 2) -> None:
+        """``identity``: hashes of the run; ``keep``: newest checkpoints that stay, the best one beside them."""
+        self.folder = folder
+        self.identity = dict(identity)
+        self.keep = keep
+
+    def save(self, step: int, state: State, *, best: bool = False) -> Path:
+        """Write the state after ``step`` steps, point ``latest`` (and ``best``) at it, drop what is too old."""
+        name = step_name(step)
+        self.folder.mkdir(parents=True, exist_ok=True)
+        temporary = Path(tempfile.mkdtemp(dir=self.folder, prefix=f".{name}."))
+        try:
+            self._write(temporary, step, state)
+            self._put(temporary, self.folder / name)
+        except BaseException:
+            shutil.rmtree(temporary, ignore_errors=True)
+            raise
+        write_atomic(self.folder / LATEST, name + "\n")
+        if best:
+            write_atomic(self.folder / BEST, name + "\n")
+        self._drop_old()
+        return self.folder / name
+
+    def load(self, name: str = LATEST) -> tuple[int, State]:
+        """Steps done and state of a checkpoint: ``latest``, ``best`` or a folder's name.
+
+        Raises:
+            CheckpointError: missing, truncated, altered, or of another run.
+        """
+        folder = self.folder / (self._named(name) if name in (LATEST, BEST) else name)
+        try:
+            raw, values = read_verified(folder / TENSORS), read_verified(folder / VALUES)
+            content = json.loads(values)
+            step, found, own = int(content["step"]), dict(content["identity"]), content["values"]
+        except (DataError, ValueError, KeyError, TypeError) as error:
+            raise CheckpointError(f"checkpoint {folder}: {_reason(error)}; {self._others(folder.name)}") from None
+        if found != self.identity:
+            differ = sorted(k for k in {*found, *self.identity} if found.get(k) != self.identity.get(k))
+            raise CheckpointError(
+                f"checkpoint {folder}: of another run (different {', '.join(differ)}); "
+                "resume with the configuration and the data that it was made with"
+            )
+        return step, State(_tensors(raw, folder), own)
+
+    def rewind(self, name: str) -> None:
+        """Make ``name`` the newest: later checkpoints, which it will make again, are removed."""
+        write_atomic(self.folder / LATEST, name + "\n")
+        for path in self.all():
+            if path.name > name:
+                shutil.rmtree(path)
+        if (self.folder / BEST).is_file() and not (self.folder / self._named(BEST)).is_dir():
+            (self.folder / BEST).unlink()
+
+    def all(self) -> list[Path]:
+        """Folders of all checkpoints, oldest first."""
+        return sorted(path for path in self.folder.glob("step_*") if path.is_dir())
+
+    def _write(self, folder: Path, step: int, state: State) -> None:
+        from safetensors.torch import save
+
+        content = {"format": FORMAT, "identity": self.identity, "step": step, "values": dict(state.values)}
+        write_atomic(folder / TENSORS, save({k: v.contiguous() for k, v in sorted(state.tensors.items())}))
+        write_atomic(folder / VALUES, canonical_json(content) + "\n")
+        write_manifest(folder, [TENSORS, VALUES])
+        folder.chmod(0o755)
+
+    @staticmethod
+    def _put(temporary: Path, final: Path) -> None:
+        if final.is_dir():  # written before an interruption, and now again
+            shutil.rmtree(final)
+        temporary.rename(final)
+        handle = os.open(final.parent, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+    def _named(self, pointer: str) -> str:
+        try:
+            return (self.folder / pointer).read_text().strip()
+        except OSError:
+            raise CheckpointError(
+                f"{self.folder / pointer}: missing, so no checkpoint is {pointer}; {self._others()}"
+            ) from None
+
+    def _others(self, bad: str = "") -> str:
+        """What to do instead."""
+        names = [path.name for path in self.all() if path.name != bad]
+        if not names:
+            return "there is no other one, start the run anew"
+        return f"go on from an earlier one with resume={self.folder / names[-1]}"
+
+    def _drop_old(self) -> None:
+        kept = {path.name for path in self.all()[-self.keep :]}
+        if (self.folder / BEST).is_file():
+            kept.add(self._named(BEST))
+        for path in self.all():
+            if path.name not in kept:
+                shutil.rmtree(path)
+        for path in self.folder.glob(".step_*"):  # left by a killed process
+            shutil.rmtree(path, ignore_errors=True)
+
+
+def step_name(step: int) -> str:
+    """Name of the checkpoint after ``step`` steps; sorts by step."""
+    return f"step_{step:08d}"
+
+
+def _tensors(raw: bytes, folder: Path) -> Mapping[str, Any]:
+    from safetensors import SafetensorError
+    from safetensors.torch import load
+
+    try:
+        return load(raw)
+    except SafetensorError as error:
+        raise CheckpointError(f"checkpoint {folder}: {TENSORS} is no safetensors file ({error})") from None
+
+
+def _reason(error: Exception) -> str:
+    return str(error) if isinstance(error, DataError) else f"{VALUES} does not say what it should ({error})"

@@ -1,0 +1,65 @@
+"""What training asks of a learner."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Protocol
+
+if TYPE_CHECKING:
+    from torch import Tensor
+
+Figures = dict[str, float]
+
+
+@dataclass(frozen=True)
+class State:
+    """All that decides how a learner goes on: tensors by name, and plain values that JSON can hold."""
+
+    tensors: Mapping[str, Tensor]
+    values: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Card:
+    """What a model card says about a learner beside its figures."""
+
+    title: str
+    text: str
+    """Markdown: what was learned, from what, how to use it, and what it must not be taken for."""
+
+
+class Learner(Protocol):
+    """Learns by steps. Equal states take equal steps: nothing else may decide, neither time nor earlier calls.
+
+    Randomness of step n is a function of seed and n, so the state holds no random generators.
+    """
+
+    @property
+    def identity(self) -> Mapping[str, str]:
+        """Hashes of what it learns from and starts from; a checkpoint of other hashes is refused."""
+        ...
+
+    def step(self) -> Figures:
+        """One update; the figures to log."""
+        ...
+
+    def validate(self) -> Figures:
+        """Figures on validation data. Must not change the state."""
+        ...
+
+    def state_dict(self) -> State:
+        """The state, to be written at once."""
+        ...
+
+    def load_state_dict(self, state: State) -> None:
+        """Go on from a state; raises :class:`~ucon.core.errors.DataError` where it does not fit."""
+        ...
+
+    def product(self) -> Mapping[str, bytes]:
+        """Files of what was learned, by name: what is used afterwards."""
+        ...
+
+    def card(self) -> Card:
+        """For the model card."""
+        ...

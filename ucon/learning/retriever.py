@@ -1,0 +1,237 @@
+"""Teaches the sentence encoder which habits are about what: InfoNCE inside knowledge bases, by a low-rank adapter.
+
+One step is one knowledge base: each of its categories asks the paper's query, its own habits are the answers, the
+habits of the other categories are what they are told apart from. Habits that support a placement weigh more, for
+they are what a robot needs. Steps depend on seed and number alone, so a resumed run repeats an uninterrupted one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from ucon.core.errors import ConfigError, DataError, unknown_name
+from ucon.habits.knowledge import KnowledgeBase
+from ucon.habits.splits import entry_parts
+from ucon.habits.types import HabitDataset
+from ucon.language.adapter import adapter_bytes, add_adapters
+from ucon.language.encoder import MINILM_SHA256, MiniLM
+from ucon.learning.learner import Card, Figures, State
+from ucon.retrieval.base import query_text, ranked
+from ucon.retrieval.measure import measure_retrieval
+from ucon.retrieval.sampling import part_kb
+
+PRODUCT = "retriever.safetensors"
+CHUNK = 40
+"""Texts of one pass, sorted by length: little padding, and activations that fit the cache."""
+MAX_TOKENS = 64
+PRECISIONS = {"float32": torch.float32, "bfloat16": torch.bfloat16}
+
+
+def info_nce(similarity: Tensor, own: Tensor, weight: Tensor, temperature: float) -> Tensor:
+    """Contrastive loss, a scalar.
+
+    Each own habit of a query is told apart from the habits of others; its siblings are neither for nor against.
+
+    Args:
+        similarity: (Q, N) cosines of queries and habits.
+        own: (Q, N) bool: the habit is about the query's target.
+        weight: (N,) how much a habit counts as an answer.
+        temperature: cosines are divided by it.
+    """
+    logits = similarity / temperature
+    others = logits.masked_fill(own, -torch.inf).logsumexp(1, keepdim=True)  # (Q, 1)
+    losses = torch.nn.functional.softplus(others - logits)  # -log of own / (own + others)
+    weights = own * weight
+    return ((losses * weights).sum(1) / weights.sum(1)).mean()
+
+
+def schedule(step: int, steps: int, warm_up: int) -> float:
+    """Share of the learning rate at ``step``: a linear rise, then half a cosine down to zero."""
+    if step < warm_up:
+        return (step + 1) / warm_up
+    return 0.5 * (1 + math.cos(math.pi * (step - warm_up) / max(1, steps - warm_up)))
+
+
+class BatchEncoder:
+    """Encodes many texts at once, with gradients. Last bits depend on the batch: for training and choosing only."""
+
+    def __init__(self, tokenizer: Any, model: Any, precision: torch.dtype) -> None:
+        self._tokenizer, self._model, self._precision = tokenizer, model, precision
+
+    def __call__(self, texts: Sequence[str]) -> Tensor:
+        """Unit vectors (n, dim) float32 in the order of ``texts``."""
+        ids = self._tokenizer(list(texts), truncation=True, max_length=MAX_TOKENS)["input_ids"]
+        order = sorted(range(len(texts)), key=lambda i: (len(ids[i]), i))
+        parts = [self._pass([ids[i] for i in order[at : at + CHUNK]]) for at in range(0, len(order), CHUNK)]
+        place = torch.empty(len(order), dtype=torch.long)
+        place[order] = torch.arange(len(order))
+        return torch.cat(parts)[place]
+
+    def _pass(self, ids: list[list[int]]) -> Tensor:
+        inputs = self._tokenizer.pad({"input_ids": ids}, return_tensors="pt")
+        with torch.autocast("cpu", self._precision, enabled=self._precision != torch.float32):
+            hidden = self._model(**inputs).last_hidden_state.float()  # (n, T, dim)
+        mask = inputs["attention_mask"][..., None]
+        return torch.nn.functional.normalize((hidden * mask).sum(1) / mask.sum(1), dim=1)
+
+
+class _Ranker:
+    """Ranks with vectors that were made beforehand: the retriever of one validation."""
+
+    def __init__(self, vectors: Mapping[str, NDArray[np.float64]]) -> None:
+        self._vectors = vectors
+
+    def scores(self, target: str, kb: KnowledgeBase) -> NDArray[np.float64]:
+        return np.stack([self._vectors[text] for text in kb.texts]) @ self._vectors[query_text(target)]
+
+    def rank(self, target: str, kb: KnowledgeBase) -> NDArray[np.int32]:
+        return ranked(self.scores(target, kb), kb.rows)
+
+
+class RetrieverLearner:
+    """See the module.
+
+    Args:
+        dataset: habits; only entries of its ``train`` part teach, those of ``val`` choose.
+        steps: length of the schedule.
+        rank: of the adapter's matrices.
+        lr: highest learning rate of AdamW.
+        warm_up: steps until it is reached.
+        temperature: of the loss.
+        other_weight: what a habit that supports no placement counts against 1 for one that does.
+        decay: weight decay.
+        seed: of the adapter's start and of the knowledge bases.
+        n_kbs: knowledge bases of one validation.
+        precision: ``bfloat16`` multiplies in half the bits (three times as fast where the processor can), else
+            ``float32``.
+        encoder: the frozen encoder; MiniLM by default.
+    """
+
+    def __init__(
+        self,
+        dataset: HabitDataset,
+        steps: int,
+        rank: int = 32,
+        lr: float = 1e-3,
+        warm_up: int = 20,
+        temperature: float = 0.05,
+        other_weight: float = 0.05,
+        decay: float = 0.01,
+        seed: int = 0,
+        n_kbs: int = 10,
+        precision: str = "bfloat16",
+        encoder: MiniLM | None = None,
+    ) -> None:
+        if precision not in PRECISIONS:
+            raise ConfigError(unknown_name("precision", precision, PRECISIONS))
+        if min(steps, rank, warm_up, n_kbs) < 1 or min(lr, temperature, other_weight) <= 0:
+            raise ConfigError("learner: steps, rank, warm_up, n_kbs, lr, temperature, other_weight must be above 0")
+        self.dataset, self.seed, self.n_kbs, self.steps, self.warm_up = dataset, seed, n_kbs, steps, warm_up
+        self.lr, self.temperature, self.other_weight, self.rank = lr, temperature, other_weight, rank
+        tokenizer, model = (encoder or MiniLM()).parts()
+        self.parameters = add_adapters(model, rank, seed)
+        self._encode = BatchEncoder(tokenizer, model, PRECISIONS[precision])
+        self._optimiser = torch.optim.AdamW(self.parameters.values(), lr=lr, weight_decay=decay)
+        self._done = 0
+
+    @property
+    def identity(self) -> Mapping[str, str]:
+        """Hashes of the habits and of the frozen weights."""
+        return {"habits": self.dataset.sha256, "base": MINILM_SHA256}
+
+    def training_kb(self, step: int) -> KnowledgeBase:
+        """What step number ``step`` learns from: entries of the ``train`` part alone."""
+        return part_kb(self.dataset, "train", self.seed * 1_000_003 + step)
+
+    @cached_property
+    def validation_kbs(self) -> list[KnowledgeBase]:
+        """The same for every run and seed, so that runs can be compared."""
+        return [part_kb(self.dataset, "val", number) for number in range(self.n_kbs)]
+
+    def step(self) -> Figures:
+        """One knowledge base."""
+        kb = self.training_kb(self._done)
+        targets = list(kb.entries)
+        vectors = self._encode([*map(query_text, targets), *kb.texts])
+        queries, habits = vectors[: len(targets)], vectors[len(targets) :]
+        own = torch.from_numpy(np.stack([np.isin(kb.rows, kb.rows_about(target)) for target in targets]))
+        similarity = queries @ habits.T
+        loss = info_nce(similarity, own, self._weights(kb), self.temperature)
+        rate = self.lr * schedule(self._done, self.steps, self.warm_up)
+        for group in self._optimiser.param_groups:
+            group["lr"] = rate
+        self._optimiser.zero_grad()
+        loss.backward()  # type: ignore[no-untyped-call]
+        norm = torch.nn.utils.clip_grad_norm_(self.parameters.values(), 1.0)
+        self._optimiser.step()
+        self._done += 1
+        return {"loss": float(loss.detach()), "gradient": float(norm), "rate": rate}
+
+    def _weights(self, kb: KnowledgeBase) -> Tensor:
+        """(N,) What each habit counts as an answer; all the same where supports are unknown."""
+        known = self.dataset.labelled
+        answers = [1.0 if self.dataset.habits[row].supports or not known else self.other_weight for row in kb.rows]
+        return torch.tensor(answers)
+
+    def validate(self) -> Figures:
+        """Recall and MRR for targets of the ``val`` part; ``score`` is what the best state is chosen by."""
+        parts = entry_parts(self.dataset)
+        texts = list(dict.fromkeys(text for kb in self.validation_kbs for text in kb.texts))
+        texts += [query_text(target) for target in sorted({t for kb in self.validation_kbs for t in kb.entries})]
+        with torch.no_grad():
+            vectors = self._encode(texts).numpy().astype(np.float64)
+        ranker = _Ranker(dict(zip(texts, vectors, strict=True)))
+        found = measure_retrieval(self.validation_kbs, ranker, lambda entry: parts[entry.id] == "val")
+        score = found["supporting_at_20"] if self.dataset.labelled else found["recall_at_20"]
+        return found | {"score": score}
+
+    def state_dict(self) -> State:
+        """Adapter, moments of the optimiser, number of steps."""
+        tensors = {f"adapter/{name}": value.detach() for name, value in self.parameters.items()}
+        for name, value in self.parameters.items():
+            moments = self._optimiser.state.get(value, {})
+            tensors |= {f"{kind}/{name}": moments[kind] for kind in ("exp_avg", "exp_avg_sq") if kind in moments}
+        return State(tensors, {"done": self._done})
+
+    def load_state_dict(self, state: State) -> None:
+        """Go on after ``done`` steps."""
+        done = int(state.values["done"])
+        kinds = ("adapter", "exp_avg", "exp_avg_sq") if done else ("adapter",)
+        shapes = {f"{kind}/{name}": value.shape for kind in kinds for name, value in self.parameters.items()}
+        if {name: value.shape for name, value in state.tensors.items()} != shapes:
+            raise DataError("state of another learner: names or shapes differ; resume with the run's own configuration")
+        with torch.no_grad():
+            for name, value in self.parameters.items():
+                value.copy_(state.tensors[f"adapter/{name}"])
+                if done:
+                    moments = {kind: state.tensors[f"{kind}/{name}"].clone() for kind in kinds[1:]}
+                    self._optimiser.state[value] = {"step": torch.tensor(float(done)), **moments}
+        self._done = done
+
+    def product(self) -> Mapping[str, bytes]:
+        """The adapter, as :class:`ucon.language.adapted.AdaptedMiniLM` reads it."""
+        return {PRODUCT: adapter_bytes(self.parameters, MINILM_SHA256)}
+
+    def card(self) -> Card:
+        """What it is and what for."""
+        parts = entry_parts(self.dataset)
+        count: Callable[[str], int] = lambda part: sum(p == part for p in parts.values())  # noqa: E731
+        size = sum(value.numel() for value in self.parameters.values())
+        return Card(
+            "Habit retriever: an adapter of all-MiniLM-L6-v2",
+            f"A low-rank adapter (rank {self.rank}, {size:,} parameters, fp16) of attention and MLP matrices. The "
+            "frozen encoder is all-MiniLM-L6-v2 (Apache-2.0).\n\n"
+            f"Trained with InfoNCE inside knowledge bases on the {count('train')} `train` entries of "
+            f"`{self.dataset.name}`, chosen on its {count('val')} `val` entries; `test` entries were not read.\n\n"
+            "Use: `python eval.py retriever=tuned retriever.encoder.adapter=RUN`.\n\n"
+            "It ranks sentences in English about where people keep things. It is no general sentence encoder any "
+            "more: similarity of other texts was not measured.",
+        )

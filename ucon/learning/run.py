@@ -1,0 +1,216 @@
+"""One training run: a folder, a loop that can be stopped anywhere, and what is left when it ends.
+
+config.yaml      what was asked for; `resume=` reads it
+metrics.jsonl    a line a step and a validation: no times, so equal runs write equal bytes
+checkpoints/     see :mod:`ucon.learning.checkpoints`
+model/           what was learned, by the best checkpoint, with a manifest
+MODEL_CARD.md, summary.json
+"""
+
+from __future__ import annotations
+
+import json
+import signal
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+from typing import Any, Final
+
+from ucon.core.errors import ConfigError, DataError
+from ucon.core.files import canonical_json, write_atomic, write_manifest
+from ucon.learning.checkpoints import BEST, LATEST, Checkpoints
+from ucon.learning.learner import Figures, Learner, State
+
+CONFIG: Final = "config.yaml"
+METRICS: Final = "metrics.jsonl"
+CARD: Final = "MODEL_CARD.md"
+SUMMARY: Final = "summary.json"
+MODEL: Final = "model"
+CHECKPOINTS: Final = "checkpoints"
+#: Figure of :meth:`Learner.validate` that chooses the best checkpoint; larger is better.
+SCORE: Final = "score"
+
+OnFigures = Callable[[int, Mapping[str, float]], None]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How long, and how often what.
+
+    Raises:
+        ConfigError: a number below 1.
+    """
+
+    steps: int
+    validate_every: int = 50
+    save_every: int = 50
+    keep: int = 2
+
+    def __post_init__(self) -> None:
+        for name in ("steps", "validate_every", "save_every", "keep"):
+            value = getattr(self, name)
+            if not isinstance(value, int) or value < 1:
+                raise ConfigError(f"training.{name}={value}: expected a whole number from 1 up")
+
+
+class Interrupted(Exception):  # noqa: N818 (no error: the run was asked to stop and did)
+    """Stopped by a signal after everything was saved."""
+
+    def __init__(self, step: int, number: int) -> None:
+        super().__init__(step, number)
+        self.step, self.number = step, number
+
+
+class TrainingRun:
+    """Trains ``learner`` by ``plan`` in ``folder``. Use :meth:`start` or :meth:`resume`, then :meth:`run`."""
+
+    def __init__(self, folder: Path, learner: Learner, plan: Plan, identity: Mapping[str, str]) -> None:
+        """``identity``: hashes of the run beside the learner's own, such as that of the configuration."""
+        self.folder, self.learner, self.plan = folder, learner, plan
+        self.checkpoints = Checkpoints(folder / CHECKPOINTS, {**identity, **learner.identity}, plan.keep)
+        self.step = 0
+        self._saved = -1
+        self.best: dict[str, float] = {}
+        """Validation figures of the best checkpoint and its step; empty before the first validation."""
+
+    def start(self, config_yaml: str) -> None:
+        """Begin in a folder that holds no run yet, with a validation of what training starts from.
+
+        Raises:
+            ConfigError: there is a run, or the folder cannot be written.
+        """
+        if (self.checkpoints.folder / LATEST).exists():
+            raise ConfigError(
+                f"out={self.folder}: holds a run already; go on with resume={self.folder} or choose another folder"
+            )
+        try:
+            write_atomic(self.folder / CONFIG, config_yaml)
+            write_atomic(self.folder / METRICS, "")
+        except OSError as error:
+            raise ConfigError(
+                f"out={self.folder}: cannot be written ({error.strerror}); choose another folder"
+            ) from None
+        self._validate()
+
+    def resume(self, checkpoint: str = LATEST) -> None:
+        """Go on from a checkpoint; what was logged after it is logged again."""
+        self.step, state = self.checkpoints.load(checkpoint)
+        trainer = state.values["trainer"]
+        self.best = dict(trainer["best"])
+        self.learner.load_state_dict(State(state.tensors, state.values["learner"]))
+        if checkpoint != LATEST:
+            self.checkpoints.rewind(checkpoint)
+        self._cut_metrics()
+
+    def run(self, on_figures: OnFigures = lambda step, figures: None) -> dict[str, Any]:
+        """Train to the end and write what is left of it; returns the content of ``summary.json``.
+
+        Raises:
+            Interrupted: SIGINT or SIGTERM came; the state after the last whole step is saved.
+        """
+        started = time.perf_counter()
+        with _signals() as caught:
+            while self.step < self.plan.steps:
+                self._one_step(on_figures)
+                if caught and self.step < self.plan.steps:
+                    if self._saved != self.step:
+                        self._save()
+                    raise Interrupted(self.step, caught[0])
+        return self._finish(time.perf_counter() - started)
+
+    def _one_step(self, on_figures: OnFigures) -> None:
+        figures = self.learner.step()
+        self.step += 1
+        self._log(figures)
+        on_figures(self.step, figures)
+        last = self.step == self.plan.steps
+        if last or self.step % self.plan.validate_every == 0:
+            on_figures(self.step, self._validate())
+        elif self.step % self.plan.save_every == 0:
+            self._save()
+
+    def _validate(self) -> Figures:
+        """Validate, log, save; the first of equally good states stays the best."""
+        found = self.learner.validate()
+        self._log({f"val/{name}": value for name, value in found.items()})
+        better = not self.best or found[SCORE] > self.best[SCORE]
+        if better:
+            self.best = {"step": self.step, **found}
+        self._save(best=better)
+        return {f"val/{name}": value for name, value in found.items()}
+
+    def _save(self, *, best: bool = False) -> None:
+        state = self.learner.state_dict()
+        values = {"learner": dict(state.values), "trainer": {"best": self.best}}
+        self._saved = self.step
+        self.checkpoints.save(self.step, State(state.tensors, values), best=best)
+
+    def _log(self, figures: Mapping[str, float]) -> None:
+        with (self.folder / METRICS).open("a", encoding="utf-8") as file:
+            file.write(canonical_json({"step": self.step, **figures}) + "\n")
+
+    def _cut_metrics(self) -> None:
+        """Keep the lines up to the checkpoint; a last line that was cut off goes too."""
+        path = self.folder / METRICS
+        text = path.read_text(encoding="utf-8") if path.is_file() else ""
+        kept = []
+        for number, line in enumerate(text[: text.rfind("\n") + 1].splitlines(), 1):
+            try:
+                if int(json.loads(line)["step"]) <= self.step:
+                    kept.append(line + "\n")
+            except (ValueError, KeyError, TypeError):
+                raise DataError(f"{path}:{number}: not a line of metrics; restore it, or start the run anew") from None
+        write_atomic(path, "".join(kept))
+
+    def _finish(self, seconds: float) -> dict[str, Any]:
+        _, state = self.checkpoints.load(BEST)
+        self.learner.load_state_dict(State(state.tensors, state.values["learner"]))
+        product = self.learner.product()
+        for name, content in product.items():
+            write_atomic(self.folder / MODEL / name, content)
+        write_manifest(self.folder / MODEL, product)
+        summary = {
+            "steps": self.step,
+            "best": self.best,
+            "seconds": round(seconds, 1),
+            "hashes": self.checkpoints.identity,
+            "files": {name: len(content) for name, content in product.items()},
+        }
+        write_atomic(self.folder / CARD, self._card(summary))
+        write_atomic(self.folder / SUMMARY, json.dumps(summary, indent=1) + "\n")
+        return summary
+
+    def _card(self, summary: Mapping[str, Any]) -> str:
+        card = self.learner.card()
+        rows = "".join(f"| {name} | {value:g} |\n" for name, value in self.best.items() if name != SCORE)
+        hashes = "".join(f"- {name}: `{value}`\n" for name, value in summary["hashes"].items())
+        files = "".join(f"- `{MODEL}/{name}`, {size:,} bytes\n" for name, size in summary["files"].items())
+        return (
+            f"# {card.title}\n\n{card.text}\n\n## Validation, best checkpoint\n\n| figure | value |\n|---|---|\n{rows}"
+            f"\n## Files\n\n{files}\n## Made from\n\n{hashes}"
+        )
+
+
+@contextmanager
+def _signals() -> Iterator[list[int]]:
+    """SIGINT and SIGTERM end the loop after the step in hand; a second SIGINT ends it at once."""
+    caught: list[int] = []
+
+    def remember(number: int, frame: FrameType | None) -> None:
+        if caught and number == signal.SIGINT:
+            raise KeyboardInterrupt
+        caught.append(number)
+
+    try:
+        before = {number: signal.signal(number, remember) for number in (signal.SIGINT, signal.SIGTERM)}
+    except ValueError:  # not the main thread: whoever runs us deals with signals
+        yield caught
+        return
+    try:
+        yield caught
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,36 @@
+"""The encoder that was fine-tuned for retrieval: shipped weights, or those of a training run."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+from ucon.core.errors import DataError
+from ucon.language.adapted import AdaptedMiniLM
+from ucon.language.store import StoredEncoder
+
+#: Made by ``python train.py learner=retriever``: the run's ``model/retriever.safetensors``.
+ADAPTER: Final = Path(__file__).parent / "data" / "retriever.safetensors"
+
+
+def tuned_encoder(adapter: str | None = None) -> StoredEncoder:
+    """The adapted MiniLM behind the user's cache: one per process and adapter.
+
+    Args:
+        adapter: a run's folder or its ``model/retriever.safetensors``; None for the shipped one.
+
+    Raises:
+        DataError: no such file, or one that was altered.
+    """
+    path = ADAPTER if adapter is None else Path(adapter).expanduser()
+    if path.is_dir():
+        path = path / "model" / ADAPTER.name
+    if not path.is_file():
+        raise DataError(f"{path}: no adapter there; give a run of `train.py learner=retriever`, or none at all")
+    return _encoder(path.resolve())
+
+
+@cache
+def _encoder(path: Path) -> StoredEncoder:
+    return StoredEncoder(AdaptedMiniLM(path))
