@@ -26,10 +26,10 @@ def test_the_retrievers_own_encoder_is_prepared(tmp_path):
     data = HabitDataset("some", book().entries[:12])
     source = HabitSource(data, DenseRetriever(StoredEncoder(first := Counting(), folder=tmp_path)))
     told = []
-    source.prepare(lambda done, total: told.append((done, total)))
+    source.prepare(lambda done, total: told.append((done, total)), "retrieval")
     assert set(first.texts) == {*data.texts, *map(query_text, data.categories)}
     assert told[-1][0] == told[-1][1]
     assert max(total for _, total in told) == len(set(data.texts))
     later = StoredEncoder(second := Counting(), folder=tmp_path)
-    HabitSource(data, DenseRetriever(later)).prepare()
+    HabitSource(data, DenseRetriever(later)).prepare(level="retrieval")
     assert not second.texts
