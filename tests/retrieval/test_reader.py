@@ -68,6 +68,16 @@ def test_reads_a_small_household(reader):
     assert reader.read("wallet", HABITS, trusted=True).support("suitcase").argmax() == 1
 
 
+@pytest.mark.xfail(
+    strict=True, reason="fitted on train entries only (40 % of the book), the couch comes out .002 ahead"
+)
+def test_a_couch_that_only_says_which_table_does_not_mislead(reader):
+    names = ["coffee_table", "sofa", "suitcase", "fridge", "toilet", "desk"]
+    belief = reader.belief("wallet", HABITS, names, trusted=True)
+    best = [names[i] for i in np.argsort(-belief.p)[:2]]
+    assert sorted(best) == ["coffee_table", "suitcase"]
+
+
 def test_mass_of_what_is_not_seen_yet(reader):
     without = reader.belief("wallet", HABITS, ["sofa", "fridge"], trusted=True)
     assert without.unseen > 0.5

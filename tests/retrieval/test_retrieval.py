@@ -7,7 +7,7 @@ import pytest
 
 from ucon.core.errors import ConfigError
 from ucon.habits import KnowledgeBase, book
-from ucon.retrieval import BM25Retriever, DenseRetriever, habits_at_level, mrr, recall_at
+from ucon.retrieval import LEVELS, BM25Retriever, DenseRetriever, habits_at_level, mrr, recall_at
 from ucon.retrieval.measure import measure_retrieval
 from ucon.retrieval.sampling import sampled_kb
 
@@ -74,6 +74,7 @@ def test_bad_levels(kbs):
         habits_at_level("retrieval", kb, target, DenseRetriever(), 0)
     with pytest.raises(ConfigError, match="unknown target"):
         habits_at_level("gt", kb, "no_such_thing")
+    assert LEVELS == ("none", "full", "gt", "retrieval", "context")
     with pytest.raises(ConfigError, match="'context' without a retriever"):
         habits_at_level("context", kb, target)
 

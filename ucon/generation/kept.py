@@ -7,21 +7,14 @@ apart for every version of the code that decides them.
 from __future__ import annotations
 
 import json
-from functools import lru_cache
 from pathlib import Path
-from typing import Final
 
-import ucon
 from ucon.core.errors import DataError
-from ucon.core.files import canonical_json, sha256_bytes, user_cache, write_atomic
-from ucon.generation.validate import ANCHORS_TRIED, Progress, dataset_triples, validate
+from ucon.core.files import canonical_json, user_cache, write_atomic
+from ucon.generation.validate import ANCHORS_TRIED, Progress, code_version, dataset_triples, validate
 from ucon.habits.types import HabitDataset
 from ucon.habits.verdicts import Triple, Verdict, Verdicts
-from ucon.sim.cache import fingerprint
 from ucon.task.placeable import refusal
-
-_DECIDES: Final = ("sim/placement", "sim/render", "task/rules.py", "task/search.py", "task/solve.py")
-_TRIALS: Final = ("generation/validate.py", "generation/kept.py")
 
 Tried = dict[Triple, str | None]
 """Reasons of one home; None where it takes the triple."""
@@ -60,7 +53,7 @@ def known_verdicts(dataset: HabitDataset) -> Verdicts:
 
 def kept_folder() -> Path:
     """Folder of the verdicts that this version of the code reaches."""
-    return user_cache() / "validate" / f"imported-{_version()[:16]}"
+    return user_cache() / "validate" / f"imported-{code_version()[:16]}"
 
 
 def _verdicts(by_home: dict[str, Tried]) -> Verdicts:
@@ -72,14 +65,6 @@ def _verdicts(by_home: dict[str, Tried]) -> Verdicts:
             if reason is not None:
                 refused.setdefault(triple, {})[home] = reason
     return Verdicts({triple: Verdict(count, refused.get(triple, {})) for triple, count in tried_in.items()})
-
-
-@lru_cache(maxsize=1)
-def _version() -> str:
-    root = Path(ucon.__file__).parent
-    sources = [root / name for name in (*_DECIDES, *_TRIALS)]
-    files = [path for source in sources for path in (sorted(source.rglob("*.py")) if source.is_dir() else [source])]
-    return sha256_bytes("\n".join([fingerprint(), *(sha256_bytes(path.read_bytes()) for path in files)]).encode())
 
 
 def _path(folder: Path, home: str) -> Path:

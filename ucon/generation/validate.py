@@ -16,8 +16,11 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
+from typing import Final
 
+import ucon
 from ucon.core.errors import DataError
 from ucon.core.files import canonical_json, sha256_bytes, write_atomic
 from ucon.core.rng import stream
@@ -25,7 +28,7 @@ from ucon.habits.types import HabitDataset
 from ucon.habits.verdicts import NEVER_SEEN, Triple, Verdict, Verdicts
 from ucon.scenes import SCENES
 from ucon.sim.arrangement import Arrangement
-from ucon.sim.cache import load_house
+from ucon.sim.cache import fingerprint, load_house
 from ucon.sim.house import House
 from ucon.sim.placement import RefusedError, implausible, import_anchor, place, with_object
 from ucon.sim.render import RasterRenderer
@@ -36,6 +39,10 @@ from ucon.task.solve import Solver
 ANCHORS_TRIED = 4
 HOMES_IMPORTED_INTO = 2
 _BLOCK = 200
+_DECIDES: Final = (
+    *("sim/placement", "sim/render", "task/rules.py", "task/search.py", "task/solve.py"),
+    "generation/validate.py",
+)
 
 Progress = Callable[[int, int], None]
 
@@ -50,9 +57,18 @@ class Block:
 
     @property
     def key(self) -> str:
-        """Names its results: hash of what is tried and of the home it is tried in."""
-        what = [self.home, load_house(self.home).spec.hash, self.triples, *([self.spots] if self.spots > 1 else [])]
+        """Names its results: hash of what is tried, of the home it is tried in, and of the code that decides."""
+        what = [self.home, load_house(self.home).spec.hash, self.triples, self.spots, code_version()]
         return sha256_bytes(canonical_json(what).encode())[:24]
+
+
+@lru_cache(maxsize=1)
+def code_version() -> str:
+    """SHA-256 of all sources that decide a trial: verdicts of one version are never taken for those of another."""
+    root = Path(ucon.__file__).parent
+    sources = [root / name for name in _DECIDES]
+    files = [path for source in sources for path in (sorted(source.rglob("*.py")) if source.is_dir() else [source])]
+    return sha256_bytes("\n".join([fingerprint(), *(sha256_bytes(path.read_bytes()) for path in files)]).encode())
 
 
 def dataset_triples(dataset: HabitDataset) -> dict[str, list[Triple]]:
