@@ -69,7 +69,7 @@ def test_reads_a_small_household(reader):
 
 
 @pytest.mark.xfail(
-    strict=True, reason="fitted on train entries only (40 % of the book), the couch comes out .002 ahead"
+    strict=True, reason="fitted on 40 % of the book, it puts the couch .002 ahead of the suitcase"
 )
 def test_a_couch_that_only_says_which_table_does_not_mislead(reader):
     names = ["coffee_table", "sofa", "suitcase", "fridge", "toilet", "desk"]
