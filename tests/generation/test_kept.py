@@ -9,7 +9,7 @@ import pytest
 
 from ucon.commands.wiring import official_habits
 from ucon.core.errors import DataError
-from ucon.generation.kept import kept_folder, known_verdicts, tried
+from ucon.generation.kept import kept_folder, tried
 from ucon.generation.validate import try_triple
 from ucon.habits import HabitDataset, ImportReport, official
 from ucon.habits.verdicts import Triple
@@ -134,15 +134,14 @@ def test_an_anchor_is_brought_to_more_than_one_place() -> None:
     assert try_triple(house, triple, eyes, spots=4) is None
 
 
-def test_the_sampler_places_no_bathtub_next_to_a_sofa(tmp_path: Path) -> None:
+def test_sampling_goes_by_shapes_whatever_was_tried_before(tmp_path: Path) -> None:
     path = write(tmp_path, *LOCATIONS, "bathtub nextto bed", "coffee_cup ontop breakfast_table")
-    by_shape = official_habits(str(path))
-    assert by_shape.verdicts.refusal(("bathtub", "nextto", "sofa"), HOME) == "implausible"
-    assert by_shape.verdicts.refusal(("coffee_cup", "ontop", "towel_rack"), HOME) is None
-    assert EpisodeSampler(by_shape).target_categories(HOME) == ("coffee_cup", "mug")
-    judged(path)
-    by_trial = official_habits(str(path))
-    assert by_trial.verdicts.refusal(("coffee_cup", "ontop", "towel_rack"), HOME) == "no_free_slot"
-    assert EpisodeSampler(by_trial).target_categories(HOME) == ("mug",)
-    assert by_trial.sha256 == by_shape.sha256, "verdicts decide what is sampled, not what is told"
-    assert known_verdicts(by_trial).to_json() == by_trial.verdicts.to_json()
+    before = official_habits(str(path))
+    assert before.verdicts.refusal(("bathtub", "nextto", "sofa"), HOME) == "implausible"
+    assert before.verdicts.refusal(("coffee_cup", "ontop", "towel_rack"), HOME) is None
+    assert EpisodeSampler(before).target_categories(HOME) == ("coffee_cup", "mug")
+    _, rest, _ = judged(path)
+    assert any("towel_rack" in one.message for one in rest), "trying it says more"
+    after = official_habits(str(path))
+    assert after.verdicts.to_json() == before.verdicts.to_json()
+    assert EpisodeSampler(after).target_categories(HOME) == ("coffee_cup", "mug")

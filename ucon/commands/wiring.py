@@ -52,14 +52,15 @@ def _raise_users_error(error: BaseException | None, target: str) -> None:
 def official_habits(path: str) -> HabitDataset:
     """Dataset of the official release at ``path``, without what is not in the catalogue.
 
-    Its verdicts are those of ``habits import`` where that was run before, else of the shapes.
+    Its verdicts are those of the shapes, so that sampling gives the same on every machine; the sampler settles what it
+    places anyway. What really trying them says is told by ``habits import``.
     """
-    from ucon.generation.kept import known_verdicts
+    from ucon.generation.kept import shape_verdicts
     from ucon.habits import official
     from ucon.objects.catalogue import catalogue
 
     dataset, _ = official(existing(path, "habits.path"), catalogue().names)
-    return replace(dataset, verdicts=known_verdicts(dataset))
+    return replace(dataset, verdicts=shape_verdicts(dataset))
 
 
 def folder_habits(path: str) -> HabitDataset:

@@ -41,14 +41,10 @@ def tried(dataset: HabitDataset, *, workers: int = 2, progress: Progress | None 
     return _verdicts({home: {t: found[t] for t in wanted[home]} for home, found in known.items()})
 
 
-def known_verdicts(dataset: HabitDataset) -> Verdicts:
-    """What is known of a dataset at once: verdicts of earlier trials, and where there are none those of the shapes."""
-    folder = kept_folder()
-    by_home: dict[str, Tried] = {}
-    for home, triples in dataset_triples(dataset).items():
-        known = _read(_path(folder, home)) if triples else {}
-        by_home[home] = {t: known[t] if t in known else refusal(home, t) for t in triples}
-    return _verdicts(by_home)
+def shape_verdicts(dataset: HabitDataset) -> Verdicts:
+    """Verdicts of the shapes alone: the same on every machine, whatever was tried there before."""
+    wanted = dataset_triples(dataset)
+    return _verdicts({home: {t: refusal(home, t) for t in triples} for home, triples in wanted.items()})
 
 
 def kept_folder() -> Path:
