@@ -58,6 +58,48 @@ def test_a_resumed_run_is_bit_identical(bert, tmp_path):
     assert whole.learner.state_dict().tensors.keys() == again.learner.state_dict().tensors.keys()
 
 
+def test_the_average_is_what_is_kept(bert):
+    learner = tiny_learner(bert, average=0.5)
+    before = {name: value.clone() for name, value in learner._average.values.items()}
+    seen = []
+    for _ in range(3):
+        learner.step()
+        seen.append({name: value.detach().clone() for name, value in learner.parameters.items()})
+    for name, start in before.items():
+        wanted = start
+        for k, values in enumerate(seen):
+            wanted = wanted.lerp(values[name], 1 - min(0.5, (1 + k) / (10 + k)))
+        assert torch.allclose(learner._average.values[name], wanted)
+    learner.validate()
+    assert all(torch.equal(value, seen[-1][name]) for name, value in learner.parameters.items()), "put back"
+    assert learner.product()[PRODUCT] == adapter_bytes(learner._average.values, MINILM_SHA256)
+    follows = tiny_learner(bert, average=0.0)
+    follows.step()
+    assert all(torch.equal(value, follows._average.values[name]) for name, value in follows.parameters.items())
+
+
+def test_masking_hides_tokens_but_never_the_marks_around_them(bert):
+    encode = tiny_learner(bert)._encode
+    ids = encode._tokenizer(TEXTS * 30)["input_ids"]
+    hidden = encode._masked(ids, 0.3, np.random.default_rng(0))
+    mask = encode._tokenizer.mask_token_id
+    inner = [(a, b) for x, y in zip(ids, hidden, strict=True) for a, b in zip(x[1:-1], y[1:-1], strict=True)]
+    assert all(b in (a, mask) for a, b in inner)
+    assert 0.25 < np.mean([b == mask for _, b in inner]) < 0.35
+    assert all((x[0], x[-1]) == (y[0], y[-1]) for x, y in zip(ids, hidden, strict=True))
+    with torch.no_grad():
+        plain, one, same, other = (encode(TEXTS, *how) for how in ((), (0.3, 1), (0.3, 1), (0.3, 2)))
+    assert torch.equal(one, same)
+    assert not torch.equal(one, plain)
+    assert not torch.equal(one, other)
+
+
+@pytest.mark.parametrize("option", [{"mask": 1.0}, {"average": 1.0}, {"mask": -0.1}])
+def test_shares_outside_their_range_are_refused(bert, option):
+    with pytest.raises(ConfigError, match="at least 0 and below 1"):
+        tiny_learner(bert, **option)
+
+
 def test_state_of_another_learner_is_refused(bert):
     state = tiny_learner(bert, rank=3).state_dict()
     with pytest.raises(DataError, match="names or shapes differ"):

@@ -10,17 +10,20 @@ from pathlib import Path
 import pytest
 
 from models.agents.oracle import OracleAgent
+from ucon.commands.wiring import official_habits
 from ucon.core.errors import EpisodeError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.evaluation.play import RunSpec
 from ucon.evaluation.runner import evaluate
 from ucon.habits import book
+from ucon.habits.splits import entry_parts
 from ucon.task import sets
 from ucon.task.make import make_episodes, verify_episode
-from ucon.task.plan import set_cells, set_orders
+from ucon.task.plan import HELD_OUT, N_OFFICIAL, OFFICIAL, set_cells, set_orders
 from ucon.task.rules import PAPER, RELEASED_CODE, RULES
 from ucon.task.sets import episode_sets, load_episodes, set_name
 
+RELEASE = Path(__file__).resolve().parents[2] / "../shared/official_release/task"
 FAST = ("mini", "mini.released_code")
 SETS = [name if name in FAST else pytest.param(name, marks=pytest.mark.slow) for name in episode_sets()]
 
@@ -111,3 +114,16 @@ def test_a_thousand_episodes_in_five_minutes() -> None:
 def cpu_seconds_of_children() -> float:
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
     return usage.ru_utime + usage.ru_stime
+
+
+@pytest.mark.skipif(not RELEASE.is_dir(), reason="the official release's files are not at hand")
+def test_official_targets_of_held_out_episodes_are_never_learned_from():
+    dataset = official_habits(str(RELEASE))
+    parts = entry_parts(dataset)
+    kept = {(e.scene, e.category) for e in dataset.entries if parts[e.id] == "test"}
+    orders = list(set_orders(OFFICIAL, dataset))
+    assert len(orders) == N_OFFICIAL
+    for order in orders:
+        assert {(order.scene, name) in kept for name in order.targets} == {order.split == HELD_OUT}, order
+    assert {o.scene for o in orders} == set(dataset.scenes)
+    assert sum(o.split == HELD_OUT for o in orders) >= N_OFFICIAL // 4

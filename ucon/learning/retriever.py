@@ -18,11 +18,13 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from ucon.core.errors import ConfigError, DataError, unknown_name
+from ucon.core.rng import derived_seed
 from ucon.habits.knowledge import KnowledgeBase
 from ucon.habits.splits import entry_parts
 from ucon.habits.types import HabitDataset
 from ucon.language.adapter import adapter_bytes, add_adapters
 from ucon.language.encoder import MINILM_SHA256, MiniLM
+from ucon.learning.average import MovingAverage
 from ucon.learning.learner import Card, Figures, State
 from ucon.retrieval.base import query_text, ranked
 from ucon.retrieval.measure import measure_retrieval
@@ -66,14 +68,30 @@ class BatchEncoder:
     def __init__(self, tokenizer: Any, model: Any, precision: torch.dtype) -> None:
         self._tokenizer, self._model, self._precision = tokenizer, model, precision
 
-    def __call__(self, texts: Sequence[str]) -> Tensor:
-        """Unit vectors (n, dim) float32 in the order of ``texts``."""
+    def __call__(self, texts: Sequence[str], hidden: float = 0.0, seed: int = 0) -> Tensor:
+        """Unit vectors (n, dim) float32 in the order of ``texts``.
+
+        ``hidden`` is the share of tokens that are masked, drawn by ``seed``: what is learned then cannot hang on
+        single words.
+        """
         ids = self._tokenizer(list(texts), truncation=True, max_length=MAX_TOKENS)["input_ids"]
+        if hidden:
+            ids = self._masked(ids, hidden, np.random.default_rng(seed))
         order = sorted(range(len(texts)), key=lambda i: (len(ids[i]), i))
         parts = [self._pass([ids[i] for i in order[at : at + CHUNK]]) for at in range(0, len(order), CHUNK)]
         place = torch.empty(len(order), dtype=torch.long)
         place[order] = torch.arange(len(order))
         return torch.cat(parts)[place]
+
+    def _masked(self, ids: list[list[int]], share: float, rng: np.random.Generator) -> list[list[int]]:
+        """``ids`` with tokens between the first and the last of each text (its marks) masked."""
+        mask = self._tokenizer.mask_token_id
+        drawn = [rng.random(len(one)) < share for one in ids]
+        inner = [range(1, len(one) - 1) for one in ids]
+        return [
+            [mask if k in place and hide[k] else token for k, token in enumerate(one)]
+            for one, hide, place in zip(ids, drawn, inner, strict=True)
+        ]
 
     def _pass(self, ids: list[list[int]]) -> Tensor:
         inputs = self._tokenizer.pad({"input_ids": ids}, return_tensors="pt")
@@ -108,6 +126,8 @@ class RetrieverLearner:
         temperature: of the loss.
         other_weight: what a habit that supports no placement counts against 1 for one that does.
         decay: weight decay.
+        mask: share of the tokens that are hidden while learning.
+        average: decay of the moving average of the adapter, which is what is chosen and kept.
         seed: of the adapter's start and of the knowledge bases.
         n_kbs: knowledge bases of one validation.
         precision: ``bfloat16`` multiplies in half the bits (three times as fast where the processor can), else
@@ -125,6 +145,8 @@ class RetrieverLearner:
         temperature: float = 0.05,
         other_weight: float = 0.05,
         decay: float = 0.01,
+        mask: float = 0.1,
+        average: float = 0.9,
         seed: int = 0,
         n_kbs: int = 10,
         precision: str = "bfloat16",
@@ -134,12 +156,16 @@ class RetrieverLearner:
             raise ConfigError(unknown_name("precision", precision, PRECISIONS))
         if min(steps, rank, warm_up, n_kbs) < 1 or min(lr, temperature, other_weight) <= 0:
             raise ConfigError("learner: steps, rank, warm_up, n_kbs, lr, temperature, other_weight must be above 0")
+        if not (0 <= mask < 1 and 0 <= average < 1):
+            raise ConfigError(f"learner: mask {mask} and average {average} must be at least 0 and below 1")
         self.dataset, self.seed, self.n_kbs, self.steps, self.warm_up = dataset, seed, n_kbs, steps, warm_up
         self.lr, self.temperature, self.other_weight, self.rank = lr, temperature, other_weight, rank
+        self.mask = mask
         tokenizer, model = (encoder or MiniLM()).parts()
         self.parameters = add_adapters(model, rank, seed)
         self._encode = BatchEncoder(tokenizer, model, PRECISIONS[precision])
         self._optimiser = torch.optim.AdamW(self.parameters.values(), lr=lr, weight_decay=decay)
+        self._average = MovingAverage(self.parameters, average)
         self._done = 0
 
     @property
@@ -160,7 +186,8 @@ class RetrieverLearner:
         """One knowledge base."""
         kb = self.training_kb(self._done)
         targets = list(kb.entries)
-        vectors = self._encode([*map(query_text, targets), *kb.texts])
+        texts = [*map(query_text, targets), *kb.texts]
+        vectors = self._encode(texts, self.mask, derived_seed(self.seed, "mask", self._done))
         queries, habits = vectors[: len(targets)], vectors[len(targets) :]
         own = torch.from_numpy(np.stack([np.isin(kb.rows, kb.rows_about(target)) for target in targets]))
         similarity = queries @ habits.T
@@ -172,6 +199,7 @@ class RetrieverLearner:
         loss.backward()  # type: ignore[no-untyped-call]
         norm = torch.nn.utils.clip_grad_norm_(self.parameters.values(), 1.0)
         self._optimiser.step()
+        self._average.update(self._done)
         self._done += 1
         return {"loss": float(loss.detach()), "gradient": float(norm), "rate": rate}
 
@@ -182,11 +210,11 @@ class RetrieverLearner:
         return torch.tensor(answers)
 
     def validate(self) -> Figures:
-        """Recall and MRR for targets of the ``val`` part; ``score`` is what the best state is chosen by."""
+        """Recall and MRR of the average for targets of the ``val`` part; the best state is chosen by ``score``."""
         parts = entry_parts(self.dataset)
         texts = list(dict.fromkeys(text for kb in self.validation_kbs for text in kb.texts))
         texts += [query_text(target) for target in sorted({t for kb in self.validation_kbs for t in kb.entries})]
-        with torch.no_grad():
+        with torch.no_grad(), self._average.in_place():
             vectors = self._encode(texts).numpy().astype(np.float64)
         ranker = _Ranker(dict(zip(texts, vectors, strict=True)))
         found = measure_retrieval(self.validation_kbs, ranker, lambda entry: parts[entry.id] == "val")
@@ -194,8 +222,9 @@ class RetrieverLearner:
         return found | {"score": score}
 
     def state_dict(self) -> State:
-        """Adapter, moments of the optimiser, number of steps."""
+        """Adapter, its average, moments of the optimiser, number of steps."""
         tensors = {f"adapter/{name}": value.detach() for name, value in self.parameters.items()}
+        tensors |= {f"average/{name}": value for name, value in self._average.values.items()}
         for name, value in self.parameters.items():
             moments = self._optimiser.state.get(value, {})
             tensors |= {f"{kind}/{name}": moments[kind] for kind in ("exp_avg", "exp_avg_sq") if kind in moments}
@@ -204,21 +233,22 @@ class RetrieverLearner:
     def load_state_dict(self, state: State) -> None:
         """Go on after ``done`` steps."""
         done = int(state.values["done"])
-        kinds = ("adapter", "exp_avg", "exp_avg_sq") if done else ("adapter",)
+        kinds = ("adapter", "average", *(("exp_avg", "exp_avg_sq") if done else ()))
         shapes = {f"{kind}/{name}": value.shape for kind in kinds for name, value in self.parameters.items()}
         if {name: value.shape for name, value in state.tensors.items()} != shapes:
             raise DataError("state of another learner: names or shapes differ; resume with the run's own configuration")
         with torch.no_grad():
             for name, value in self.parameters.items():
                 value.copy_(state.tensors[f"adapter/{name}"])
+                self._average.values[name].copy_(state.tensors[f"average/{name}"])
                 if done:
-                    moments = {kind: state.tensors[f"{kind}/{name}"].clone() for kind in kinds[1:]}
+                    moments = {kind: state.tensors[f"{kind}/{name}"].clone() for kind in kinds[2:]}
                     self._optimiser.state[value] = {"step": torch.tensor(float(done)), **moments}
         self._done = done
 
     def product(self) -> Mapping[str, bytes]:
         """The adapter, as :class:`ucon.language.adapted.AdaptedMiniLM` reads it."""
-        return {PRODUCT: adapter_bytes(self.parameters, MINILM_SHA256)}
+        return {PRODUCT: adapter_bytes(self._average.values, MINILM_SHA256)}
 
     def card(self) -> Card:
         """What it is and what for."""

@@ -12,15 +12,20 @@ from dataclasses import dataclass
 
 from ucon.core.errors import ConfigError, unknown_name
 from ucon.core.rng import derived_seed
-from ucon.habits.splits import Split, split_categories
+from ucon.habits.splits import Split, entry_parts, split_categories
 from ucon.habits.types import HabitDataset
 from ucon.scenes import SCENES, scene_split
 from ucon.task.rules import PAPER
+from ucon.task.sampler import EpisodeSampler
 from ucon.task.sets import set_name
 
 #: First seed of the generated homes kept for testing; validation homes start 10,000 below.
 RESERVED_SEED = 900_000
 OFFICIAL, N_OFFICIAL = "official", 2000
+#: Targets of every second round of official episodes: (scene, category) pairs from which nothing is ever learned.
+LEARNED, HELD_OUT = "official/learned", "official/held_out"
+#: Fewer held-out categories in a scene are not asked for: episodes would be all alike.
+MIN_HELD_OUT = 3
 KINDS = ("house", "flat", "house", "flat", "office", "house", "flat", "restaurant", "house", "shop")
 
 
@@ -99,7 +104,16 @@ def _official_orders(dataset: HabitDataset, label: str) -> Iterator[Order]:
             f"episode set '{OFFICIAL}' with dataset '{dataset.name}', whose entries belong to no scene; "
             "give the official release: --habits PATH"
         )
+    sampler, parts = EpisodeSampler(dataset), entry_parts(dataset)
+    held = {(e.scene, e.category) for e in dataset.entries if parts[e.id] == "test"}
+    targets: dict[str, dict[str, tuple[str, ...]]] = {}
+    for scene in dataset.scenes:
+        hosted = sampler.target_categories(scene)
+        unseen = tuple(name for name in hosted if (scene, name) in held)
+        learned = tuple(name for name in hosted if (scene, name) not in held)
+        targets[scene] = {HELD_OUT: unseen if len(unseen) >= MIN_HELD_OUT else (), LEARNED: learned}
     for number in range(N_OFFICIAL):
         scene = dataset.scenes[number % len(dataset.scenes)]
+        kind = HELD_OUT if number // len(dataset.scenes) % 2 and targets[scene][HELD_OUT] else LEARNED
         seed = derived_seed(0, "set", OFFICIAL, number) % (1 << 31)
-        yield Order(f"{label}/{scene}/{number:04d}", scene, seed, OFFICIAL, None)
+        yield Order(f"{label}/{scene}/{number:04d}", scene, seed, kind, targets[scene][kind])
