@@ -21,6 +21,7 @@ from ucon.commands.entry import one_line_errors, run_entry
 from ucon.commands.output import wide_console
 from ucon.commands.wiring import Factory
 from ucon.core.errors import ConfigError
+from ucon.envs.knowledge import HabitSource
 from ucon.evaluation.folder import RunFolder
 from ucon.evaluation.play import Played, RunSpec
 from ucon.evaluation.progress import EvaluationProgress, embedding_progress
@@ -43,9 +44,11 @@ def evaluate_and_report(cfg: DictConfig, out: Path) -> None:
     task = config["task"]
     episodes = chosen_episodes(config["episodes"], config["limit"], task["name"], context=task["context"])
     warn_of_other_rules(episodes, task["name"])
-    folder = RunFolder(out, run_hashes(config, episodes))
+    source = Factory(config["env"]["source"])()
+    weights = source.weights(config["habit_level"]["name"])
+    folder = RunFolder(out, run_hashes(config, episodes, weights))
     done = folder.open()
-    played, seconds = play_missing(config, episodes, folder, done, out)
+    played, seconds = play_missing(config, source, episodes, folder, done, out)
     figures = summary(played, folder.hashes, seconds)
     folder.finish(played, figures, OmegaConf.to_yaml(OmegaConf.create(config)))
     console = wide_console()
@@ -72,7 +75,12 @@ def warn_of_other_rules(episodes: tuple[Episode, ...], task: str) -> None:
 
 
 def play_missing(
-    config: dict[str, Any], episodes: tuple[Episode, ...], folder: RunFolder, done: dict[int, Played], out: Path
+    config: dict[str, Any],
+    source: HabitSource,
+    episodes: tuple[Episode, ...],
+    folder: RunFolder,
+    done: dict[int, Played],
+    out: Path,
 ) -> tuple[list[Played], float]:
     """All episodes, those of an earlier run taken over, and the seconds that the others took."""
     spec = RunSpec(
@@ -86,7 +94,7 @@ def play_missing(
     )
     started = time.perf_counter()
     with embedding_progress(visible=config["progress"]) as on_text:
-        Factory(config["env"]["source"])().prepare(on_text, spec.habit_level)
+        source.prepare(on_text, spec.habit_level)
     label = f"{config['agent']['_target_'].rsplit('.', 1)[-1]} {spec.habit_level}"
     with EvaluationProgress(label, len(episodes), visible=config["progress"], done=done.values()) as progress:
 

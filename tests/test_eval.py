@@ -42,7 +42,7 @@ def test_writes_what_scripts_rely_on(run):
         "hashes",
         "versions",
     }
-    assert set(summary["hashes"]) == {"config", "episodes", "habits", "code"}
+    assert set(summary["hashes"]) == {"config", "episodes", "habits", "code", "weights"}
     assert all(len(value) == 64 for value in summary["hashes"].values())
     assert summary["n"] == 4 == len(read_records(out))
     assert "frontier" in result.stdout

@@ -5,8 +5,8 @@ import numpy as np
 from ucon.envs.knowledge import HabitSource
 from ucon.habits import book
 from ucon.habits.types import HabitDataset
-from ucon.language import StoredEncoder
-from ucon.retrieval import DenseRetriever, query_text
+from ucon.language import MiniLM, StoredEncoder
+from ucon.retrieval import BM25Retriever, DenseRetriever, query_text, tuned_encoder
 
 
 class Counting:
@@ -33,3 +33,11 @@ def test_the_retrievers_own_encoder_is_prepared(tmp_path):
     later = StoredEncoder(second := Counting(), folder=tmp_path)
     HabitSource(data, DenseRetriever(later)).prepare(level="retrieval")
     assert not second.texts
+
+
+def test_the_weights_that_decide_are_named():
+    frozen, tuned = HabitSource(), HabitSource(retriever=DenseRetriever(tuned_encoder()))
+    assert frozen.weights("retrieval") == (MiniLM().name, MiniLM().name)
+    assert tuned.weights("retrieval") == tuned.weights("context") == (MiniLM().name, tuned_encoder().name)
+    assert tuned.weights("full") == frozen.weights("none") == (MiniLM().name,)
+    assert HabitSource(retriever=BM25Retriever()).weights("retrieval") == (MiniLM().name,), "it has none"

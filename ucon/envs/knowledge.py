@@ -113,6 +113,12 @@ class HabitSource:
         if level in RANKED_LEVELS and isinstance(self.retriever, PreparedRetriever):
             self.retriever.prepare(self.dataset, progress)
 
+    def weights(self, level: str) -> tuple[str, ...]:
+        """Names, with the start of their hashes, of the weights that decide what episodes at ``level`` are told."""
+        retriever = self.retriever if level in RANKED_LEVELS else None
+        asked = (retriever.name,) if isinstance(retriever, PreparedRetriever) else ()
+        return (self.encoder.name, *asked)
+
     @staticmethod
     def check_level(level: str) -> str:
         """The level, if it exists."""

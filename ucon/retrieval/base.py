@@ -36,6 +36,11 @@ class Retriever(Protocol):
 class PreparedRetriever(Retriever, Protocol):
     """A retriever that encodes a dataset, once for all processes."""
 
+    @property
+    def name(self) -> str:
+        """Identifies the weights that it encodes with."""
+        ...
+
     def prepare(self, dataset: HabitDataset, progress: Callable[[int, int], None] | None = None) -> None:
         """Encode what was not encoded before; ``progress`` is told (texts done, texts in all)."""
         ...

@@ -58,6 +58,11 @@ class BgeRetriever:
         self._cache = cache or user_cache()
         self._lexical: WeakKeyDictionary[HabitDataset, SparseRows] = WeakKeyDictionary()
 
+    @property
+    def name(self) -> str:
+        """Name of the model, with the start of the hash of its weights and settings."""
+        return self.encoder.name
+
     @cached_property
     def store(self) -> StoredEncoder:
         """Dense vectors, kept on disk."""

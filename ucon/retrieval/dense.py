@@ -45,6 +45,11 @@ class DenseRetriever:
         self._whole = whole
         self._converted: WeakKeyDictionary[KnowledgeBase, NDArray[np.float64]] = WeakKeyDictionary()
 
+    @property
+    def name(self) -> str:
+        """Name of the encoder, with the start of its weights' hash."""
+        return self.encoder.name
+
     def prepare(self, dataset: HabitDataset, progress: Callable[[int, int], None] | None = None) -> None:
         """Encode a dataset's habits and the queries of its categories, which stay on disk for all processes."""
         dataset_vectors(dataset, self.encoder, progress)
