@@ -16,7 +16,7 @@ from ucon.language.adapted import AdaptedMiniLM
 from ucon.language.adapter import adapter_bytes, add_adapters, merge, read_adapter
 from ucon.language.encoder import MINILM_SHA256
 from ucon.learning.learner import State
-from ucon.learning.retriever import PRODUCT, RetrieverLearner, info_nce, schedule
+from ucon.learning.retriever import PRODUCT, RetrieverLearner, info_nce, owner_loss, schedule
 from ucon.learning.run import METRICS, Plan, TrainingRun
 from ucon.retrieval.sampling import part_kb
 
@@ -188,6 +188,14 @@ def test_info_nce_by_hand():
     own = torch.tensor([[True, True, False]])
     one, two = (torch.log1p(torch.exp(torch.tensor((0.1 - s) / 0.1))) for s in (0.9, 0.5))
     loss = info_nce(similarity, own, torch.tensor([1.0, 0.5, 1.0]), 0.1)
+    assert float(loss) == pytest.approx(float((one + 0.5 * two) / 1.5), rel=1e-5)
+
+
+def test_owner_loss_by_hand():
+    similarity = torch.tensor([[0.9, 0.5], [0.1, 0.7]])
+    own = torch.tensor([[True, False], [False, True]])
+    one, two = (torch.log1p(torch.exp(torch.tensor(d / 0.1))) for d in (0.1 - 0.9, 0.5 - 0.7))
+    loss = owner_loss(similarity, own, torch.tensor([1.0, 0.5]), 0.1)
     assert float(loss) == pytest.approx(float((one + 0.5 * two) / 1.5), rel=1e-5)
 
 

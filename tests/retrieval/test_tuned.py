@@ -90,7 +90,7 @@ def test_official_trials_stay_in_a_scene_and_ask_for_what_is_held_out():
 
 @pytest.mark.slow
 def test_held_out_figures_hold():
-    """As measured when it was shipped: 0.847 for test categories, 0.875 for test entries; frozen 0.740 and 0.749."""
+    """As measured when it was shipped: 0.860 for test categories, 0.871 for test entries; frozen 0.750 and 0.747."""
     found = held_out(book(), DenseRetriever(tuned_encoder(), whole=False), n_kbs=20)
-    assert found["test categories"]["supporting_at_20"] >= 0.84
-    assert found["test entries"]["supporting_at_20"] >= 0.87
+    assert found["test categories"]["supporting_at_20"] >= 0.85
+    assert found["test entries"]["supporting_at_20"] >= 0.865

@@ -25,10 +25,11 @@ def run(args: argparse.Namespace) -> int:
 
     from ucon.commands.output import stdout_to_stderr
     from ucon.commands.wiring import existing
-    from ucon.core.files import MANIFEST, write_atomic, write_manifest
+    from ucon.core.files import write_atomic
     from ucon.generation.build import build
     from ucon.habits.book import BOOK_FILE, BOOK_FOLDER
     from ucon.habits.datafile import SUFFIX
+    from ucon.language.store import write_manifest_of
 
     out = Path(args.out).expanduser() if args.out else BOOK_FILE
     book = existing(args.book, "--book") if args.book else BOOK_FOLDER
@@ -48,7 +49,8 @@ def run(args: argparse.Namespace) -> int:
             progress=show,
         )
     if out == BOOK_FILE:
-        write_manifest(out.parent, [p.name for p in out.parent.iterdir() if p.is_file() and p.name != MANIFEST])
+        for folder in {out.parent, book}:
+            write_manifest_of(folder)
     if args.doubts:
         write_atomic(Path(args.doubts).expanduser(), "".join(f"{doubt}\n" for doubt in built.doubts))
     figures = {"path": str(out), "bytes": out.stat().st_size, "sha256": built.dataset.sha256, **built.steps}

@@ -55,6 +55,16 @@ def info_nce(similarity: Tensor, own: Tensor, weight: Tensor, temperature: float
     return ((losses * weights).sum(1) / weights.sum(1)).mean()
 
 
+def owner_loss(similarity: Tensor, own: Tensor, weight: Tensor, temperature: float) -> Tensor:
+    """The other way round, a scalar: each habit is to be told whose it is, among the queries.
+
+    Args: as of :func:`info_nce`; every habit belongs to at least one query.
+    """
+    logits = similarity / temperature
+    losses = logits.logsumexp(0) - logits.masked_fill(~own, -torch.inf).logsumexp(0)  # (N,)
+    return (losses * weight).sum() / weight.sum()
+
+
 def schedule(step: int, steps: int, warm_up: int) -> float:
     """Share of the learning rate at ``step``: a linear rise, then half a cosine down to zero."""
     if step < warm_up:
@@ -126,6 +136,7 @@ class RetrieverLearner:
         temperature: of the loss.
         other_weight: what a habit that supports no placement counts against 1 for one that does.
         decay: weight decay.
+        owner: weight of :func:`owner_loss`.
         mask: share of the tokens that are hidden while learning.
         average: decay of the moving average of the adapter, which is what is chosen and kept.
         seed: of the adapter's start and of the knowledge bases.
@@ -140,13 +151,14 @@ class RetrieverLearner:
         dataset: HabitDataset,
         steps: int,
         rank: int = 32,
-        lr: float = 1e-3,
+        lr: float = 7e-4,
         warm_up: int = 20,
         temperature: float = 0.05,
         other_weight: float = 0.05,
         decay: float = 0.01,
-        mask: float = 0.1,
-        average: float = 0.9,
+        owner: float = 1.0,
+        mask: float = 0.15,
+        average: float = 0.95,
         seed: int = 0,
         n_kbs: int = 10,
         precision: str = "bfloat16",
@@ -160,7 +172,7 @@ class RetrieverLearner:
             raise ConfigError(f"learner: mask {mask} and average {average} must be at least 0 and below 1")
         self.dataset, self.seed, self.n_kbs, self.steps, self.warm_up = dataset, seed, n_kbs, steps, warm_up
         self.lr, self.temperature, self.other_weight, self.rank = lr, temperature, other_weight, rank
-        self.mask = mask
+        self.mask, self.owner = mask, owner
         tokenizer, model = (encoder or MiniLM()).parts()
         self.parameters = add_adapters(model, rank, seed)
         self._encode = BatchEncoder(tokenizer, model, PRECISIONS[precision])
@@ -191,7 +203,10 @@ class RetrieverLearner:
         queries, habits = vectors[: len(targets)], vectors[len(targets) :]
         own = torch.from_numpy(np.stack([np.isin(kb.rows, kb.rows_about(target)) for target in targets]))
         similarity = queries @ habits.T
-        loss = info_nce(similarity, own, self._weights(kb), self.temperature)
+        weights = self._weights(kb)
+        loss = info_nce(similarity, own, weights, self.temperature)
+        if self.owner:
+            loss = loss + self.owner * owner_loss(similarity, own, weights, self.temperature)
         rate = self.lr * schedule(self._done, self.steps, self.warm_up)
         for group in self._optimiser.param_groups:
             group["lr"] = rate
