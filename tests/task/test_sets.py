@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import resource
+from collections import Counter
 from functools import partial
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from ucon.envs.ucon_env import UcONEnv
 from ucon.evaluation.play import RunSpec
 from ucon.evaluation.runner import evaluate
 from ucon.habits import book
-from ucon.habits.splits import entry_parts
+from ucon.habits.splits import PARTS_USED, entry_parts
 from ucon.task import sets
 from ucon.task.make import make_episodes, verify_episode
 from ucon.task.plan import HELD_OUT, N_OFFICIAL, OFFICIAL, set_cells, set_orders
@@ -24,6 +25,8 @@ from ucon.task.rules import PAPER, RELEASED_CODE, RULES
 from ucon.task.sets import episode_sets, load_episodes, set_name
 
 RELEASE = Path(__file__).resolve().parents[2] / "../shared/official_release/task"
+SIZES = {"mini": 25, "val": 200, "test": 250, "test_large": 500}
+"""Episodes in each cell."""
 FAST = ("mini", "mini.released_code")
 SETS = [name if name in FAST else pytest.param(name, marks=pytest.mark.slow) for name in episode_sets()]
 
@@ -86,11 +89,13 @@ def test_sets_are_what_they_say(name: str) -> None:
     stated = episodes[0].context is not None
     assert name == set_name(base, episodes[0].task, context=stated)
     assert len({e.task for e in episodes}) == 1
-    if base in ("mini", "val", "test"):
+    if base in SIZES:
         cells = {cell.label: cell for cell in set_cells(base)}
-        assert {e.split for e in episodes} == set(cells)
+        assert Counter(e.split for e in episodes) == dict.fromkeys(cells, SIZES[base])
         assert all(e.scene in cells[e.split].scenes for e in episodes)
-        assert len(episodes) == sum(cell.count for cell in cells.values())
+        parts = entry_parts(book())
+        for episode in episodes:
+            assert {parts[i] for i in episode.entries} <= PARTS_USED[cells[episode.split].part], episode.id
 
 
 @pytest.mark.parametrize("task", RULES)

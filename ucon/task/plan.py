@@ -1,7 +1,8 @@
 """The fixed evaluation sets: which home, seed and target categories every episode of a named set has.
 
 ``test``: 250 episodes in each of seen / unseen category x seen / unseen scene, all people new; ``val`` 400 and ``mini``
-50 on homes and categories of their own. Seen scenes are the canonical layouts of the 20 official training scenes;
+50 on homes and categories of their own. ``test_large``: 2,000 more episodes like those of ``test``, for differences too
+small for 1,000. Seen scenes are the canonical layouts of the 20 official training scenes;
 unseen ones are the two official test scenes and generated homes from a reserved range of seeds.
 """
 
@@ -19,6 +20,8 @@ from ucon.task.rules import PAPER
 from ucon.task.sampler import EpisodeSampler
 from ucon.task.sets import set_name
 
+#: Episodes in each cell, and generated homes, of the test sets.
+TEST_SETS = {"test": (250, 20), "test_large": (500, 40)}
 #: First seed of the generated homes kept for testing; validation homes start 10,000 below.
 RESERVED_SEED = 900_000
 OFFICIAL, N_OFFICIAL = "official", 2000
@@ -58,21 +61,22 @@ class Order:
 def set_cells(name: str) -> tuple[Cell, ...]:
     """The cells of a named set."""
     seen = tuple(scene for scene in SCENES if scene_split(scene) == "seen")
-    unseen = tuple(scene for scene in SCENES if scene_split(scene) == "unseen") + generated(RESERVED_SEED, 20)
-    if name == "test":
+    if name in TEST_SETS:
+        count, homes = TEST_SETS[name]
+        unseen = tuple(scene for scene in SCENES if scene_split(scene) == "unseen") + generated(RESERVED_SEED, homes)
         pairs = [
             (f"{c}_category/{s}_scene", split, scenes)
             for c, split in (("seen", "train"), ("unseen", "test"))
             for s, scenes in (("seen", seen), ("unseen", unseen))
         ]
-        return tuple(Cell(label, split, "test", scenes, 250) for label, split, scenes in pairs)  # type: ignore[arg-type]
+        return tuple(Cell(label, split, "test", scenes, count) for label, split, scenes in pairs)  # type: ignore[arg-type]
     if name in ("val", "mini"):
         count = 200 if name == "val" else 25
         return (
             Cell("val_category/seen_scene", "val", "val", seen, count),
             Cell("val_category/val_scene", "val", "val", generated(RESERVED_SEED - 10_000, 20), count),
         )
-    raise ConfigError(unknown_name("episode set to make", name, ("test", "val", "mini", OFFICIAL)))
+    raise ConfigError(unknown_name("episode set to make", name, (*TEST_SETS, "val", "mini", OFFICIAL)))
 
 
 def generated(first_seed: int, count: int) -> tuple[str, ...]:
