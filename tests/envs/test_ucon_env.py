@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -19,6 +20,7 @@ from ucon.retrieval.levels import LEVELS
 from ucon.task.actions import Action
 from ucon.task.episode import Episode
 from ucon.task.reward import Reward
+from ucon.task.sets import load_episodes
 
 ACTIONS = [0, 0, 1, 0, 2, 3, 5, 4, 4, 0, 0, 1, 5, 0, 3, 0, 0, 2, 0, 0]
 
@@ -146,6 +148,17 @@ def test_nothing_privileged_is_given(episodes: tuple[Episode, ...]) -> None:
             assert _names(info, set()) <= allowed_info
             assert (np.diff(info["detections"].track) > 0).all()
     assert "privileged" in UcONEnv(episodes, privileged=True).reset(seed=0)[1]
+
+
+def test_a_stated_context_tells_when_and_who_and_no_place() -> None:
+    episodes = load_episodes("mini", context=True)
+    env = UcONEnv(episodes)
+    for episode in episodes:
+        told = env.reset(options={"episode": episode})[1]["context"]
+        asker = episode.context.asker  # type: ignore[union-attr]
+        assert told.endswith(f" Asking: {asker}.")
+        rest = told.removesuffix(f" Asking: {asker}.")
+        assert re.fullmatch(r"It is \w+day, about \d+ o'clock, in \w+\.( Occasion: [\w ]+\.)?", rest), rest
 
 
 def test_observation_does_not_depend_on_where_the_target_is(episodes: tuple[Episode, ...]) -> None:

@@ -45,7 +45,8 @@ class Habit:
 class Entry:
     """One household's relation to one kind of object.
 
-    ``household`` is metadata: it never enters an observation. ``scene`` binds an entry to one home; None: any home.
+    ``household`` is metadata: an observation tells it only as who asks, where an episode states its context. ``scene``
+    binds an entry to one home; None: any home.
     """
 
     id: str
