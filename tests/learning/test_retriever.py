@@ -235,5 +235,7 @@ def test_card_and_bad_options(bert):
     json.dumps(dict(tiny_learner(bert).identity))
     with pytest.raises(ConfigError, match="unknown precision 'float16'"):
         RetrieverLearner(some_habits(), 1, precision="float16")
+    with pytest.raises(ConfigError, match=r"learner\.dataset=book: .* habits="):
+        RetrieverLearner("book", 1)
     with pytest.raises(ConfigError, match="must be above 0"):
         RetrieverLearner(some_habits(), 1, rank=0)

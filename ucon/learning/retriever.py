@@ -178,6 +178,8 @@ class RetrieverLearner:
     ) -> None:
         if precision not in tuple(PRECISIONS):
             raise ConfigError(unknown_name("precision", precision, PRECISIONS))
+        if not isinstance(dataset, HabitDataset):
+            raise ConfigError(f"learner.dataset={brief(dataset)}: expected a dataset; choose one by habits=...")
         _check("above 0 and whole", lambda x: x > 0, (int,), steps=steps, rank=rank, warm_up=warm_up, n_kbs=n_kbs)
         _check("a whole number", lambda x: True, (int,), seed=seed)
         _check("above 0", lambda x: 0 < x < _MOST, lr=lr, temperature=temperature, other_weight=other_weight)
