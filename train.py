@@ -40,8 +40,9 @@ def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None =
     chosen = chosen_run(cfg, overrides, swept)
     config: dict[str, Any] = chosen.config
     use_threads(config["threads"])
+    plan = Plan.of(config["training"])  # before the learner, which takes seconds to build
     learner = Factory(config["learner"])()
-    run = TrainingRun(chosen.folder, learner, Plan(**config["training"]), run_identity(config))
+    run = TrainingRun(chosen.folder, learner, plan, run_identity(config))
     if chosen.checkpoint:
         run.resume(chosen.checkpoint)
     else:

@@ -8,6 +8,11 @@ import time
 from pathlib import Path
 
 import pytest
+import torch
+from omegaconf import OmegaConf
+
+from ucon.commands.training import chosen_run, use_threads
+from ucon.core.errors import ConfigError, DataError
 
 ROOT = Path(__file__).parents[1]
 SMALL = ("learner=retriever", "learner.rank=2", "learner.n_kbs=1", "progress=false", "training.validate_every=2")
@@ -30,6 +35,61 @@ def test_mistakes_end_in_one_line(tmp_path):
     assert not (tmp_path / "nothing").exists()
     assert "leave out training.steps=3" in error_line(train(f"resume={tmp_path}", "training.steps=3"))
     assert "unknown learner 'retreiver': did you mean retriever" in error_line(train("learner=retreiver"))
+    assert "threads=0: expected a whole number" in error_line(train("threads=0", f"out={tmp_path}/run"))
+    assert "unknown option 'training.foo'" in error_line(train("+training.foo=1", f"out={tmp_path}/run"))
+    assert "learner.seed=abc: must be a whole" in error_line(train("seed=abc", f"out={tmp_path}/run"))
+    (tmp_path / "config.yaml").write_text("learner: [")
+    assert "not YAML" in error_line(train(f"resume={tmp_path}"))
+    assert not (tmp_path / "run").exists()
+
+
+def resumed(path):
+    return chosen_run(OmegaConf.create({"resume": str(path), "progress": False, "wandb": False}), [], None)
+
+
+WHOLE = "learner: {_target_: a.B}\ntraining: {steps: 3}\nthreads: 1\n"
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"learner: {_target_: a.B}\nthreads: [1\n", r"config\.yaml:3: not YAML; restore it"),
+        (b"threads: \x00", r"config\.yaml:1: not YAML"),
+        (b"threads: \xff", r"config\.yaml: not UTF-8; restore it"),
+        (b"threads: !!int abc", r"config\.yaml: not the configuration of a run"),
+        (b"threads: ${", r"config\.yaml: not the configuration of a run"),
+        (b"", r"config\.yaml: no learner in it; restore it"),
+        (b"text", r"config\.yaml: no learner in it"),
+        (b"- a\n", r"config\.yaml: no options in it"),
+        (WHOLE.replace("threads: 1\n", "").encode(), r"config\.yaml: no threads in it"),
+        (WHOLE.replace("_target_", "target").encode(), r"config\.yaml: learner has no _target_"),
+    ],
+)
+def test_spoilt_configurations_are_named(tmp_path, content, message):
+    (tmp_path / "config.yaml").write_bytes(content)
+    with pytest.raises(DataError, match=message):
+        resumed(tmp_path)
+
+
+def test_a_checkpoint_may_be_named_from_where_one_stands(tmp_path, monkeypatch):
+    run = tmp_path / "run"
+    (run / "checkpoints" / "step_00000010").mkdir(parents=True)
+    (run / "config.yaml").write_text(WHOLE)
+    monkeypatch.chdir(run / "checkpoints")
+    for name in ("step_00000010", run / "checkpoints" / "step_00000010"):
+        found = resumed(name)
+        assert (found.folder, found.checkpoint) == (run.resolve(), "step_00000010")
+    for nowhere in ("/step_00000010", 3):
+        with pytest.raises(ConfigError, match="no run there"):
+            resumed(nowhere)
+
+
+@pytest.mark.parametrize("threads", [0, -1, 1.5, "two", None, True, 10**12])
+def test_impossible_numbers_of_threads(threads):
+    before = torch.get_num_threads()
+    with pytest.raises(ConfigError, match=r"threads=.*expected a whole number from 1"):
+        use_threads(threads)
+    assert torch.get_num_threads() == before
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import importlib
 import sys
 from collections.abc import Sequence
@@ -46,12 +47,16 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _error(str(error))
     except BrokenPipeError:
         return 0  # the reader (head, less) has seen enough
+    except OSError as error:
+        where = error.filename2 or error.filename or args.command
+        return _error(f"{where}: {error.strerror or error}; check the path, its permissions and the room on the disk")
     except KeyboardInterrupt:
         return _error("interrupted", 130)
 
 
 def _error(message: str, code: int = 2) -> int:
-    sys.stdout.flush()
+    with contextlib.suppress(OSError):  # it may be standard output that cannot be written
+        sys.stdout.flush()
     sys.stderr.write(f"error: {message}\n")
     return code
 

@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from tests.habits.test_book import GOOD
 from ucon.__main__ import main
 from ucon.habits import book
 
@@ -67,17 +68,63 @@ def test_one_category_of_a_scene_comes_with_its_habits(capsys):
         (["show", "mug", "--habits", "nowhere"], "nowhere"),
         (["survey", "make", "--out", "sheet.txt"], "ending in .csv"),
         (["survey", "make", "--out", "sheet.csv", "--n", "1"], "expected 2 to"),
+        (["survey", "make", "--out", "/dev/null/x.csv"], "error: /dev/null: Not a directory; check the path"),
+        (
+            ["survey", "make", "--out", "s.csv", "--n", "2", "--habits", "one"],
+            "dataset 'one' is too small for a survey",
+        ),
+        (["show", "mug", "--habits", "one/mine.txt"], "one/mine.txt: a file; a book is a folder of *.txt files, give"),
+        (["stats", "one/mine.txt"], "one/mine.txt: a file; a book is a folder"),
+        (
+            ["stats", "one", "--plots", "/dev/null/plots"],
+            "/dev/null/plots/plot.png: cannot be written (Not a directory)",
+        ),
         (["survey", "score", "no.key.csv", "no.csv"], "no.key.csv: cannot be read"),
         (["survey", "score", "no.key.csv", "a/one.csv", "b/one.csv"], "two sheets are called 'one'"),
     ],
 )
 def test_mistakes_end_in_one_line(capsys, words, message, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "one").mkdir()
+    (tmp_path / "one" / "mine.txt").write_text(GOOD)
     assert main(["habits", *words]) == 2
     out, err = capsys.readouterr()
     assert message in err
     assert err.count("\n") == 1
     assert out == ""
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--book", "one/mine.txt", "--out", "one.habits.xz"], "one/mine.txt: a file; a book is a folder"),
+        (["--book", "one", "--out", "one.txt"], "one.txt: expected a name ending in .habits.xz"),
+        (["--book", "one", "--out", "/dev/null/one.habits.xz"], "one.habits.xz: cannot be written (Not a dir"),
+        (["--book", "one", "--out", "one.habits.xz", "--doubts", "/dev/null/z"], "/dev/null/z: cannot be"),
+        (["--book", "one", "--out", "one.habits.xz", "--doubts", "one"], "one: cannot be written (Is a dir"),
+        (["--book", "one", "--out", "one.habits.xz", "--work", "/dev/null/work"], "cannot be written"),
+    ],
+)
+def test_what_cannot_be_built_is_said_before_anything_is_tried(capsys, words, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("ucon.generation.validate._try_block", lambda block: pytest.fail("too late"))
+    (tmp_path / "one").mkdir()
+    (tmp_path / "one" / "mine.txt").write_text(GOOD)
+    monkeypatch.setenv("UCON_CACHE", str(tmp_path / "cache"))
+    assert main(["habits", "build", "--workers", "0", *words]) == 2
+    (line,) = [line for line in capsys.readouterr().err.splitlines() if line.startswith("error: ")]
+    assert message in line
+
+
+def test_any_command_says_in_one_line_what_the_machine_refuses(capsys, monkeypatch):
+    def full(args):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("ucon.commands.doctor.run", full)
+    assert main(["doctor"]) == 2
+    assert capsys.readouterr().err == (
+        "error: doctor: No space left on device; check the path, its permissions and the room on the disk\n"
+    )
 
 
 def test_a_survey_from_sheet_to_score(capsys, tmp_path):

@@ -43,7 +43,10 @@ def test_errors_are_one_line(propose, capsys):
     assert propose("nowhere", "wallet")[0] == 2
     assert propose("http://127.0.0.1:9/v1", "wallet=many")[0] == 2
     assert propose("http://127.0.0.1:9/v1", "walet")[0] == 2
+    assert propose("http://127.0.0.1:9/v1", "wallet=" + "9" * 5000)[0] == 2
     lines = capsys.readouterr().err.strip().split("\n")
     errors = [line for line in lines if line.startswith("error: ")]
-    assert len(errors) == 4
+    assert len(errors) == 5
+    assert "is no number up to 999999" in errors[4]
+    assert len(errors[4]) < 300
     assert "who are you?" in errors[0]

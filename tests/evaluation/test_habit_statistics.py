@@ -159,6 +159,21 @@ def test_all_figures_together(measured):
     assert measured.figures["scenes"]["target_categories_by_scene"].keys() == {"Rs_int"}
 
 
+def test_a_book_about_offices_is_measured_in_offices(tmp_path):
+    pytest.importorskip("matplotlib", reason="an optional extra")
+    bound = replace(small(), entries=tuple(replace(entry, kind="office") for entry in small().entries))
+    found = measure(bound, scenes=("Rs_int", "office_large"))
+    counts = found.figures["scenes"]["target_categories_by_scene"]
+    assert counts == {"Rs_int": 0, "office_large": 1}
+    assert found.figures["mrr"] == 1.0
+    nowhere = measure(bound, scenes=("Rs_int",))
+    assert nowhere.figures["scenes"] == {}
+    draw_plots([found, nowhere], tmp_path)
+    draw_plots([nowhere], tmp_path)
+    with pytest.raises(ConfigError, match="no entry fits any of the scenes"):
+        measure_retrieval(replace(bound, entries=(replace(bound.entries[0], kind="moon"),)), DenseRetriever())
+
+
 @pytest.mark.parametrize("datasets", [2, pytest.param(1, marks=pytest.mark.slow)])
 def test_pictures(measured, tmp_path, datasets):
     pytest.importorskip("matplotlib", reason="an optional extra")

@@ -126,6 +126,7 @@ def _bad(text: str, old: str, new: str) -> str:
 
 BAD = {
     "no number": (lambda t: _bad(t, "\n2,", "\ntwo,"), 3, "expected the item's number"),
+    "endless number": (lambda t: _bad(t, "\n2,", "\n" + "2" * 5000 + ","), 3, "expected the item's number"),
     "unknown item": (lambda t: _bad(t, "\n2,", "\n222,"), 3, "not in the key"),
     "twice": (lambda t: _bad(t, "\n2,", "\n1,"), 3, "answered twice"),
     "rating": (lambda t: _bad(t, ",4,yes\n", ",6,yes\n"), 2, "from 1 to 5"),

@@ -100,6 +100,28 @@ def test_shares_outside_their_range_are_refused(bert, option):
         tiny_learner(bert, **option)
 
 
+@pytest.mark.parametrize(
+    ("option", "message"),
+    [
+        ({"rank": "abc"}, r"learner\.rank=abc: must be above 0 and whole"),
+        ({"steps": 1.5}, r"learner\.steps=1\.5: must be above 0 and whole"),
+        ({"n_kbs": True}, r"learner\.n_kbs=True: must be above 0 and whole"),
+        ({"warm_up": None}, r"learner\.warm_up=None"),
+        ({"seed": "abc"}, r"learner\.seed=abc: must be a whole number"),
+        ({"lr": "fast"}, r"learner\.lr=fast: must be above 0"),
+        ({"temperature": float("nan")}, r"learner\.temperature=nan: must be above 0"),
+        ({"other_weight": float("inf")}, r"learner\.other_weight=inf: must be above 0"),
+        ({"decay": -1}, r"learner\.decay=-1: must be at least 0"),
+        ({"owner": -5}, r"learner\.owner=-5: must be at least 0"),
+        ({"mask": "half"}, r"learner\.mask=half: must be at least 0 and below 1"),
+        ({"precision": ["bfloat16"]}, "unknown precision"),
+    ],
+)
+def test_options_of_the_wrong_kind_are_refused(bert, option, message):
+    with pytest.raises(ConfigError, match=message):
+        tiny_learner(bert, **option)
+
+
 def test_state_of_another_learner_is_refused(bert):
     state = tiny_learner(bert, rank=3).state_dict()
     with pytest.raises(DataError, match="names or shapes differ"):
@@ -213,5 +235,7 @@ def test_card_and_bad_options(bert):
     json.dumps(dict(tiny_learner(bert).identity))
     with pytest.raises(ConfigError, match="unknown precision 'float16'"):
         RetrieverLearner(some_habits(), 1, precision="float16")
+    with pytest.raises(ConfigError, match=r"learner\.dataset=book: .* habits="):
+        RetrieverLearner("book", 1)
     with pytest.raises(ConfigError, match="must be above 0"):
         RetrieverLearner(some_habits(), 1, rank=0)

@@ -110,6 +110,24 @@ def test_refusals(whole, tmp_path):
         Plan(steps=0)
 
 
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"steps": "abc"}, r"training\.steps=abc: expected a whole number from 1 up"),
+        ({"steps": True}, r"training\.steps=True: expected a whole number"),
+        ({"steps": 3, "keep": 1.5}, r"training\.keep=1\.5"),
+        ({"steps": 3, "foo": 1}, r"unknown option 'training\.foo'"),
+        ({"steps": 3, "kep": 1}, r"did you mean training\.keep"),
+        ({"keep": 3}, r"training\.steps has no value"),
+        (7, r"training=7: expected the options steps, "),
+    ],
+)
+def test_plans_of_configurations(options, message):
+    assert Plan.of({"steps": 3, "keep": 1}) == Plan(3, keep=1)
+    with pytest.raises(ConfigError, match=message):
+        Plan.of(options)
+
+
 def test_spoilt_metrics_are_named_by_line(tmp_path):
     run = begun(tmp_path / "run")
     run.run()

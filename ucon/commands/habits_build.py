@@ -25,7 +25,7 @@ def run(args: argparse.Namespace) -> int:
 
     from ucon.commands.output import stdout_to_stderr
     from ucon.commands.wiring import existing
-    from ucon.core.files import write_atomic
+    from ucon.core.files import require_writable, write_atomic
     from ucon.generation.build import build
     from ucon.habits.book import BOOK_FILE, BOOK_FOLDER
     from ucon.habits.datafile import SUFFIX
@@ -33,6 +33,9 @@ def run(args: argparse.Namespace) -> int:
 
     out = Path(args.out).expanduser() if args.out else BOOK_FILE
     book = existing(args.book, "--book") if args.book else BOOK_FOLDER
+    doubts = Path(args.doubts).expanduser() if args.doubts else None
+    if doubts:
+        require_writable(doubts)
     with stdout_to_stderr(), Progress(console=Console(stderr=True)) as bar:
         tasks = {}
 
@@ -51,8 +54,8 @@ def run(args: argparse.Namespace) -> int:
     if out == BOOK_FILE:
         for folder in {out.parent, book}:
             write_manifest_of(folder)
-    if args.doubts:
-        write_atomic(Path(args.doubts).expanduser(), "".join(f"{doubt}\n" for doubt in built.doubts))
+    if doubts:
+        write_atomic(doubts, "".join(f"{doubt}\n" for doubt in built.doubts))
     figures = {"path": str(out), "bytes": out.stat().st_size, "sha256": built.dataset.sha256, **built.steps}
     if args.json:
         print(json.dumps(figures, indent=1))

@@ -74,10 +74,12 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _wish(text: str, kind: str | None) -> Wish:
-    from ucon.core.errors import ConfigError
+    from ucon.core.errors import ConfigError, brief
     from ucon.generation.propose import Wish
 
     category, _, count = text.partition("=")
-    if count and not count.isdecimal():
-        raise ConfigError(f"'{text}': '{count}' is no number; expected CATEGORY or CATEGORY=COUNT")
+    if count and (not count.isdecimal() or len(count) > 6):
+        raise ConfigError(
+            f"'{brief(text)}': '{brief(count)}' is no number up to 999999; expected CATEGORY or CATEGORY=COUNT"
+        )
     return Wish(category, int(count or 1), kind)

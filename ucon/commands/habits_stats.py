@@ -26,16 +26,19 @@ def run(args: argparse.Namespace) -> int:
     """Measure, draw, print."""
     from ucon.commands.output import stdout_to_stderr
     from ucon.commands.wiring import load_dataset
+    from ucon.core.files import require_writable
     from ucon.evaluation.habit_plots import draw_plots, require_matplotlib
     from ucon.evaluation.habit_statistics import measure
 
-    if args.plots:
-        require_matplotlib()  # before minutes of measuring
+    plots = args.plots.expanduser() if args.plots else None
+    if plots:  # before minutes of measuring
+        require_writable(plots / "plot.png")
+        require_matplotlib()
     with stdout_to_stderr():
         found = [measure(load_dataset(args.path))]
         if args.beside:
             found.append(measure(load_dataset(args.beside)))
-        drawn = draw_plots(found, args.plots.expanduser()) if args.plots else []
+        drawn = draw_plots(found, plots) if plots else []
     figures = found[0].figures | {"plots": [str(path) for path in drawn]}
     if args.json:
         print(json.dumps(figures | ({"beside": found[1].figures} if args.beside else {}), indent=1))

@@ -7,12 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ucon.core.errors import ConfigError
+from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import canonical_json, sha256_bytes
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
 
+#: What to do about a run's configuration that cannot be used.
+_REMEDY = "restore it, or start the run anew"
+#: More threads than any machine has; torch fails on far larger numbers.
+_MOST_THREADS = 1024
 #: Options that say where and how a run is watched, not what is learned.
 NEUTRAL_OPTIONS = ("out", "resume", "progress", "wandb")
 
@@ -38,17 +42,60 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
         if cfg.learner is None:
             raise ConfigError("learner has no value; give learner=retriever")
         config: Any = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)
-        return ChosenRun(config, swept or Path(config["out"]))
+        if not config.get("out"):
+            raise ConfigError("out has no value; give out=FOLDER")
+        _check(config, "configuration")
+        return ChosenRun(config, swept or Path(str(config["out"])))
     odd = [word for word in overrides if word.split("=")[0].lstrip("+~") not in NEUTRAL_OPTIONS[1:]]
     if odd:
         raise ConfigError(f"resume={cfg.resume}: a run goes on with its own configuration; leave out {' '.join(odd)}")
-    path = Path(cfg.resume).expanduser()
-    folder, checkpoint = (path.parents[1], path.name) if path.name.startswith("step_") else (path, "latest")
+    path = Path(str(cfg.resume)).expanduser()
+    folder, checkpoint = path, "latest"
+    if path.name.startswith("step_"):
+        folder, checkpoint = path.resolve().parent.parent, path.name
     try:
-        config = OmegaConf.to_container(OmegaConf.load(folder / "config.yaml"))
+        raw = (folder / "config.yaml").read_bytes()
     except OSError:
         raise ConfigError(f"resume={cfg.resume}: no run there (no config.yaml); give the folder of a run") from None
+    config = _stored(folder / "config.yaml", raw)
     return ChosenRun({**config, "progress": cfg.progress, "wandb": cfg.wandb}, folder, checkpoint)
+
+
+def _stored(path: Path, raw: bytes) -> dict[str, Any]:
+    """The configuration that a run left as ``raw``.
+
+    Raises:
+        DataError: it is no text, no YAML, or lacks something.
+    """
+    from omegaconf import OmegaConf
+    from omegaconf.errors import OmegaConfBaseException
+    from yaml import YAMLError
+
+    try:
+        config: Any = OmegaConf.to_container(OmegaConf.create(raw.decode("utf-8")))
+    except UnicodeDecodeError:
+        raise DataError(f"{path}: not UTF-8; {_REMEDY}") from None
+    except YAMLError as error:
+        line = mark.line + 1 if (mark := getattr(error, "problem_mark", None)) else 1
+        raise DataError(f"{path}:{line}: not YAML; {_REMEDY}") from None
+    except (ValueError, RecursionError, OmegaConfBaseException):
+        raise DataError(f"{path}: not the configuration of a run; {_REMEDY}") from None
+    try:
+        _check(config, str(path))
+    except ConfigError as error:
+        raise DataError(f"{error}; {_REMEDY}") from None
+    return config
+
+
+def _check(config: Any, where: str) -> None:
+    """Refuse a configuration without what every run needs."""
+    if not isinstance(config, dict):
+        raise ConfigError(f"{where}: no options in it")
+    if missing := [key for key in ("learner", "training", "threads") if key not in config]:
+        raise ConfigError(f"{where}: no {missing[0]} in it")
+    learner = config["learner"]
+    if not (isinstance(learner, dict) and isinstance(learner.get("_target_"), str)):
+        raise ConfigError(f"{where}: learner has no _target_")
 
 
 def run_identity(config: Mapping[str, Any]) -> dict[str, str]:
@@ -57,8 +104,14 @@ def run_identity(config: Mapping[str, Any]) -> dict[str, str]:
     return {"config": sha256_bytes(canonical_json(learned).encode())}
 
 
-def use_threads(threads: int) -> None:
-    """Let torch use ``threads`` threads. Sums depend on their number, so it is part of the configuration."""
+def use_threads(threads: Any) -> None:
+    """Let torch use ``threads`` threads. Sums depend on their number, so it is part of the configuration.
+
+    Raises:
+        ConfigError: no such number of threads.
+    """
     import torch
 
+    if type(threads) is not int or not 1 <= threads <= _MOST_THREADS:
+        raise ConfigError(f"threads={brief(threads)}: expected a whole number from 1 to {_MOST_THREADS}")
     torch.set_num_threads(threads)

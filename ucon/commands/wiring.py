@@ -92,5 +92,5 @@ def load_dataset(path: str | None) -> HabitDataset:
     if path is None:
         return book()
     found = existing(path, "PATH")
-    is_book = found.name.endswith(SUFFIX) or (found.is_dir() and any(found.glob("*.txt")))
+    is_book = found.name.endswith((SUFFIX, ".txt")) or (found.is_dir() and any(found.glob("*.txt")))
     return folder_habits(path) if is_book else official_habits(path)

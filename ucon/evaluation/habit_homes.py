@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.errors import ConfigError
 from ucon.core.rng import stream
-from ucon.habits import HabitDataset, KnowledgeBase, household
+from ucon.habits import Entry, HabitDataset, KnowledgeBase, household
 from ucon.habits.knowledge import MODES, Mode
 from ucon.retrieval import Retriever, mrr
 from ucon.scenes import SCENES
@@ -85,11 +86,13 @@ def offer_of_scenes(dataset: HabitDataset, scenes: Sequence[str] = SCENES) -> Of
 
 def measure_retrieval(dataset: HabitDataset, retriever: Retriever, mode: Mode = "category") -> Retrieval:
     """Retrieval with the paper's query: five targets in each of 60 knowledge bases of 20 categories."""
-    scenes = dataset.scenes or SCENES
+    homes = _households(dataset)
+    if not homes:
+        raise ConfigError(f"dataset '{dataset.name}': no entry fits any of the scenes; leave out their kinds of place")
     ranks, sizes = [], []
     recall: dict[str, list[NDArray[np.float64]]] = {"own": [], "supporting": []}
     for number in range(_KNOWLEDGE_BASES):
-        people = household(scenes[number % len(scenes)], dataset)
+        people = homes[number % len(homes)]
         rng = stream(0, "statistics", "retrieval", number)
         names = [str(name) for name in rng.permutation(sorted(people))[:CATEGORIES]]
         base = KnowledgeBase.build(dataset, {name: people[name] for name in names}, number, mode)
@@ -107,6 +110,18 @@ def measure_retrieval(dataset: HabitDataset, retriever: Retriever, mode: Mode = 
         supporting=np.mean(recall["supporting"], 0) if dataset.labelled and recall["supporting"] else None,
         size=float(np.mean(sizes)),
     )
+
+
+def _households(dataset: HabitDataset) -> list[dict[str, tuple[Entry, ...]]]:
+    """Who lives in each scene, without the scenes where nobody does: a book about offices has nobody in a flat."""
+    from ucon.sim.cache import load_house
+    from ucon.task.living import home_kinds
+
+    def kinds(scene: str) -> tuple[str, ...]:
+        return () if dataset.scenes else home_kinds(load_house(scene).spec)
+
+    found = [household(scene, dataset, kinds=kinds(scene)) for scene in dataset.scenes or SCENES]
+    return [people for people in found if people]
 
 
 def _recall(ranking: NDArray[np.int32], relevant: NDArray[np.int32]) -> NDArray[np.float64]:

@@ -184,12 +184,13 @@ def _covers(hours: tuple[int, int], hour: int) -> bool:
 
 
 def _sizes(found: Sequence[Measures]) -> Any:
-    there = [(k, one) for k, one in enumerate(found) if one.offer.categories]
+    there = [(k, one) for k, one in enumerate(found) if any(one.offer.categories.values())]
     figure = new_figure(5.6 * len(there) + 2.2, 6.8, title="Habits in a knowledge base of 20 categories, by scene")
-    axes = figure.subplots(1, len(there), squeeze=False)[0]
-    longest = max(SIZEBAND[1], *(int(v.max()) for _, one in there for v in one.offer.sizes["category"].values()))
-    for ax, (k, one) in zip(axes, there, strict=True):
-        scenes = list(one.offer.categories)[::-1]
+    axes = figure.subplots(1, max(1, len(there)), squeeze=False)[0]
+    sizes = [v for _, one in there for v in one.offer.sizes["category"].values() if len(v)]
+    longest = max([SIZEBAND[1], *(int(v.max()) for v in sizes)])
+    for ax, (k, one) in zip(axes, there, strict=False):  # where nothing can live anywhere, the axes stay empty
+        scenes = [name for name, count in one.offer.categories.items() if count][::-1]
         ax.axvspan(*SIZEBAND, color=BAND)
         ax.text(sum(SIZEBAND) / 2, -1.3, "meant to be 300–600", color=GREY, ha="center", va="bottom", fontsize=9)
         for mode, color in zip(MODES, (COLORS[k], LIGHT[k]), strict=True):

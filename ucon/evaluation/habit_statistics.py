@@ -52,7 +52,7 @@ def measure(dataset: HabitDataset, scenes: Sequence[str] = SCENES) -> Measures:
 def _scene_figures(offer: Offer) -> dict[str, Any]:
     """Target categories a scene, and sizes of the knowledge bases by mode."""
     counts = list(offer.categories.values())
-    if not counts:
+    if not any(counts):
         return {}
     sizes = {}
     for mode, by_scene in offer.sizes.items():

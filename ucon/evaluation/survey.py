@@ -70,6 +70,11 @@ def draw_items(dataset: HabitDataset, n: int, seed: int = 0) -> list[Item]:
         rng = stream(seed, "survey", category)
         if (one := _candidate(dataset.entries_of(category), rng)) is not None:
             pool.append(one)
+    if len(pool) < 2:
+        raise ConfigError(
+            f"dataset '{dataset.name}' is too small for a survey: {len(pool)} of its categories can be asked about, "
+            "expected at least 2 that one household keeps where another does not; give a larger one"
+        )
     if not 2 <= n <= len(pool):
         raise ConfigError(f"--n {n}: expected 2 to {len(pool)} items, one a category of '{dataset.name}'")
     order = stream(seed, "survey", "draw").permutation(len(pool))[:n]
@@ -160,7 +165,7 @@ def read_sheet(path: Path, key: dict[int, Item]) -> list[Answer]:
 
 
 def _number(path: Path, line: int, text: str) -> int:
-    if not text.isdecimal():
+    if not text.isdecimal() or len(text) > 9:  # int() refuses thousands of digits
         raise DataError(f"{path}:{line}: item '{text[:20]}', expected the item's number")
     return int(text)
 

@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ucon.core.files import user_cache
+from ucon.core.files import require_writable, user_cache
 from ucon.generation.validate import ANCHORS_TRIED, dataset_triples, validate
 from ucon.generation.verify import Doubt, doubtful
 from ucon.habits.book import BOOK_FOLDER, read_book
-from ucon.habits.datafile import save_dataset
+from ucon.habits.datafile import require_suffix, save_dataset
 from ucon.habits.types import HabitDataset
 from ucon.objects.catalogue import catalogue
 
@@ -58,8 +58,11 @@ def build(
 
     Raises:
         DataError: the text is malformed; names file and line.
+        ConfigError: ``out`` cannot be written.
     """
+    require_suffix(out)
     text = read_book(book, catalogue().names)
+    require_writable(out)
     wanted = dataset_triples(text)
 
     def tried(done: int, total: int) -> None:

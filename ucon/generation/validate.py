@@ -22,7 +22,7 @@ from typing import Final
 
 import ucon
 from ucon.core.errors import DataError
-from ucon.core.files import canonical_json, sha256_bytes, write_atomic
+from ucon.core.files import canonical_json, require_writable, sha256_bytes, write_atomic
 from ucon.core.rng import stream
 from ucon.habits.types import HabitDataset
 from ucon.habits.verdicts import NEVER_SEEN, Triple, Verdict, Verdicts
@@ -181,6 +181,8 @@ def _results(blocks: Sequence[Block], folder: Path, workers: int) -> Iterator[tu
     """Reasons of every block: those on disk at once, the others as they are finished, in order."""
     missing = [block for block in blocks if not _path(folder, block).is_file()]
     there = set(blocks) - set(missing)
+    if missing:
+        require_writable(_path(folder, missing[0]))
     for block in blocks:
         if block in there:
             yield block, _read(_path(folder, block), block)

@@ -210,6 +210,10 @@ def read_book(folder: Path, categories: Collection[str] | None = None, *, verifi
     Raises:
         DataError: naming file and line.
     """
+    if folder.is_file():
+        raise DataError(
+            f"{folder}: a file; a book is a folder of *.txt files, give the folder {folder.absolute().parent}"
+        )
     own = folder / ANCHORS
     anchors = read_anchors(own, categories) if own.is_file() and folder != BOOK_FOLDER else book_anchors()
     paths = sorted(path for path in folder.glob("*.txt") if path.name != ANCHORS)

@@ -25,8 +25,7 @@ _MAX_BYTES: Final = 256 * 2**20
 
 def save_dataset(dataset: HabitDataset, path: Path, steps: dict[str, Any] | None = None) -> None:
     """Write a dataset file; ``steps`` records how it was made (what was proposed, validated, verified)."""
-    if not path.name.endswith(SUFFIX):
-        raise DataError(f"{path}: expected a name ending in {SUFFIX}")
+    require_suffix(path)
     lines = [canonical_json(_entry_row(entry)) for entry in dataset.entries]
     body = "\n".join([*lines, canonical_json(dataset.verdicts.to_json())]) + "\n"
     header = {
@@ -42,6 +41,12 @@ def save_dataset(dataset: HabitDataset, path: Path, steps: dict[str, Any] | None
         "steps": steps or {},
     }
     write_atomic(path, lzma.compress(f"{canonical_json(header)}\n{body}".encode(), preset=9))
+
+
+def require_suffix(path: Path) -> None:
+    """Refuse a name that no dataset file has."""
+    if not path.name.endswith(SUFFIX):
+        raise DataError(f"{path}: expected a name ending in {SUFFIX}")
 
 
 def load_dataset_file(path: Path, *, verified: bool = False) -> HabitDataset:

@@ -17,7 +17,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from ucon.core.errors import ConfigError, DataError, unknown_name
+from ucon.core.errors import ConfigError, DataError, brief, unknown_name
 from ucon.core.rng import derived_seed
 from ucon.habits.knowledge import KnowledgeBase
 from ucon.habits.splits import entry_parts
@@ -34,6 +34,8 @@ PRODUCT = "retriever.safetensors"
 CHUNK = 40
 """Texts of one pass, sorted by length: little padding, and activations that fit the cache."""
 MAX_TOKENS = 64
+_MOST = 1e9
+"""Above every sensible option; keeps infinity out."""
 PRECISIONS = {"float32": torch.float32, "bfloat16": torch.bfloat16}
 
 
@@ -124,6 +126,13 @@ class _Ranker:
         return ranked(self.scores(target, kb), kb.rows)
 
 
+def _check(wanted: str, holds: Callable[[Any], bool], kinds: Sequence[type] = (int, float), **values: object) -> None:
+    """Refuse options that are not ``wanted``; configurations are not typed, so a value may be anything."""
+    for name, value in values.items():
+        if type(value) not in kinds or not holds(value):
+            raise ConfigError(f"learner.{name}={brief(value)}: must be {wanted}")
+
+
 class RetrieverLearner:
     """See the module.
 
@@ -144,6 +153,9 @@ class RetrieverLearner:
         precision: ``bfloat16`` multiplies in half the bits (three times as fast where the processor can), else
             ``float32``.
         encoder: the frozen encoder; MiniLM by default.
+
+    Raises:
+        ConfigError: a value of the wrong type or outside its range.
     """
 
     def __init__(
@@ -164,12 +176,15 @@ class RetrieverLearner:
         precision: str = "bfloat16",
         encoder: MiniLM | None = None,
     ) -> None:
-        if precision not in PRECISIONS:
+        if precision not in tuple(PRECISIONS):
             raise ConfigError(unknown_name("precision", precision, PRECISIONS))
-        if min(steps, rank, warm_up, n_kbs) < 1 or min(lr, temperature, other_weight) <= 0:
-            raise ConfigError("learner: steps, rank, warm_up, n_kbs, lr, temperature, other_weight must be above 0")
-        if not (0 <= mask < 1 and 0 <= average < 1):
-            raise ConfigError(f"learner: mask {mask} and average {average} must be at least 0 and below 1")
+        if not isinstance(dataset, HabitDataset):
+            raise ConfigError(f"learner.dataset={brief(dataset)}: expected a dataset; choose one by habits=...")
+        _check("above 0 and whole", lambda x: x > 0, (int,), steps=steps, rank=rank, warm_up=warm_up, n_kbs=n_kbs)
+        _check("a whole number", lambda x: True, (int,), seed=seed)
+        _check("above 0", lambda x: 0 < x < _MOST, lr=lr, temperature=temperature, other_weight=other_weight)
+        _check("at least 0", lambda x: 0 <= x < _MOST, decay=decay, owner=owner)
+        _check("at least 0 and below 1", lambda x: 0 <= x < 1, mask=mask, average=average)
         self.dataset, self.seed, self.n_kbs, self.steps, self.warm_up = dataset, seed, n_kbs, steps, warm_up
         self.lr, self.temperature, self.other_weight, self.rank = lr, temperature, other_weight, rank
         self.mask, self.owner = mask, owner

@@ -14,12 +14,12 @@ import signal
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from types import FrameType
 from typing import Any, Final
 
-from ucon.core.errors import ConfigError, DataError
+from ucon.core.errors import ConfigError, DataError, brief, unknown_name
 from ucon.core.files import canonical_json, write_atomic, write_manifest
 from ucon.learning.checkpoints import BEST, LATEST, Checkpoints
 from ucon.learning.learner import Figures, Learner, State
@@ -52,8 +52,24 @@ class Plan:
     def __post_init__(self) -> None:
         for name in ("steps", "validate_every", "save_every", "keep"):
             value = getattr(self, name)
-            if not isinstance(value, int) or value < 1:
-                raise ConfigError(f"training.{name}={value}: expected a whole number from 1 up")
+            if type(value) is not int or value < 1:
+                raise ConfigError(f"training.{name}={brief(value)}: expected a whole number from 1 up")
+
+    @classmethod
+    def of(cls, options: Any) -> Plan:
+        """The plan that a configuration describes.
+
+        Raises:
+            ConfigError: no options at all, an unknown or a missing one, or a number below 1.
+        """
+        names = [field.name for field in fields(cls)]
+        if not isinstance(options, Mapping):
+            raise ConfigError(f"training={brief(options)}: expected the options {', '.join(names)}")
+        if odd := next((name for name in options if name not in names), None):
+            raise ConfigError(unknown_name("option", f"training.{odd}", [f"training.{name}" for name in names]))
+        if "steps" not in options:
+            raise ConfigError("training.steps has no value; give training.steps=...")
+        return cls(**options)
 
 
 class Interrupted(Exception):  # noqa: N818 (no error: the run was asked to stop and did)

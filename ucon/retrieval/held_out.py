@@ -10,9 +10,11 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from ucon.core.errors import ConfigError, UconError
 from ucon.habits.book import book
 from ucon.habits.official import official
 from ucon.habits.splits import Split, entry_parts
@@ -29,7 +31,13 @@ FIRST_SEED = 10_000
 
 
 def held_out(data: HabitDataset, retriever: Retriever, part: Split = "test", n_kbs: int = 20) -> dict[str, Row]:
-    """Figures of a retriever by kind of target; each row also has the mean size ``n`` of the knowledge bases."""
+    """Figures of a retriever by kind of target; each row also has the mean size ``n`` of the knowledge bases.
+
+    Raises:
+        ConfigError: no knowledge base is wanted. DataError: the dataset has no entry in that part.
+    """
+    if n_kbs < 1:
+        raise ConfigError(f"--kbs {n_kbs}: expected a number of knowledge bases from 1 up")
     parts = entry_parts(data)
     learned = {e.category for e in data.entries if parts[e.id] == "train"}
 
@@ -70,4 +78,7 @@ def main(words: Sequence[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except UconError as error:
+        sys.exit(f"error: {error}")
