@@ -154,6 +154,12 @@ def test_the_shipped_file_is_what_the_text_says():
     assert book().verdicts.of
 
 
+def test_a_blank_line_stands_before_every_entry_of_the_book():
+    for path in BOOK_FOLDER.glob("*.txt"):
+        lines = path.read_text().split("\n")
+        assert not [n for n, line in enumerate(lines) if n and line.startswith("# ") and lines[n - 1]], path.name
+
+
 def test_kinds_of_places(tmp_path):
     (tmp_path / "a.txt").write_text(GOOD.replace("\n", " {office}\n", 1))
     (entry,) = read_book(tmp_path).entries
