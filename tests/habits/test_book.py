@@ -1,6 +1,7 @@
 """The book's parser: the whole book, and every malformed case ends in one typed error that names file and line."""
 
 import shutil
+import sys
 from pathlib import Path
 
 import pytest
@@ -128,6 +129,18 @@ def test_bad_anchor_file(tmp_path):
     path.write_text("A desk: beside\n")
     with pytest.raises(DataError, match=r"anchors.txt:1: unknown relation"):
         read_anchors(path)
+
+
+def test_anchors_of_the_embedded_book_can_be_extended(tmp_path, monkeypatch):
+    shutil.copytree(BOOK_FOLDER, tmp_path / "book")
+    monkeypatch.setattr(sys.modules["ucon.habits.book"], "BOOK_FOLDER", tmp_path / "book")
+    new = next(name for name in catalogue().names if name not in book_anchors())
+    with (tmp_path / "book" / "anchors.txt").open("a") as file:
+        file.write(f"M {new}: nextto\n")
+    (tmp_path / "book" / "mine.txt").write_text(GOOD.replace("nextto bed", f"nextto {new}"))
+    assert new in read_book(tmp_path / "book", catalogue().names).anchors
+    with pytest.raises(DataError, match=r"anchors\.txt.*truncated or altered"):
+        read_book(tmp_path / "book", verified=True)
 
 
 def test_altered_book_file_is_noticed(tmp_path):
