@@ -6,12 +6,13 @@ import sys
 import pytest
 
 from tests.habits.test_book import GOOD
+from tests.habits.test_datafile import steps_of
 from ucon.__main__ import main
 from ucon.core.errors import DataError
 from ucon.core.files import read_verified
 from ucon.generation.build import build
 from ucon.habits.book import ANCHORS, BOOK_FOLDER
-from ucon.habits.datafile import dataset_steps, load_dataset_file
+from ucon.habits.datafile import load_dataset_file
 
 
 @pytest.fixture
@@ -34,7 +35,7 @@ def test_equal_text_gives_equal_bytes_in_any_number_of_processes(tmp_path, folde
         ("wallet", "inside", "tote"),
         ("wallet", "nextto", "bed"),
     }
-    steps = dataset_steps(files[0].path)
+    steps = steps_of(files[0].path)
     assert steps["propose"] == {"entries": 1, "habits": 8, "categories": 1, "placements": 3}
     assert steps["validate"]["triples"] == 3
     assert steps["verify"]["pairs"] == 24
