@@ -63,6 +63,9 @@ def test_every_command_explains_itself_without_heavy_imports(command):
         (["scenes", "--scene", "Rs_imt"], "Rs_int"),
         (["episodes", "verify", "nowhere"], "nowhere"),
         (["episodes", "make", "mini", "--task", "papr"], "did you mean paper"),
+        (["episodes", "make", "mini", "--limit", "1", "--task", "papr"], "--limit without --out: set 'mini' itself"),
+        (["episodes", "make", "official", "--limit", "1", "--habits", "nowhere.json"], "--limit without --out"),
+        (["episodes", "make", "mini", "--habits", "nowhere.habits.xz"], "--habits without --out: set 'mini' itself"),
     ],
 )
 def test_mistakes_end_in_one_line(words, expected):

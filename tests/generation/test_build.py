@@ -1,14 +1,18 @@
 """The pipeline as one call, on a small book."""
 
 import json
+import sys
 
 import pytest
 
 from tests.habits.test_book import GOOD
+from tests.habits.test_datafile import steps_of
 from ucon.__main__ import main
 from ucon.core.errors import DataError
+from ucon.core.files import read_verified
 from ucon.generation.build import build
-from ucon.habits.datafile import dataset_steps, load_dataset_file
+from ucon.habits.book import ANCHORS, BOOK_FOLDER
+from ucon.habits.datafile import load_dataset_file
 
 
 @pytest.fixture
@@ -31,7 +35,7 @@ def test_equal_text_gives_equal_bytes_in_any_number_of_processes(tmp_path, folde
         ("wallet", "inside", "tote"),
         ("wallet", "nextto", "bed"),
     }
-    steps = dataset_steps(files[0].path)
+    steps = steps_of(files[0].path)
     assert steps["propose"] == {"entries": 1, "habits": 8, "categories": 1, "placements": 3}
     assert steps["validate"]["triples"] == 3
     assert steps["verify"]["pairs"] == 24
@@ -47,6 +51,38 @@ def test_the_command_writes_the_file_and_the_doubts(tmp_path, folder, capsys):
     assert figures["verify"]["doubted_supports"] + figures["verify"]["doubted_distractors"] >= 1
     assert "The wallet stays on the desk" in doubts.read_text()
     assert load_dataset_file(out).sha256 == figures["sha256"]
+
+
+@pytest.fixture
+def shipped(tmp_path, monkeypatch):
+    """The embedded book and its file, elsewhere and small."""
+    text, file = tmp_path / "embedded", tmp_path / "data" / "book.habits.xz"
+    text.mkdir()
+    (text / ANCHORS).write_bytes((BOOK_FOLDER / ANCHORS).read_bytes())
+    (text / "theirs.txt").write_text(GOOD.replace("tidy", "sleepy"))
+    monkeypatch.setattr(sys.modules["ucon.habits.book"], "BOOK_FOLDER", text)
+    monkeypatch.setattr(sys.modules["ucon.habits.book"], "BOOK_FILE", file)
+    assert main(["habits", "build", "--work", str(tmp_path / "work"), "--workers", "0"]) == 0
+    assert read_verified(file)
+    assert read_verified(text / "theirs.txt")
+    return file
+
+
+def test_a_book_of_ones_own_does_not_replace_the_shipped_one(tmp_path, folder, shipped, capsys):
+    before = shipped.read_bytes()
+    words = ["habits", "build", "--book", str(folder), "--work", str(tmp_path / "work"), "--workers", "0"]
+    capsys.readouterr()
+    assert main(words) == 2
+    assert "--out" in capsys.readouterr().err
+    assert shipped.read_bytes() == before
+
+
+def test_a_manifest_never_lists_a_book_of_ones_own(tmp_path, folder, shipped):
+    words = ["habits", "build", "--book", str(folder), "--work", str(tmp_path / "work"), "--workers", "0"]
+    assert main([*words, "--out", str(shipped)]) == 0
+    with pytest.raises(DataError, match="truncated or altered"):
+        read_verified(shipped)
+    assert [path.name for path in folder.iterdir()] == ["mine.txt"]
 
 
 def test_malformed_text_is_refused_before_anything_is_tried(tmp_path, folder):

@@ -1,6 +1,7 @@
 """The book's parser: the whole book, and every malformed case ends in one typed error that names file and line."""
 
 import shutil
+import sys
 from pathlib import Path
 
 import pytest
@@ -55,14 +56,15 @@ def test_book_names_exist_in_catalogue():
 
 def test_rows_and_supports_agree():
     data = book()
-    assert sum(len(data.rows_of(c)) for c in data.categories) == len(data)
+    rows = {c: data.rows_of_entries(data.entries_of(c)) for c in data.categories}
+    assert sum(map(len, rows.values())) == len(data)
     for category in data.categories[::50]:
-        for row in data.rows_of(category):
+        for row in rows[category]:
             entry = data.entry_of(row)
             assert entry.category == category
             assert data.supports(row) == tuple(entry.placements[i] for i in data.habits[row].supports)
     with pytest.raises(ConfigError, match="did you mean"):
-        data.rows_of("walet")
+        data.entries_of("walet")
 
 
 def test_good_entry(tmp_path):
@@ -130,6 +132,18 @@ def test_bad_anchor_file(tmp_path):
         read_anchors(path)
 
 
+def test_anchors_of_the_embedded_book_can_be_extended(tmp_path, monkeypatch):
+    shutil.copytree(BOOK_FOLDER, tmp_path / "book")
+    monkeypatch.setattr(sys.modules["ucon.habits.book"], "BOOK_FOLDER", tmp_path / "book")
+    new = next(name for name in catalogue().names if name not in book_anchors())
+    with (tmp_path / "book" / "anchors.txt").open("a") as file:
+        file.write(f"M {new}: nextto\n")
+    (tmp_path / "book" / "mine.txt").write_text(GOOD.replace("nextto bed", f"nextto {new}"))
+    assert new in read_book(tmp_path / "book", catalogue().names).anchors
+    with pytest.raises(DataError, match=r"anchors\.txt.*truncated or altered"):
+        read_book(tmp_path / "book", verified=True)
+
+
 def test_altered_book_file_is_noticed(tmp_path):
     shutil.copytree(BOOK_FOLDER, tmp_path / "book")
     file = next(p for p in sorted((tmp_path / "book").glob("*.txt")) if p.name != "anchors.txt")
@@ -152,6 +166,12 @@ def test_the_shipped_file_is_what_the_text_says():
     text = read_book(BOOK_FOLDER, verified=True)
     assert text.sha256 == book().sha256, "the book's text has changed: run `python -m ucon habits build`"
     assert book().verdicts.of
+
+
+def test_a_blank_line_stands_before_every_entry_of_the_book():
+    for path in BOOK_FOLDER.glob("*.txt"):
+        lines = path.read_text().split("\n")
+        assert not [n for n, line in enumerate(lines) if n and line.startswith("# ") and lines[n - 1]], path.name
 
 
 def test_kinds_of_places(tmp_path):

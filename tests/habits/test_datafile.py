@@ -1,12 +1,18 @@
+import json
 import lzma
 import resource
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import pytest
 
+from ucon.commands.wiring import folder_habits
 from ucon.core.errors import DataError
 from ucon.habits import book
 from ucon.habits.book import BOOK_FILE
-from ucon.habits.datafile import dataset_steps, load_dataset_file, save_dataset
+from ucon.habits.datafile import load_dataset_file, save_dataset
 from ucon.habits.types import Entry, Habit, HabitDataset, Placement
 from ucon.habits.verdicts import Verdict, Verdicts
 
@@ -18,12 +24,20 @@ def small() -> HabitDataset:
         "wallet/0",
         "wallet",
         "a baker",
-        (Placement("ontop", "desk", "summer"), Placement("inside", "backpack")),
-        (Habit("He empties his pockets where he writes.", (0,)), Habit("Bread rises at four in the morning.")),
+        (Placement("ontop", "desk", "summer"), Placement("inside", "backpack"), Placement("nextto", "bed")),
+        (
+            Habit("He empties his pockets where he writes.", (0,)),
+            *(Habit(f"Bread rises at {hour} in the morning.") for hour in range(7)),
+        ),
         kind="shop",
     )
     verdicts = Verdicts({TRIPLE: Verdict(2, {"Rs_int": "unstable"})})
     return HabitDataset("mine", (entry,), verdicts=verdicts)
+
+
+def steps_of(path: Path) -> dict[str, Any]:
+    """How a dataset file was made, as its header says."""
+    return dict(json.loads(lzma.decompress(path.read_bytes()).split(b"\n")[0])["steps"])
 
 
 def test_round_trip_and_equal_bytes(tmp_path):
@@ -34,7 +48,7 @@ def test_round_trip_and_equal_bytes(tmp_path):
     assert found.entries == small().entries
     assert found.sha256 == small().sha256
     assert found.verdicts.of == small().verdicts.of
-    assert dataset_steps(tmp_path / "a.habits.xz") == {"propose": {"entries": 1}}
+    assert steps_of(tmp_path / "a.habits.xz") == {"propose": {"entries": 1}}
 
 
 def test_the_book_loads_in_less_than_half_a_second():
@@ -63,6 +77,52 @@ def test_damaged_files_are_refused(tmp_path, damage, message):
     with pytest.raises(DataError, match=message) as error:
         load_dataset_file(path)
     assert "a.habits.xz" in str(error.value)
+
+
+def with_habit(text: str) -> Callable[[Entry], Entry]:
+    return lambda entry: replace(entry, habits=(*entry.habits[:-1], Habit(text)))
+
+
+def with_place(**changes: Any) -> Callable[[Entry], Entry]:
+    return lambda entry: replace(entry, placements=(replace(entry.placements[0], **changes), *entry.placements[1:]))
+
+
+BROKEN: dict[str, tuple[Callable[[Entry], Entry], str]] = {
+    "category": (lambda e: replace(e, category="unicorn"), "unknown category 'unicorn'"),
+    "anchor": (with_place(anchor="moon_rock"), "unknown anchor 'moon_rock'"),
+    "onto itself": (with_place(anchor="wallet"), "a wallet placed onto itself"),
+    "place twice": (with_place(relation="nextto", anchor="bed"), "'nextto bed' is listed twice"),
+    "long context": (with_place(context="summer " * 100), "700 characters, at most 400"),
+    "long sentence": (with_habit("x" * 2**20), "1048576 characters, at most 400"),
+    "short sentence": (with_habit("Bread rises."), "2 words, expected 5"),
+    "few places": (lambda e: replace(e, placements=e.placements[:2]), "2 placements, expected 3"),
+    "few habits": (lambda e: replace(e, habits=e.habits[:3]), "3 habits, expected 8"),
+    "no household": (lambda e: replace(e, household=""), "household ''"),
+    "kind": (lambda e: replace(e, kind="shopp"), "unknown kind of place 'shopp'"),
+    "id twice": (lambda e: replace(e, id="wallet/0"), "entry 'wallet/0': another entry has this id"),
+}
+
+
+@pytest.mark.parametrize("case", BROKEN)
+def test_what_breaks_a_rule_is_refused_with_line_and_entry(tmp_path, case):
+    change, message = BROKEN[case]
+    good = small().entries[0]
+    broken = change(replace(good, id="wallet/1"))
+    path = tmp_path / "a.habits.xz"
+    save_dataset(replace(small(), entries=(good, replace(good, id="wallet/2"))), path)
+    assert len(folder_habits(str(path)).entries) == 2
+    save_dataset(replace(small(), entries=(good, broken)), path)
+    with pytest.raises(DataError) as error:
+        folder_habits(str(path))
+    assert str(error.value).startswith(f"{path}:3: entry '{broken.id}': ")
+    assert message in str(error.value)
+    assert len(str(error.value)) < 500
+
+
+def test_the_shipped_file_keeps_the_rules(tmp_path):
+    path = tmp_path / "copy.habits.xz"
+    path.write_bytes(BOOK_FILE.read_bytes())
+    assert folder_habits(str(path)).sha256 == book().sha256
 
 
 def changed(raw: bytes, old: str, new: str) -> bytes:

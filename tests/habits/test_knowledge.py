@@ -8,7 +8,7 @@ import pytest
 
 from ucon.core.errors import ConfigError
 from ucon.habits import KnowledgeBase, book, category_split, hosted, household, split_categories
-from ucon.habits.splits import PARTS_USED, SPLITS, entry_parts
+from ucon.habits.splits import PARTS_USED, entry_parts
 from ucon.habits.types import KINDS
 
 
@@ -101,13 +101,13 @@ def test_every_training_category_keeps_entries_for_testing():
 
 def test_parts_share_no_sentence_and_no_tested_category_is_learned():
     data, parts = book(), entry_parts(book())
-    texts = {split: {h.text for e in data.entries if parts[e.id] == split for h in e.habits} for split in SPLITS}
-    assert not any(texts[a] & texts[b] for a, b in combinations(SPLITS, 2))
+    texts = {split: {h.text for e in data.entries if parts[e.id] == split for h in e.habits} for split in PARTS_USED}
+    assert not any(texts[a] & texts[b] for a, b in combinations(PARTS_USED, 2))
     learned = {e.category for e in data.entries if parts[e.id] == "train"}
     assert not learned & {*split_categories(data.categories, "test"), *split_categories(data.categories, "val")}
 
 
-@pytest.mark.parametrize("part", SPLITS)
+@pytest.mark.parametrize("part", PARTS_USED)
 def test_households_of_a_part_have_its_entries_only(part):
     parts = entry_parts(book())
     people = household("Rs_int", book(), part=part)

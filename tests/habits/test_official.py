@@ -87,6 +87,13 @@ def test_malformed_is_reported_with_file_and_position(tmp_path, case):
     assert any(message in str(p) and "tasks.json: Rs_int > wallet" in str(p) for p in report.problems), report.problems
 
 
+def test_what_is_left_out_is_counted(tmp_path):
+    bad = task(habits=["Keeps it.", 7, "x" * 3000], location=["wallet.place_ontop(desk)", None, "desk"])
+    data, report = read(tmp_path, {"Rs_int": {"wallet": [task(), bad, task(basic_object_name=None)]}})
+    assert (report.habits, len(data)) == (2 + 3 + 2, 2 + 1)
+    assert (report.locations, len(report.located)) == (2 + 3 + 2, 2 + 1)
+
+
 @pytest.mark.parametrize(
     ("raw", "message"),
     [

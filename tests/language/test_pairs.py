@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ucon.habits import book
-from ucon.language.pairs import FEATURES, pair_features
+from ucon.language.pairs import FEATURES, default_pair_reader
 from ucon.language.quantise import cosines, quantise
 from ucon.language.words import stem, stems, synonyms, tokens
 from ucon.objects.catalogue import catalogue
@@ -57,7 +57,7 @@ def test_synonyms_are_about_catalogue_names():
     ],
 )
 def test_lexical_features(habit, name, feature):
-    named, other = pair_features([habit], [name, "treadmill"])[0]
+    named, other = default_pair_reader().features([habit], [name, "treadmill"])[0]
     assert named[COLUMN[feature]] == 1
     assert not other[: COLUMN["word"]].any()
     assert named[COLUMN["word"]] > other[COLUMN["word"]]
@@ -65,17 +65,19 @@ def test_lexical_features(habit, name, feature):
 
 def test_features_do_not_depend_on_the_company():
     texts, names = list(book().texts[:40]), list(catalogue().names[:30])
-    whole = pair_features(texts, names)
+    whole = default_pair_reader().features(texts, names)
     assert whole.shape == (40, 30, len(FEATURES))
     assert whole.dtype == np.float32
     assert np.abs(whole).max() <= 1.0001
-    assert pair_features(texts[7:9], names[3:8]).tobytes() == whole[7:9, 3:8].tobytes()
-    assert pair_features(texts, names[::-1]).tobytes() == np.ascontiguousarray(whole[:, ::-1]).tobytes()
+    assert default_pair_reader().features(texts[7:9], names[3:8]).tobytes() == whole[7:9, 3:8].tobytes()
+    assert (
+        default_pair_reader().features(texts, names[::-1]).tobytes() == np.ascontiguousarray(whole[:, ::-1]).tobytes()
+    )
 
 
 def test_empty():
-    assert pair_features([], ["desk"]).shape == (0, 1, len(FEATURES))
-    assert pair_features(["Nothing of note happens."], []).shape == (1, 0, len(FEATURES))
+    assert default_pair_reader().features([], ["desk"]).shape == (0, 1, len(FEATURES))
+    assert default_pair_reader().features(["Nothing of note happens."], []).shape == (1, 0, len(FEATURES))
 
 
 def test_quantised_cosines_are_exact_and_close():

@@ -65,7 +65,7 @@ def test_one_query_over_a_whole_release_is_quick():
         encoder.encode([query_text(target)])
         vectors.rank(target, kb)
         seconds.append(time.process_time() - start)
-    assert min(seconds) <= 0.020
+    assert np.median(seconds) <= 0.020
 
 
 def test_official_trials_stay_in_a_scene_and_ask_for_what_is_held_out():

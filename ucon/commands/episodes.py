@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     maker.add_argument(
         "--context", action="store_true", help="episodes state day, season and occasion, and follow them"
     )
-    maker.add_argument("--out", type=Path, help="file to write; default: where the set is looked for")
+    maker.add_argument("--out", type=Path, help="file to write; default, for whole sets: where it is looked for")
     maker.add_argument("--limit", type=int, help="only the first so many episodes")
     maker.add_argument("--habits", metavar="PATH", help="habit dataset by path; default: the embedded book")
     maker.add_argument("--workers", type=int, default=2, help="processes (default 2)")
@@ -42,10 +42,15 @@ def run(args: argparse.Namespace) -> int:
 
 def _make(args: argparse.Namespace) -> int:
     from ucon.commands.wiring import load_dataset
+    from ucon.core.errors import ConfigError
     from ucon.task.make import make_episodes
-    from ucon.task.plan import set_orders
+    from ucon.task.plan import OFFICIAL, set_orders
     from ucon.task.sets import save_episodes, set_name, set_path
 
+    # The set `official` is made of no other habits, so its own place is right; a part of it belongs elsewhere as well.
+    other = [("--habits", args.habits and args.name != OFFICIAL), ("--limit", args.limit is not None)]
+    if args.out is None and (given := [option for option, value in other if value]):
+        raise ConfigError(f"{given[0]} without --out: set '{args.name}' itself would be replaced; give --out FILE")
     dataset = load_dataset(args.habits)
     name = set_name(args.name, args.task, context=args.context)
     orders = list(set_orders(args.name, dataset, args.task, context=args.context))[: args.limit]

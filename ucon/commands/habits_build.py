@@ -11,7 +11,7 @@ from pathlib import Path
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the action."""
     parser.add_argument("--book", metavar="FOLDER", help="files in the habit book's format; default: the embedded book")
-    parser.add_argument("--out", metavar="FILE", help="dataset file to write; default: the one that is shipped")
+    parser.add_argument("--out", metavar="FILE", help="file to write; default, without --book: the shipped one")
     parser.add_argument("--work", metavar="FOLDER", help="keeps finished work; default: the user's cache")
     parser.add_argument("--doubts", metavar="FILE", help="write the labels that the verifier doubts, one a line")
     parser.add_argument("--workers", type=int, default=2, help="processes (default 2); changes no byte of the result")
@@ -25,12 +25,15 @@ def run(args: argparse.Namespace) -> int:
 
     from ucon.commands.output import stdout_to_stderr
     from ucon.commands.wiring import existing
+    from ucon.core.errors import ConfigError
     from ucon.core.files import require_writable, write_atomic
     from ucon.generation.build import build
     from ucon.habits.book import BOOK_FILE, BOOK_FOLDER
     from ucon.habits.datafile import SUFFIX
     from ucon.language.store import write_manifest_of
 
+    if args.book and not args.out:
+        raise ConfigError("--book without --out: the shipped dataset is of the embedded book; give --out FILE")
     out = Path(args.out).expanduser() if args.out else BOOK_FILE
     book = existing(args.book, "--book") if args.book else BOOK_FOLDER
     doubts = Path(args.doubts).expanduser() if args.doubts else None
@@ -51,7 +54,7 @@ def run(args: argparse.Namespace) -> int:
             workers=args.workers,
             progress=show,
         )
-    if out == BOOK_FILE:
+    if (book, out) == (BOOK_FOLDER, BOOK_FILE):
         for folder in {out.parent, book}:
             write_manifest_of(folder)
     if doubts:

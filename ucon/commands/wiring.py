@@ -66,14 +66,15 @@ def official_habits(path: str) -> HabitDataset:
 def folder_habits(path: str) -> HabitDataset:
     """Dataset of a file of ``habits build``, or of a folder in the habit book's format (not validated then).
 
-    What the catalogue lacks is an error.
+    What the catalogue lacks, and what breaks a rule of the format, is an error in either.
     """
     from ucon.habits.book import read_book
     from ucon.habits.datafile import SUFFIX, load_dataset_file
     from ucon.objects.catalogue import catalogue
 
     found = existing(path, "habits.path")
-    return load_dataset_file(found) if found.name.endswith(SUFFIX) else read_book(found, catalogue().names)
+    read = load_dataset_file if found.name.endswith(SUFFIX) else read_book
+    return read(found, catalogue().names)
 
 
 def existing(path: str, option: str) -> Path:

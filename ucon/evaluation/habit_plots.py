@@ -26,7 +26,7 @@ from ucon.evaluation.plotting import (
     save_png,
 )
 from ucon.habits import RELATIONS
-from ucon.habits.contexts import DAYS, EVENT_GROUPS, SEASONS
+from ucon.habits.contexts import DAYS, EVENT_GROUPS, SEASONS, between
 from ucon.habits.knowledge import MODES
 
 if TYPE_CHECKING:
@@ -162,7 +162,7 @@ def _contexts(found: Sequence[Measures]) -> Any:
     grouped_bars(panels["kind"], [[told["kinds"][k] for k in KINDS]], KINDS, "{:,.0f}".format)
     grouped_bars(panels["season"], [seasons], SEASONS, str)
     grouped_bars(panels["day"], [days], DAYS, str)
-    hours = np.asarray([sum(c.hours is not None and _covers(c.hours, h) for c in known) for h in range(24)])
+    hours = np.asarray([sum(c.hours is not None and between(h, *c.hours) for c in known) for h in range(24)])
     panels["hour"].bar(np.arange(24) + 0.5, hours, 0.92, color=COLORS[0])
     panels["hour"].set_xticks(range(0, 25, 6), [f"{h}:00" for h in range(0, 25, 6)])
     groups = Counter((c.occasion or "").partition("/")[0] for c in known)
@@ -176,11 +176,6 @@ def _contexts(found: Sequence[Measures]) -> Any:
         panels[name].set_title(title)
         panels[name].grid(axis="x" if name == "group" else "y")
     return figure
-
-
-def _covers(hours: tuple[int, int], hour: int) -> bool:
-    start, end = hours
-    return start <= hour < end if start < end else hour >= start or hour < end
 
 
 def _sizes(found: Sequence[Measures]) -> Any:

@@ -207,6 +207,8 @@ def book() -> HabitDataset:
 def read_book(folder: Path, categories: Collection[str] | None = None, *, verified: bool = False) -> HabitDataset:
     """All ``*.txt`` of a folder in name order; its ``anchors.txt`` where it has one, else the book's.
 
+    ``verified`` checks each file against the manifest of the folder; without, a file that was edited is read as it is.
+
     Raises:
         DataError: naming file and line.
     """
@@ -215,7 +217,10 @@ def read_book(folder: Path, categories: Collection[str] | None = None, *, verifi
             f"{folder}: a file; a book is a folder of *.txt files, give the folder {folder.absolute().parent}"
         )
     own = folder / ANCHORS
-    anchors = read_anchors(own, categories) if own.is_file() and folder != BOOK_FOLDER else book_anchors()
+    if own.is_file():
+        anchors = _anchors(own, _lines(own, read_verified(own)) if verified else read_lines(own), categories)
+    else:
+        anchors = book_anchors()
     paths = sorted(path for path in folder.glob("*.txt") if path.name != ANCHORS)
     if not paths:
         raise DataError(f"{folder}: no habit file (*.txt); expected files of the habit book's format")

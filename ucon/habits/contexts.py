@@ -73,7 +73,7 @@ class Condition:
         """Whether a stated context fulfils it."""
         if self.days is not None and context.day not in self.days:
             return False
-        if self.hours is not None and not _between(context.hour, *self.hours):
+        if self.hours is not None and not between(context.hour, *self.hours):
             return False
         if self.seasons is not None and context.season not in self.seasons:
             return False
@@ -223,7 +223,8 @@ _PARSERS: Final[dict[str, tuple[str, Any]]] = {
 }
 
 
-def _between(hour: int, start: int, end: int) -> bool:
+def between(hour: int, start: int, end: int) -> bool:
+    """Whether a full hour lies in a span, which may go past midnight."""
     return start <= hour < end if start < end else hour >= start or hour < end
 
 

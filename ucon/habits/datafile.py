@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import json
 import lzma
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import Any, Final, cast
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json, read_verified, sha256_bytes, write_atomic
+from ucon.habits.rules import Anchors, count_fault, habit_fault, header_fault, line_fault, placement_fault
 from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
 from ucon.habits.verdicts import Verdicts
 
@@ -49,11 +51,17 @@ def require_suffix(path: Path) -> None:
         raise DataError(f"{path}: expected a name ending in {SUFFIX}")
 
 
-def load_dataset_file(path: Path, *, verified: bool = False) -> HabitDataset:
-    """The dataset of a file; ``verified`` checks it against the manifest of its folder as well.
+def load_dataset_file(path: Path, categories: Collection[str] | None = None, *, verified: bool = False) -> HabitDataset:
+    """The dataset of a file.
+
+    Args:
+        path: the file.
+        categories: names of targets and anchors that exist; None accepts any name.
+        verified: check the file against the manifest of its folder, and take its entries to keep the rules.
 
     Raises:
-        DataError: no such file, a truncated or altered one, another version, or a line that is no entry.
+        DataError: no such file, a truncated or altered one, another version, or a line that is no entry, or none by
+            the rules of the habit book; names file and line.
     """
     lines = _lines(path, verified=verified)
     header = _header(path, lines[0])
@@ -64,16 +72,13 @@ def load_dataset_file(path: Path, *, verified: bool = False) -> HabitDataset:
     if len(rows) != header["entries"] + 1:
         raise DataError(f"{path}: {len(rows) - 1} entries, the header says {header['entries']}; build it anew")
     entries = tuple(_entry(row, f"{path}:{number}") for number, row in enumerate(rows[:-1], 2))
+    if not verified:
+        _check(path, entries, categories)
     try:
         verdicts = Verdicts.from_json(json.loads(rows[-1]))
     except (ValueError, TypeError, AttributeError, OverflowError, RecursionError):
         raise DataError(f"{path}:{len(rows) + 1}: not a list of verdicts; build the file anew") from None
     return HabitDataset(str(header["name"]), entries, labelled=bool(header["labelled"]), verdicts=verdicts)
-
-
-def dataset_steps(path: Path) -> dict[str, Any]:
-    """How a dataset file was made, from its header."""
-    return dict(_header(path, _lines(path)[0])["steps"])
 
 
 def _lines(path: Path, *, verified: bool = False) -> list[str]:
@@ -97,7 +102,7 @@ def _header(path: Path, line: str) -> dict[str, Any]:
         header = json.loads(line)
         found = (header["format"], header["version"])
         types = {"entries": int, "steps": dict, "body_sha256": str, "name": str, "labelled": bool}
-        if not all(isinstance(header[key], kind) for key, kind in types.items()) or not header["name"].isprintable():
+        if not all(isinstance(header[key], kind) for key, kind in types.items()) or line_fault(header["name"]):
             raise TypeError("header")
     except (ValueError, KeyError, TypeError, RecursionError):
         raise DataError(f"{path}:1: not the header of a habit dataset; expected a file of `habits build`") from None
@@ -130,6 +135,31 @@ def _entry(row: str, where: str) -> Entry:
     except (ValueError, TypeError, RecursionError):
         raise DataError(f"{where}: not an entry of a habit dataset; build the file anew") from None
     return entry
+
+
+def _check(path: Path, entries: tuple[Entry, ...], categories: Collection[str] | None) -> None:
+    """Raise where an entry breaks a rule of the habit book; which relations its anchors allow, only the text knows."""
+    names = {p.anchor for entry in entries for p in entry.placements} if categories is None else categories
+    anchors = dict.fromkeys(names, frozenset[str](RELATIONS))
+    seen: set[str] = set()
+    for number, entry in enumerate(entries, 2):
+        faults = _faults(entry, categories, anchors)
+        fault = "another entry has this id" if entry.id in seen else next(filter(None, faults), None)
+        if fault is not None:
+            raise DataError(f"{path}:{number}: entry '{brief(entry.id)}': {fault}; mend its text and build it anew")
+        seen.add(entry.id)
+
+
+def _faults(entry: Entry, categories: Collection[str] | None, anchors: Anchors) -> Iterator[str | None]:
+    """What each rule says about an entry, None where it is kept."""
+    yield from map(line_fault, (entry.id, entry.category, entry.household, *(h.text for h in entry.habits)))
+    yield from (line_fault(text) for p in entry.placements for text in (p.anchor, p.context or ""))
+    yield header_fault(entry.category, entry.household, entry.kind, categories)
+    yield count_fault(len(entry.placements), len(entry.habits))
+    for i, placement in enumerate(entry.placements):
+        yield placement_fault(entry.category, entry.placements[:i], placement, anchors)
+    for habit in entry.habits:
+        yield habit_fault(habit.text, habit.supports, len(entry.placements))
 
 
 def _usable(entry: Entry) -> bool:

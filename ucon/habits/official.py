@@ -53,7 +53,7 @@ class Located:
 
 @dataclass
 class ImportReport:
-    """What a file holds, counted before anything is left out, and everything that does not fit."""
+    """What a file holds and everything that does not fit; habits and locations are counted as they are listed."""
 
     path: Path
     scenes: int = 0
@@ -136,10 +136,11 @@ def _entry(
     categories: Collection[str] | None,
 ) -> Entry | None:
     report.tasks += 1
+    places = "location" if "location" in task else "locations"
+    report.habits += _listed(task.get("habits"))
+    report.locations += _listed(task.get(places))
     habits = [Habit(text) for text in _strings(task, "habits", where, report).values()]
-    locations = _strings(task, "location" if "location" in task else "locations", where, report)
-    report.habits += len(habits)
-    report.locations += len(locations)
+    locations = _strings(task, places, where, report)
     target = _target(task.get("basic_object_name"), category, list(locations.values()), where, report, categories)
     if target is None:
         return None
@@ -180,6 +181,10 @@ def _target(
         return min(named)
     report.add(where, f"unknown target category '{brief(target)}'")
     return None
+
+
+def _listed(value: Any) -> int:
+    return len(value) if isinstance(value, list) else 0
 
 
 def _strings(task: dict[str, Any], key: str, where: str, report: ImportReport) -> dict[str, str]:

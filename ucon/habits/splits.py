@@ -20,7 +20,6 @@ from weakref import WeakKeyDictionary
 from ucon.habits.types import Entry, HabitDataset
 
 Split = Literal["train", "val", "test"]
-SPLITS: tuple[Split, ...] = ("train", "val", "test")
 TEST_PERCENT, VAL_PERCENT = 12, 12
 ENTRY_TEST_SHARE: Final = 0.4
 

@@ -146,10 +146,6 @@ class HabitDataset:
         entries = self._by_category[category]
         return entries if scene is None else tuple(e for e in entries if e.scene in (None, scene))
 
-    def rows_of(self, category: str) -> NDArray[np.int32]:
-        """Rows of all habits of a category."""
-        return self.rows_of_entries(self.entries_of(category))
-
     def rows_of_entries(self, entries: Sequence[Entry]) -> NDArray[np.int32]:
         """Rows of the habits of some entries, in their order."""
         numbers = [self.entry_number[e.id] for e in entries]

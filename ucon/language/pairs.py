@@ -19,7 +19,7 @@ from ucon.language.quantise import Quantised, cosines, quantise
 from ucon.language.store import DATA, StoredEncoder, default_encoder
 from ucon.language.words import STOP_WORDS, tokens
 
-#: Columns of :func:`pair_features`.
+#: Columns of :meth:`PairReader.features`.
 FEATURES = (*LEXICAL, "word", "sentence")
 N_FEATURES = len(FEATURES)
 
@@ -121,10 +121,3 @@ def default_pair_reader() -> PairReader:
     """One reader per process on the shipped tables."""
     encoder = default_encoder()
     return PairReader(encoder, WordVectors.load(encoder), catalogue_lexicon())
-
-
-def pair_features(
-    habits: Sequence[str], candidates: Sequence[str], reader: PairReader | None = None
-) -> NDArray[np.float32]:
-    """Features (H, C, 6) float32 of habits (texts) and candidates (category names); see :data:`FEATURES`."""
-    return (reader or default_pair_reader()).features(habits, candidates)

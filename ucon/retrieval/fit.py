@@ -28,7 +28,7 @@ from ucon.objects.catalogue import catalogue
 from ucon.retrieval.base import phrase
 from ucon.retrieval.dense import DenseRetriever, dataset_vectors
 from ucon.retrieval.evidence import grams
-from ucon.retrieval.gate import gate_features
+from ucon.retrieval.gate import N_GATE, gate_features
 from ucon.retrieval.levels import FIXED_LEVELS, habits_at_level
 from ucon.retrieval.reader import N_MIX, AnchorReader
 from ucon.retrieval.sampling import anchor_distribution, location_distribution, sampled_kb
@@ -158,8 +158,8 @@ def fit_gate(data: HabitDataset, pairs: PairReader, n_kbs: int = 30, epochs: int
     rng = torch.Generator().manual_seed(0)
     start = torch.randn(384, width, generator=rng) / width**0.5
     habit, target = start.clone().requires_grad_(), start.clone().requires_grad_()
-    hidden = (0.3 * torch.randn(10, 16, generator=rng)).requires_grad_()
-    bias, out = torch.zeros(16, requires_grad=True), torch.zeros(27, requires_grad=True)
+    hidden = (0.3 * torch.randn(N_GATE, 16, generator=rng)).requires_grad_()
+    bias, out = torch.zeros(16, requires_grad=True), torch.zeros(16 + N_GATE + 1, requires_grad=True)
     optimiser = torch.optim.AdamW([habit, target, hidden, bias, out], lr=1e-3, weight_decay=1e-2)
     samples = list(_gate_samples(data, pairs, n_kbs))
     for epoch in range(epochs):

@@ -16,6 +16,7 @@ from ucon.retrieval.weights import Array, Weights, sigmoid, two_layers
 
 NEAREST = 5
 N_GATE = 10
+"""Features of a habit: those of :func:`gate_features` and the learned likeness."""
 DECIMALS = 4
 
 

@@ -10,22 +10,16 @@ from ucon.core.errors import DataError
 from ucon.core.rng import stream
 from ucon.habits.hosting import N_ENTRIES_P
 from ucon.habits.knowledge import KnowledgeBase, Mode
-from ucon.habits.splits import Split, category_split, entry_parts
+from ucon.habits.splits import Split, entry_parts
 from ucon.habits.types import Entry, HabitDataset
 
 
-def sampled_kb(
-    data: HabitDataset, split: Split, seed: int, mode: Mode, k: int = 20, categories: Split | None = None
-) -> KnowledgeBase:
-    """Knowledge base of ``k`` categories, drawn from the entries of one part as households draw them.
-
-    ``categories`` takes only categories of that part: ``test`` entries of ``train`` categories are unseen habits of
-    seen categories.
-    """
-    rng = stream(seed, "sampled_kb", split, *([categories] if categories else []))
+def sampled_kb(data: HabitDataset, split: Split, seed: int, mode: Mode, k: int = 20) -> KnowledgeBase:
+    """Knowledge base of ``k`` categories, drawn from the entries of one part as households draw them."""
+    rng = stream(seed, "sampled_kb", split)
     parts = entry_parts(data)
     usable = {name: [e for e in data.entries_of(name) if parts[e.id] == split] for name in data.categories}
-    names = [n for n, entries in usable.items() if entries and categories in (None, category_split(n))]
+    names = [name for name, entries in usable.items() if entries]
     drawn: dict[str, Sequence[Entry]] = {}
     for name in rng.choice(names, size=min(k, len(names)), replace=False):
         entries = usable[str(name)]
