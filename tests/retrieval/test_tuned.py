@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_limits
 
 from ucon.core.errors import DataError
 from ucon.habits import KnowledgeBase, book
@@ -60,11 +61,12 @@ def test_one_query_over_a_whole_release_is_quick():
     encoder = AdaptedMiniLM(ADAPTER)
     encoder.encode(["warm"])
     seconds = []
-    for target in book().categories[:12]:
-        start = time.process_time()
-        encoder.encode([query_text(target)])
-        vectors.rank(target, kb)
-        seconds.append(time.process_time() - start)
+    with threadpool_limits(1):  # more threads wait busily, which counts as CPU time
+        for target in book().categories[:12]:
+            start = time.process_time()
+            encoder.encode([query_text(target)])
+            vectors.rank(target, kb)
+            seconds.append(time.process_time() - start)
     assert np.median(seconds) <= 0.020
 
 
