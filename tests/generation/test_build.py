@@ -50,6 +50,9 @@ def test_the_command_writes_the_file_and_the_doubts(tmp_path, folder, capsys):
     figures = json.loads(capsys.readouterr().out)
     assert figures["verify"]["doubted_supports"] + figures["verify"]["doubted_distractors"] >= 1
     assert "The wallet stays on the desk" in doubts.read_text()
+    assert figures["doubts"] == doubts.read_text().splitlines()
+    assert main([word for word in words if word != "--json"]) == 0
+    assert "The wallet stays on the desk" in capsys.readouterr().out
     assert load_dataset_file(out).sha256 == figures["sha256"]
 
 

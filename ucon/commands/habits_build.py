@@ -5,7 +5,11 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
+
+_SHOWN = 20
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -60,10 +64,21 @@ def run(args: argparse.Namespace) -> int:
     if doubts:
         write_atomic(doubts, "".join(f"{doubt}\n" for doubt in built.doubts))
     figures = {"path": str(out), "bytes": out.stat().st_size, "sha256": built.dataset.sha256, **built.steps}
+    lines = [str(doubt) for doubt in built.doubts]
     if args.json:
-        print(json.dumps(figures, indent=1))
+        print(json.dumps({**figures, "doubts": lines}, indent=1, ensure_ascii=False))
         return 0
-    for name, value in figures.items():
-        print(f"{name:<10} {value}")
+    _print(figures, lines)
     sys.stderr.write(f"{out.name.removesuffix(SUFFIX)}: {len(built.dataset)} habits\n")
     return 0
+
+
+def _print(figures: dict[str, Any], doubts: Sequence[str]) -> None:
+    for name, value in figures.items():
+        print(f"{name:<10} {value}")
+    if doubts:
+        print("labels that the text does not bear out, for a person to read:")
+    for line in doubts[:_SHOWN]:
+        print(f"  {line}")
+    if len(doubts) > _SHOWN:
+        print(f"  ... and {len(doubts) - _SHOWN} more (--doubts FILE writes all)")
