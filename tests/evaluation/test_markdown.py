@@ -72,3 +72,16 @@ def test_every_run_is_compared_with_the_one_named(tmp_path, capsys):
     differences = rows(capsys.readouterr().out, "paired difference")
     assert len(differences) == 2 + 3
     assert all(value.startswith("+0.000 [") for value in chain(*(v[1:3] for k, v in differences.items() if "(" in k)))
+
+
+def test_runs_of_one_agent_and_level_are_told_apart_by_their_folders(tmp_path, capsys):
+    folders = [tmp_path / name for name in ("frozen", "tuned", "none")]
+    for folder in folders:
+        folder.mkdir()
+        level = "none" if folder.name == "none" else "retrieval"
+        (folder / "episodes.jsonl").write_text(to_lines([record(i, habit_level=level) for i in range(3)]))
+    assert main(["compare", *map(str, folders[:2]), "--against", str(folders[2]), "--markdown"]) == 0
+    page = capsys.readouterr().out
+    assert "| belief, retrieval: frozen |" in page
+    assert "| (belief, retrieval: tuned) - (belief, none) |" in page
+    assert "| belief, none |" in page

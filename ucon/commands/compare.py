@@ -30,12 +30,12 @@ def run(args: argparse.Namespace) -> int:
     from ucon.commands.output import wide_console
     from ucon.core.errors import ConfigError
     from ucon.evaluation.compare import compare_records, comparison_table
-    from ucon.evaluation.markdown import markdown_page, read_run
+    from ucon.evaluation.markdown import markdown_page, read_runs
 
     folders = list(dict.fromkeys([*args.runs, *args.against]))
     if len(folders) < 2:
         raise ConfigError(f"compare needs at least two run folders, got {len(folders)}")
-    runs = {folder: read_run(folder) for folder in folders}
+    runs = read_runs(folders)
     wanted = [(a, b) for b in args.against for a in args.runs if a != b] or combinations(folders, 2)
     pairs = [
         compare_records(

@@ -36,12 +36,26 @@ def read_run(folder: Path) -> Run:
     return Run(f"{records[0].agent}, {records[0].habit_level}", records)
 
 
+def read_runs(folders: Sequence[Path]) -> dict[Path, Run]:
+    """Read run folders; runs of the same agent and habit level are told apart by the names of their folders.
+
+    Raises:
+        DataError: no records in one of them.
+    """
+    runs = {folder: read_run(folder) for folder in folders}
+    labels = [run.label for run in runs.values()]
+    return {
+        folder: Run(f"{run.label}: {folder.name}", run.records) if labels.count(run.label) > 1 else run
+        for folder, run in runs.items()
+    }
+
+
 def named_apart(runs: Sequence[Run]) -> None:
     """Raise :class:`ConfigError` where two runs would have one name in a table."""
     labels = [run.label for run in runs]
     twice = sorted({label for label in labels if labels.count(label) > 1})
     if twice:
-        raise ConfigError(f"two runs of '{twice[0]}'; a Markdown page holds one run of an agent and habit level")
+        raise ConfigError(f"two runs of '{twice[0]}'; give their folders different names")
 
 
 def markdown_page(runs: Sequence[Run], comparisons: Sequence[Comparison]) -> str:
