@@ -1,6 +1,7 @@
 import json
 import lzma
-import time
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -52,13 +53,14 @@ def test_round_trip_and_equal_bytes(tmp_path):
 
 
 def test_the_book_loads_in_less_than_half_a_second():
-    """CPU time, the best of three: among all tests the garbage collector may walk their objects in between."""
-    seconds = []
-    for _ in range(3):
-        start = time.process_time()
-        assert len(load_dataset_file(BOOK_FILE, verified=True)) == len(book())
-        seconds.append(time.process_time() - start)
-    assert min(seconds) < 0.5
+    """CPU time in a process of its own: among all tests the garbage collector walks their objects meanwhile."""
+    program = (
+        "import time; from ucon.habits.book import BOOK_FILE; from ucon.habits.datafile import load_dataset_file;"
+        "start = time.process_time(); n = len(load_dataset_file(BOOK_FILE, verified=True)); print(n, time.process_time() - start)"
+    )
+    said = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.split()
+    assert int(said[0]) == len(book())
+    assert float(said[1]) < 0.5
     assert BOOK_FILE.stat().st_size < 2e6
 
 

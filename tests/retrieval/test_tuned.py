@@ -95,4 +95,4 @@ def test_held_out_figures_hold():
     """As measured when it was shipped: 0.860 for test categories, 0.871 for test entries; frozen 0.750 and 0.747."""
     found = held_out(book(), DenseRetriever(tuned_encoder(), whole=False), n_kbs=20)
     assert found["test categories"]["supporting_at_20"] >= 0.85
-    assert found["test entries"]["supporting_at_20"] >= 0.865
+    assert found["test entries"]["supporting_at_20"] >= 0.87
