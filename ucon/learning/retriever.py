@@ -97,13 +97,12 @@ class BatchEncoder:
 
     def _masked(self, ids: list[list[int]], share: float, rng: np.random.Generator) -> list[list[int]]:
         """``ids`` with tokens between the first and the last of each text (its marks) masked."""
-        mask = self._tokenizer.mask_token_id
-        drawn = [rng.random(len(one)) < share for one in ids]
-        inner = [range(1, len(one) - 1) for one in ids]
-        return [
-            [mask if k in place and hide[k] else token for k, token in enumerate(one)]
-            for one, hide, place in zip(ids, drawn, inner, strict=True)
-        ]
+        mask, out = self._tokenizer.mask_token_id, []
+        for one in ids:
+            hide = rng.random(len(one)) < share
+            hide[[0, -1]] = False
+            out.append([mask if gone else token for token, gone in zip(one, hide, strict=True)])
+        return out
 
     def _pass(self, ids: list[list[int]]) -> Tensor:
         inputs = self._tokenizer.pad({"input_ids": ids}, return_tensors="pt")
