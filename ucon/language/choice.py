@@ -1,0 +1,93 @@
+"""Asking a language model to choose: a closed set of options in, a score for each out.
+
+Agents ask :class:`Question` s, batches of them; a :class:`LanguageModel` answers each. A question carries the words of
+its prompt (for models that read prose), and the parts it was made of (for encoders, which compare texts, and for masked
+models, which fill a gap). Whatever a habit or a server says, an answer is one of the options or none at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Image = NDArray[np.uint8]
+"""(H, W, 3) RGB."""
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """One of the things that may be answered."""
+
+    name: str
+    """The answer itself: ``front``, ``90``, ``sofa``. Names in one question differ."""
+    labels: tuple[str, ...] = ()
+    """Catalogue names, with spaces, of what stands there; for models that compare texts."""
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """What is asked of a model once."""
+
+    target: str
+    """The thing looked for, with spaces."""
+    habits: tuple[str, ...]
+    """The sentences that the agent was given, in order."""
+    options: tuple[Option, ...]
+    """At least one."""
+    system: str
+    """Role, rules and habits: the same in all questions of an episode, so that a prefix cache can keep it."""
+    situation: str
+    """What is seen now, and what is asked; it lists the options."""
+    cloze: str = ""
+    """A sentence with one ``{}`` that an option's name fills: for masked models, which read no instructions."""
+    images: tuple[Image, ...] = ()
+    """For models that see."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What a model said to one question."""
+
+    choice: int
+    """Number of the option, -1 where no usable answer came: the caller then falls back, and counts it."""
+    scores: tuple[float, ...] = ()
+    """Natural logarithms of the options' probabilities, which add up to 1; empty for models that only name one."""
+    text: str = ""
+    """What was generated, cut to 500 characters; empty for models that score."""
+    retries: int = 0
+    """Questions asked again because an answer was unusable."""
+    prompt_tokens: int = 0
+    completion_tokens: int = 0
+    seconds: float = 0.0
+    """Wall time of this answer; in a batch its share."""
+
+
+@runtime_checkable
+class LanguageModel(Protocol):
+    """Answers questions. Built by ``configs/language/``; weights are loaded at the first question."""
+
+    @property
+    def name(self) -> str:
+        """Names kind and weights in every table: ``encoder (all-MiniLM-L6-v2)``."""
+        ...
+
+    @property
+    def gives_scores(self) -> bool:
+        """Whether answers carry scores; agents that compare options across questions need them."""
+        ...
+
+    def answer(self, questions: Sequence[Question]) -> list[Answer]:
+        """One answer a question, in order; never an exception for what a model or a server says."""
+        ...
+
+
+def from_scores(logits: NDArray[np.floating[Any]], **spent: Any) -> Answer:
+    """The answer of a model that scores: ``logits`` (n,) in natural units, rounded so that ties fall to the first."""
+    x = np.asarray(logits, np.float64)
+    x = x - x.max()
+    scores = np.round(x - np.log(np.exp(x).sum()), 4) + 0.0
+    return Answer(int(scores.argmax()), tuple(scores.tolist()), **spent)
