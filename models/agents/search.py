@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 
 from models.agents.base import Info, Observation
 from ucon.objects.catalogue import catalogue
-from ucon.perception.approach import Approach
 from ucon.perception.body import Body
-from ucon.perception.places import INSIDE, Places, affordance, sight_range_m
+from ucon.perception.containers import Containers, open_reach_m
+from ucon.perception.homing import Homing
+from ucon.perception.places import INSIDE, Places, sight_range_m
 from ucon.perception.planner import Planner
 from ucon.perception.semantic_map import SemanticMap, frame_depth
-from ucon.perception.viewpoints import Choice, Costs, Expectation, Viewpoints, open_reach_m
+from ucon.perception.viewpoints import Choice, Costs, Expectation, Viewpoints
 from ucon.task.actions import Action
 
 #: A container that did not open this often is let be.
@@ -53,13 +54,13 @@ class SearchController:
         self.planner = Planner(info.get("nav"))
         self.places = Places(height_m)
         self.viewpoints = Viewpoints(sight_range_m(self.target), costs)
-        self.approach = Approach()
+        self.containers = Containers()
+        self.homing = Homing()
         self.expecting = expecting
         self.choice: Choice | None = None
         self.refused: dict[int, int] = {}
         self._plan: deque[Action] = deque()
         self._age = 0
-        self._openable: list[bool] = []
 
     def act(self, observation: Observation, info: Info) -> int:
         """The next action."""
@@ -68,7 +69,7 @@ class SearchController:
             self._plan.clear()
         track = self._target_track()
         if track is not None:
-            return int(self._approach(track))
+            return int(self.homing.act(self.map, self.planner, track, blocked=bool(observation["collision"])))
         expected = self.expecting.expect(self.map, self.places)
         return int(self._open_here(expected) or self._search(expected))
 
@@ -88,41 +89,18 @@ class SearchController:
 
     def closed(self) -> NDArray[np.int64]:
         """Tracks of containers that are closed and may still open."""
-        known = self.map
-        for track in range(len(self._openable), known.n_tracks):
-            name = known.category[track]
-            self._openable.append(bool(name) and affordance(name).openable)
-        shut = np.array(self._openable, bool) & ~known.opened[: known.n_tracks]
-        return np.flatnonzero(shut & (known.box[: known.n_tracks, 3] >= known.box[: known.n_tracks, 0]))
+        return self.containers.closed(self.map)
 
     def _target_track(self) -> int | None:
         tracks = self.map.instances.get(self.target, ())
         return next((t for t in tracks if self.map.seen(t)), None)
 
-    def _approach(self, track: int) -> Action:
-        known = self.map
-        if self.approach.arrived(known, track):
-            return Action.DONE
-        if self._plan and self.choice is None and self._age < self.REPLAN_STEPS:
-            self._age += 1
-            return self._plan.popleft()
-        if self.choice is None and not self._plan:
-            self.approach.failed(known.view)
-        self.choice, self._age = None, 0
-        self.planner.update(known)
-        goal = self.approach.goal(known, self.planner, track)
-        if goal is None:
-            return Action.ROTATE_LEFT
-        self._plan = deque(self.planner.plan(goal))
-        return self._plan.popleft() if self._plan else Action.ROTATE_LEFT
-
     def _open_here(self, expected: Expectation) -> Action | None:
         """Open what is closed, in view and in reach, where that is worth a step."""
-        known, worth, tracks = self.map, 0.0, []
-        for track in self.closed():
-            if known.pixels[track] >= 4 and known.gap_m(int(track), known.view.xy) <= open_reach_m(known):
-                worth += expected.mass[track, INSIDE] * 0.5 ** self.refused.get(int(track), 0)
-                tracks.append(int(track))
+        tracks = self.containers.in_reach(self.map)
+        worth = 0.0
+        for track in tracks:
+            worth += expected.mass[track, INSIDE] * 0.5 ** self.refused.get(track, 0)
         bar = 0.0 if self.choice is None else self.choice.score
         if not tracks or worth / self.viewpoints.costs.open < max(bar, 1e-6):
             return None

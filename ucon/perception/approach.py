@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.perception.approach_kernels import best_view
 from ucon.perception.body import Body
 from ucon.perception.detections import MIN_PIXELS
 from ucon.perception.places import affordance
 from ucon.perception.planner import UNREACHED, Planner
-from ucon.perception.semantic_map import CELL_M, HALF, SemanticMap, View
-from ucon.perception.view_kernels import sight
+from ucon.perception.semantic_map import HALF, SemanticMap, View
 
 #: Content of a drawer shows where the drawer took it; its box stays where it was, farther back.
 DRAWER_NEAR_M = 0.55
@@ -46,28 +48,19 @@ class Approach:
 
     def goal(self, known: SemanticMap, planner: Planner, track: int) -> View | None:
         """The cheapest pose that should do, or None; the planner must be up to date."""
-        center = _center(known.box[track])
         self._note(known, track)
-        reach = self.reach_m(known, track)
-        best, best_cost = None, float(UNREACHED)
-        for i, j in self._nodes(known, planner, track, reach):
-            x, y = (i - HALF) * CELL_M, (j - HALF) * CELL_M
-            for view, depth in _facing(i, j, center - (x, y, 0.0), known.body):
-                eye_m = known.body.eyes[view.pitch_deg][0]
-                clear = sight(x, y, eye_m, center[0], center[1], center[2], known.height, known.walls, HALF)
-                cost = planner.cost(view) + (0 if clear else 25) + (0 if self._pixels(depth) >= 6 else 4)
-                cost += 30 * self._failed.get(view, 0)
-                if cost < best_cost:
-                    best, best_cost = view, float(cost)
-        return best
-
-    def _nodes(self, known: SemanticMap, planner: Planner, track: int, reach_m: float) -> list[tuple[int, int]]:
-        x0, y0, _, x1, y1, _ = known.box[track]
-        i0, i1 = int((x0 - reach_m) / CELL_M) + HALF - 1, int((x1 + reach_m) / CELL_M) + HALF + 2
-        j0, j1 = int((y0 - reach_m) / CELL_M) + HALF - 1, int((y1 + reach_m) / CELL_M) + HALF + 2
-        reached = planner.steps[i0:i1, j0:j1].min(2) < UNREACHED
-        nodes = [(int(i) + i0, int(j) + j0) for i, j in np.argwhere(reached)]
-        return [n for n in nodes if known.gap_m(track, ((n[0] - HALF) * CELL_M, (n[1] - HALF) * CELL_M)) <= reach_m]
+        cells = (planner.steps, known.height, known.walls, HALF)
+        eyes, look = _eyes(known.body), known.view.pitch_deg
+        failed = np.array([(v.i, v.j, v.heading, v.pitch_deg, n) for v, n in self._failed.items()], np.int32)
+        best = np.zeros(4, np.int32)
+        cost = best_view(
+            known.box[track], self.reach_m(known, track), cells, eyes, look, self._best, failed.reshape(-1, 5),
+            UNREACHED, best,
+        )  # fmt: skip
+        if cost >= UNREACHED:
+            return None
+        i, j, heading, row = best.tolist()
+        return View(i, j, heading, int(eyes[row, 3]))
 
     def _note(self, known: SemanticMap, track: int) -> None:
         """Keep the best sight so far, to tell how many pixels a nearer view will have."""
@@ -75,25 +68,16 @@ class Approach:
             gap = _center(known.box[track]) - (*known.view.xy, known.body.eyes[known.view.pitch_deg][0])
             self._best = (float(known.pixels[track]), float(np.linalg.norm(gap)))
 
-    def _pixels(self, depth_m: float) -> float:
-        pixels, distance = self._best
-        return pixels * (distance / max(depth_m, 0.1)) ** 2
-
 
 def _center(box: NDArray[np.float64]) -> NDArray[np.float64]:
     return 0.5 * (box[:3] + box[3:])
 
 
-def _facing(i: int, j: int, offset: NDArray[np.float64], body: Body) -> list[tuple[View, float]]:
-    """Views at a node that have a point ``offset`` (3,) from the floor there well inside the frame, with its depth."""
-    out = []
-    for heading in range(4):
-        c, s = (1, 0, -1, 0)[heading], (0, 1, 0, -1)[heading]
-        flat, side = c * offset[0] + s * offset[1], abs(s * offset[0] - c * offset[1])
-        for look, (eye_m, pitch) in body.eyes.items():
-            cp, sp = np.cos(np.deg2rad(pitch)), np.sin(np.deg2rad(pitch))
-            rise = offset[2] - eye_m
-            optical, up = cp * flat + sp * rise, cp * rise - sp * flat
-            if optical > 0.1 and side <= 0.93 * optical and abs(up) <= 0.93 * optical:
-                out.append((View(i, j, heading, look), float(optical)))
-    return out
+@lru_cache(maxsize=8)
+def _eyes_of(looks: tuple[tuple[int, float, int], ...]) -> NDArray[np.float64]:
+    return np.array([(eye_m, np.cos(np.deg2rad(p)), np.sin(np.deg2rad(p)), look) for look, eye_m, p in looks])
+
+
+def _eyes(body: Body) -> NDArray[np.float64]:
+    """(L, 4) height in metres, cosine and sine of the pitch, look in degrees; the level look first."""
+    return _eyes_of(tuple((look, eye_m, pitch) for look, (eye_m, pitch) in body.eyes.items()))

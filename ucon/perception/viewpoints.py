@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.perception import view_kernels as kernels
+from ucon.perception.containers import open_reach_m
 from ucon.perception.places import INSIDE, Places
 from ucon.perception.planner import UNREACHED, Planner
 from ucon.perception.semantic_map import HALF, SIZE, SemanticMap, View
 
-#: Open reaches as far as the body; a little less leaves room for the part of the box that was not seen.
-_MARGIN_M = 0.02
 #: Within this many cells every node is considered, beyond it one in four.
 FINE_CELLS = 4
 #: Places shown once are left alone until everything else was looked at.
@@ -65,11 +64,6 @@ class Costs:
     2.5 success and SPL on the validation set differ by less than their noise."""
     around: float = 1.0
     """Turning on the spot after a look, for one more heading; less than a view's overhead."""
-
-
-def open_reach_m(known: SemanticMap) -> float:
-    """How near the seen part of a container must be for Open to reach it."""
-    return known.body.near_m - _MARGIN_M
 
 
 class Viewpoints:
