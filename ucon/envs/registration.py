@@ -6,6 +6,8 @@ import gymnasium as gym
 
 
 def register_envs() -> None:
-    """Register ``UcON-v0`` once; the episode ends itself after 300 steps, so no time limit is wrapped around it."""
+    """Register both once; an episode ends itself after 300 steps, so no time limit is wrapped around it."""
     if "UcON-v0" not in gym.registry:
         gym.register(id="UcON-v0", entry_point="ucon.envs.ucon_env:UcONEnv")
+    if "UcONWaypoint-v0" not in gym.registry:
+        gym.register(id="UcONWaypoint-v0", entry_point="ucon.envs.waypoint.env:UcONWaypointEnv")

@@ -19,7 +19,8 @@ from ucon.perception.planner import UNREACHED, Planner
 from ucon.perception.semantic_map import SIZE, SemanticMap, View
 from ucon.perception.view_kernels import OPAQUE_M
 
-Kind = Literal["frontier", "landmark", "container"]
+Kind = Literal["frontier", "landmark", "container", "view", "wander"]
+KINDS: tuple[Kind, ...] = ("frontier", "landmark", "container", "view", "wander")
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +36,10 @@ class Candidate:
     """Size of a frontier in cells of 0.25 m."""
     unseen: float = 0.0
     """Share of a thing's places that no frame has shown yet."""
+    things: tuple[tuple[str, int], ...] = ()
+    """Categories seen there and how many of each."""
+    free_m: float = 0.0
+    """How far one can go in a direction."""
 
 
 def candidates(known: SemanticMap, planner: Planner, places: Places, *, least_unseen: float = 0.3) -> list[Candidate]:

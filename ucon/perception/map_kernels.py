@@ -25,13 +25,11 @@ FLOORS, WALLS, CEILINGS = 1, 2, 3
 
 
 @jit
-def integrate(
-    depth: F32, tracks: I16, camera: F64, half: int, cells: Any, kind: U8, frozen: Flags, box: F64, closest: F32
-) -> None:
+def integrate(depth: F32, tracks: I16, camera: F64, half: int, cells: Any, kind: U8, frozen: Flags, box: F64) -> None:
     """Put one frame into the cell maps and the boxes of its tracks.
 
-    depth (H, W) optical metres; tracks (H, W); cells = (height, near, floor, blocked, walls); kind, frozen,
-    closest (T,), box (T, 6). Cells are read from every second pixel, boxes from every one: a thing may be four pixels.
+    depth (H, W) optical metres; tracks (H, W); cells = (height, near, floor, blocked, walls); kind, frozen (T,),
+    box (T, 6). Cells are read from every second pixel, boxes from every one: a thing may be four pixels.
     """
     rows, columns = depth.shape
     x, y, cam_z, c, s, cp, sp, focal_px = camera
@@ -47,10 +45,8 @@ def integrate(
                 continue
             f, right = d * ahead, d * ((u + 0.5 - 0.5 * columns) / focal_px)
             px, py, pz = x + c * f + s * right, y + s * f - c * right, cam_z + d * rise
-            if kind[t] == 0:
-                closest[t] = min(closest[t], d)
-                if not frozen[t]:
-                    _widen(box[t], px, py, pz)
+            if kind[t] == 0 and not frozen[t]:
+                _widen(box[t], px, py, pz)
             if not odd:
                 _mark(cells, half, px, py, pz, d, kind[t], frozen[t])
 

@@ -53,7 +53,7 @@ class SemanticMap:
         walls: (2, 257, 257) uint8, a wall stands between (i, j) and (i + 1, j), or (i, j + 1).
         blocked: uint8, an obstacle was seen within the robot's radius of the node. bumped: uint8, a move failed.
         category: name of each track ("" until detected). box: (T, 6) float64 x0 y0 z0 x1 y1 z1 of the points seen.
-        opened: (T,) bool. pixels: (T,) int32 pixels in the last frame. closest: (T,) float32 least depth seen from.
+        opened: (T,) bool. pixels: (T,) int32 pixels in the last frame.
         last_seen: (T,) int32 step, -1 never. views: poses so far.
     """
 
@@ -81,7 +81,6 @@ class SemanticMap:
             "kind": np.zeros(capacity, np.uint8),
             "opened": np.zeros(capacity, bool),
             "pixels": np.zeros(capacity, np.int32),
-            "closest": np.full(capacity, 1e3, np.float32),
             "last_seen": np.full(capacity, -1, np.int32),
         }
         for name, array in blank.items():
@@ -93,7 +92,6 @@ class SemanticMap:
     kind: NDArray[np.uint8]
     opened: NDArray[np.bool_]
     pixels: NDArray[np.int32]
-    closest: NDArray[np.float32]
     last_seen: NDArray[np.int32]
 
     @property
@@ -145,9 +143,7 @@ class SemanticMap:
         n = self.n_tracks
         cells = (self.height, self.near, self.floor, self.blocked, self.walls)
         camera = camera_of(view, depth, self.body)
-        kernels.integrate(
-            depth, image, camera, HALF, cells, self.kind[:n], self.opened[:n], self.box[:n], self.closest[:n]
-        )
+        kernels.integrate(depth, image, camera, HALF, cells, self.kind[:n], self.opened[:n], self.box[:n])
         self.fresh = int(kernels.carve(depth, camera, HALF, self.explored, CARVE_M))
         self.visited[view.i, view.j] = 1
         self.explored[view.i, view.j] = 1

@@ -1,0 +1,174 @@
+"""Carries out choices in one episode: walks there, looks around, opens, and takes what it was looking for.
+
+All agents that choose among candidates share it, so that they differ in choosing alone. Every action costs a step.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from ucon.core.rng import stream
+from ucon.envs.waypoint.strategies import Strategy
+from ucon.perception.body import Body
+from ucon.perception.candidates import Candidate
+from ucon.perception.containers import Containers
+from ucon.perception.detections import MIN_PIXELS
+from ucon.perception.homing import Homing
+from ucon.perception.planner import UNREACHED, Planner
+from ucon.perception.semantic_map import CELL_M, SemanticMap, View
+from ucon.perception.sightings import Sighting
+from ucon.task.actions import Action
+
+Info = Mapping[str, Any]
+#: When a sight of the target ends the search: at once; only while looking around; only where a direction with it in
+#: view was chosen.
+Interrupt = Literal["always", "around", "chosen"]
+_WANDER_M = 1.0
+
+
+@dataclass(frozen=True)
+class Manner:
+    """How choices are carried out."""
+
+    look_around: bool = True
+    """Turn through all four headings on arrival (and at the start)."""
+    opens: bool = True
+    """Open on arrival, once a heading, what is closed, in view and in reach."""
+    interrupt: Interrupt = "always"
+    replan_steps: int = 0
+    """Ask for a new choice after so many actions of a walk; 0: on arrival only."""
+
+
+@dataclass(frozen=True, eq=False)
+class Decision:
+    """A choice that is due."""
+
+    number: int
+    """Of the episode, from 0."""
+    step: int
+    target: str
+    candidates: tuple[Candidate, ...]
+    """At least one."""
+    known: SemanticMap
+    sightings: tuple[Sighting, ...]
+    draw: np.random.Generator
+    """For what is drawn at random in this decision; depends on seed, episode and number alone."""
+
+
+class Explorer:
+    """One search in one home."""
+
+    def __init__(self, info: Info, strategy: Strategy, manner: Manner | None = None, seed: int = 0) -> None:
+        """``info``: of the reset; ``strategy``: this episode's own; ``seed``: of what is drawn at random."""
+        self.target = str(info["target"])
+        self.map = SemanticMap(Body.of(info))
+        self.planner = Planner(info.get("nav"))
+        self.strategy = strategy
+        self.manner = manner or Manner()
+        self.containers = Containers()
+        self.homing = Homing()
+        self.decisions = 0
+        self._key = (seed, "waypoint", str(info.get("episode", "")))
+        self._decision: Decision | None = None
+        self._goal: View | None = None
+        self._plan: deque[Action] = deque()
+        self._walked = 0
+        self._arrived = True
+        self._turns = 3 if self.manner.look_around else 0
+        self._opened_at: set[View] = set()
+        self.taking = False
+        """Whether the target was found and is being walked up to."""
+
+    def look(self, observation: Mapping[str, Any], info: Info) -> Action | None:
+        """Take in a frame; the next action, or None where a choice is due (:meth:`decision`, :meth:`choose`)."""
+        self.map.update(observation, info)
+        self.strategy.look(self.map, observation, info)
+        track = self._target_track()
+        if track is not None and self._may_take(track):
+            self.taking = True
+            return self.homing.act(self.map, self.planner, track, blocked=bool(observation["collision"]))
+        if bool(observation["collision"]) and self._goal is not None:
+            self._walk_to(self._goal)
+        return self._next()
+
+    def decision(self) -> Decision:
+        """What may be chosen now."""
+        if self._decision is None:
+            self.planner.update(self.map)
+            draw = stream(*self._key, self.decisions)
+            found = self.strategy.candidates(self.map, self.planner, draw) or [self._somewhere(draw)]
+            around = tuple(self.strategy.sightings(self.map))
+            self._decision = Decision(self.decisions, self.map.step, self.target, tuple(found), self.map, around, draw)
+        return self._decision
+
+    def choose(self, number: int) -> Action:
+        """Choose candidate ``number`` of the decision that is due; the first action towards it."""
+        chosen = self.decision().candidates[number]
+        self._decision = None
+        self.decisions += 1
+        if self.manner.interrupt == "chosen" and any(name == self.target for name, _ in chosen.things):
+            track = self._target_track()
+            if track is not None:
+                self.taking = True
+                return self.homing.act(self.map, self.planner, track)
+        self._walk_to(chosen.view)
+        # A choice that is no walk must cost a step as well, or a stubborn chooser would never end.
+        return self._next(moving=True) or Action.ROTATE_LEFT
+
+    def _walk_to(self, view: View) -> None:
+        self.planner.update(self.map)
+        self._goal, self._plan = view, deque(self.planner.plan(view))
+        self._walked, self._arrived = 0, False
+
+    def _next(self, *, moving: bool = False) -> Action | None:
+        if not self._arrived and not moving and 0 < self.manner.replan_steps <= self._walked:
+            return None
+        if self._plan:
+            self._walked += 1
+            return self._plan.popleft()
+        if not self._arrived:
+            self._arrived, self._goal = True, None
+            self._turns = 3 if self.manner.look_around else 0
+        if self._opens_here():
+            self._opened_at.add(self.map.view)
+            return Action.OPEN
+        if self._turns:
+            self._turns -= 1
+            return Action.ROTATE_LEFT
+        return None
+
+    def _opens_here(self) -> bool:
+        """Whether to Open now: on arrival, once a pose, where that would reach something closed."""
+        if not self.manner.opens or self.map.view in self._opened_at:
+            return False
+        return bool(self.containers.in_reach(self.map))
+
+    def _may_take(self, track: int) -> bool:
+        """Whether a target that was seen ends the search."""
+        standing = self._arrived or not self._plan
+        if self.manner.interrupt == "around" and standing and self.map.pixels[track] >= MIN_PIXELS:
+            return True
+        return self.taking or self.manner.interrupt == "always"
+
+    def _target_track(self) -> int | None:
+        tracks = self.map.instances.get(self.target, ())
+        return next((t for t in tracks if self.map.seen(t)), None)
+
+    def _somewhere(self, draw: np.random.Generator) -> Candidate:
+        """An explored node drawn at random: what is left where a strategy offers nothing."""
+        i0, i1, j0, j1 = self.map.extent(0)
+        window = (slice(i0, i1), slice(j0, j1))
+        ok = (self.planner.steps[window].min(2) < UNREACHED) & (self.map.explored[window] > 0)
+        nodes = np.argwhere(ok) + np.array([i0, j0])
+        here = np.array([self.map.view.i, self.map.view.j])
+        far = nodes[np.abs(nodes - here).sum(1) * CELL_M >= _WANDER_M]
+        nodes = far if len(far) else nodes
+        i, j = nodes[int(draw.integers(len(nodes)))].tolist()
+        heading = int(self.planner.steps[i, j].argmin())
+        view = View(i, j, heading, 0)
+        return Candidate("wander", view, self.planner.cost(view))
