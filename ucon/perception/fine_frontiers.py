@@ -64,7 +64,7 @@ def fine_frontiers(fine: FineMap, known: SemanticMap, planner: Planner) -> list[
         if size < LEAST_CELLS:
             continue
         b, a, width, height = (int(v) for v in stats[number, :4])
-        cells = np.argwhere(label[a : a + height, b : b + width] == number) + (a, b)
+        cells = np.argwhere(label[a : a + height, b : b + width] == number) + np.array([a, b])
         cell = cells[np.square(cells - middle[number, ::-1]).sum(1).argmin()]
         distance_m = metres.to(int(cell[0]) + box[0], int(cell[1]) + box[2])
         if NEAREST_M < distance_m < FARTHEST_M:
@@ -164,7 +164,7 @@ def _pose(here: Cell, votes: NDArray[np.int64], fine: FineMap, known: SemanticMa
     ci, cj, span = here[0] // PER_CELL, here[1] // PER_CELL, int(SNAP_M / CELL_M) + 1
     i0, i1, j0, j1 = max(ci - span, 0), min(ci + span + 1, SIZE), max(cj - span, 0), min(cj + span + 1, SIZE)
     steps = planner.steps[i0:i1, j0:j1]
-    nodes = np.argwhere((steps.min(2) < UNREACHED) & (known.explored[i0:i1, j0:j1] > 0)) + (i0, j0)
+    nodes = np.argwhere((steps.min(2) < UNREACHED) & (known.explored[i0:i1, j0:j1] > 0)) + np.array([i0, j0])
     gaps = np.hypot((nodes[:, 0] - HALF) * CELL_M - x, (nodes[:, 1] - HALF) * CELL_M - y)
     for k in np.argsort(gaps, kind="stable").tolist():
         i, j = (int(v) for v in nodes[k])

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ucon.core.jit import F32, F64, I32, U8, Flags, jit, merged
-from ucon.perception.map_kernels import CELL_M, FAR_M
+from ucon.perception.map_kernels import CELL_M
 
 PER_CELL = 5
 FINE_M = CELL_M / PER_CELL
@@ -22,7 +22,7 @@ NEAREST_M, FARTHEST_M = 0.5, 5.0
 LOWEST_M, HIGHEST_M, OBSTACLE_M, ABOVE_M = -0.4, 2.0, 0.25, 0.5
 #: Sight lines count as explored up to this far ahead. Beyond it L3MVN's points lie too far apart for its 5 x 5 closing.
 CARVE_M = 4.5
-#: One sight line for each class of directions: sideways over ahead, -2 to 2 by 1 / 64, a column of a level 128 x 128 view.
+#: Sight lines by sideways over ahead, from -2 to 2 by 1 / 64, as the columns of a level 128 x 128 view.
 BINS = 256
 _SLOPES = 64.0
 #: Neighbouring pixels lie on one plane where their inverse depths are as good as linear (per metre).
@@ -36,64 +36,68 @@ def add_frame(depth: F32, camera: F64, half: int, cells: U8, bounds: I32, touche
     depth (H, W) optical metres, pixels without depth 0; cells (n, n) bits; bounds (4,) least and greatest row and
     column ever marked; touched (65536,) and reach (BINS,) are room to work in.
     """
-    reach[:] = 0.0
-    count = _points(depth, camera, half, cells, touched, reach)
+    count = _points(depth, camera, half, cells, touched)
     count = _surfaces(depth, camera, half, cells, touched, count)
     _settle(cells, bounds, touched, count, camera[6] == 0.0)
+    _sight_lines(depth, camera, reach)
     _carve(camera, half, cells, bounds, reach)
 
 
 @merged
 def _mark(cells: U8, a: int, b: int, bits: int, touched: I32, count: int) -> int:
     """Set bits of a cell and note it the first time in a frame; returns how many are noted."""
-    n = cells.shape[0]
-    if a < 1 or b < 1 or a >= n - 1 or b >= n - 1:
-        return count
     old = cells[a, b]
     if old & bits != bits:
         cells[a, b] = old | bits
         if old & (_LOW | _HIGH) == 0 and count < touched.shape[0]:
-            touched[count] = a * n + b
+            touched[count] = a * cells.shape[0] + b
             return count + 1
     return count
 
 
 @jit
-def _points(depth: F32, camera: F64, half: int, cells: U8, touched: I32, reach: F64) -> int:
-    """Mark the cells of all points, and find how far each class of sight lines reaches."""
+def _points(depth: F32, camera: F64, half: int, cells: U8, touched: I32) -> int:
+    """Mark the cells of all points; returns how many cells were noted."""
     rows, columns = depth.shape
     x, y, cam_z, c, s, cp, sp, focal_px = camera
-    origin_a, origin_b = x / FINE_M + half + 0.5, y / FINE_M + half + 0.5
+    origin_a, origin_b, scale = x / FINE_M + half + 0.5, y / FINE_M + half + 0.5, 1.0 / FINE_M
+    per_px, last, top = scale / focal_px, cells.shape[0] - 2, cam_z + ABOVE_M
     count = 0
     for v in range(rows):
         up = (0.5 * rows - v - 0.5) / focal_px
-        ahead, rise = cp - sp * up, sp + cp * up
-        # A sight line above all heights that count says nothing about what lies below it.
-        far = min(CARVE_M, (HIGHEST_M - cam_z) * ahead / rise) if rise > 0.0 else CARVE_M
-        per_ahead = _SLOPES / ahead if ahead > 0.2 else 0.0
+        ahead, rise = (cp - sp * up) * scale, sp + cp * up
         for u in range(columns):
-            d = min(depth[v, u], FAR_M)
-            if not d > 0.0:
+            d = depth[v, u]
+            z = cam_z + d * rise
+            if not (NEAREST_M < d < FARTHEST_M and LOWEST_M < z < HIGHEST_M):
                 continue
-            side, f, z = (u + 0.5 - 0.5 * columns) / focal_px, d * ahead, cam_z + d * rise
-            if NEAREST_M < d < FARTHEST_M and LOWEST_M < z < HIGHEST_M:
-                a = int(origin_a + (c * f + s * d * side) / FINE_M)
-                b = int(origin_b + (s * f - c * d * side) / FINE_M)
-                count = _mark(cells, a, b, _bits(z, cam_z), touched, count)
-            k = int(side * per_ahead + 0.5 * BINS)
-            if per_ahead > 0.0 and 0 <= k < BINS:
-                reach[k] = max(reach[k], min(f, far))
+            side = (u + 0.5 - 0.5 * columns) * per_px
+            a, b = int(origin_a + d * (c * ahead + s * side)), int(origin_b + d * (s * ahead - c * side))
+            if 0 < a <= last and 0 < b <= last:
+                bits = EXPLORED | _LOW if z < OBSTACLE_M else OBSTACLE | EXPLORED | _HIGH if z < top else EXPLORED
+                count = _mark(cells, a, b, bits, touched, count)
     return count
 
 
-@merged
-def _bits(z: float, cam_z: float) -> int:
-    """What a point of a height makes of its cell."""
-    if z < OBSTACLE_M:
-        return EXPLORED | _LOW
-    if z < cam_z + ABOVE_M:
-        return EXPLORED | OBSTACLE | _HIGH
-    return EXPLORED
+@jit
+def _sight_lines(depth: F32, camera: F64, reach: F64) -> None:
+    """Find how far ahead each class of sight lines reaches; every second row will do."""
+    rows, columns = depth.shape
+    _, _, cam_z, _, _, cp, sp, focal_px = camera
+    reach[:] = 0.0
+    for v in range(0, rows, 2):
+        up = (0.5 * rows - v - 0.5) / focal_px
+        ahead, rise = cp - sp * up, sp + cp * up
+        if ahead < 0.2:
+            continue
+        # A sight line above all heights that count says nothing about what lies below it.
+        far = min(CARVE_M, (HIGHEST_M - cam_z) * ahead / rise) if rise > 0.0 else CARVE_M
+        slope = _SLOPES / (ahead * focal_px)
+        for u in range(columns):
+            f = min(depth[v, u] * ahead, far)
+            k = int((u + 0.5 - 0.5 * columns) * slope + 0.5 * BINS)
+            if 0 <= k < BINS and f > reach[k]:
+                reach[k] = f
 
 
 @jit
@@ -101,6 +105,7 @@ def _surfaces(depth: F32, camera: F64, half: int, cells: U8, touched: I32, count
     """Close the gaps between neighbouring points of a wall that is seen at a flat angle; every fourth row will do."""
     rows, columns = depth.shape
     x, y, cam_z, c, s, cp, sp, focal_px = camera
+    top = min(cam_z + ABOVE_M, HIGHEST_M)
     for v in range(2, rows, 4):
         up = (0.5 * rows - v - 0.5) / focal_px
         ahead, rise = cp - sp * up, sp + cp * up
@@ -110,20 +115,21 @@ def _surfaces(depth: F32, camera: F64, half: int, cells: U8, touched: I32, count
                 continue
             if max(d0, d1, d2) >= FARTHEST_M or abs(1.0 / d0 - 2.0 / d1 + 1.0 / d2) > _PLANE:
                 continue
-            z = cam_z + d1 * rise
-            if not OBSTACLE_M <= z < min(cam_z + ABOVE_M, HIGHEST_M):
+            if not OBSTACLE_M <= cam_z + d1 * rise < top:
                 continue
-            for k in (-1, 1):
-                d = d0 if k < 0 else d2
-                side, other = (u + 0.5 - 0.5 * columns) / focal_px, (u + k + 0.5 - 0.5 * columns) / focal_px
-                f, g = d1 * side, d * other
-                n = int(max(abs(d - d1) * abs(ahead), abs(f - g)) / FINE_M)
+            side = (u + 0.5 - 0.5 * columns) / focal_px
+            here = (d1 * ahead, d1 * side)
+            # To the middle only; the neighbour does the rest, if it lies on a plane too.
+            before = (0.5 * (d0 + d1) * ahead, 0.5 * (d0 * (side - 1.0 / focal_px) + d1 * side))
+            after = (0.5 * (d2 + d1) * ahead, 0.5 * (d2 * (side + 1.0 / focal_px) + d1 * side))
+            for f, g in (before, after):
+                n = int(max(abs(f - here[0]), abs(g - here[1])) / FINE_M + 0.5)
                 for m in range(1, n + 1):
-                    t = 0.5 * m / n  # to the middle; the neighbour does the rest, if it lies on a plane too
-                    fm, gm = (d1 + t * (d - d1)) * ahead, f + t * (g - f)
+                    fm, gm = here[0] + m * (f - here[0]) / n, here[1] + m * (g - here[1]) / n
                     a = int((x + c * fm + s * gm) / FINE_M + half + 0.5)
                     b = int((y + s * fm - c * gm) / FINE_M + half + 0.5)
-                    count = _mark(cells, a, b, EXPLORED | OBSTACLE | _HIGH, touched, count)
+                    if 0 < a < cells.shape[0] - 1 and 0 < b < cells.shape[0] - 1:
+                        count = _mark(cells, a, b, OBSTACLE | EXPLORED | _HIGH, touched, count)
     return count
 
 
