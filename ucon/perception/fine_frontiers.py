@@ -83,7 +83,7 @@ def fine_frontiers(fine: FineMap, known: SemanticMap, planner: Planner) -> list[
 def outline(fine: FineMap, box: Box) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
     """Explored space without small gaps, and the frontier cells at its edge, both 0 or 1, of a box of the map."""
     explored = cv2.morphologyEx(fine.layer(EXPLORED, box), cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))
-    edge = np.zeros_like(explored)
+    edge = np.zeros(explored.shape, np.uint8)
     regions, _ = cv2.findContours(explored, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     if regions:
         cv2.drawContours(edge, [max(regions, key=cv2.contourArea)], 0, 1, 1)

@@ -69,7 +69,8 @@ def _points(depth: F32, camera: F64, half: int, cells: U8, touched: I32) -> int:
         for u in range(columns):
             d = depth[v, u]
             z = cam_z + d * rise
-            if not (NEAREST_M < d < FARTHEST_M and LOWEST_M < z < HIGHEST_M):
+            # Of the floor farther away there are single rows, apart from each other: each would be an edge of its own.
+            if not (NEAREST_M < d < (CARVE_M if z < OBSTACLE_M else FARTHEST_M) and LOWEST_M < z < HIGHEST_M):
                 continue
             side = (u + 0.5 - 0.5 * columns) * per_px
             a, b = int(origin_a + d * (c * ahead + s * side)), int(origin_b + d * (s * ahead - c * side))
@@ -84,14 +85,15 @@ def _sight_lines(depth: F32, camera: F64, reach: F64) -> None:
     """Find how far ahead each class of sight lines reaches; every second row will do."""
     rows, columns = depth.shape
     _, _, cam_z, _, _, cp, sp, focal_px = camera
+    top = min(ABOVE_M, HIGHEST_M - cam_z)
     reach[:] = 0.0
     for v in range(0, rows, 2):
         up = (0.5 * rows - v - 0.5) / focal_px
         ahead, rise = cp - sp * up, sp + cp * up
         if ahead < 0.2:
             continue
-        # A sight line above all heights that count says nothing about what lies below it.
-        far = min(CARVE_M, (HIGHEST_M - cam_z) * ahead / rise) if rise > 0.0 else CARVE_M
+        # A sight line above what counts as an obstacle may pass over a cupboard and end at no obstacle at all.
+        far = min(CARVE_M, top * ahead / rise) if rise > 0.0 else CARVE_M
         slope = _SLOPES / (ahead * focal_px)
         for u in range(columns):
             f = min(depth[v, u] * ahead, far)
