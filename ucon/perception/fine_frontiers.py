@@ -31,7 +31,8 @@ SNAP_M = 0.5
 #: L3MVN looks for things in this square around a frontier: a sixth of its window of 24 m, a quarter with its own head.
 SQUARE_M, WIDE_SQUARE_M = 4.0, 6.0
 _BORDER = 2
-_SPAN = round(FARTHEST_M / FINE_M) + 3
+#: A node is not behind a wall if the way to it is no longer than this.
+_ASTRAY_M = 1.0
 _NEAR_CELLS = round(1.0 / FINE_M)
 
 
@@ -57,7 +58,7 @@ def fine_frontiers(fine: FineMap, known: SemanticMap, planner: Planner) -> list[
     box = fine.extent(margin=8)
     explored, edge = outline(fine, box)
     count, label, stats, middle = cv2.connectedComponentsWithStats(edge, connectivity=8)
-    metres = _Metres(fine)
+    ways = _Ways(fine, cell_of(fine.view.xy), FARTHEST_M)
     found = []
     for number in range(1, count):
         size = int(stats[number, cv2.CC_STAT_AREA])
@@ -66,7 +67,7 @@ def fine_frontiers(fine: FineMap, known: SemanticMap, planner: Planner) -> list[
         b, a, width, height = (int(v) for v in stats[number, :4])
         cells = np.argwhere(label[a : a + height, b : b + width] == number) + np.array([a, b])
         cell = cells[np.square(cells - middle[number, ::-1]).sum(1).argmin()]
-        distance_m = metres.to(int(cell[0]) + box[0], int(cell[1]) + box[2])
+        distance_m = ways.metres((int(cell[0]) + box[0], int(cell[1]) + box[2]))
         if NEAREST_M < distance_m < FARTHEST_M:
             utility = size + (BONUS if distance_m < BONUS_M else 0.0)
             found.append((-utility, distance_m, int(cell[0]), int(cell[1]), cells))
@@ -74,8 +75,10 @@ def fine_frontiers(fine: FineMap, known: SemanticMap, planner: Planner) -> list[
     out: list[FineFrontier] = []
     for loss, distance_m, a, b, cells in found:
         here = (a + box[0], b + box[2])
+        if len(out) == MOST:
+            break
         view = _pose(here, _votes(explored, cells, (a, b)), fine, known, planner)
-        if view is not None and len(out) < MOST:
+        if view is not None:
             out.append(FineFrontier(middle_of(*here), len(cells), distance_m, -loss, view, planner.cost(view)))
     return out
 
@@ -119,22 +122,22 @@ def labels_near(known: SemanticMap, xy: tuple[float, float], side_m: float = SQU
     return sorted(area, key=lambda name: (-area[name], name))
 
 
-class _Metres:
-    """Lengths of the ways from where the agent is, up to 5 m, around obstacles grown by one cell (fast marching)."""
+class _Ways:
+    """Lengths of the ways from a cell, up to a limit, around obstacles grown by one cell (fast marching)."""
 
-    def __init__(self, fine: FineMap) -> None:
-        a, b = cell_of(fine.view.xy)
-        n = 2 * _SPAN + 1
-        self._corner = a - _SPAN, b - _SPAN
+    def __init__(self, fine: FineMap, start: Cell, limit_m: float) -> None:
+        span = round(limit_m / FINE_M) + 3
+        n = 2 * span + 1
+        self._corner = start[0] - span, start[1] - span
         blocked = cv2.dilate(_cut(fine, self._corner, n), cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3)))
-        blocked[_SPAN, _SPAN] = 0
+        blocked[span, span] = 0
         self._way = np.empty((n, n), np.float32)
         queue, waiting = np.empty(n * n, np.int32), np.zeros((n, n), bool)
-        walk(np.asarray(blocked, np.uint8), _SPAN, _SPAN, FARTHEST_M / FINE_M, self._way, queue, waiting)
+        walk(np.asarray(blocked, np.uint8), span, span, limit_m / FINE_M, self._way, queue, waiting)
 
-    def to(self, a: int, b: int) -> float:
-        """Metres to a cell, inf where it is farther than 5 m."""
-        i, j = a - self._corner[0], b - self._corner[1]
+    def metres(self, cell: Cell) -> float:
+        """Metres to a cell, inf where it is farther than the limit."""
+        i, j = cell[0] - self._corner[0], cell[1] - self._corner[1]
         if not (0 <= i < len(self._way) and 0 <= j < len(self._way)):
             return float("inf")
         return float(self._way[i, j]) * FINE_M
@@ -166,20 +169,12 @@ def _pose(here: Cell, votes: NDArray[np.int64], fine: FineMap, known: SemanticMa
     steps = planner.steps[i0:i1, j0:j1]
     nodes = np.argwhere((steps.min(2) < UNREACHED) & (known.explored[i0:i1, j0:j1] > 0)) + np.array([i0, j0])
     gaps = np.hypot((nodes[:, 0] - HALF) * CELL_M - x, (nodes[:, 1] - HALF) * CELL_M - y)
+    ways = _Ways(fine, here, _ASTRAY_M)
     for k in np.argsort(gaps, kind="stable").tolist():
         i, j = (int(v) for v in nodes[k])
         if gaps[k] > SNAP_M:
             break
-        if _open_between(fine, here, (i, j)):
+        if ways.metres((PER_CELL * i + PER_CELL // 2, PER_CELL * j + PER_CELL // 2)) <= _ASTRAY_M:
             headings = [h for h in range(4) if votes[h] == votes.max()]
             return View(i, j, min(headings, key=lambda h: (int(planner.steps[i, j, h]), h)))
     return None
-
-
-def _open_between(fine: FineMap, here: Cell, node: Cell) -> bool:
-    """Whether no obstacle lies on the line from a cell to a node: not what is behind a wall."""
-    there = tuple(PER_CELL * v + PER_CELL // 2 for v in node)
-    n = max(abs(there[0] - here[0]), abs(there[1] - here[1])) + 1
-    a = np.rint(np.linspace(here[0], there[0], n)).astype(int)
-    b = np.rint(np.linspace(here[1], there[1], n)).astype(int)
-    return not bool((fine.cells[a, b] & OBSTACLE).any())
