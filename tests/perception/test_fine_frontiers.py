@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 from toy import Thing, ToyEnv, ToyHome, two_rooms
 
+from ucon.perception.body import Body
 from ucon.perception.fine_frontiers import BONUS, BONUS_M, MOST, FineFrontier, fine_frontiers, labels_near, outline
 from ucon.perception.fine_kernels import EXPLORED, OBSTACLE, walk
 from ucon.perception.fine_map import FineMap, cell_of
 from ucon.perception.planner import UNREACHED, Planner
-from ucon.perception.semantic_map import SemanticMap, frame_depth
+from ucon.perception.semantic_map import HALF, SemanticMap, View, frame_depth
+from ucon.task.rules import RELEASED_CODE
 
 TURN = [2, 2, 2, 2]
 WALKS = ([], [2], TURN, [*TURN, 0, 0, 0], [*TURN, *[0] * 5, 2], [*TURN, *[0] * 5, 2, 1, 1, *[0] * 20])
@@ -104,6 +106,25 @@ def test_obstacles_hide_frontiers() -> None:
     a, b = np.nonzero(edge)
     seen[1].cells[a, b] |= OBSTACLE
     assert found(seen) == []
+
+
+def test_an_obstacle_seen_at_the_robot_does_not_lock_it_in() -> None:
+    seen = after(TURN)
+    before = found(seen)
+    a, b = cell_of(seen[2].view.xy)
+    seen[1].cells[a - 1, b - 1 : b + 2] |= OBSTACLE  # an opened door may be drawn over the node it stands on
+    seen[1].cells[a + 1, b - 1 : b + 2] |= OBSTACLE
+    assert [f.xy for f in found(seen)] == [f.xy for f in before]
+
+
+@pytest.mark.parametrize("look", [-30, 0, 30])
+def test_other_rules_put_the_camera_elsewhere(look: int) -> None:
+    body = Body.under(RELEASED_CODE)
+    fine = FineMap(body)
+    fine.update(View(HALF, HALF, 0, look), np.full((128, 128), 2.0, np.float32))
+    wall = np.argwhere(fine.obstacle)
+    assert set(wall[:, 0].tolist()) == {cell_of((2.0, 0.0))[0]}
+    assert len(wall) >= 78, "4 m wide"
 
 
 def test_the_first_group_counts_too() -> None:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from ucon.perception.fine_kernels import EXPLORED, FINE_M, OBSTACLE, PER_CELL, walk
 from ucon.perception.fine_map import FINE_SIZE, Box, Cell, FineMap, cell_of, middle_of
+from ucon.perception.map_kernels import RADIUS_M
 from ucon.perception.planner import UNREACHED, Planner
 from ucon.perception.semantic_map import CELL_M, HALF, SIZE, SemanticMap, View
 
@@ -31,6 +32,8 @@ SNAP_M = 0.5
 #: L3MVN looks for things in this square around a frontier: a sixth of its window of 24 m, a quarter with its own head.
 SQUARE_M, WIDE_SQUARE_M = 4.0, 6.0
 _BORDER = 2
+#: Cells from the robot's middle to its edge.
+_ROBOT = int(RADIUS_M / FINE_M)
 #: A node is not behind a wall if the way to it is no longer than this.
 _ASTRAY_M = 1.0
 _NEAR_CELLS = round(1.0 / FINE_M)
@@ -58,7 +61,7 @@ def fine_frontiers(fine: FineMap, known: SemanticMap, planner: Planner) -> list[
     box = fine.extent(margin=8)
     explored, edge = outline(fine, box)
     count, label, stats, middle = cv2.connectedComponentsWithStats(edge, connectivity=8)
-    ways = _Ways(fine, cell_of(fine.view.xy), FARTHEST_M)
+    ways = _Ways(fine, cell_of(fine.view.xy), FARTHEST_M, _ROBOT)
     found = []
     for number in range(1, count):
         size = int(stats[number, cv2.CC_STAT_AREA])
@@ -91,14 +94,9 @@ def outline(fine: FineMap, box: Box) -> tuple[NDArray[np.uint8], NDArray[np.uint
     if regions:
         cv2.drawContours(edge, [max(regions, key=cv2.contourArea)], 0, 1, 1)
     edge[cv2.dilate(fine.layer(OBSTACLE, box), np.ones((3, 3), np.uint8)) > 0] = 0
-    inner = [
-        max(_BORDER - box[0], 0),
-        FINE_SIZE - _BORDER - box[0],
-        max(_BORDER - box[2], 0),
-        FINE_SIZE - _BORDER - box[2],
-    ]
-    edge[: inner[0]] = edge[inner[1] :] = 0
-    edge[:, : inner[2]] = edge[:, inner[3] :] = 0
+    for lines, start in ((edge, box[0]), (edge.T, box[2])):  # the two borders across x, then those across y
+        lines[: max(_BORDER - start, 0)] = 0
+        lines[FINE_SIZE - _BORDER - start :] = 0
     return np.asarray(explored, np.uint8), edge
 
 
@@ -125,12 +123,13 @@ def labels_near(known: SemanticMap, xy: tuple[float, float], side_m: float = SQU
 class _Ways:
     """Lengths of the ways from a cell, up to a limit, around obstacles grown by one cell (fast marching)."""
 
-    def __init__(self, fine: FineMap, start: Cell, limit_m: float) -> None:
+    def __init__(self, fine: FineMap, start: Cell, limit_m: float, free: int = 0) -> None:
+        """``free``: so many cells to each side of the start count as free (a robot may stand at an open door)."""
         span = round(limit_m / FINE_M) + 3
         n = 2 * span + 1
         self._corner = start[0] - span, start[1] - span
         blocked = cv2.dilate(_cut(fine, self._corner, n), cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3)))
-        blocked[span, span] = 0
+        blocked[span - free : span + free + 1, span - free : span + free + 1] = 0
         self._way = np.empty((n, n), np.float32)
         queue, waiting = np.empty(n * n, np.int32), np.zeros((n, n), bool)
         walk(np.asarray(blocked, np.uint8), span, span, limit_m / FINE_M, self._way, queue, waiting)

@@ -32,10 +32,10 @@ class FineMap:
 
     A cell is an obstacle if a point of any frame in it was 0.25 m high or more, up to 0.5 m above the camera. A later
     level frame that shows lower points only, there and around, takes that back. It is explored if a point of -0.4 to
-    2 m was in it, or a sight line passed over it below 2 m and within 4.5 m ahead. L3MVN uses points alone: of 160 x
-    120 pixels at 79 degrees, 0.9 m above the floor. Of ours the floor's points are 5 cm apart 1.8 m away only and
-    leave holes, and the floor nearer than 1.25 m is out of sight. So sight lines are counted up to where its points
-    would still close, and neighbouring points of a wall are joined.
+    2 m was in it (of the floor, within 4.5 m), or a sight line passed over it, below what counts as an obstacle's top
+    and within 4.5 m ahead. L3MVN uses points alone. From 1.25 m high the floor nearer than that is out of a level
+    view, and its rows are 5 cm apart 2 m away, 25 cm at 4.5 m, where a 5 x 5 closing just bridges them: points alone
+    would give an edge around the robot's own feet and a ragged one far away. Neighbouring points of a wall are joined.
 
     Attributes:
         body: what the agent knows of its own camera.
