@@ -8,6 +8,8 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
+from ucon.perception.fine_frontiers import fine_frontiers
+from ucon.perception.fine_map import FineMap
 from ucon.perception.neighbourhood import interest
 from ucon.perception.places import INSIDE, Places
 from ucon.perception.planner import Planner
@@ -19,11 +21,14 @@ def look_around(env: gym.Env[Any, Any], actions: Sequence[int]) -> SemanticMap:
     """Play ``actions`` in the first episode of an environment with a detector; the map that was made of it."""
     obs, info = env.reset(options={"episode": 0})
     known, places, planner, viewpoints = SemanticMap(), Places(0.1), Planner(info["nav"]), Viewpoints(3.0)
+    fine = FineMap()
     for action in actions:
         known.update(obs, info)
         places.refresh(known)
         places.look(known, frame_depth(obs, info), places.share > 0.0, 3.0, 0.1)
+        fine.update(known.view, frame_depth(obs, info))
         planner.update(known)
+        fine_frontiers(fine, known, planner)
         mass = np.ones((known.n_tracks, 4))
         closed = np.unique(places.track[places.relation == INSIDE]).astype(np.int64)
         expected = Expectation(mass, 1.0, 0.1, interest(known, {"fridge": 1.0}))
