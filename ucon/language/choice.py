@@ -19,8 +19,8 @@ Image = NDArray[np.uint8]
 
 
 Failure = Literal["", "server", "unusable", "too long"]
-"""``server``: no answer, a refusal or none in time; ``unusable``: answers, but none that names one option; ``too long``:
-a question that exceeds the model's window even without habits."""
+"""``server``: no answer, a refusal or none in time; ``unusable``: answers, but none that names one option;
+``too long``: a question that exceeds the model's window even without habits."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -119,9 +119,7 @@ class Prompt:
         missing, unknown = sorted(wanted - slots.keys()), sorted(slots.keys() - wanted)
         if missing or unknown:
             problem = f"no value for slot {{{missing[0]}}}" if missing else f"no slot {{{unknown[0]}}}"
-            raise ConfigError(
-                f"{self.source} [{part}]: {problem}; its slots are {', '.join(sorted(wanted)) or 'none'}"
-            )
+            raise ConfigError(f"{self.source} [{part}]: {problem}; its slots are {', '.join(sorted(wanted)) or 'none'}")
         # An empty slot on a line of its own, such as the habits at level none, leaves no gap behind.
         filled = self.parts[part].format(**slots)
         return re.sub(r"\n{3,}", "\n\n", filled).strip()

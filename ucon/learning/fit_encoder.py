@@ -3,7 +3,7 @@
 From the stored ``val`` episodes: the options are the distinct categories that stand in the home, the right one is that
 by which the target really was put. First the temperatures by maximum likelihood over the levels none, full, gt and
 retrieval together; then the value of an option without labels, from questions of four options that share the home's
-categories out at random and hide those of the first. The figures go into
+categories out at random, show five of each (the right one among them), and none of the first. The figures go into
 :class:`ucon.language.models.encoder.EncoderWeights`; those of ``test`` are only measured.
 """
 
@@ -29,6 +29,8 @@ from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
 
 _OPTIONS: Final = 4
+_SHOWN: Final = 5
+"""Labels of an option at most, where a frame would show few."""
 _ABSENT: Final = -1e9
 
 
@@ -156,7 +158,7 @@ def fit_empty(weights: EncoderWeights, found: Sequence[Case]) -> EncoderWeights:
     best: dict[bool, float] = {}
     for told in (False, True):
         levels = FIXED_LEVELS[1:] if told else FIXED_LEVELS[:1]
-        asked = [shared_out(case, level, hide=True) for case in found for level in levels]
+        asked = [shared_out(case, level, _SHOWN, hide=True) for case in found for level in levels]
         scores = np.array([answer.scores for answer in bare.answer([question for question, _ in asked])])
         right = np.array([number for _, number in asked])
 
@@ -186,7 +188,8 @@ def measured(found: Sequence[Case], weights: EncoderWeights) -> list[str]:
     kinds = {
         "categories": single,
         "four options": shared_out,
-        "four, one without labels": lambda case, level: shared_out(case, level, hide=True),
+        "four of few": lambda case, level: shared_out(case, level, _SHOWN),
+        "four of few, one without": lambda case, level: shared_out(case, level, _SHOWN, hide=True),
     }
     lines = []
     for kind, ask in kinds.items():

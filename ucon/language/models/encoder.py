@@ -34,20 +34,20 @@ class EncoderWeights:
     Fitted by ``python -m ucon.learning.fit_encoder``, which says how; raw cosines are too flat to decide anything.
     """
 
-    beta: float = 1.43
+    beta: float = 1.886
     """Weight of the habits. Above 1: likeness to the target itself then counts against a label, since the things that
     are called alike are rarely those that one is kept in."""
-    tau: float = 0.113
+    tau: float = 0.103
     """Relevance that makes a label e times as probable, where there are habits."""
-    tau_none: float = 1.0
+    tau_none: float = 0.3689
     """The same without habits."""
-    tau_habit: float = 0.052
+    tau_habit: float = 0.0779
     """Likeness to the target that makes a habit count e times as much."""
-    sigma: float = 0.061
+    sigma: float = 0.1055
     """Softness of the maximum over habits."""
-    empty: float = 0.0
+    empty: float = 0.419
     """Relevance of an option without labels, where there are habits."""
-    empty_none: float = 0.0
+    empty_none: float = 1.269
     """The same without habits."""
 
 
