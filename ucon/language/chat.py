@@ -111,12 +111,9 @@ class ChatClient:
 
     def refused(self, status: int | None) -> ConfigError:
         """The error of a key that the server does not take."""
-        how = (
-            f"the environment variable '{self.api_key_env}'" if self.api_key_env else "a variable named by api_key_env"
-        )
-        return ConfigError(
-            f"{self.base_url} (model '{self.model}'): HTTP {status}, the key is refused; put it in {how}"
-        )
+        how = f"'{self.api_key_env}'" if self.api_key_env else "that api_key_env names"
+        what = f"{self.base_url} (model '{self.model}'): HTTP {status}, the key is refused"
+        return ConfigError(f"{what}; put the right one into the environment variable {how}")
 
     def ask(
         self,

@@ -55,7 +55,7 @@ def case_of(episode: Episode, source: HabitSource) -> Case:
     names = sorted(standing - {episode.target_category})
     number = episode.target_object.anchor
     anchor = house.categories[number] if number < house.n_instances else placed[number - house.n_instances].category
-    habits = {level: source.knowledge(episode, level).texts for level in FIXED_LEVELS}
+    habits: dict[str, tuple[str, ...]] = {level: source.knowledge(episode, level).texts for level in FIXED_LEVELS}
     right = names.index(anchor)
     return Case(episode.id, phrase(episode.target_category), tuple(map(phrase, names)), right, habits)
 
