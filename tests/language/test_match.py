@@ -57,6 +57,7 @@ def test_what_is_written_alike_is_a_tie():
         ('{"answer": "desk"}', -1),
         ('{"choice": {"a": "desk"}}', -1),
         ('{"choice": "de', -1),
+        ('{"choice": "sofa', -1),
     ],
 )
 def test_answers(text, number):

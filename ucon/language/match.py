@@ -22,8 +22,10 @@ def chosen(text: str, names: Sequence[str], key: str = "choice") -> int:
     An answer is a JSON object with the option under ``key``, or a short text. The option may be written in other
     case, with other punctuation, among other words, or by some of its own words if no other option has them.
     """
-    said = json_object(text, (key,))
-    value = said.get(key) if said is not None else without_thoughts(text)
+    said, bare = json_object(text, (key,)), without_thoughts(text)
+    if said is None and "{" in bare:
+        return -1  # JSON that was cut off: "sofa" may have been on its way to "sofa bed"
+    value = bare if said is None else said.get(key)
     if isinstance(value, bool) or not isinstance(value, str | int):
         return -1
     return named(str(value), names)
