@@ -44,6 +44,10 @@ class Handler(BaseHTTPRequestHandler):
             self.server.times.append(time.monotonic())
         self.server.script[min(number, len(self.server.script) - 1)](self)
 
+    def do_GET(self) -> None:
+        """The list of models is not kept here."""
+        self.send(404, b"{}")
+
     def log_message(self, *_: Any) -> None:
         pass
 

@@ -36,14 +36,26 @@ class EpisodeError(UconError):
 class ServerError(UconError):
     """A server that cannot be reached, refuses, or does not answer in the end.
 
-    ``status`` is the last HTTP status, None where no answer came at all; ``attempts`` is how often it was asked.
+    ``status`` is the last HTTP status, None where no answer came at all; ``attempts`` is how often it was asked, and
+    the tokens are those of answers that could not be used.
     """
 
-    def __init__(self, message: str, *, server: str, status: int | None, attempts: int) -> None:
+    def __init__(
+        self,
+        message: str,
+        *,
+        server: str,
+        status: int | None,
+        attempts: int,
+        prompt_tokens: int = 0,
+        completion_tokens: int = 0,
+    ) -> None:
         super().__init__(message)
         self.server = server
         self.status = status
         self.attempts = attempts
+        self.prompt_tokens = prompt_tokens
+        self.completion_tokens = completion_tokens
 
 
 class AnswerError(ServerError):

@@ -1,4 +1,4 @@
-"""What a language model said: the answer of a chat server, and the JSON object inside its text."""
+"""What a language model said and what it cost: the answer of a chat server, and the JSON object inside its text."""
 
 from __future__ import annotations
 
@@ -22,6 +22,39 @@ class Said:
     completion_tokens: int
     cut_off: bool
     """Whether it ended at ``max_tokens`` and not by itself."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reply:
+    """An answer and what it cost when it was given."""
+
+    text: str
+    data: dict[str, Any] | None
+    """The JSON object in it, where one was asked for."""
+    cut_off: bool
+    """Whether it ended at ``max_tokens`` and not by itself."""
+    prompt_tokens: int
+    completion_tokens: int
+    seconds: float
+    attempts: int
+    """Requests that were sent for it; 0 if it was kept from an earlier run and cost nothing now."""
+
+    @classmethod
+    def of(cls, said: Said, data: dict[str, Any] | None, seconds: float, attempts: int) -> Reply:
+        """The reply that says this."""
+        return cls(said.text, data, said.cut_off, said.prompt_tokens, said.completion_tokens, seconds, attempts)
+
+
+@dataclass(frozen=True, slots=True)
+class Usage:
+    """What a client did so far. Tokens and seconds are those really spent, cached answers cost none."""
+
+    calls: int = 0
+    cached: int = 0
+    attempts: int = 0
+    prompt_tokens: int = 0
+    completion_tokens: int = 0
+    seconds: float = 0.0
 
 
 def read_answer(body: bytes) -> Said:
@@ -63,13 +96,18 @@ def refusal(body: bytes, key: str) -> str:
     return f" ('{text}')" if text else ""
 
 
+def without_thoughts(text: str) -> str:
+    """A text without the parts that a model marks as thinking aloud."""
+    return _THOUGHT.sub("", text).strip()
+
+
 def json_object(text: str, required: tuple[str, ...] = ()) -> dict[str, Any] | None:
     """The JSON object in a model's text, whatever stands around it; None where there is none.
 
     A text that is one object, fenced or not, is taken as it is. Out of prose only an object with all ``required``
     keys is taken: of an object that was cut off, the inner ones that are whole must not pass for it.
     """
-    bare = _THOUGHT.sub("", text).strip()
+    bare = without_thoughts(text)
     fenced = _FENCED.fullmatch(bare)
     whole = _decoded(fenced[1] if fenced else bare)
     if whole is not None:

@@ -9,13 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 Image = NDArray[np.uint8]
 """(H, W, 3) RGB."""
+
+
+Failure = Literal["", "server", "unusable", "too long"]
+"""``server``: no answer, a refusal or none in time; ``unusable``: answers, but none that names one option;
+``too long``: a question that exceeds the model's window even without habits."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +68,11 @@ class Answer:
     prompt_tokens: int = 0
     completion_tokens: int = 0
     seconds: float = 0.0
-    """Wall time of this answer; in a batch its share."""
+    """Wall time of this answer; in a batch its share, or its own where answers are waited for side by side."""
+    failure: Failure = ""
+    """Why there is no usable answer; empty where there is one."""
+    dropped: int = 0
+    """Habits at the end of the list that did not fit into the model's window."""
 
 
 @runtime_checkable
@@ -78,6 +87,16 @@ class LanguageModel(Protocol):
     @property
     def gives_scores(self) -> bool:
         """Whether answers carry scores; agents that compare options across questions need them."""
+        ...
+
+    def check(self) -> None:
+        """Whether weights, or server and key, are there: cheap, for one line of error before anything is played.
+
+        Raises:
+            ConfigError: an option that cannot work here, or a key that is missing or refused.
+            DataError: weights that are missing.
+            ServerError: a server that cannot be reached.
+        """
         ...
 
     def answer(self, questions: Sequence[Question]) -> list[Answer]:

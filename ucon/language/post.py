@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import http.client
 import json
+import queue
 import ssl
+import threading
 import time
 import urllib.error
 import urllib.parse
@@ -64,19 +66,42 @@ def checked_url(base_url: str) -> str:
 
 
 def post_json(url: str, payload: dict[str, Any], headers: dict[str, str], timeout_s: float) -> Outcome:
-    """POST a JSON payload and read the whole answer within ``timeout_s`` of wall time (a read may add one more)."""
-    deadline = time.monotonic() + timeout_s
+    """POST a JSON payload and read the whole answer within ``timeout_s`` of wall time, whatever the server does.
+
+    A socket's timeout bounds each read and no name look-up, so the exchange has a thread of its own, which is left
+    to itself when time is up.
+    """
     data = json.dumps(payload).encode()
     request = urllib.request.Request(url, data, {"Content-Type": "application/json", **headers}, method="POST")
+    return _exchanged(request, timeout_s)
+
+
+def get_status(url: str, headers: dict[str, str], timeout_s: float) -> tuple[int | None, str]:
+    """HTTP status of a GET, None where no answer came; and what was wrong then."""
+    outcome = _exchanged(urllib.request.Request(url, headers=headers), timeout_s)
+    return outcome.status, outcome.problem
+
+
+def _exchanged(request: urllib.request.Request, timeout_s: float) -> Outcome:
+    box: queue.SimpleQueue[Outcome] = queue.SimpleQueue()
+    threading.Thread(target=lambda: box.put(_exchange(request, timeout_s)), daemon=True).start()
     try:
-        with _opener(url).open(request, timeout=timeout_s) as answer:
+        return box.get(timeout=timeout_s)
+    except queue.Empty:
+        return Outcome(None, problem=_why(TimeoutError(), timeout_s))
+
+
+def _exchange(request: urllib.request.Request, timeout_s: float) -> Outcome:
+    deadline = time.monotonic() + timeout_s
+    try:
+        with _opener(request.full_url).open(request, timeout=timeout_s) as answer:
             return Outcome(answer.status, _read(answer, deadline))
     except urllib.error.HTTPError as error:
         return _refused(error, deadline)
     except urllib.error.URLError as error:
         bad_certificate = isinstance(error.reason, ssl.SSLCertVerificationError)
         return Outcome(None, problem=_why(error.reason, timeout_s), hopeless=bad_certificate)
-    except (OSError, http.client.HTTPException) as error:
+    except (OSError, http.client.HTTPException, ValueError) as error:  # ValueError: a header that is none
         return Outcome(None, problem=_why(error, timeout_s))
 
 

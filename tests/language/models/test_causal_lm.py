@@ -1,0 +1,169 @@
+"""The causal model on a tiny Llama: cached and batched it says what plain forward passes say."""
+
+import numpy as np
+import pytest
+import torch
+import transformers
+
+from tests.language.tiny_models import (
+    HABITS,
+    INJECTED,
+    NAMES,
+    NO_SYSTEM,
+    SILENT_SYSTEM,
+    question,
+    save_causal,
+)
+from ucon.core.errors import ConfigError, DataError
+from ucon.language.choice import Question
+from ucon.language.models.causal_lm import CausalModel
+from ucon.language.prompt import habits_in
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return str(save_causal(tmp_path_factory.mktemp("tiny") / "tiny-llama"))
+
+
+@pytest.fixture(scope="module")
+def plain(folder):
+    """Log-probabilities of answers by whole forward passes, one an option, without any cache."""
+    tokenizer = transformers.AutoTokenizer.from_pretrained(folder)
+    network = transformers.AutoModelForCausalLM.from_pretrained(folder).eval()
+
+    def log_probs(asked: Question, messages=None):
+        messages = messages or [
+            {"role": "system", "content": asked.system},
+            {"role": "user", "content": asked.situation},
+        ]
+        text = tokenizer.apply_chat_template(messages, tokenize=False, add_generation_prompt=True)
+        prompt = tokenizer(text, add_special_tokens=False)["input_ids"]
+        totals, lengths = [], []
+        for option in asked.options:
+            own = tokenizer(option.name, add_special_tokens=False)["input_ids"]
+            with torch.no_grad():
+                said = network(torch.tensor([prompt + own])).logits[0].log_softmax(-1)
+            total = sum(float(said[len(prompt) - 1 + i, token]) for i, token in enumerate(own))
+            ends = said[-1].exp()[[1, 5]].sum().log()  # </s> and <|end|>
+            totals.append(total + float(ends))
+            lengths.append(len(own) + 1)
+        return np.array(totals), np.array(lengths), len(prompt)
+
+    return log_probs
+
+
+def normal(x):
+    return x - np.logaddexp.reduce(x)
+
+
+def test_it_says_what_plain_forward_passes_say(folder, plain):
+    model = CausalModel(folder)
+    for asked in (question(), question(names=NAMES[:1]), question(HABITS[:1], names=("90", "-90")), question(())):
+        (answer,) = model.answer([asked])
+        totals, _, tokens = plain(asked)
+        assert answer.scores == pytest.approx(normal(totals), abs=2e-4)
+        assert answer.choice == int(totals.argmax())
+        assert (answer.prompt_tokens, answer.dropped, answer.failure) == (tokens, 0, "")
+
+
+def test_the_mean_over_tokens(folder, plain):
+    asked = question()
+    totals, lengths, _ = plain(asked)
+    (answer,) = CausalModel(folder, normalise=True).answer([asked])
+    assert answer.scores == pytest.approx(normal(totals / lengths), abs=2e-4)
+
+
+def test_prefixes_and_batches_change_nothing(folder):
+    asked = [question(names=names, target=target) for target in ("wallet", "key") for names in (NAMES, NAMES[1:])]
+    asked += [question(HABITS[:2]), question(()), question(INJECTED)]
+    together = CausalModel(folder).answer(asked)
+    for options in ({"prefixes": 0}, {"prefixes": 1}, {"batch_size": 1}):
+        alone = [CausalModel(folder, **options).answer([one])[0] for one in asked]
+        for a, b in zip(together, alone, strict=True):
+            assert a.scores == pytest.approx(b.scores, abs=1e-4)
+            assert a.choice == b.choice
+
+
+def test_the_system_part_is_read_once_an_episode(folder):
+    model = CausalModel(folder, prefixes=2)
+    lengths = []
+    read = model._read
+    model._read = lambda rows, cache, last: lengths.append(len(rows[0])) or read(rows, cache, last=last)
+    model.answer([question(target=target) for target in ("wallet", "key", "cup")])
+    whole = max(lengths)
+    assert sum(n > whole / 2 for n in lengths) == 1
+    assert len(model._prefixes) == 1
+    model.answer([question(HABITS[:n]) for n in (1, 2, 3)])
+    assert len(model._prefixes) == 2
+
+
+@pytest.mark.parametrize("template", [NO_SYSTEM, SILENT_SYSTEM])
+def test_without_a_system_role_the_users_message_holds_it(tmp_path, template, folder):
+    model = CausalModel(str(save_causal(tmp_path / "m", template)))
+    asked = question()
+    assert model.answer([asked])[0].choice >= 0
+    folded = model._template.render(asked.system, asked.situation)
+    assert folded == f"<s><|user|>\n{asked.system}\n\n{asked.situation}<|end|>\n<|assistant|>\n"
+
+
+def test_whole_habits_are_dropped_from_the_end(folder, plain):
+    many = [f"{habit} ({i})" for i, habit in enumerate(HABITS * 20)]
+    asked = question(many)
+    model = CausalModel(folder)
+    (answer,) = model.answer([asked])
+    assert 0 < answer.dropped < len(many)
+    kept = question(many[: len(many) - answer.dropped])
+    assert answer.scores == pytest.approx(normal(plain(kept)[0]), abs=2e-4)
+    assert answer.prompt_tokens <= 1024 < plain(question(many[: len(many) - answer.dropped + 1]))[2] + 4
+    assert habits_in(asked.system) == len(many)
+    (shorter,) = CausalModel(folder, window=200).answer([asked])
+    assert shorter.dropped > answer.dropped
+    assert shorter.choice >= 0
+
+
+def test_a_question_beyond_the_window_is_no_answer(folder):
+    (answer,) = CausalModel(folder, window=20).answer([question()])
+    assert (answer.choice, answer.failure) == (-1, "too long")
+
+
+def test_half_precision_is_near(folder):
+    whole, half = (CausalModel(folder, dtype=dtype).answer([question()])[0] for dtype in ("float32", "bfloat16"))
+    assert half.choice == whole.choice
+    assert np.exp(half.scores) == pytest.approx(np.exp(whole.scores), abs=0.1)
+
+
+def test_errors_say_what_to_do(folder, tmp_path):
+    with pytest.raises(DataError, match=r"no such folder.*nothing is downloaded.*language\.path") as caught:
+        CausalModel(str(tmp_path / "nowhere")).check()
+    assert "\n" not in str(caught.value)
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(DataError, match=r"no config\.json, no weights"):
+        CausalModel(str(tmp_path / "empty")).answer([question()])
+    with pytest.raises(ConfigError, match=r"int8 needs.*bfloat16"):
+        CausalModel(folder, dtype="int8").check()
+    with pytest.raises(ConfigError, match="unknown dtype 'float3'"):
+        CausalModel(folder, dtype="float3")
+    with pytest.raises(ConfigError, match="device 'gpu'"):
+        CausalModel(folder, device="gpu").check()
+    with pytest.raises(ConfigError, match="give language.path"):
+        CausalModel("")
+    with pytest.raises(ConfigError, match="batch_size=0"):
+        CausalModel(folder, batch_size=0)
+    with pytest.raises(DataError, match="no chat template"):
+        CausalModel(str(save_causal(tmp_path / "base", ""))).answer([question()])
+    broken = save_causal(tmp_path / "broken")
+    (broken / "model.safetensors").write_bytes(b"\x00" * 100)
+    with pytest.raises(DataError, match="cannot be loaded"):
+        CausalModel(str(broken)).answer([question()])
+    assert CausalModel(folder).check() is None
+
+
+def test_no_such_gpu(folder):
+    if torch.cuda.is_available():
+        pytest.skip("there is one")
+    with pytest.raises(ConfigError, match="no such GPU"):
+        CausalModel(folder, device="cuda").check()
+
+
+def test_its_name_is_that_of_the_weights(folder):
+    assert CausalModel(folder).name == "causal (tiny-llama)"

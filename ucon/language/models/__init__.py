@@ -1,0 +1,4 @@
+"""Language models behind :class:`ucon.language.choice.LanguageModel`, one a file.
+
+Importing one is cheap: weights are read, and torch is imported, at the first question.
+"""

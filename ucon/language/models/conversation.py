@@ -1,0 +1,110 @@
+"""Questions as conversations: through a model's own chat template, cut to its window by whole habits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Final
+
+from ucon.core.errors import DataError
+from ucon.language.prompt import first_habits, habits_in
+
+_PROBE: Final = ("probe of the system", "probe of the user")
+
+
+class ChatTemplate:
+    """Renders (system, user) as the prompt of an answer.
+
+    Templates differ: some take the system's text as a string, some as a list of parts, and some know no system at all
+    (or none beside images); then its text goes before the user's. Which one it is, is tried once.
+    """
+
+    def __init__(self, owner: Any, where: str, options: Mapping[str, Any] | None = None) -> None:
+        """Describe the template.
+
+        Args:
+            owner: tokenizer or processor with ``apply_chat_template``.
+            where: the model, for errors.
+            options: passed to the template, such as ``{"enable_thinking": False}``.
+        """
+        self._owner, self._where, self._options = owner, where, dict(options or {})
+        self._style: dict[bool, str] = {}
+
+    def render(self, system: str, user: str, images: int = 0) -> str:
+        """The conversation up to where the answer begins; ``images`` placeholders go before the user's text.
+
+        Raises:
+            DataError: the model has no chat template, or one that cannot render this.
+        """
+        seen = images > 0
+        if seen not in self._style:
+            self._style[seen] = self._tried(images)
+        return self._rendered(self._style[seen], system, user, images)
+
+    def _tried(self, images: int) -> str:
+        error = "it leaves out what it is given"
+        if not getattr(self._owner, "chat_template", None):
+            raise DataError(f"{self._where}: no chat template; choose an instruction-tuned model")
+        for style in ("text", "parts", "folded"):
+            try:
+                found = self._rendered(style, *_PROBE, images)
+            except Exception as problem:  # templates are programs of their own, and refuse in any way
+                error = " ".join(str(problem).split())[:160]
+                continue
+            if all(probe in found for probe in _PROBE):
+                return style
+        raise DataError(f"{self._where}: its chat template cannot be used ({error}); choose an instruction-tuned model")
+
+    def _rendered(self, style: str, system: str, user: str, images: int) -> str:
+        if style == "folded":
+            user = f"{system}\n\n{user}"
+        content: Any = user
+        if images or style == "parts":
+            content = [*({"type": "image"} for _ in range(images)), {"type": "text", "text": user}]
+        messages: list[dict[str, Any]] = [{"role": "user", "content": content}]
+        if style != "folded":
+            told = [{"type": "text", "text": system}] if style == "parts" else system
+            messages.insert(0, {"role": "system", "content": told})
+        return str(
+            self._owner.apply_chat_template(messages, tokenize=False, add_generation_prompt=True, **self._options)
+        )
+
+
+def most_habits(system: str, fits: Callable[[str], bool]) -> tuple[str, int] | None:
+    """The system's text with as many habits as fit, and how many were dropped at the end; None if none helps."""
+    if fits(system):
+        return system, 0
+    n = habits_in(system)
+    low, high = 0, n - 1
+    if n == 0 or not fits(first_habits(system, 0)):
+        return None
+    while low < high:
+        middle = (low + high + 1) // 2
+        low, high = (middle, high) if fits(first_habits(system, middle)) else (low, middle - 1)
+    return first_habits(system, low), n - low
+
+
+def end_tokens(model: Any, tokenizer: Any) -> list[int]:
+    """Tokens by which an answer ends: those of the generation settings and the tokenizer's own.
+
+    Raises:
+        DataError: there is none.
+    """
+    said = getattr(getattr(model, "generation_config", None), "eos_token_id", None)
+    found = [said] if isinstance(said, int) else list(said or ())
+    if tokenizer.eos_token_id is not None:
+        found.append(tokenizer.eos_token_id)
+    if not found:
+        raise DataError(f"{tokenizer.name_or_path}: no end-of-text token; add eos_token to the tokenizer")
+    return sorted(set(found))
+
+
+def window_of(model: Any) -> int:
+    """Positions of a model, as its configuration says; practically unlimited where it says nothing."""
+    config = model.config.get_text_config()
+    found = getattr(config, "max_position_embeddings", None)
+    return int(found) if found else 1 << 30
+
+
+def common_prefix(a: Sequence[int], b: Sequence[int]) -> int:
+    """How many numbers two sequences share at their start."""
+    return next((i for i, (x, y) in enumerate(zip(a, b, strict=False)) if x != y), min(len(a), len(b)))

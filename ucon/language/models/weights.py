@@ -1,0 +1,132 @@
+"""Weights of Hugging Face models on this machine: found, checked and loaded with errors of one line."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+from ucon.core.errors import ConfigError, DataError, unknown_name
+from ucon.language.encoder import quiet
+
+DTYPES: Final = ("float32", "bfloat16", "float16", "int8")
+_FILES: Final = ("*.json", "*.safetensors", "*.txt", "*.model", "*.jinja")
+_WEIGHTS: Final = ("*.safetensors", "*.bin")
+
+
+class LocalWeights:
+    """One model by folder or name, where it runs and in which numbers. Nothing is read before it is asked for."""
+
+    def __init__(self, path: str, *, device: str = "cpu", dtype: str = "float32", download: bool = False) -> None:
+        """Describe the weights.
+
+        Args:
+            path: folder in Hugging Face layout, or a name in the Hugging Face cache.
+            device: ``cpu``, ``cuda``, ``cuda:1``; ``auto`` is a GPU if there is one.
+            dtype: ``float32``, ``bfloat16``, ``float16``, or ``int8`` (bitsandbytes, on a GPU).
+            download: get a name that is not in the cache from the hub.
+
+        Raises:
+            ConfigError: no path, or an unknown dtype.
+        """
+        if not path:
+            raise ConfigError("language model without a path; give language.path=FOLDER or a name on the hub")
+        if dtype not in DTYPES:
+            raise ConfigError(unknown_name("dtype", dtype, DTYPES))
+        self.path, self.dtype = path, dtype
+        self._device, self._download = device, download
+
+    @property
+    def short(self) -> str:
+        """Last part of the path: ``roberta-large``."""
+        return Path(self.path).name or self.path
+
+    @property
+    def device(self) -> str:
+        """Where the model runs.
+
+        Raises:
+            ConfigError: there is no such device here.
+        """
+        import torch
+
+        if self._device == "auto":
+            return "cuda" if torch.cuda.is_available() else "cpu"
+        try:
+            kind = torch.device(self._device)
+        except RuntimeError:
+            raise ConfigError(f"device '{self._device}': expected cpu, cuda, cuda:NUMBER or auto") from None
+        if kind.type == "cuda" and (kind.index or 0) >= torch.cuda.device_count():
+            raise ConfigError(f"device '{self._device}': torch sees no such GPU here; give language.device=cpu")
+        return self._device
+
+    def check(self) -> None:
+        """Whether files, device and number format are there; reads no weights.
+
+        Raises:
+            DataError: no such model here, or files are missing in its folder.
+            ConfigError: a device or number format that this machine has not.
+        """
+        self.folder()
+        device = self.device
+        if self.dtype == "int8" and (importlib.util.find_spec("bitsandbytes") is None or not device.startswith("cuda")):
+            raise ConfigError(
+                f"{self.path}: dtype=int8 needs the package bitsandbytes and a GPU (device is {device}); install it "
+                "and give language.device=cuda, or give language.dtype=bfloat16"
+            )
+
+    def folder(self) -> Path:
+        """Folder of the files; raises :class:`DataError` where they are not all there."""
+        found = Path(self.path).expanduser()
+        if not found.is_dir():
+            found = self._from_hub()
+        missing = [] if (found / "config.json").is_file() else ["config.json"]
+        if not any(any(found.glob(pattern)) for pattern in _WEIGHTS):
+            missing.append("weights (*.safetensors)")
+        if missing:
+            what = f"{found}: no {', no '.join(missing)}, expected a model in Hugging Face layout"
+            raise DataError(f"{what}; {self._how}")
+        return found
+
+    def load(self, kind: str) -> Any:
+        """The model, ready to be asked; ``kind`` is the class of transformers, such as ``AutoModelForCausalLM``."""
+        self.check()
+        import torch
+        import transformers
+
+        options: dict[str, Any] = {"dtype": torch.float16 if self.dtype == "int8" else getattr(torch, self.dtype)}
+        if self.dtype == "int8":
+            options["quantization_config"] = transformers.BitsAndBytesConfig(load_in_8bit=True)
+            options["device_map"] = {"": self.device}
+        model = self.read(lambda folder: getattr(transformers, kind).from_pretrained(folder, **options))
+        return (model if self.dtype == "int8" else model.to(self.device)).eval()
+
+    def read(self, build: Callable[..., Any]) -> Any:
+        """What ``build`` makes of the folder; a damaged file can fail in any way, and is one :class:`DataError`."""
+        import transformers
+
+        folder = self.folder()
+        try:
+            with quiet(transformers):
+                return build(folder)
+        except Exception as error:
+            line = " ".join(str(error).split())[:200]
+            raise DataError(f"{folder}: cannot be loaded ({type(error).__name__}: {line}); {self._how}") from None
+
+    @property
+    def _how(self) -> str:
+        return "get it once with `hf download NAME --local-dir FOLDER` and give language.path=FOLDER"
+
+    def _from_hub(self) -> Path:
+        from huggingface_hub import snapshot_download
+
+        try:
+            return Path(snapshot_download(self.path, local_files_only=not self._download, allow_patterns=list(_FILES)))
+        except Exception as error:  # the hub's client raises many kinds: offline, no such name, a licence not accepted
+            if self._download:
+                line = " ".join(str(error).split())[:160]
+                what = f"{self.path}: no such folder, and the hub gave no model ({type(error).__name__}: {line})"
+                raise DataError(f"{what}; {self._how}") from None
+            what = f"{self.path}: no such folder, and no model of that name on this machine"
+            raise DataError(f"{what} (nothing is downloaded unless language.download=true); {self._how}") from None
