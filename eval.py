@@ -15,6 +15,7 @@ from typing import Any
 
 import hydra
 from hydra.core.hydra_config import HydraConfig
+from hydra.utils import get_class
 from omegaconf import DictConfig, OmegaConf
 
 from ucon.commands.entry import one_line_errors, run_entry
@@ -27,6 +28,7 @@ from ucon.evaluation.play import Played, RunSpec
 from ucon.evaluation.progress import EvaluationProgress, embedding_progress
 from ucon.evaluation.report import failure_line, results_table, run_hashes, summary
 from ucon.evaluation.runner import evaluate
+from ucon.evaluation.twins import twin_of
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
 
@@ -46,7 +48,11 @@ def evaluate_and_report(cfg: DictConfig, out: Path) -> None:
     warn_of_other_rules(episodes, task["name"])
     source = Factory(config["env"]["source"])()
     weights = source.weights(config["habit_level"]["name"])
-    folder = RunFolder(out, run_hashes(config, episodes, weights))
+    hashes = run_hashes(config, episodes, weights)
+    if not reads_habits(config) and (twin := twin_of(out, config, hashes)) is not None:
+        print(f"{config['agent']['_target_'].rsplit('.', 1)[-1]} reads no habits: its results are those in {twin}")
+        return
+    folder = RunFolder(out, hashes)
     done = folder.open()
     played, seconds = play_missing(config, source, episodes, folder, done, out)
     figures = summary(played, folder.hashes, seconds)
@@ -54,6 +60,11 @@ def evaluate_and_report(cfg: DictConfig, out: Path) -> None:
     console = wide_console()
     console.print(results_table([figures]))
     console.print(f"{failure_line(figures)}\n{seconds:.1f} s for {len(played) - len(done)} episodes; results in {out}")
+
+
+def reads_habits(config: dict[str, Any]) -> bool:
+    """Whether the agent does anything with habits, as its class says."""
+    return bool(getattr(get_class(config["agent"]["_target_"]), "uses_habits", True))
 
 
 def chosen_episodes(name: str, limit: int | None, task: str, *, context: bool) -> tuple[Episode, ...]:

@@ -19,6 +19,7 @@ class Agent(Protocol):
     """Chooses among the seven actions from observations and the non-privileged part of ``info``."""
 
     name: str
+    """In tables. An agent whose ``uses_habits`` is False plays every habit level alike, and is evaluated once."""
 
     def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
         """Start an episode in each of ``slots``; ``infos`` are the environments' infos at reset."""
@@ -53,7 +54,7 @@ class ControllerAgent:
 
     def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
         """See :class:`Agent`."""
-        for slot, info in zip(_slots(infos, slots), infos, strict=True):
+        for slot, info in zip(slots_of(infos, slots), infos, strict=True):
             self.controllers[slot] = self.start(info)
 
     def act(
@@ -62,9 +63,10 @@ class ControllerAgent:
         """See :class:`Agent`."""
         return [
             self.controllers[slot].act(observation, info)
-            for slot, observation, info in zip(_slots(infos, slots), observations, infos, strict=True)
+            for slot, observation, info in zip(slots_of(infos, slots), observations, infos, strict=True)
         ]
 
 
-def _slots(infos: Sequence[Info], slots: Sequence[int] | None) -> Sequence[int]:
+def slots_of(infos: Sequence[Info], slots: Sequence[int] | None) -> Sequence[int]:
+    """The slots meant: those given, or the first ones."""
     return range(len(infos)) if slots is None else slots

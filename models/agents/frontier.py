@@ -93,6 +93,7 @@ class FrontierAgent(ControllerAgent):
     """Searches by coverage alone."""
 
     name = "frontier"
+    uses_habits = False
 
     def __init__(self, weights: CoverageWeights | None = None, costs: Costs | None = None) -> None:
         """What coverage expects, and what actions cost."""

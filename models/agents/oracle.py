@@ -21,6 +21,7 @@ class OracleAgent(ControllerAgent):
     """Knows map and target: an upper bound, not a competitor."""
 
     name = "oracle"
+    uses_habits = False
     needs_privileged = True
 
     def start(self, info: Info) -> Controller:

@@ -29,6 +29,7 @@ class OracleLocationsAgent(BeliefAgent):
     """What perfect reading would give: it knows neither the map, nor where anchors stand, nor which place it is now."""
 
     name = "oracle_locations"
+    uses_habits = False
     needs_privileged = True
 
     def __init__(self) -> None:

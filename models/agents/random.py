@@ -23,6 +23,7 @@ class RandomAgent(ControllerAgent):
     """Draws among the seven actions; an episode's draws depend on the seed and the episode only."""
 
     name = "random"
+    uses_habits = False
 
     def __init__(self, seed: int = 0, done_probability: float = 0.01) -> None:
         super().__init__()

@@ -7,16 +7,19 @@ hashes). The same command on the same folder continues there; another run in the
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from collections import defaultdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, TextIO
 
 from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import canonical_json, write_atomic
+from ucon.evaluation.decisions import DecisionRecord
 from ucon.evaluation.play import Played
 from ucon.evaluation.record import EpisodeRecord, EpisodeTiming, read_records, to_lines
 
 RECORDS, TIMING, SUMMARY, CONFIG = "episodes.jsonl", "timing.jsonl", "summary.json", "config.yaml"
+DECISIONS = "decisions.jsonl"
 PARTIAL = f"{RECORDS}.partial"
 
 
@@ -51,7 +54,10 @@ class RunFolder:
     def add(self, played: Played) -> None:
         """Keep a finished episode, so that it survives an interruption."""
         timing = asdict(played.timing)
-        self._append({"index": played.index, "record": json.loads(played.record.to_line()), "timing": timing})
+        line = {"index": played.index, "record": json.loads(played.record.to_line()), "timing": timing}
+        if played.decisions:
+            line["decisions"] = [json.loads(d.to_line()) for d in played.decisions]
+        self._append(line)
 
     def finish(self, played: list[Played], summary: dict[str, Any], config_yaml: str) -> None:
         """Write the final files and remove the partial one. ``summary.json`` comes last: it says that all is there."""
@@ -59,6 +65,9 @@ class RunFolder:
             self._partial.close()
         write_atomic(self.path / RECORDS, to_lines(p.record for p in played))
         write_atomic(self.path / TIMING, to_lines(p.timing for p in played))
+        decisions = [d for p in played for d in p.decisions]
+        if decisions:
+            write_atomic(self.path / DECISIONS, "".join(f"{d.to_line()}\n" for d in decisions))
         write_atomic(self.path / CONFIG, config_yaml)
         write_atomic(self.path / SUMMARY, json.dumps(summary, indent=1) + "\n")
         (self.path / PARTIAL).unlink(missing_ok=True)
@@ -71,7 +80,12 @@ class RunFolder:
     def _finished(self) -> dict[int, Played]:
         records = read_records(self.path)
         timings = [EpisodeTiming(**json.loads(line)) for line in (self.path / TIMING).read_text().splitlines()]
-        return {i: Played(i, r, t) for i, (r, t) in enumerate(zip(records, timings, strict=True))}
+        made: dict[str, list[dict[str, Any]]] = defaultdict(list)
+        for number, line in enumerate(_lines(self.path / DECISIONS), 1):
+            decision = _parsed(line, f"{self.path / DECISIONS}:{number}")
+            made[str(decision.get("episode"))].append(decision)
+        pairs = zip(records, timings, strict=True)
+        return {i: _played(i, record, timing, made[record.episode]) for i, (record, timing) in enumerate(pairs)}
 
     def _read_partial(self) -> dict[int, Played]:
         partial = self.path / PARTIAL
@@ -90,7 +104,8 @@ class RunFolder:
             where = f"{partial}:{number}"
             value = _parsed(line, where)
             record = EpisodeRecord.from_json(value.get("record", {}), where=where)
-            done[int(value["index"])] = Played(int(value["index"]), record, EpisodeTiming(**value["timing"]))
+            timing = EpisodeTiming(**value["timing"])
+            done[int(value["index"])] = _played(int(value["index"]), record, timing, value.get("decisions", []))
         return done
 
     def _refuse_other(self, found: dict[str, str] | None, name: str) -> None:
@@ -101,6 +116,17 @@ class RunFolder:
             f"out={self.path}: {name} there belongs to another run (different {', '.join(other)}); "
             "choose another folder or remove this one"
         )
+
+
+def _played(index: int, record: EpisodeRecord, timing: EpisodeTiming, made: list[dict[str, Any]]) -> Played:
+    """An episode as it was when it ended: decisions get their seconds back from the timing."""
+    seconds = timing.decision_seconds or (0.0,) * len(made)
+    decisions = [replace(DecisionRecord.from_json(d), seconds=s) for d, s in zip(made, seconds, strict=True)]
+    return Played(index, record, timing, tuple(decisions))
+
+
+def _lines(path: Path) -> list[str]:
+    return path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
 
 
 def _json(path: Path) -> dict[str, Any]:

@@ -1,7 +1,8 @@
 """Plays stored episodes with one agent in one process and turns each into a record.
 
 An agent is known here by its protocol only: ``reset(infos, slots)`` and ``act(observations, infos, slots)``. Where it
-calls a language model it may offer ``language_usage(slot) -> (calls, tokens, seconds)`` since the slot's reset.
+calls a language model it may offer ``language_usage(slot) -> (calls, tokens, seconds)`` since the slot's reset, and
+where it chooses among candidates ``decisions(slot)``.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from typing import Any, Protocol
 
 import gymnasium as gym
 
+from ucon.evaluation.decisions import DecisionRecord
 from ucon.evaluation.record import EpisodeRecord, EpisodeTiming
 from ucon.retrieval.levels import RANKED_LEVELS
 from ucon.task.actions import Action
@@ -59,6 +61,8 @@ class Played:
     index: int
     record: EpisodeRecord
     timing: EpisodeTiming
+    decisions: tuple[DecisionRecord, ...] = ()
+    """Of agents that choose among candidates."""
 
 
 @dataclass
@@ -146,7 +150,11 @@ def _played(slot: _Slot, agent: Policy, spec: RunSpec) -> Played:
 
         name = f"{slot.index:03d}_{episode.scene.replace(':', '-')}_{record.target}"
         save_film(slot.frames, _captions(record), spec.pictures, name)
-    return Played(slot.index, record, EpisodeTiming(record.episode, round(seconds, 4), round(float(language_s), 4)))
+    made = getattr(agent, "decisions", None)
+    decisions = tuple(made(slot.number)) if made else ()
+    spent = tuple(round(d.seconds, 5) for d in decisions) if calls else ()
+    timing = EpisodeTiming(record.episode, round(seconds, 4), round(float(language_s), 4), spent)
+    return Played(slot.index, record, timing, decisions)
 
 
 def _captions(record: EpisodeRecord) -> list[str]:

@@ -82,6 +82,8 @@ class EpisodeTiming:
     episode: str
     seconds: float
     language_seconds: float = 0.0
+    decision_seconds: tuple[float, ...] = ()
+    """Of the answers to each decision, for agents that ask a language model."""
 
     def to_line(self) -> str:
         """One line of canonical JSON without the line break."""

@@ -13,6 +13,7 @@ from rich.table import Table
 
 import ucon
 from ucon.core.files import canonical_json, sha256_bytes
+from ucon.evaluation.decisions import language_figures
 from ucon.evaluation.metrics import summarise
 from ucon.evaluation.play import Played
 from ucon.task.episode import Episode
@@ -67,6 +68,7 @@ def summary(played: Sequence[Played], hashes: dict[str, str], seconds: float) ->
         "seconds": round(seconds, 2),
         "episode_seconds": round(sum(p.timing.seconds for p in played), 2),
         "language_seconds": round(sum(p.timing.language_seconds for p in played), 2),
+        "language": language_figures([d for p in played for d in p.decisions], len(played)),
         "hashes": hashes,
         "versions": versions(),
     }

@@ -51,6 +51,9 @@ class Question:
     """A sentence with one ``{}`` that an option's name fills: for masked models, which read no instructions."""
     images: tuple[Image, ...] = ()
     """For models that see."""
+    things: tuple[str, ...] = ()
+    """Catalogue names, with spaces, of a place, where the question is which option is kept there (L3MVN); for models
+    that compare texts."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,6 +40,8 @@ class Candidate:
     """Categories seen there and how many of each."""
     free_m: float = 0.0
     """How far one can go in a direction."""
+    utility: float = 0.0
+    """Of a frontier on the 5 cm map, as L3MVN rates it."""
 
 
 def candidates(known: SemanticMap, planner: Planner, places: Places, *, least_unseen: float = 0.3) -> list[Candidate]:

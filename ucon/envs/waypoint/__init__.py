@@ -1,6 +1,16 @@
 """Searching by waypoints: what may be chosen (strategies), how a choice is carried out (explorer), the environment."""
 
 from ucon.envs.waypoint.explorer import Decision, Explorer, Manner
-from ucon.envs.waypoint.strategies import STRATEGIES, Frontiers, Landmarks, Strategy, Views
+from ucon.envs.waypoint.strategies import STRATEGIES, FineFrontiers, Frontiers, Landmarks, Strategy, Views
 
-__all__ = ["STRATEGIES", "Decision", "Explorer", "Frontiers", "Landmarks", "Manner", "Strategy", "Views"]
+__all__ = [
+    "STRATEGIES",
+    "Decision",
+    "Explorer",
+    "FineFrontiers",
+    "Frontiers",
+    "Landmarks",
+    "Manner",
+    "Strategy",
+    "Views",
+]

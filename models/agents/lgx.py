@@ -1,0 +1,127 @@
+"""``lgx``: asks a language model which direction to take (Dorbala, Mullen and Manocha, RA-L 2024).
+
+In each round it turns through four headings, takes the target if one of them shows it, and otherwise asks: the things
+seen in each free direction (or, ``mode="object"``, one list of things, as LGX's own object mode), one answer, and walks
+to a point drawn from the free nodes in view that way.
+
+What differs from the paper and its code, and why: four views at 90 degrees instead of thirteen at 30 (the turns of the
+task); rounds until the steps are used up instead of five (300 steps are given); labels from the detector in use instead
+of YOLOv5 and GLIP; the prompt lists things by direction and leaves blocked directions out, as the UcON paper describes
+it, while LGX's object mode gives one list without directions; walking by the common planner, which every agent shares;
+success is the task's (an approach and Done within 1 m) instead of an oracle's within 2 m; Open on arrival, which LGX
+has not (``manner.opens``). Nothing is remembered from round to round (``memory`` is an addition, off).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+from models.agents.asking import AskingAgent, listed
+from models.agents.base import Info
+from models.agents.waypoint import Chosen
+from ucon.envs.waypoint import Decision, Manner, Strategy, Views
+from ucon.language.choice import Answer, LanguageModel, Option, Question
+from ucon.perception.candidates import Candidate
+from ucon.perception.directions import Goal
+from ucon.perception.semantic_map import View
+from ucon.retrieval.base import phrase
+
+#: Names of directions, by quarter turns to the left.
+SIDES = ("front", "left", "behind", "right")
+
+
+class LGXAgent(AskingAgent):
+    """Language-guided exploration."""
+
+    name = "lgx"
+
+    def __init__(
+        self,
+        language: LanguageModel,
+        *,
+        mode: Literal["direction", "object"] = "direction",
+        goal: Goal = "random",
+        reach_m: float = 5.0,
+        temperature: float = 0.0,
+        memory: bool = False,
+        opens: bool = True,
+        seed: int = 0,
+        prompt: str = "lgx",
+    ) -> None:
+        """Describe the agent; see :class:`models.agents.asking.AskingAgent` for the rest.
+
+        Args:
+            language: answers.
+            mode: choose among directions, or among the things seen.
+            goal: which of the free nodes in view to walk to.
+            reach_m: how far it may be.
+            temperature: of the choice.
+            memory: say which directions lead back to where it was.
+            opens: Open on arrival.
+            seed: of what is drawn at random.
+            prompt: its file.
+        """
+        if mode == "object" and prompt == "lgx":
+            prompt = "lgx_object"
+        super().__init__(language, prompt, Manner(opens=opens, interrupt="around"), seed, temperature)
+        self._mode, self._goal, self._reach_m, self._memory = mode, goal, reach_m, memory
+
+    def strategy(self, info: Info) -> Strategy:
+        """See :class:`models.agents.waypoint.WaypointAgent`."""
+        return Views(self._goal, most_m=self._reach_m)
+
+    def questions(self, decision: Decision, slot: int) -> list[Question]:
+        """See :class:`models.agents.asking.AskingAgent`."""
+        target, habits, system = self._told[slot]
+        options = self._options(decision)
+        names = ", ".join(option.name for option in options)
+        things = listed([(name, 1) for name in dict.fromkeys(n for c in decision.candidates for n, _ in c.things)], 99)
+        views = "\n".join(self._line(decision, candidate) for candidate in decision.candidates)
+        return [
+            Question(
+                target=target,
+                habits=habits,
+                options=options,
+                system=system,
+                situation=self.situation(target=target, views=views, things=things, options=names),
+                cloze=self.cloze(target=target),
+            )
+        ]
+
+    def conclude(self, decision: Decision, questions: Sequence[Question], answers: Sequence[Answer]) -> Chosen:
+        """See :class:`models.agents.asking.AskingAgent`; a thing means the first direction that shows it."""
+        if self._mode == "direction":
+            return super().conclude(decision, questions, answers)
+        options = tuple(option.name for option in questions[0].options)
+        number, fallback = self.pick(answers[0], len(options), decision.draw)
+        shown = [
+            {phrase(name) for name, _ in c.things} | {side_of(decision.known.view, c)} for c in decision.candidates
+        ]
+        if fallback:
+            number = int(decision.draw.integers(len(shown)))
+        else:
+            number = next(k for k, names in enumerate(shown) if options[number] in names)
+        return Chosen(number, options, answers[0].scores, tuple(answers), fallback)
+
+    def _options(self, decision: Decision) -> tuple[Option, ...]:
+        if self._mode == "object":
+            names = dict.fromkeys(phrase(name) for c in decision.candidates for name, _ in c.things)
+            if names:
+                return tuple(Option(name, (name,)) for name in names)
+        here = decision.known.view
+        return tuple(
+            Option(side_of(here, candidate), tuple(phrase(name) for name, _ in candidate.things))
+            for candidate in decision.candidates
+        )
+
+    def _line(self, decision: Decision, candidate: Candidate) -> str:
+        side = side_of(decision.known.view, candidate)
+        line = f"{side}: {listed(candidate.things)}; free for {candidate.free_m:.1f} m"
+        was_there = self._memory and decision.known.visited[candidate.view.i, candidate.view.j]
+        return f"{line}; you have been there" if was_there else line
+
+
+def side_of(here: View, candidate: Candidate) -> str:
+    """The name of a candidate's direction, seen from ``here``."""
+    return SIDES[(candidate.view.heading - here.heading) % 4]

@@ -1,0 +1,122 @@
+"""``pixelnav``: asks which of four views to go into, and walks to a pixel in it (Cai et al., ICRA 2024).
+
+In each round it turns through four headings and asks: ``inputs="labels"`` tells a language model what the detector saw
+in each view (the paper's planner; variant 2 of the UcON paper), ``inputs="images"`` shows the four views as one picture
+with their angles (the released planner; variant 1). In the chosen view the goal pixel is the target if the view shows
+it, else the middle of the largest patch of floor. On arrival it says Done if the view had shown the target, and asks
+again otherwise. There is no memory, and nothing seen on the way changes the plan (``interrupt_on_sight`` does).
+
+What differs from the paper and its code, and why: four views at 90 degrees instead of twelve at 30 (the task's turns);
+views without reachable floor are left out of the question, which is its first rule; labels of the detector in use
+instead of Grounding DINO and SAM; the planner that all agents share instead of the learned pixel policy, as the UcON
+paper has it, to the reachable node in view that is nearest to the goal pixel, 5 m away at most; Open on arrival, which
+PixelNav has not (``opens``); answers are one of the listed angles, without a reason, so that small models can be used.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from models.agents.asking import AskingAgent, listed
+from models.agents.base import Info
+from ucon.core.errors import ConfigError
+from ucon.envs.waypoint import Decision, Manner, Strategy, Views
+from ucon.language.choice import LanguageModel, Option, Question
+from ucon.perception.candidates import Candidate
+from ucon.perception.semantic_map import View
+from ucon.retrieval.base import phrase
+
+_GAP_PX = 10
+_RED = (220, 30, 30)
+
+
+class PixelNavAgent(AskingAgent):
+    """Chooses a view, then a pixel in it."""
+
+    name = "pixelnav"
+
+    def __init__(
+        self,
+        language: LanguageModel,
+        *,
+        inputs: Literal["labels", "images"] = "labels",
+        reach_m: float = 5.0,
+        interrupt_on_sight: bool = False,
+        opens: bool = True,
+        temperature: float = 0.0,
+        seed: int = 0,
+        prompt: str = "",
+    ) -> None:
+        """Describe the agent; see :class:`models.agents.asking.AskingAgent` for the rest.
+
+        Args:
+            language: answers.
+            inputs: what it is told of the views.
+            reach_m: farthest goal.
+            interrupt_on_sight: take the target as soon as it is seen, not only where its view was chosen.
+            opens: Open on arrival.
+            temperature: of the choice.
+            seed: of what is drawn at random.
+            prompt: its file; by default that of the inputs.
+        """
+        manner = Manner(opens=opens, interrupt="always" if interrupt_on_sight else "chosen")
+        super().__init__(language, prompt or f"pixelnav_{inputs}", manner, seed, temperature)
+        self._inputs, self._reach_m = inputs, reach_m
+        if inputs == "images":
+            self.name = "pixelnav_images"
+
+    def strategy(self, info: Info) -> Strategy:
+        """See :class:`models.agents.waypoint.WaypointAgent`."""
+        return Views("floor", most_m=self._reach_m, images=self._inputs == "images")
+
+    def questions(self, decision: Decision, slot: int) -> list[Question]:
+        """See :class:`models.agents.asking.AskingAgent`."""
+        target, habits, system = self._told[slot]
+        here = decision.known.view
+        options = tuple(
+            Option(str(angle_of(here, c.view.heading)), tuple(phrase(name) for name, _ in c.things))
+            for c in decision.candidates
+        )
+        names = ", ".join(option.name for option in options)
+        if self._inputs == "images":
+            situation = self.situation(target=target, options=names)
+            return [Question(target, habits, options, system, situation, images=(mosaic(decision),))]
+        views = "\n".join(_line(here, candidate) for candidate in decision.candidates)
+        situation = self.situation(target=target, views=views, options=names)
+        return [Question(target, habits, options, system, situation, self.cloze(target=target))]
+
+
+def angle_of(here: View, heading: int) -> int:
+    """Degrees to turn right from where the agent looks to a heading: 0, 90, 180 or 270."""
+    return 90 * ((here.heading - heading) % 4)
+
+
+def _line(here: View, candidate: Candidate) -> str:
+    return f"{angle_of(here, candidate.view.heading)}: {listed(candidate.things)}; floor for {candidate.free_m:.1f} m"
+
+
+def mosaic(decision: Decision) -> NDArray[np.uint8]:
+    """The four views, 2 x 2 with gaps of 10 pixels, each with its angle in red, (H, W, 3) uint8.
+
+    Raises:
+        ConfigError: the environment gives no images.
+    """
+    here = decision.known.view
+    tiles = {angle_of(here, s.view.heading): s.rgb for s in decision.sightings if s.rgb is not None}
+    if not tiles:
+        raise ConfigError("agent pixelnav with inputs=images needs images: set env.observe=pixels")
+    height, width = next(iter(tiles.values())).shape[:2]
+    out = np.full((2 * height + _GAP_PX, 2 * width + _GAP_PX, 3), 255, np.uint8)
+    for angle, rgb in tiles.items():
+        row, column = divmod(angle // 90, 2)
+        tile = np.ascontiguousarray(rgb)
+        size = height / 160
+        place = (round(6 * size), round(24 * size))
+        cv2.putText(tile, str(angle), place, cv2.FONT_HERSHEY_SIMPLEX, 0.7 * size, _RED, max(1, round(2 * size)))
+        y, x = row * (height + _GAP_PX), column * (width + _GAP_PX)
+        out[y : y + height, x : x + width] = tile
+    return out

@@ -1,0 +1,102 @@
+"""Agents that choose where to look next: an explorer walks in each slot, and one chooser answers for all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from models.agents.base import Info, Observation, slots_of
+from ucon.envs.waypoint import Decision, Explorer, Manner, Strategy
+from ucon.evaluation.decisions import DecisionRecord
+from ucon.language.choice import Answer
+
+
+@dataclass(frozen=True, slots=True)
+class Chosen:
+    """The candidate that was chosen, and how."""
+
+    number: int
+    options: tuple[str, ...] = ()
+    scores: tuple[float, ...] = ()
+    answers: tuple[Answer, ...] = ()
+    fallback: bool = False
+
+
+class WaypointAgent:
+    """A subclass says what may be chosen (:meth:`strategy`) and chooses (:meth:`choose`), for many slots at once."""
+
+    name = "waypoint"
+    uses_habits = True
+
+    def __init__(self, manner: Manner | None = None, seed: int = 0) -> None:
+        """``manner``: how choices are carried out; ``seed``: of what is drawn at random."""
+        self._manner, self._seed = manner or Manner(), seed
+        self._explorers: dict[int, Explorer] = {}
+        self._episodes: dict[int, str] = {}
+        self._decided: dict[int, list[DecisionRecord]] = {}
+
+    def strategy(self, info: Info) -> Strategy:
+        """What the candidates of an episode are; ``info`` is that of its reset."""
+        raise NotImplementedError
+
+    def start(self, slot: int, info: Info) -> None:
+        """Called at the start of an episode, for what a subclass keeps of it."""
+
+    def choose(self, decisions: Sequence[Decision], slots: Sequence[int]) -> list[Chosen]:
+        """Choose a candidate in each decision; ``slots`` tell whose they are."""
+        raise NotImplementedError
+
+    def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
+        """See :class:`models.agents.base.Agent`."""
+        for slot, info in zip(slots_of(infos, slots), infos, strict=True):
+            self._explorers[slot] = Explorer(info, self.strategy(info), self._manner, self._seed)
+            self._episodes[slot] = str(info.get("episode", ""))
+            self._decided[slot] = []
+            self.start(slot, info)
+
+    def act(
+        self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
+    ) -> list[int]:
+        """See :class:`models.agents.base.Agent`."""
+        numbers = list(slots_of(infos, slots))
+        actions = {
+            slot: self._explorers[slot].look(observation, info)
+            for slot, observation, info in zip(numbers, observations, infos, strict=True)
+        }
+        due = [slot for slot in numbers if actions[slot] is None]
+        if due:
+            decisions = [self._explorers[slot].decision() for slot in due]
+            for slot, decision, chosen in zip(due, decisions, self.choose(decisions, due), strict=True):
+                self._decided[slot].append(_record(self._episodes[slot], decision, chosen))
+                actions[slot] = self._explorers[slot].choose(chosen.number)
+        return [int(actions[slot]) for slot in numbers]  # type: ignore[arg-type]
+
+    def decisions(self, slot: int) -> list[DecisionRecord]:
+        """What was chosen in a slot since its reset."""
+        return self._decided.get(slot, [])
+
+    def language_usage(self, slot: int) -> tuple[int, int, float]:
+        """Calls, tokens and seconds of language models in a slot since its reset."""
+        made = self.decisions(slot)
+        tokens = sum(d.prompt_tokens + d.completion_tokens for d in made)
+        return sum(d.asked for d in made), tokens, sum(d.seconds for d in made)
+
+
+def _record(episode: str, decision: Decision, chosen: Chosen) -> DecisionRecord:
+    names = chosen.options or tuple(str(number) for number in range(len(decision.candidates)))
+    candidate = decision.candidates[chosen.number]
+    record = DecisionRecord(
+        episode, decision.number, decision.step, candidate.kind, names, chosen.number, chosen.scores
+    )
+    answers = chosen.answers
+    return replace(
+        record,
+        asked=len(answers),
+        fallback=chosen.fallback,
+        failure=next((a.failure for a in answers if a.failure), ""),
+        retries=sum(a.retries for a in answers),
+        prompt_tokens=sum(a.prompt_tokens for a in answers),
+        completion_tokens=sum(a.completion_tokens for a in answers),
+        text=answers[0].text if len(answers) == 1 else "",
+        seconds=sum(a.seconds for a in answers),
+    )

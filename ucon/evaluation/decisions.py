@@ -1,0 +1,70 @@
+"""What is kept of one choice that an agent made: a line of ``decisions.jsonl``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from ucon.core.files import canonical_json
+
+
+@dataclass(frozen=True)
+class DecisionRecord:
+    """One choice among candidates. Wall-clock seconds are kept apart: they differ from run to run."""
+
+    episode: str
+    number: int
+    """Of the episode, from 0."""
+    step: int
+    kind: str
+    """Of the candidate chosen."""
+    options: tuple[str, ...]
+    """What was asked about: the candidates, or (LGX by objects, L3MVN) what stands for them."""
+    chosen: int
+    """Number of the candidate."""
+    scores: tuple[float, ...] = ()
+    """Of the options, where the chooser gives any."""
+    asked: int = 0
+    """Questions put to a language model."""
+    fallback: bool = False
+    """Whether no usable answer came and the agent chose by its rule for that."""
+    failure: str = ""
+    """Why not."""
+    retries: int = 0
+    prompt_tokens: int = 0
+    completion_tokens: int = 0
+    text: str = ""
+    """What the model said, where it says something."""
+    seconds: float = 0.0
+    """Wall time of the answers; not part of the line."""
+
+    def to_line(self) -> str:
+        """One line of canonical JSON without the line break."""
+        values: dict[str, Any] = asdict(self)
+        values.pop("seconds")
+        return canonical_json(values)
+
+    @classmethod
+    def from_json(cls, data: dict[str, Any]) -> DecisionRecord:
+        """Rebuild a record from a parsed line."""
+        return cls(**{**data, "options": tuple(data["options"]), "scores": tuple(data["scores"])})
+
+
+def language_figures(decisions: Sequence[DecisionRecord], n_episodes: int) -> dict[str, Any] | None:
+    """Rates and costs of a run's decisions for ``summary.json``; None where no model was asked."""
+    asked = [d for d in decisions if d.asked]
+    if not asked or not n_episodes:
+        return None
+    failures = [d.failure or "unusable" for d in asked if d.fallback]
+    return {
+        "decisions": len(decisions),
+        "decisions_per_episode": len(decisions) / n_episodes,
+        "questions_per_episode": sum(d.asked for d in asked) / n_episodes,
+        "fallback_rate": len(failures) / len(asked),
+        "failures": {name: failures.count(name) for name in sorted(set(failures))},
+        "retries": sum(d.retries for d in asked),
+        "prompt_tokens_per_decision": sum(d.prompt_tokens for d in asked) / len(asked),
+        "completion_tokens_per_decision": sum(d.completion_tokens for d in asked) / len(asked),
+        "seconds_per_decision": sum(d.seconds for d in asked) / len(asked),
+    }
