@@ -35,7 +35,14 @@ def test_names(text, number):
 
 def test_numbers_keep_their_sign():
     turns = ("-90", "90", "180", "0")
-    assert [named(text, turns) for text in ("-90", "90", "turn by -90 degrees", "90°", "+180", "9")] == [0, 1, 0, 1, -1, -1]
+    assert [named(text, turns) for text in ("-90", "90", "turn by -90 degrees", "90°", "+180", "9")] == [
+        0,
+        1,
+        0,
+        1,
+        -1,
+        -1,
+    ]
 
 
 def test_what_is_written_alike_is_a_tie():

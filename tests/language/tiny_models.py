@@ -162,7 +162,9 @@ def save_mllama(folder: Path, template=CHAT, positions=2048) -> Path:
         "initializer_range": 0.3,
         "rope_parameters": {"rope_type": "default", "rope_theta": 10000.0},
     }
-    config = transformers.MllamaConfig(vision_config=vision, text_config=text, image_token_index=SPECIAL.index("<|image|>"))
+    config = transformers.MllamaConfig(
+        vision_config=vision, text_config=text, image_token_index=SPECIAL.index("<|image|>")
+    )
     model = transformers.MllamaForConditionalGeneration(config)
     for name, weight in model.named_parameters():
         if "gate" in name:  # closed in a new model, which would then see nothing

@@ -92,7 +92,9 @@ def test_a_fault_that_stays_ends_in_time_without_a_choice(model, fault):
     assert answer.seconds == pytest.approx(took, abs=0.1)
 
 
-@pytest.mark.parametrize("fault", [*(SERVER.keys() - {"not found", "bad request", "moved", "moved nowhere"}), *UNUSABLE])
+@pytest.mark.parametrize(
+    "fault", [*(SERVER.keys() - {"not found", "bad request", "moved", "moved nowhere"}), *UNUSABLE]
+)
 def test_a_fault_that_passes_costs_a_retry(model, fault):
     with chat_server((SERVER | UNUSABLE)[fault], GOOD) as server:
         (answer,) = model(server.url, max_wait_s=0.02).answer([question()])

@@ -50,7 +50,12 @@ def test_images_count(folder):
 
 
 def test_the_batch_changes_nothing(folder):
-    asked = [question(images=[picture()]), question(), question(INJECTED, images=[picture(1)]), question(names=NAMES[:1])]
+    asked = [
+        question(images=[picture()]),
+        question(),
+        question(INJECTED, images=[picture(1)]),
+        question(names=NAMES[:1]),
+    ]
     together = VisionModel(folder).answer(asked)
     for one, answer in zip(asked, together, strict=True):
         alone = VisionModel(folder, batch_size=1).answer([one])[0]
