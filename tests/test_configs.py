@@ -9,6 +9,7 @@ from omegaconf import OmegaConf
 
 from ucon.commands.wiring import Factory
 from ucon.evaluation.play import Policy
+from ucon.language.choice import LanguageModel
 from ucon.retrieval import Retriever
 
 CONFIGS = Path(__file__).parents[1] / "configs"
@@ -56,6 +57,22 @@ def test_every_agent_can_be_built(name):
 def test_every_retriever_can_be_built(name):
     retriever: Retriever = Factory(composed(f"retriever={name}")["retriever"])()
     assert callable(retriever.rank)
+
+
+@pytest.mark.parametrize("name", [name for group, name in OPTIONS if group == "language"])
+def test_every_language_model_can_be_built(name):
+    model = Factory(composed(f"language={name}")["language"])()
+    assert isinstance(model, LanguageModel)
+    assert model.name
+    assert isinstance(model.gives_scores, bool)
+    assert not [key for key in vars(model) if key in ("_model", "_tokenizer", "_processor")]  # nothing is loaded yet
+
+
+def test_the_encoders_figures_stand_in_one_place_as_in_the_other():
+    from ucon.language.models.encoder import EncoderWeights
+
+    config = composed()["language"]["weights"]
+    assert EncoderWeights(**{key: value for key, value in config.items() if key != "_target_"}) == EncoderWeights()
 
 
 def test_the_environment_can_be_built_and_reset():

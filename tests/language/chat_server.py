@@ -19,6 +19,7 @@ class ChatServer(ThreadingHTTPServer):
     def __init__(self, script: list[Callable[[Handler], None]]) -> None:
         super().__init__(("127.0.0.1", 0), Handler)
         self.script = script
+        self.models: Callable[[Handler], None] = fails(404)
         self.asked: list[dict[str, Any]] = []
         self.headers: list[dict[str, str]] = []
         self.times: list[float] = []
@@ -45,8 +46,9 @@ class Handler(BaseHTTPRequestHandler):
         self.server.script[min(number, len(self.server.script) - 1)](self)
 
     def do_GET(self) -> None:
-        """The list of models is not kept here."""
-        self.send(404, b"{}")
+        """The list of models."""
+        self.server.headers.append(dict(self.headers))
+        self.server.models(self)
 
     def log_message(self, *_: Any) -> None:
         pass

@@ -173,3 +173,47 @@ def save_mllama(folder: Path, template=CHAT, positions=2048) -> Path:
     images = MllamaImageProcessorPil(size={"height": 16, "width": 16}, max_image_tiles=4)
     transformers.MllamaProcessor(images, tokenizer, chat_template=template).save_pretrained(folder)
     return folder
+
+
+def save_llava(folder: Path) -> Path:
+    """The architecture of LLaVA: patches of the image stand among the tokens."""
+    from transformers.models.clip.image_processing_pil_clip import CLIPImageProcessorPil
+
+    tokenizer = _tokenizer(CHAT)
+    tokenizer.image_token, tokenizer.image_token_id = "<|image|>", SPECIAL.index("<|image|>")
+    torch.manual_seed(0)
+    vision = transformers.CLIPVisionConfig(
+        hidden_size=16,
+        intermediate_size=32,
+        num_hidden_layers=2,
+        num_attention_heads=2,
+        image_size=16,
+        patch_size=8,
+        initializer_factor=3.0,
+    )
+    text = transformers.LlamaConfig(
+        vocab_size=len(tokenizer),
+        hidden_size=32,
+        intermediate_size=64,
+        num_hidden_layers=2,
+        num_attention_heads=4,
+        max_position_embeddings=1024,
+        eos_token_id=5,
+        initializer_range=0.3,
+    )
+    config = transformers.LlavaConfig(
+        vision_config=vision, text_config=text, image_token_index=SPECIAL.index("<|image|>"), vision_feature_layer=-1
+    )
+    model = transformers.LlavaForConditionalGeneration(config)
+    model.generation_config.eos_token_id = 5
+    model.save_pretrained(folder)
+    images = CLIPImageProcessorPil(size={"shortest_edge": 16}, crop_size={"height": 16, "width": 16})
+    transformers.LlavaProcessor(
+        images,
+        tokenizer,
+        patch_size=8,
+        vision_feature_select_strategy="default",
+        chat_template=CHAT,
+        num_additional_image_tokens=1,
+    ).save_pretrained(folder)
+    return folder

@@ -58,10 +58,10 @@ class Usage:
 
 
 def read_answer(body: bytes) -> Said:
-    """The first choice of a chat completion.
+    """The first choice of a chat completion; what says nothing is an empty text, since it has a price too.
 
     Raises:
-        ValueError: the body is no UTF-8, no JSON, no chat completion, or its content is empty.
+        ValueError: the body is no UTF-8, no JSON, or no chat completion.
     """
     try:
         answer = json.loads(body.decode("utf-8"))
@@ -75,8 +75,7 @@ def read_answer(body: bytes) -> Said:
     except (KeyError, IndexError, TypeError):
         raise ValueError("an answer without choices[0].message.content") from None
     cut_off = choice.get("finish_reason") == "length"
-    if not isinstance(text, str) or not text.strip():
-        raise ValueError("an empty answer" + CUT_OFF * cut_off)
+    text = text.strip() and text if isinstance(text, str) else ""
     used = answer.get("usage")
     used = used if isinstance(used, dict) else {}
     return Said(text, _count(used.get("prompt_tokens")), _count(used.get("completion_tokens")), cut_off)

@@ -122,6 +122,8 @@ class Request:
                 prompt_tokens=spent.prompt_tokens + said.prompt_tokens,
                 completion_tokens=spent.completion_tokens + said.completion_tokens,
             )
+            if not said.text:
+                raise ValueError("an empty answer" + CUT_OFF * said.cut_off)
             found = usable_data(said.text, self._schema, self._wanted)
             if found is None:
                 what = "an answer without a whole JSON object" if self._wanted is None else "an answer of no use"

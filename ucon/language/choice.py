@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol, runtime_checkable
+from typing import Any, Final, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,9 @@ from numpy.typing import NDArray
 Image = NDArray[np.uint8]
 """(H, W, 3) RGB."""
 
+
+#: Least log-probability that an answer states.
+LEAST: Final = -1e4
 
 Failure = Literal["", "server", "unusable", "too long"]
 """``server``: no answer, a refusal or none in time; ``unusable``: answers, but none that names one option;
@@ -108,8 +111,14 @@ class LanguageModel(Protocol):
 
 
 def from_scores(logits: NDArray[np.floating[Any]], **spent: Any) -> Answer:
-    """The answer of a model that scores: ``logits`` (n,) in natural units, rounded so that ties fall to the first."""
+    """The answer of a model that scores: ``logits`` (n,) in natural units, rounded so that ties fall to the first.
+
+    No answer where a logit is no number, as overflowing half precision makes them. What is impossible gets
+    :data:`LEAST`, since records hold finite numbers.
+    """
     x = np.asarray(logits, np.float64)
-    x = x - x.max()
+    if np.isnan(x).any() or not np.isfinite(x.max()):
+        return Answer(-1, failure="unusable", **spent)
+    x = np.maximum(x - x.max(), LEAST)
     scores = np.round(x - np.log(np.exp(x).sum()), 4) + 0.0
     return Answer(int(scores.argmax()), tuple(scores.tolist()), **spent)

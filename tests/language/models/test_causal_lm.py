@@ -145,7 +145,7 @@ def test_errors_say_what_to_do(folder, tmp_path):
         CausalModel(folder, dtype="float3")
     with pytest.raises(ConfigError, match="device 'gpu'"):
         CausalModel(folder, device="gpu").check()
-    with pytest.raises(ConfigError, match="give language.path"):
+    with pytest.raises(ConfigError, match=r"give language\.path"):
         CausalModel("")
     with pytest.raises(ConfigError, match="batch_size=0"):
         CausalModel(folder, batch_size=0)

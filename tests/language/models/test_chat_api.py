@@ -214,6 +214,14 @@ def test_check_asks_for_the_models(model, monkeypatch):
     with chat_server(GOOD) as server:
         model(server.url).check()  # a server without a list of models is there all the same
         assert server.asked == []
+        monkeypatch.setenv("UCON_TEST_KEY", "sk-test")
+        server.models = fails(403, "no")
+        with pytest.raises(ConfigError, match="HTTP 403, the key is refused"):
+            model(server.url, api_key_env="UCON_TEST_KEY").check()
+        assert server.headers[-1]["Authorization"] == "Bearer sk-test"
+        server.models = hangs(0.5)
+        with pytest.raises(ServerError, match=r"no whole answer within 0\.15 s"):
+            model(server.url).check()
     with socket.socket() as unused:
         unused.bind(("127.0.0.1", 0))
         with pytest.raises(ServerError, match="see that the server runs"):

@@ -5,13 +5,17 @@ import time
 import numpy as np
 import pytest
 
-from tests.language.tiny_models import HABITS, INJECTED, question
+from tests.language.tiny_models import INJECTED, question
 from ucon.core.errors import DataError
+from ucon.habits import book
 from ucon.language.choice import Option, Question
 from ucon.language.encoder import MiniLM
 from ucon.language.models.encoder import EncoderModel, EncoderWeights
-from ucon.language.store import StoredEncoder, default_encoder
+from ucon.language.store import StoredEncoder, default_encoder, shipped_table
 from ucon.learning.fit_encoder import cases, nats, shared_out, single
+
+#: Of the book, whose vectors are shipped.
+HABITS = book().texts[:6]
 
 
 def asked(habits=HABITS, labels=(("sofa", "desk"), ("sink",), ("bed", "lamp"))):
@@ -53,13 +57,14 @@ def test_it_computes_its_formula(habits, labels):
         assert answer.choice == int(np.argmax(answer.scores))
 
 
-def test_company_and_order_change_no_byte():
+def test_company_and_order_change_no_byte(tmp_path):
+    encoder = StoredEncoder(MiniLM(), tables=(shipped_table(),), folder=tmp_path)
     many = [asked(), asked(()), asked(HABITS[:2]), asked(labels=(("lamp", "sofa", "sink"), ("desk",))), question()]
     many += [question(INJECTED)]
-    model = EncoderModel()
+    model = EncoderModel(encoder=encoder)
     first = [answer.scores for answer in model.answer(many)]
     assert [answer.scores for answer in reversed(model.answer(many[::-1]))] == first
-    assert [EncoderModel().answer([one])[0].scores for one in many] == first
+    assert [EncoderModel(encoder=encoder).answer([one])[0].scores for one in many] == first
 
 
 def test_a_name_of_the_catalogue_is_its_own_label():

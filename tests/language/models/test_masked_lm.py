@@ -95,7 +95,7 @@ def test_errors_say_what_to_do(folder, tmp_path):
         MaskedModel("no-such/model").check()
     with pytest.raises(ConfigError, match="batch_size=0"):
         MaskedModel(folder, batch_size=0)
-    with pytest.raises(DataError, match="cannot be loaded|mask token"):
+    with pytest.raises(DataError, match=r"cannot be loaded|mask token"):
         MaskedModel(str(save_causal(tmp_path / "llama"))).answer([question()])
     assert MaskedModel(folder).check() is None
     assert MaskedModel(folder).name == "masked (tiny-roberta)"

@@ -1,4 +1,4 @@
-"""The vision model on a tiny Mllama: what it says is what a plain forward pass a option says, and images count."""
+"""The vision model on tiny Mllama and LLaVA: it says what one plain forward pass an option says, and images count."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,17 @@ import torch
 import transformers
 from PIL import Image
 
-from tests.language.tiny_models import HABITS, INJECTED, NAMES, NO_SYSTEM, picture, question, save_causal, save_mllama
+from tests.language.tiny_models import (
+    HABITS,
+    INJECTED,
+    NAMES,
+    NO_SYSTEM,
+    picture,
+    question,
+    save_causal,
+    save_llava,
+    save_mllama,
+)
 from ucon.core.errors import DataError
 from ucon.language.models.vision_lm import VisionModel
 
@@ -41,6 +51,16 @@ def test_it_says_what_plain_forward_passes_say(folder, seen):
     asked = question(images=[picture(i, 20 + 9 * i) for i in range(seen)])
     (answer,) = VisionModel(folder).answer([asked])
     assert answer.scores == pytest.approx(plain(folder, asked), abs=2e-4)
+
+
+@pytest.mark.parametrize("seen", [0, 2])
+def test_it_holds_for_images_among_the_tokens(tmp_path, seen):
+    folder = str(save_llava(tmp_path / "tiny-llava"))
+    asked = question(images=[picture(i) for i in range(seen)])
+    (answer,) = VisionModel(folder).answer([asked])
+    assert answer.scores == pytest.approx(plain(folder, asked), abs=2e-4)
+    (words,) = VisionModel(folder).answer([question()])
+    assert answer.prompt_tokens == words.prompt_tokens + 4 * seen
 
 
 def test_images_count(folder):
@@ -83,7 +103,7 @@ def test_whole_habits_are_dropped_from_the_end(folder):
 def test_errors_say_what_to_do(folder, tmp_path):
     with pytest.raises(DataError, match=r"no such folder"):
         VisionModel(str(tmp_path / "nowhere")).check()
-    with pytest.raises(DataError, match="no processor of images|cannot be loaded"):
+    with pytest.raises(DataError, match=r"no processor of images|cannot be loaded"):
         VisionModel(str(save_causal(tmp_path / "blind"))).answer([question()])
     assert VisionModel(folder).check() is None
     assert VisionModel(folder).name == "vision (tiny-mllama)"
