@@ -127,6 +127,6 @@ def select(scores: Sequence[float], sure: float, possible: float) -> int:
 def label_set(target: str, size: int) -> tuple[str, ...]:
     """The target and ``size - 1`` other movable categories, always the same for a target; with spaces."""
     book = catalogue()
-    others = [name for name in book if book[name].role == "movable" and name != target]
+    others = [name for name in book.names if book[name].role == "movable" and name != target]
     drawn = stream(0, "l3mvn", target).choice(len(others), size=min(size - 1, len(others)), replace=False)
     return (phrase(target), *(phrase(others[k]) for k in sorted(drawn.tolist())))
