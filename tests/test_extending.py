@@ -1,0 +1,55 @@
+"""docs/EXTENDING.md: its worked example does what it says, in the two files that it names and no other."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGE = (ROOT / "docs" / "EXTENDING.md").read_text()
+FILES = dict(re.findall(r"`([\w/.]+)`:\n\n```(?:python|yaml)\n(.*?)```", PAGE, re.DOTALL))
+
+
+@pytest.fixture(scope="module")
+def clone(tmp_path_factory):
+    """The scripts, with the example's files added."""
+    folder = tmp_path_factory.mktemp("clone")
+    for name in ("configs", "models"):
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "eval.py", folder)
+    (folder / "ucon").symlink_to(ROOT / "ucon")
+    assert set(FILES) == {"models/agents/mentioned.py", "configs/agent/mentioned.yaml"}
+    for name, text in FILES.items():
+        assert not (folder / name).exists()
+        (folder / name).write_text(text)
+    return folder
+
+
+@pytest.mark.parametrize("check", [["check"], ["format", "--check"]])
+def test_the_example_is_written_as_the_project_writes(clone, check):
+    command = [sys.executable, "-m", "ruff", *check, "--config", str(ROOT / "pyproject.toml")]
+    done = subprocess.run([*command, "models/agents/mentioned.py"], cwd=clone, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_example_plays_and_reads_habits(clone):
+    chosen = {}
+    for level in ("none", "gt"):
+        command = [sys.executable, "eval.py", "agent=mentioned", f"habit_level={level}", "episodes=mini", "limit=6"]
+        options = [f"out={clone / level}", "workers=0", "pictures=0", "progress=false"]
+        subprocess.run([*command, *options], cwd=clone, check=True, capture_output=True, text=True)
+        summary = json.loads((clone / level / "summary.json").read_text())
+        assert summary["agent"] == "mentioned"
+        assert summary["n"] == 6
+        lines = (clone / level / "decisions.jsonl").read_text().splitlines()
+        chosen[level] = [(d["episode"], d["number"], d["chosen"]) for d in map(json.loads, lines)]
+    assert chosen["none"] != chosen["gt"]
+
+
+def test_every_file_that_the_page_names_is_there():
+    for name in re.findall(r"`((?:models|configs|ucon|docs)/[\w/.]+)`", PAGE):
+        assert name in FILES or (ROOT / name).exists(), name
