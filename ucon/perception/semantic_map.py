@@ -55,6 +55,7 @@ class SemanticMap:
         category: name of each track ("" until detected). box: (T, 6) float64 x0 y0 z0 x1 y1 z1 of the points seen.
         opened: (T,) bool. pixels: (T,) int32 pixels in the last frame. closest: (T,) float32 least depth seen from.
         last_seen: (T,) int32 step, -1 never. views: poses so far.
+        certainty: (T,) float32 sum of the detector's scores over the frames that show it; inf if it is never wrong.
     """
 
     def __init__(self, body: Body = PAPER_BODY) -> None:
@@ -83,6 +84,7 @@ class SemanticMap:
             "pixels": np.zeros(capacity, np.int32),
             "closest": np.full(capacity, 1e3, np.float32),
             "last_seen": np.full(capacity, -1, np.int32),
+            "certainty": np.zeros(capacity, np.float32),
         }
         for name, array in blank.items():
             if old:
@@ -95,6 +97,7 @@ class SemanticMap:
     pixels: NDArray[np.int32]
     closest: NDArray[np.float32]
     last_seen: NDArray[np.int32]
+    certainty: NDArray[np.float32]
 
     @property
     def n_tracks(self) -> int:
@@ -129,6 +132,7 @@ class SemanticMap:
         if last >= len(self.kind):
             self._grow(2 * last + 2)
         self.category.extend([""] * (last + 1 - self.n_tracks))
+        self.certainty[detections.track] += np.inf if detections.score is None else detections.score
         for track, name, pixels in zip(
             detections.track.tolist(), detections.category, detections.pixels.tolist(), strict=True
         ):
