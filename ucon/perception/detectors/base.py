@@ -7,6 +7,7 @@ is there.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -66,6 +67,7 @@ class Detector(Protocol):
         """Release what the detector holds."""
 
 
+@lru_cache(maxsize=1)
 def vocabulary() -> tuple[str, ...]:
     """Names that detectors are asked for: the catalogue without pieces of the building, which geometry tells."""
     return tuple(name for name in catalogue().names if name not in STRUCTURE_KINDS)
