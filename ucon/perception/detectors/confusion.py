@@ -40,7 +40,9 @@ def confusion(name: str) -> NDArray[np.float64]:
     k = row[name]
     ratio = np.square(size - size[k]).mean(1) / np.log(1.5) ** 2
     weight = np.exp(-0.5 * ratio) + 1e-9
-    weight *= np.where(shape == shape[k], 6.0, 1.0) * np.where(group == group[k], 3.0, 1.0) * (1.0 + 2 * rooms @ rooms[k])
+    weight *= (
+        np.where(shape == shape[k], 6.0, 1.0) * np.where(group == group[k], 3.0, 1.0) * (1.0 + 2 * rooms @ rooms[k])
+    )
     weight[k] = 0.0
     result: NDArray[np.float64] = weight / weight.sum()
     return result
@@ -51,4 +53,3 @@ def mistaken(name: str, draw: float) -> str:
     names = vocabulary()
     k = int(np.searchsorted(np.cumsum(confusion(name)), draw, side="right"))
     return names[min(k, len(names) - 1)]
-

@@ -70,18 +70,18 @@ class Tracker:
         """Track of every box, (n,); -1 for those that show nothing. New ones are numbered by size."""
         track = np.full(len(count), -1, np.int16)
         pairs = []
-        for k in np.flatnonzero(count):
+        for k in np.flatnonzero(count).tolist():
             for old in self._same.get(boxes.label[k], ()):
                 cost = self._cost(boxes.label[k], self._box[old], extent[k])
                 if cost is not None:
-                    pairs.append((cost, old, int(k)))
+                    pairs.append((cost, old, k))
         taken: set[int] = set()
         for _, old, k in sorted(pairs):
             if track[k] < 0 and old not in taken:
                 track[k] = old
                 taken.add(old)
                 self._box[old] = _union(self._box[old], extent[k])
-        fresh = [k for k in np.flatnonzero(count) if track[k] < 0]
+        fresh = [k for k in np.flatnonzero(count).tolist() if track[k] < 0]
         for k in sorted(fresh, key=lambda k: (-count[k], k)):
             if len(self.category) < MOST_TRACKS:
                 track[k] = len(self.category)
