@@ -24,6 +24,10 @@ from ucon.task.actions import Action
 
 #: A container that did not open this often is let be.
 MOST_REFUSALS = 3
+#: Scores of a detector that can be wrong must add up to this before Done is said; one that cannot always passes.
+SURE = 1.0
+#: So many walks to a place where the thing was not to be seen, and it was a mistake of the detector.
+MOST_WALKS = 3
 
 
 class Expecting(Protocol):
@@ -57,6 +61,7 @@ class SearchController:
         self.expecting = expecting
         self.choice: Choice | None = None
         self.refused: dict[int, int] = {}
+        self._walks: dict[int, int] = {}
         self._plan: deque[Action] = deque()
         self._age = 0
         self._openable: list[bool] = []
@@ -97,17 +102,19 @@ class SearchController:
 
     def _target_track(self) -> int | None:
         tracks = self.map.instances.get(self.target, ())
-        return next((t for t in tracks if self.map.seen(t)), None)
+        return next((t for t in tracks if self.map.seen(t) and self._walks.get(t, 0) < MOST_WALKS), None)
 
     def _approach(self, track: int) -> Action:
         known = self.map
-        if self.approach.arrived(known, track):
+        if self.approach.arrived(known, track) and known.certainty[track] >= SURE:
             return Action.DONE
         if self._plan and self.choice is None and self._age < self.REPLAN_STEPS:
             self._age += 1
             return self._plan.popleft()
         if self.choice is None and not self._plan:
             self.approach.failed(known.view)
+            if np.isfinite(known.certainty[track]):
+                self._walks[track] = self._walks.get(track, 0) + 1
         self.choice, self._age = None, 0
         self.planner.update(known)
         goal = self.approach.goal(known, self.planner, track)

@@ -179,11 +179,12 @@ CHECKS = (python, packages, threads, write_access, encoder, gpu, environment)
 def warm_up() -> float:
     """Compile every kernel that an episode and a searching agent need, by playing a few steps; seconds."""
     from ucon.envs.ucon_env import UcONEnv
+    from ucon.perception.detectors.noisy import NoisyDetector
     from ucon.perception.warm import look_around
 
     started = time.perf_counter()
-    for observe in ("pixels", "symbolic"):
-        env = UcONEnv("mini", observe=observe, detector=True, render_mode="rgb_array")
+    for observe, detector in (("pixels", True), ("symbolic", True), ("symbolic", NoisyDetector())):
+        env = UcONEnv("mini", observe=observe, detector=detector, render_mode="rgb_array")
         look_around(env, WARMING)
         env.render()
         env.close()

@@ -64,9 +64,9 @@ class UcONEnv(gym.Env[Obs, int]):
     ``target`` (category), ``camera_m`` (its height); at reset ``task`` (name of the rules), ``context`` (a sentence or
     None), ``habits`` (texts), ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for seeds and logs), at level
     ``context`` ``reranking`` (:class:`ucon.retrieval.ContextHabits`: told what was seen, it ranks anew), with
-    ``planner="true"`` ``nav`` (free grid in the agent's frame); with a detector (True is ``gt``) ``detections``, ``tracks``
-    and ``opened`` (tracks); at the end ``episode_metrics``. With ``privileged=True`` also ``privileged`` (scene, episode,
-    solution, locations, target instance, pose): for trainers and oracles only.
+    ``planner="true"`` ``nav`` (free grid in the agent's frame); with a detector (True is ``gt``) ``detections``,
+    ``tracks`` and ``opened`` (tracks); at the end ``episode_metrics``. With ``privileged=True`` also ``privileged``
+    (scene, episode, solution, locations, target instance, pose): for trainers and oracles only.
 
     ### Rewards
     :class:`ucon.task.reward.Reward`: +10 for a successful Done and -0.01 a step by default.

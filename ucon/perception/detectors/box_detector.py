@@ -40,5 +40,5 @@ class BoxDetector(ABC):
         """Tracks most of whose pixels lay on one of the instances when they were last seen."""
         return self._owners.of(instances)
 
-    def close(self) -> None:
-        """Nothing to release."""
+    def close(self) -> None:  # noqa: B027 (most detectors hold nothing)
+        """Release what the detector holds."""

@@ -26,8 +26,8 @@ class Names:
         """The name that a phrase is, else the longest that it contains as whole words (the first of equals)."""
         words = plain(phrase).split()
         for length in range(min(len(words), self._longest), 0, -1):
-            found = [self._names.get(" ".join(words[k : k + length])) for k in range(len(words) - length + 1)]
-            found = [name for name in found if name is not None]
+            spans = [" ".join(words[k : k + length]) for k in range(len(words) - length + 1)]
+            found = [self._names[span] for span in spans if span in self._names]
             if found:
                 # Longest by letters among those of equally many words.
                 return max(found, key=len)

@@ -118,7 +118,7 @@ def structure(depth: F32, camera: F64, half: int, upright: U8, image: I16) -> No
                 d = depth[v, u]
                 if image[v, u] >= 0 or not 0.0 < d < FAR_M:
                     continue
-                x, y, z = _point(u, v, d, rows, columns, camera)
+                z = _point(u, v, d, rows, columns, camera)[2]
                 if marking:
                     if z > ABOVE_FURNITURE_M:
                         _border(depth, u, v, camera, half, upright, True)

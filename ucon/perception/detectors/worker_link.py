@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import select
@@ -24,7 +25,7 @@ class WorkerLink:
     def __init__(self, command: Sequence[str], what: str) -> None:
         """Start ``command``; ``what`` names it in messages."""
         self._what = what
-        self._log: IO[bytes] = tempfile.TemporaryFile()
+        self._log: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 (closed with the program)
         # Where this Python lives is not where the other one does.
         variables = {key: value for key, value in os.environ.items() if key != "PYTHONHOME"}
         try:
@@ -69,10 +70,8 @@ class WorkerLink:
         """End the program: its stdin is closed, and after two seconds it is killed."""
         process = self._process
         if process.stdin is not None and not process.stdin.closed:
-            try:
+            with contextlib.suppress(OSError):
                 process.stdin.close()
-            except OSError:
-                pass
         try:
             process.wait(2.0)
         except subprocess.TimeoutExpired:

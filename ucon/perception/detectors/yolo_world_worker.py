@@ -17,6 +17,7 @@ import json
 import os
 import struct
 import sys
+from pathlib import Path
 from typing import Any, BinaryIO
 
 
@@ -40,8 +41,8 @@ def write(stream: BinaryIO, answer: dict[str, Any]) -> None:
 def load(settings: dict[str, Any]) -> Any:
     """The model, told its vocabulary."""
     # The files beside this one are UcON's and must not be taken for packages.
-    here = os.path.dirname(os.path.abspath(__file__))
-    sys.path[:] = [path for path in sys.path if os.path.abspath(path or ".") != here]
+    here = Path(__file__).resolve().parent
+    sys.path[:] = [path for path in sys.path if Path(path).resolve() != here]
     # Nothing may be installed or fetched behind the user's back.
     os.environ["YOLO_AUTOINSTALL"] = "false"
     os.environ.setdefault("YOLO_OFFLINE", "true")
