@@ -16,7 +16,8 @@ class Owners:
     """The instance behind every track, as far as there is one (privileged)."""
 
     def __init__(self) -> None:
-        self._instance: dict[int, int] = {}
+        #: of every track: the instance behind it (-1 none), and how many of its pixels lay on that
+        self._behind: dict[int, tuple[int, int]] = {}
 
     def note(self, found: Detections, frame: Frame, reserved: int) -> None:
         """Take in one frame; tracks below ``reserved`` are structure and stand for nothing."""
@@ -28,11 +29,16 @@ class Owners:
         pair, pixels = np.unique(pairs, return_counts=True)
         track, instance = np.divmod(pair, width)
         total = np.bincount(track, pixels)
-        self._instance.update(dict.fromkeys(np.unique(track).tolist(), -1))
+        self._behind.update(dict.fromkeys(track.tolist(), (-1, 0)))
         most = (2 * pixels > total[track]) & (instance > 0)
-        self._instance.update(zip(track[most].tolist(), (instance[most] - 1).tolist(), strict=True))
+        for k in np.flatnonzero(most).tolist():
+            self._behind[int(track[k])] = (int(instance[k]) - 1, int(pixels[k]))
 
     def of(self, instances: tuple[int, ...]) -> tuple[int, ...]:
         """Tracks that stand for any of ``instances``, ascending."""
-        wanted = set(instances)
-        return tuple(track for track, instance in sorted(self._instance.items()) if instance in wanted)
+        found: list[int] = []
+        for wanted in set(instances):
+            sizes = {track: pixels for track, (instance, pixels) in self._behind.items() if instance == wanted}
+            # What covers little of it is a small thing before it, in a box that is too large.
+            found += [track for track, pixels in sizes.items() if 4 * pixels >= max(sizes.values())]
+        return tuple(sorted(found))

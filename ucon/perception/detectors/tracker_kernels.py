@@ -78,10 +78,11 @@ def segment(depth: F32, boxes: I32, masks: Flags, camera: F64, owner: I16, exten
         for v in range(box[1], box[3]):
             for u in range(box[0], box[2]):
                 d = depth[v, u]
-                if not 0.0 < d < FAR_M or abs(d - main) > reach or (flat.shape[0] > 0 and not flat[v, u]):
+                masked = flat.shape[0] > 0
+                if not 0.0 < d < FAR_M or (not flat[v, u] if masked else abs(d - main) > reach):
                     continue
                 x, y, z = _point(u, v, d, rows, columns, camera)
-                if z < FLOOR_M and not on_floor:
+                if z < FLOOR_M and not (on_floor or masked):
                     continue
                 owner[v, u] = k
                 count[k] += 1
