@@ -11,6 +11,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -183,8 +184,12 @@ def warm_up() -> float:
     from ucon.perception.warm import look_around
 
     started = time.perf_counter()
-    for observe, detector in (("pixels", True), ("symbolic", True), ("symbolic", NoisyDetector())):
-        env = UcONEnv("mini", observe=observe, detector=detector, render_mode="rgb_array")
+    make = partial(UcONEnv, "mini", render_mode="rgb_array")
+    for env in (
+        make(observe="pixels", detector=True),
+        make(observe="symbolic", detector=True),
+        make(observe="symbolic", detector=NoisyDetector()),
+    ):
         look_around(env, WARMING)
         env.render()
         env.close()

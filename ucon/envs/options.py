@@ -26,7 +26,10 @@ def make_renderer(name: str, width_px: int, height_px: int, fov_deg: float) -> R
 
 
 def make_detector(option: bool | Detector | None) -> Detector | None:
-    """The detector of an option: none for False and None, ``gt`` for True, an object as it is."""
+    """The detector of an option: none for False and None, ``gt`` for True, an object as it is.
+
+    An object follows the episode of one environment: it must not be given to two.
+    """
     if option is None or isinstance(option, bool):
         return GtDetector() if option else None
     if not callable(getattr(option, "detect", None)):

@@ -15,7 +15,9 @@ STEPS = (1, 1, 1, 0, 0, 4, 4, 5, 2, 0, 3, 0, 2, 0, 0, 5)
 
 def frame(counts: list[int], instance: np.ndarray) -> Frame:
     depth = np.ones(instance.shape, np.float32)
-    return Frame(depth, None, np.zeros(4, np.float32), 1.25, 90.0, instance.astype(np.int16), np.array(counts, np.int32))
+    return Frame(
+        depth, None, np.zeros(4, np.float32), 1.25, 90.0, instance.astype(np.int16), np.array(counts, np.int32)
+    )
 
 
 def test_tracks_count_up_by_size_among_the_newly_seen() -> None:

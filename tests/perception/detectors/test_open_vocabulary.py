@@ -177,7 +177,9 @@ def test_options_that_cannot_be_are_refused(owl: str) -> None:
         with pytest.raises(ConfigError, match="expected a threshold"):
             Owlv2Detector(Weights(owl), **wrong)
     colourless = frame()
-    colourless = Frame(colourless.depth, None, *(getattr(colourless, f) for f in ("pose", "camera_m", "fov_deg", "instance", "counts")))
+    colourless = Frame(
+        colourless.depth, None, *(getattr(colourless, f) for f in ("pose", "camera_m", "fov_deg", "instance", "counts"))
+    )
     with pytest.raises(DetectorError, match="no colours"):
         Owlv2Detector(Weights(owl), names=NAMES).find(colourless)
 

@@ -54,7 +54,14 @@ def thing(x: float, y: float, size: float = 0.4, z: float = 0.0) -> np.ndarray:
     return np.array([x - size / 2, y - size / 2, z, x + size / 2, y + size / 2, z + size])
 
 
-ROUND = [(0, 0, 0, 0), (0, 0.5, 0, 0), (1, -1, 0, 0), (2.5, -2.5, np.pi / 2, 0), (5, 0, np.pi, 0), (1.25, 0, 0, -np.pi / 6)]
+ROUND = [
+    (0, 0, 0, 0),
+    (0, 0.5, 0, 0),
+    (1, -1, 0, 0),
+    (2.5, -2.5, np.pi / 2, 0),
+    (5, 0, np.pi, 0),
+    (1.25, 0, 0, -np.pi / 6),
+]
 
 
 def test_one_thing_seen_from_all_sides_stays_one_track() -> None:

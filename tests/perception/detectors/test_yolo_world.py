@@ -15,7 +15,7 @@ from ucon.perception.detectors import Frame
 from ucon.perception.detectors.yolo_world import WORKER, YoloWorldDetector
 
 NAMES = ("coffee_table", "bed", "mug")
-DOUBLE = '''
+DOUBLE = """
 import os, sys, time
 import numpy as np
 
@@ -53,7 +53,7 @@ class YOLOWorld:
         v, u = np.nonzero(image[:, :, 2] > 250)
         red = [u.min(), v.min(), u.max() + 1, v.max() + 1]
         return [Result([[*red, 0.9, 2], [*red, 0.4, 2], [-5, -5, 500, 500, 0.3, 1]])]
-'''
+"""
 
 
 @pytest.fixture
@@ -138,7 +138,9 @@ def test_one_that_hangs_is_ended_in_time(make) -> None:
 
 def test_without_the_package_it_says_what_to_install(make, tmp_path: Path) -> None:
     detector = make()
-    (tmp_path / "ultralytics" / "__init__.py").write_text("raise ModuleNotFoundError(\"No module named 'ultralytics'\")")
+    (tmp_path / "ultralytics" / "__init__.py").write_text(
+        "raise ModuleNotFoundError(\"No module named 'ultralytics'\")"
+    )
     with pytest.raises(DetectorError, match="install ultralytics into the environment of"):
         detector.find(frame())
 
@@ -146,7 +148,10 @@ def test_without_the_package_it_says_what_to_install(make, tmp_path: Path) -> No
 def test_a_program_that_is_no_worker_is_told_from_one(make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from ucon.perception.detectors import yolo_world
 
-    for text, message in (("hello, I am no worker", "answered .* bytes"), ("\x00\x00\x00\x02[]", "expected a JSON object")):
+    for text, message in (
+        ("hello, I am no worker", "answered .* bytes"),
+        ("\x00\x00\x00\x02[]", "expected a JSON object"),
+    ):
         fake = tmp_path / "fake.py"
         fake.write_text(f"import sys; sys.stdout.write({text!r}); sys.stdout.flush(); sys.stdin.read()")
         monkeypatch.setattr(yolo_world, "WORKER", fake)

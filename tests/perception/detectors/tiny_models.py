@@ -37,7 +37,7 @@ def grounding_dino(folder: Path, words: tuple[str, ...], *, window: int = 256) -
         encoder_ffn_dim=32, decoder_ffn_dim=32, num_queries=20, max_text_len=window, disable_custom_kernels=True,
     )  # fmt: skip
     GroundingDinoForObjectDetection(config).eval().save_pretrained(folder)
-    images = GroundingDinoImageProcessorPil(size={"shortest_edge": 64, "longest_edge": 96})
+    images = GroundingDinoImageProcessorPil(size={"shortest_edge": 128, "longest_edge": 192})
     GroundingDinoProcessor(images, tokenizer).save_pretrained(folder)
     return folder
 
