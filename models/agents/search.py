@@ -26,8 +26,6 @@ from ucon.task.actions import Action
 MOST_REFUSALS = 3
 #: Scores of a detector that can be wrong must add up to this before Done is said; one that cannot always passes.
 SURE = 1.0
-#: So many walks to a place where the thing was not to be seen, and it was a mistake of the detector.
-MOST_WALKS = 3
 
 
 class Expecting(Protocol):
@@ -61,7 +59,6 @@ class SearchController:
         self.expecting = expecting
         self.choice: Choice | None = None
         self.refused: dict[int, int] = {}
-        self._walks: dict[int, int] = {}
         self._plan: deque[Action] = deque()
         self._age = 0
         self._openable: list[bool] = []
@@ -102,7 +99,7 @@ class SearchController:
 
     def _target_track(self) -> int | None:
         tracks = self.map.instances.get(self.target, ())
-        return next((t for t in tracks if self.map.seen(t) and self._walks.get(t, 0) < MOST_WALKS), None)
+        return next((t for t in tracks if self.map.seen(t)), None)
 
     def _approach(self, track: int) -> Action:
         known = self.map
@@ -113,8 +110,6 @@ class SearchController:
             return self._plan.popleft()
         if self.choice is None and not self._plan:
             self.approach.failed(known.view)
-            if np.isfinite(known.certainty[track]):
-                self._walks[track] = self._walks.get(track, 0) + 1
         self.choice, self._age = None, 0
         self.planner.update(known)
         goal = self.approach.goal(known, self.planner, track)
