@@ -1,5 +1,6 @@
 """Every file under configs/ composes, and what it describes can be built."""
 
+import inspect
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from omegaconf import OmegaConf
 from ucon.commands.wiring import Factory
 from ucon.evaluation.play import Policy
 from ucon.language.choice import LanguageModel
+from ucon.evaluation.report import run_hashes
 from ucon.retrieval import Retriever
 
 CONFIGS = Path(__file__).parents[1] / "configs"
@@ -73,6 +75,28 @@ def test_the_encoders_figures_stand_in_one_place_as_in_the_other():
 
     config = composed()["language"]["weights"]
     assert EncoderWeights(**{key: value for key, value in config.items() if key != "_target_"}) == EncoderWeights()
+
+
+@pytest.mark.parametrize("name", [name for group, name in OPTIONS if group == "detector"])
+def test_every_detector_can_be_built_without_its_weights(name):
+    config = composed(f"detector={name}")
+    assert config["env"]["detector"] == config["detector"]
+    env = Factory(config["env"])()
+    detector = env._detector
+    assert detector.name == name
+    assert detector.needs_rgb == (name not in ("gt", "noisy"))
+    # What a file says is what the detector would do without it.
+    given = {key for key in config["detector"] if key != "_target_"}
+    assert given <= set(inspect.signature(get_class(config["detector"]["_target_"])).parameters)
+    env.close()
+
+
+def test_the_detector_is_part_of_the_hash():
+    hashes = {
+        run_hashes(composed(*given), (), ())["config"]
+        for given in ((), ("detector=noisy",), ("detector.min_pixels=5",))
+    }
+    assert len(hashes) == 3
 
 
 def test_the_environment_can_be_built_and_reset():

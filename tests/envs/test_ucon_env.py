@@ -245,7 +245,9 @@ def test_other_sizes_judge_by_the_same_view(episodes: tuple[Episode, ...]) -> No
     for env in envs:
         obs, info = env.reset(options={"episode": 2})
         assert obs["rgb"].shape == (*info["tracks"].shape, 3)
-        seen.append(info["detections"])
+        found = info["detections"]
+        assert found.image is info["tracks"]
+        seen.append((found.track, found.pixels, found.category))
     assert all(same(seen[0], other) for other in seen[1:])
 
 

@@ -6,14 +6,17 @@ import sys
 CODE = """
 from ucon.commands.doctor import WARMING
 from ucon.envs.ucon_env import UcONEnv
+from ucon.perception.detectors import noisy_kernels as n, tracker_kernels as t
+from ucon.perception.detectors.noisy import NoisyDetector
 from ucon.perception import fine_kernels as f, map_kernels as m, place_kernels as p, planner, view_kernels as v
 from ucon.perception.warm import look_around
 called_from_python = (
     m.integrate, m.carve, m.look, p.make_points, p.facing, p.inherit, v.space_gain, v.place_gain, v.open_gain,
-    v.fade_space, v.fade_places, planner._search, f.add_frame, f.walk,
+    v.fade_space, v.fade_places, planner._search, f.add_frame, f.walk, n.outline, n.spots, t.segment, t.structure,
 )
-known = look_around(UcONEnv("mini", observe="symbolic", detector=True), WARMING)
-assert known.n_tracks > 3
+for detector in (True, NoisyDetector()):
+    known = look_around(UcONEnv("mini", observe="symbolic", detector=detector), WARMING)
+    assert known.n_tracks > 3
 print([kernel.__name__ for kernel in called_from_python if not kernel.signatures])
 """
 

@@ -11,6 +11,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -179,11 +180,16 @@ CHECKS = (python, packages, threads, write_access, encoder, gpu, environment)
 def warm_up() -> float:
     """Compile every kernel that an episode and a searching agent need, by playing a few steps; seconds."""
     from ucon.envs.ucon_env import UcONEnv
+    from ucon.perception.detectors.noisy import NoisyDetector
     from ucon.perception.warm import look_around
 
     started = time.perf_counter()
-    for observe in ("pixels", "symbolic"):
-        env = UcONEnv("mini", observe=observe, detector=True, render_mode="rgb_array")
+    make = partial(UcONEnv, "mini", render_mode="rgb_array")
+    for env in (
+        make(observe="pixels", detector=True),
+        make(observe="symbolic", detector=True),
+        make(observe="symbolic", detector=NoisyDetector()),
+    ):
         look_around(env, WARMING)
         env.render()
         env.close()

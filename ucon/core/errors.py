@@ -33,6 +33,10 @@ class EpisodeError(UconError):
     """An episode that cannot be sampled, loaded or replayed."""
 
 
+class DetectorError(UconError):
+    """A detector that cannot be loaded, or stopped answering."""
+
+
 class ServerError(UconError):
     """A server that cannot be reached, refuses, or does not answer in the end.
 

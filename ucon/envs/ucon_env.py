@@ -11,14 +11,15 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from ucon.core.errors import ConfigError, EpisodeError
+from ucon.core.errors import EpisodeError
 from ucon.envs.frame import StartFrame
 from ucon.envs.knowledge import HabitSource
+from ucon.envs.options import check_choice, make_detector, make_renderer
 from ucon.envs.spaces import NO_ACTION, observation_space, padded
 from ucon.envs.topdown import TopDownMap
-from ucon.envs.tracks import Tracks
+from ucon.perception.detectors import Detector, Frame
 from ucon.sim.cache import load_house
-from ucon.sim.render import RasterRenderer, Renderer
+from ucon.sim.render import RasterRenderer
 from ucon.sim.state import SceneState
 from ucon.task.actions import Action
 from ucon.task.check import check_home
@@ -63,9 +64,9 @@ class UcONEnv(gym.Env[Obs, int]):
     ``target`` (category), ``camera_m`` (its height); at reset ``task`` (name of the rules), ``context`` (a sentence or
     None), ``habits`` (texts), ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for seeds and logs), at level
     ``context`` ``reranking`` (:class:`ucon.retrieval.ContextHabits`: told what was seen, it ranks anew), with
-    ``planner="true"`` ``nav`` (free grid in the agent's frame); with ``detector=True`` ``detections``, ``tracks`` and
-    ``opened`` (tracks); at the end ``episode_metrics``. With ``privileged=True`` also ``privileged`` (scene, episode,
-    solution, locations, target instance, pose): for trainers and oracles only.
+    ``planner="true"`` ``nav`` (free grid in the agent's frame); with a detector (True is ``gt``) ``detections``,
+    ``tracks`` and ``opened`` (tracks); at the end ``episode_metrics``. With ``privileged=True`` also ``privileged``
+    (scene, episode, solution, locations, target instance, pose): for trainers and oracles only.
 
     ### Rewards
     :class:`ucon.task.reward.Reward`: +10 for a successful Done and -0.01 a step by default.
@@ -87,7 +88,7 @@ class UcONEnv(gym.Env[Obs, int]):
         width_px: int = CANONICAL_PX,
         height_px: int = CANONICAL_PX,
         fov_deg: float = CANONICAL_FOV_DEG,
-        detector: bool = False,
+        detector: bool | Detector | None = False,
         planner: Literal["true", "observed"] = "true",
         renderer: Literal["raster", "tiny"] = "raster",
         world: Literal["compiled", "live"] = "compiled",
@@ -96,10 +97,10 @@ class UcONEnv(gym.Env[Obs, int]):
         privileged: bool = False,
         render_mode: str | None = None,
     ) -> None:
-        _check_choice("observe", observe, ("pixels", "symbolic"))
-        _check_choice("planner", planner, ("true", "observed"))
-        _check_choice("world", world, ("compiled", "live"))
-        _check_choice("render_mode", render_mode, (None, "rgb_array"))
+        check_choice("observe", observe, ("pixels", "symbolic"))
+        check_choice("planner", planner, ("true", "observed"))
+        check_choice("world", world, ("compiled", "live"))
+        check_choice("render_mode", render_mode, (None, "rgb_array"))
         self.episodes = load_episodes(episodes, task) if isinstance(episodes, str | Path) else tuple(episodes)
         if not self.episodes:
             raise EpisodeError("no episodes: expected at least one; name a set (mini, val, test) or give a path")
@@ -107,11 +108,12 @@ class UcONEnv(gym.Env[Obs, int]):
         self.source = source or HabitSource()
         self.habit_level = self.source.check_level(habit_level)
         self.render_mode = render_mode
-        self._observe, self._detector, self._planner = observe, detector, planner
+        self._observe, self._planner, self._detector = observe, planner, make_detector(detector)
         self._world_kind, self._reward, self._privileged = world, reward or Reward(), privileged
         self._max_habits = max_habits
-        self._renderer = _make_renderer(renderer, width_px, height_px, fov_deg)
+        self._renderer = make_renderer(renderer, width_px, height_px, fov_deg)
         self._canonical = (width_px, height_px, fov_deg) == (CANONICAL_PX, CANONICAL_PX, CANONICAL_FOV_DEG)
+        self._fov_deg = fov_deg
         self._frame_renderer: RasterRenderer | None = None
         self._world: Any = None
         self.action_space = spaces.Discrete(len(Action))  # type: ignore[assignment]  # it draws NumPy integers
@@ -139,7 +141,8 @@ class UcONEnv(gym.Env[Obs, int]):
         self._knowledge = self.source.knowledge(self.episode, self.habit_level)
         self._give_habits()
         self._target_embedding = self._knowledge.target_embedding.astype(np.float32)
-        self._tracks = Tracks(self._world.categories)
+        if self._detector is not None:
+            self._detector.reset(self.episode.id, self._world.categories)
         self._last_action, self._collision = NO_ACTION, 0
         self._map: TopDownMap | None = None
         self._ledger: Ledger | None = None
@@ -205,6 +208,8 @@ class UcONEnv(gym.Env[Obs, int]):
     def close(self) -> None:
         """Release the renderer and, with ``world="live"``, the PyBullet client."""
         self._renderer.close()
+        if self._detector is not None:
+            self._detector.close()
         if self._world is not None and self._world_kind == "live":
             self._world.close()
         self._world = None
@@ -224,29 +229,18 @@ class UcONEnv(gym.Env[Obs, int]):
     def _look(self, opened: tuple[int, ...]) -> tuple[Obs, dict[str, Any]]:
         """One raster a step: image, depth, instances and the canonical pixel counts together."""
         info: dict[str, Any] = {"target": self.episode.target_category, "camera_m": self.search.camera[2]}
-        height, width = self._instance.shape
-        obs: Obs = {}
-        buffers: dict[str, Any] = {}
+        obs: Obs = {"pose": self._frame.pose(self.search.pose)}
+        depth, rgb = self._draw()
         if self._observe == "pixels":
-            obs["rgb"] = buffers["rgb"] = np.empty((height, width, 3), np.uint8)
-        if self._observe == "pixels" or self._detector:
-            depth = buffers["depth"] = np.empty((height, width), np.float32)
-            if self._observe == "pixels":
-                obs["depth"] = depth
-            else:
-                info["depth"] = depth
-        if self._detector:
-            buffers["instance"] = self._instance
-        if buffers and self._canonical:
-            counts = np.empty(len(self._world.boxes), np.int32)
-            self._renderer.render(*self.search.camera, counts=counts, **buffers)
-            self.search.saw(counts)
-        elif buffers:
-            self._renderer.render(*self.search.camera, **buffers)
-        if self._detector:
-            info["detections"] = self._tracks.see(self.search.counts)
-            info["tracks"] = self._tracks.image(self._instance)
-            info["opened"] = self._tracks.of(opened)
+            obs["rgb"], obs["depth"] = rgb, depth
+        elif depth is not None:
+            info["depth"] = depth
+        if self._detector is not None and depth is not None:
+            pose, camera_m = obs["pose"], info["camera_m"]
+            frame = Frame(depth, rgb, pose, camera_m, self._fov_deg, self._instance, self.search.counts)
+            info["detections"] = found = self._detector.detect(frame)
+            info["tracks"] = found.image
+            info["opened"] = self._detector.tracks_of(opened)
         if self._privileged:
             info["privileged"] = {
                 "solution": self.episode.solution,
@@ -256,12 +250,25 @@ class UcONEnv(gym.Env[Obs, int]):
                 "episode": self.episode,
                 "locations": self._locations,
             }
-        obs["pose"] = self._frame.pose(self.search.pose)
         obs["target"] = self._target_embedding.copy()
         obs["habits"], obs["habits_mask"] = self._habits.copy(), self._habits_mask.copy()
         obs["last_action"], obs["collision"] = self._last_action, self._collision
         obs["step"] = 0
         return obs, info
+
+    def _draw(self) -> tuple[NDArray[np.float32] | None, NDArray[np.uint8] | None]:
+        """Depth (H, W) and colours (H, W, 3), each if it is asked for; instances and counts are kept."""
+        pixels, detector, shape = self._observe == "pixels", self._detector, self._instance.shape
+        depth = np.empty(shape, np.float32) if pixels or detector is not None else None
+        rgb = np.empty((*shape, 3), np.uint8) if pixels or (detector is not None and detector.needs_rgb) else None
+        if depth is None:
+            return None, None
+        instance = self._instance if detector is not None else None
+        counts = np.empty(len(self._world.boxes), np.int32) if self._canonical else None
+        self._renderer.render(*self.search.camera, rgb=rgb, depth=depth, instance=instance, counts=counts)
+        if counts is not None:
+            self.search.saw(counts)
+        return depth, rgb
 
     def _give_habits(self) -> None:
         """What observations show: the habits of the level, at level ``context`` as they are ranked now."""
@@ -284,17 +291,3 @@ class UcONEnv(gym.Env[Obs, int]):
         if not 0 <= int(wanted) < len(self.episodes):
             raise EpisodeError(f"episode index {wanted}, expected 0 to {len(self.episodes) - 1}")
         return self.episodes[int(wanted)]
-
-
-def _make_renderer(name: str, width_px: int, height_px: int, fov_deg: float) -> Renderer:
-    _check_choice("renderer", name, ("raster", "tiny"))
-    if name == "raster":
-        return RasterRenderer(width_px, height_px, fov_deg)
-    from ucon.sim.render.tiny import TinyRenderer  # PyBullet is needed for it, and for nothing else here
-
-    return TinyRenderer(width_px, height_px, fov_deg)
-
-
-def _check_choice(option: str, value: Any, choices: tuple[Any, ...]) -> None:
-    if value not in choices:
-        raise ConfigError(f"{option}={value!r}: expected one of {', '.join(map(str, choices))}")

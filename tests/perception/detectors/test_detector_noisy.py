@@ -1,0 +1,205 @@
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from models.agents.belief import BeliefAgent
+from models.agents.frontier import FrontierAgent
+from ucon.core.errors import ConfigError
+from ucon.envs.ucon_env import UcONEnv
+from ucon.objects.catalogue import catalogue
+from ucon.perception.detections import STRUCTURE_KINDS
+from ucon.perception.detectors import Frame, vocabulary
+from ucon.perception.detectors.confusion import confusion, mistaken
+from ucon.perception.detectors.noisy import EXACT, NoisyDetector, Rates
+
+WALK = (1, 1, 1, 1, 0, 0, 3, 2, 4, 0, 0, 2, 0, 0, 4, 1, 1, 3, 0, 0, 5, 1, 0, 0)
+
+
+class Watching(NoisyDetector):
+    """Keeps the last frame."""
+
+    def find(self, frame: Frame):
+        self.frame = Frame(frame.depth, None, frame.pose, frame.camera_m, 90.0, frame.instance.copy(), frame.counts)
+        return super().find(frame)
+
+
+@pytest.fixture(scope="module")
+def frames() -> list[tuple[str, tuple[str, ...], Frame]]:
+    """Episode, categories and frame of some 600 looks in 12 homes."""
+    detector = Watching(EXACT)
+    env = UcONEnv("mini", observe="symbolic", detector=detector, habit_level="none")
+    found = []
+    for number in range(12):
+        env.reset(options={"episode": number})
+        for action in 2 * WALK:
+            found.append((env.episode.id, env.search.world.categories, detector.frame))
+            env.step(action)
+    env.close()
+    return found
+
+
+def boxes_of(detector: NoisyDetector, frames: list) -> Iterator[tuple]:
+    last = None
+    for episode, categories, frame in frames:
+        if episode != last:
+            detector.reset(episode, categories)
+            last = episode
+        yield categories, frame, detector.find(frame)
+
+
+def in_view(categories: tuple[str, ...], frame: Frame) -> list[int]:
+    return [k for k in np.flatnonzero(frame.counts >= 4) if categories[k] not in STRUCTURE_KINDS]
+
+
+def test_misses_come_out_as_set_for_every_size(frames: list) -> None:
+    rates = Rates(recall=(0.3, 0.9), recall_px=(10, 1000), false_labels=0.0, false_positives=0.0, jitter=0.0)
+    found, expected = np.zeros(3), np.zeros(3)
+    looks = (look for seed in range(16) for look in boxes_of(NoisyDetector(rates, seed=seed), frames))
+    for categories, frame, boxes in looks:
+        there, seen = in_view(categories, frame), Counter(boxes.label)
+        alone = Counter(categories[k] for k in there)
+        for k in there:
+            if alone[categories[k]] > 1:
+                continue  # which of several was missed cannot be told by name
+            row = int(np.digitize(frame.counts[k], (30, 300)))
+            found[row] += seen[categories[k]]
+            expected[row] += rates.found(int(frame.counts[k]))
+    assert expected.min() > 60
+    np.testing.assert_allclose(found / expected, 1.0, atol=0.1)
+    assert rates.found(1) == pytest.approx(0.3)
+    assert rates.found(100) == pytest.approx(0.6)
+    assert rates.found(10**6) == pytest.approx(0.9)
+
+
+def test_wrong_names_come_out_as_set(frames: list) -> None:
+    rates = Rates(recall=(1.0,), recall_px=(1.0,), false_labels=0.25, false_positives=0.0, jitter=0.0)
+    wrong = []
+    for categories, frame, boxes in boxes_of(NoisyDetector(rates), frames):
+        truth = [categories[k] for k in in_view(categories, frame)]
+        assert len(boxes.label) == len(truth)
+        wrong += [given != name for given, name in zip(boxes.label, truth, strict=True)]
+        assert set(boxes.label) <= set(vocabulary())
+    assert len(wrong) > 2000
+    assert np.mean(wrong) == pytest.approx(0.25, abs=0.03)
+
+
+def test_false_boxes_come_out_as_set(frames: list) -> None:
+    rates = Rates(recall=(0.0,), recall_px=(1.0,), false_labels=0.0, false_positives=0.6, jitter=0.0)
+    n = [len(boxes.label) for _, _, boxes in boxes_of(NoisyDetector(rates), frames)]
+    # One spot may be seen in many frames, so the spread is larger than that of single draws.
+    assert np.mean(n) == pytest.approx(0.6, abs=0.15)
+
+
+def test_boxes_are_off_by_the_jitter(frames: list) -> None:
+    exact = boxes_of(NoisyDetector(EXACT), frames)
+    shaken = boxes_of(NoisyDetector(Rates((1.0,), (1.0,), 0.0, 0.0, 0.1)), frames)
+    off = []
+    for (_, _, a), (_, _, b) in zip(exact, shaken, strict=True):
+        side = np.tile(a.xyxy[:, 2:] - a.xyxy[:, :2], 2)
+        off.append((b.xyxy - a.xyxy) / side)
+    assert np.concatenate(off).std() == pytest.approx(0.1, rel=0.05)
+    assert abs(np.concatenate(off).mean()) < 0.01
+
+
+def test_without_errors_it_says_what_gt_says() -> None:
+    envs = [UcONEnv("mini", observe="symbolic", detector=d, habit_level="none") for d in (True, NoisyDetector(EXACT))]
+    names = set()
+    for number in range(4):
+        looks = [env.reset(options={"episode": number})[1] for env in envs]
+        for action in WALK:
+            truth, found = (Counter(i["detections"].category) for i in looks)
+            for name in STRUCTURE_KINDS:
+                truth.pop(name, None), found.pop(name, None)
+            assert found == truth
+            names |= truth.keys()
+            looks = [env.step(action)[4] for env in envs]
+    assert len(names) > 30
+    for env in envs:
+        env.close()
+
+
+def test_the_same_pose_shows_the_same_and_errors_last() -> None:
+    env = UcONEnv("mini", observe="symbolic", detector=NoisyDetector(), habit_level="none")
+    _, first = env.reset(options={"episode": 1})
+    for action in (1, 1, 1):
+        env.step(action)
+    again = env.step(1)[4]
+    assert again["detections"].category == first["detections"].category
+    assert (again["tracks"] == first["tracks"]).all()
+    env.close()
+
+
+def play(env: UcONEnv, number: int) -> bytes:
+    _, info = env.reset(options={"episode": number})
+    parts = []
+    for action in WALK:
+        found = info["detections"]
+        parts += [found.track.tobytes(), found.pixels.tobytes(), found.score.tobytes(), found.image.tobytes()]
+        parts.append(repr((found.category, info["opened"])).encode())
+        info = env.step(action)[4]
+    return b"".join(parts)
+
+
+def test_an_episode_is_the_same_whatever_was_played_before() -> None:
+    used = UcONEnv("mini", observe="symbolic", detector=NoisyDetector(), habit_level="none")
+    play(used, 0), play(used, 5)
+    fresh = UcONEnv("mini", observe="symbolic", detector=NoisyDetector(), habit_level="none")
+    other = UcONEnv("mini", observe="symbolic", detector=NoisyDetector(seed=1), habit_level="none")
+    wanted = play(fresh, 3)
+    assert play(used, 3) == wanted
+    assert play(fresh, 3) == wanted
+    assert play(other, 3) != wanted
+
+
+@pytest.mark.parametrize("make", [FrontierAgent, BeliefAgent])
+def test_agents_search_with_it_to_the_end(make: type) -> None:
+    env = UcONEnv("mini", observe="symbolic", detector=NoisyDetector(), habit_level="retrieval")
+    agent, ends = make(), []
+    for number in range(4):
+        obs, info = env.reset(options={"episode": number})
+        agent.reset([info])
+        ended = False
+        while not ended:
+            obs, _, terminated, truncated, info = env.step(agent.act([obs], [info])[0])
+            ended = terminated or truncated
+        ends.append(info["episode_metrics"])
+    assert all(1 <= end["steps"] <= 300 for end in ends)
+    env.close()
+
+
+def test_errors_do_not_depend_on_the_target() -> None:
+    """Names of a mistake are drawn by the thing and the catalogue: any category may come, the target as others."""
+    row = confusion("mug")
+    assert row.sum() == pytest.approx(1.0)
+    names = vocabulary()
+    assert row[names.index("mug")] == 0.0
+    assert not set(names) & set(STRUCTURE_KINDS)
+    likely = [names[k] for k in np.argsort(-row)[:20]]
+    volume = lambda name: float(np.prod(catalogue()[name].size))  # noqa: E731
+    assert all(0.1 < volume(name) / volume("mug") < 10 for name in likely)
+    assert mistaken("mug", 0.0) in names
+    assert mistaken("mug", 0.999999) in names
+    drawn = Counter(mistaken("mug", draw) for draw in np.linspace(0, 1, 4000, endpoint=False))
+    assert drawn["mug"] == 0
+    assert drawn[likely[0]] / 4000 == pytest.approx(row.max(), abs=0.002)
+    assert mistaken("something else", 0.5) in names
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"recall": (0.5,)},
+        {"recall": (0.1, 0.2, 0.3, 1.2)},
+        {"recall_px": (4, 4, 5, 6)},
+        {"false_labels": -0.1},
+        {"false_positives": 99.0},
+        {"jitter": 1.0},
+    ],
+)
+def test_rates_that_cannot_be_are_refused(wrong: dict) -> None:
+    with pytest.raises(ConfigError, match="rates"):
+        Rates(**wrong)

@@ -1,0 +1,37 @@
+"""What the environment's options stand for: one of several names, a renderer, a detector."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ucon.core.errors import ConfigError
+from ucon.perception.detectors import Detector, GtDetector
+from ucon.sim.render import RasterRenderer, Renderer
+
+
+def check_choice(option: str, value: Any, choices: tuple[Any, ...]) -> None:
+    """Raise :class:`ConfigError` where ``value`` is none of ``choices``."""
+    if value not in choices:
+        raise ConfigError(f"{option}={value!r}: expected one of {', '.join(map(str, choices))}")
+
+
+def make_renderer(name: str, width_px: int, height_px: int, fov_deg: float) -> Renderer:
+    """The renderer of a name: ``raster`` or ``tiny``."""
+    check_choice("renderer", name, ("raster", "tiny"))
+    if name == "raster":
+        return RasterRenderer(width_px, height_px, fov_deg)
+    from ucon.sim.render.tiny import TinyRenderer  # PyBullet is needed for it, and for nothing else here
+
+    return TinyRenderer(width_px, height_px, fov_deg)
+
+
+def make_detector(option: bool | Detector | None) -> Detector | None:
+    """The detector of an option: none for False and None, ``gt`` for True, an object as it is.
+
+    An object follows the episode of one environment: it must not be given to two.
+    """
+    if option is None or isinstance(option, bool):
+        return GtDetector() if option else None
+    if not callable(getattr(option, "detect", None)):
+        raise ConfigError(f"detector={option!r}: expected true (gt), false, or a detector; see configs/detector/")
+    return option

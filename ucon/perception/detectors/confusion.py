@@ -1,0 +1,55 @@
+"""Which name a detector mistakes for which: of similar size and shape, and found in the same rooms.
+
+Read off the catalogue: nothing here was measured on a detector, whose own confusions go by looks and by wording.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.objects.catalogue import catalogue
+from ucon.perception.detectors.base import vocabulary
+
+
+@lru_cache(maxsize=1)
+def _features() -> tuple[dict[str, int], NDArray[np.float64], NDArray[np.str_], NDArray[np.str_], NDArray[np.float64]]:
+    """Row of every name; sorted log sizes (n, 3); shapes (n,); groups (n,); rooms (n, r), each row of length 1."""
+    names, book = vocabulary(), catalogue()
+    rows = [book[name] for name in names]
+    types = sorted({room for row in rows for room in row.rooms})
+    rooms = np.array([[float(room in row.rooms) for room in types] for row in rows])
+    rooms /= np.maximum(np.linalg.norm(rooms, axis=1, keepdims=True), 1e-9)
+    size = np.log(np.array([sorted(row.size) for row in rows]))
+    shape, group = np.array([row.archetype for row in rows]), np.array([row.semantic_group for row in rows])
+    return {name: k for k, name in enumerate(names)}, size, shape, group, rooms
+
+
+@lru_cache(maxsize=4096)
+def confusion(name: str) -> NDArray[np.float64]:
+    """Probability (n,) of every name of the vocabulary when ``name`` is called something else; its own is 0.
+
+    Sizes count by a Gaussian over their mean squared log ratio (a factor 1.5 is one standard deviation), one
+    archetype makes it six times as likely, one semantic group three times, shared rooms up to three times.
+    """
+    row, size, shape, group, rooms = _features()
+    if name not in row:
+        return np.full(len(row), 1.0 / len(row))
+    k = row[name]
+    ratio = np.square(size - size[k]).mean(1) / np.log(1.5) ** 2
+    weight = np.exp(-0.5 * ratio) + 1e-9
+    weight *= (
+        np.where(shape == shape[k], 6.0, 1.0) * np.where(group == group[k], 3.0, 1.0) * (1.0 + 2 * rooms @ rooms[k])
+    )
+    weight[k] = 0.0
+    result: NDArray[np.float64] = weight / weight.sum()
+    return result
+
+
+def mistaken(name: str, draw: float) -> str:
+    """The wrong name for ``name`` that a number drawn from [0, 1) stands for."""
+    names = vocabulary()
+    k = int(np.searchsorted(np.cumsum(confusion(name)), draw, side="right"))
+    return names[min(k, len(names) - 1)]

@@ -1,0 +1,125 @@
+"""Models of the transformers library that find whatever is named: loading them, and what their detectors share.
+
+Weights are read from a folder or from the Hugging Face cache; only with ``download`` are they fetched. Detectors of
+one process that name the same weights share one model.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ucon.core.errors import ConfigError, DetectorError, brief
+from ucon.perception.detectors.base import Frame, vocabulary
+from ucon.perception.detectors.box_detector import BoxDetector
+from ucon.perception.detectors.boxes import Boxes
+from ucon.perception.detectors.tracker import GATE_M
+
+if TYPE_CHECKING:
+    import torch
+
+_DTYPES = ("float32", "float16", "bfloat16")
+
+
+@dataclass(frozen=True, slots=True)
+class Weights:
+    """Which model, and how it runs."""
+
+    model: str
+    """A folder, or a name on the Hugging Face hub."""
+    device: str = "cpu"
+    dtype: str = "float32"
+    """float32, float16 or bfloat16; halves are meant for GPUs."""
+    download: bool = False
+    """Whether weights that are not in the cache are fetched."""
+
+    def __post_init__(self) -> None:
+        if self.dtype not in _DTYPES:
+            raise ConfigError(f"detector dtype={self.dtype!r}: expected one of {', '.join(_DTYPES)}")
+
+
+@dataclass(frozen=True, slots=True)
+class Loaded:
+    """A model in evaluation mode and its processor."""
+
+    model: Any
+    processor: Any
+
+
+@lru_cache(maxsize=2)
+def load(weights: Weights) -> Loaded:
+    """The model and processor of some weights.
+
+    Raises:
+        DetectorError: they are not there, or are no model that finds what is named.
+    """
+    import torch
+    from transformers import AutoModelForZeroShotObjectDetection, AutoProcessor
+
+    local = not weights.download
+    try:
+        processor = AutoProcessor.from_pretrained(weights.model, local_files_only=local)
+        model = AutoModelForZeroShotObjectDetection.from_pretrained(
+            weights.model, local_files_only=local, dtype=getattr(torch, weights.dtype)
+        )
+        model = model.to(weights.device).eval()
+    except (OSError, ValueError, ImportError, RuntimeError) as error:
+        raise DetectorError(
+            f"detector weights {weights.model} on {weights.device} cannot be loaded ({brief(str(error))}); give the "
+            "folder of a model, or set download=true once to fetch it into the cache"
+        ) from None
+    return Loaded(model, processor)
+
+
+class OpenVocabularyDetector(BoxDetector):
+    """Boxes of whatever of the vocabulary a model finds in the colour image, above a threshold, without doubles.
+
+    Weights are loaded at the first frame, so that an environment can be described without them.
+    """
+
+    def __init__(
+        self,
+        weights: Weights,
+        *,
+        threshold: float,
+        nms_iou: float = 0.5,
+        most_boxes: int = 100,
+        names: Sequence[str] | None = None,
+        gate_m: float = GATE_M,
+    ) -> None:
+        """``names`` is the vocabulary, by default that of the catalogue; ``nms_iou`` is the overlap of doubles."""
+        super().__init__(gate_m)
+        if not 0.0 <= threshold < 1.0 or not 0.0 <= nms_iou <= 1.0 or most_boxes < 1:
+            raise ConfigError(
+                f"detector: threshold={threshold}, nms_iou={nms_iou}, most_boxes={most_boxes}: expected a threshold "
+                "from 0 to below 1, an overlap from 0 to 1, and at least one box"
+            )
+        self._weights, self._threshold = weights, threshold
+        self._nms_iou, self._most_boxes = nms_iou, most_boxes
+        self._names = vocabulary() if names is None else tuple(names)
+
+    def find(self, frame: Frame) -> Boxes:
+        """Boxes of one frame, in its pixels."""
+        import torch
+
+        if frame.rgb is None:
+            raise DetectorError(f"detector {self.name}: the frame has no colours; render rgb for it")
+        with torch.inference_mode():
+            found = self._raw(load(self._weights), frame.rgb)
+        height, width = frame.depth.shape
+        xyxy = np.clip(found.xyxy, 0, np.array([width, height, width, height], np.float32))
+        inside = np.flatnonzero(((xyxy[:, 2:] - xyxy[:, :2]) > 0.5).all(1))
+        return Boxes(found.label, found.score, xyxy).keep(inside).without_doubles(self._nms_iou, self._most_boxes)
+
+    @abstractmethod
+    def _raw(self, loaded: Loaded, rgb: np.ndarray) -> Boxes:
+        """All boxes above the threshold in an image (H, W, 3) uint8, in its pixels."""
+
+    def _result(self, label: Sequence[str], score: torch.Tensor, xyxy: torch.Tensor) -> Boxes:
+        numbers = [np.asarray(t.float().cpu().numpy(), np.float32) for t in (score, xyxy)]
+        return Boxes(list(label), numbers[0], numbers[1].reshape(-1, 4))

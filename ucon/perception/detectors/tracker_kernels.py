@@ -1,0 +1,158 @@
+"""Hot loops of the tracker: what in a box is the thing, and what the rest of a frame is by its geometry alone.
+
+A camera is the one of :mod:`ucon.perception.map_kernels`; heights are metres above the floor.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ucon.core.jit import F32, F64, I16, I32, U8, Flags, jit, merged
+from ucon.perception.map_kernels import CELL_M, FAR_M
+
+#: Heights that tell floor and ceiling from what stands between.
+FLOOR_M, CEILING_M = 0.05, 2.2
+#: Only walls are seen as upright planes above this: no furniture of the catalogue but wardrobes comes near it.
+ABOVE_FURNITURE_M = 1.95
+#: Depths are counted in steps of 5 %, from 0.1 m on.
+_STEP, _NEAREST_M, _BINS = np.log(1.05), 0.1, 140
+FLOORS, WALLS, CEILINGS, OBSTACLES = 0, 1, 2, 3
+
+
+@merged
+def _point(u: int, v: int, d: float, rows: int, columns: int, camera: F64) -> tuple[float, float, float]:
+    x, y, cam_z, c, s, cp, sp, focal_px = camera
+    up = (0.5 * rows - v - 0.5) / focal_px
+    f, right = d * (cp - sp * up), d * ((u + 0.5 - 0.5 * columns) / focal_px)
+    return x + c * f + s * right, y + s * f - c * right, cam_z + d * (sp + cp * up)
+
+
+@jit
+def main_depth(depth: F32, box: I32, mask: Flags) -> float:
+    """The commonest depth in the middle of a box (its inner half, or all of it where that shows nothing); 0 if none.
+
+    box (4,) pixels within the frame; mask (H, W), or (0, 0) for a detector without masks.
+    """
+    count = np.zeros(_BINS, np.int32)
+    for inner in (True, False):
+        dx = (box[2] - box[0]) // 4 if inner else 0
+        dy = (box[3] - box[1]) // 4 if inner else 0
+        for v in range(box[1] + dy, box[3] - dy):
+            for u in range(box[0] + dx, box[2] - dx):
+                d = depth[v, u]
+                if 0.0 < d < FAR_M and (mask.shape[0] == 0 or mask[v, u]):
+                    count[min(max(int(np.log(d / _NEAREST_M) / _STEP), 0), _BINS - 1)] += 1
+        if count.max() > 0:
+            break
+    best, most = -1, 0
+    for k in range(_BINS):
+        near = count[k] + count[max(k - 1, 0)] + count[min(k + 1, _BINS - 1)]
+        if count[k] > 0 and near > most:
+            best, most = k, near
+    return _NEAREST_M * np.exp((best + 0.5) * _STEP) if best >= 0 else 0.0
+
+
+@jit
+def segment(depth: F32, boxes: I32, masks: Flags, camera: F64, owner: I16, extent: F64, count: I32) -> None:
+    """Find the pixels of the thing in each box; later boxes lie over earlier ones.
+
+    Args:
+        depth: (H, W) optical metres.
+        boxes: (n, 4) pixels within the frame, in the order of painting.
+        masks: (n, H, W), or (0, 0, 0) for a detector without masks.
+        camera: (8,).
+        owner: (H, W) written: number of the box that a pixel belongs to; others are left as they are.
+        extent: (n, 6) written: x0 y0 z0 x1 y1 z1 of the thing's points.
+        count: (n,) written: its pixels, those that later boxes take included.
+    """
+    rows, columns = depth.shape
+    for k in range(boxes.shape[0]):
+        box = boxes[k]
+        mask = masks[k if masks.shape[0] > 0 else 0 : k + 1 if masks.shape[0] > 0 else 0]
+        flat = mask.reshape(mask.shape[0] * mask.shape[1], mask.shape[2])
+        main = main_depth(depth, box, flat)
+        # A thing is about as deep as it is wide: what is nearer or farther than that is something else.
+        side_m = max(box[2] - box[0], box[3] - box[1]) * main / camera[7]
+        reach = max(0.08, 0.6 * side_m)
+        on_floor = _mean_height(depth, box, main, camera) < 2 * FLOOR_M
+        for v in range(box[1], box[3]):
+            for u in range(box[0], box[2]):
+                d = depth[v, u]
+                masked = flat.shape[0] > 0
+                if not 0.0 < d < FAR_M or (not flat[v, u] if masked else abs(d - main) > reach):
+                    continue
+                x, y, z = _point(u, v, d, rows, columns, camera)
+                if z < FLOOR_M and not (on_floor or masked):
+                    continue
+                owner[v, u] = k
+                count[k] += 1
+                extent[k, 0], extent[k, 3] = min(extent[k, 0], x), max(extent[k, 3], x)
+                extent[k, 1], extent[k, 4] = min(extent[k, 1], y), max(extent[k, 4], y)
+                extent[k, 2], extent[k, 5] = min(extent[k, 2], z), max(extent[k, 5], z)
+
+
+@jit
+def _mean_height(depth: F32, box: I32, main: float, camera: F64) -> float:
+    """Mean height of the points in a box that lie at its main depth, within 8 %."""
+    rows, columns = depth.shape
+    total, n = 0.0, 0
+    for v in range(box[1], box[3]):
+        for u in range(box[0], box[2]):
+            d = depth[v, u]
+            if abs(d - main) <= 0.08 * main:
+                total += _point(u, v, d, rows, columns, camera)[2]
+                n += 1
+    return total / n if n else 0.0
+
+
+@jit
+def structure(depth: F32, camera: F64, half: int, upright: U8, image: I16) -> None:
+    """Fill the pixels of no thing (-1) of ``image`` (H, W) with floors, walls, ceilings and obstacles (0 to 3).
+
+    A wall is an upright plane along an axis, at a cell border along which such a plane was seen above all furniture,
+    in this frame or an earlier one: ``upright`` (2, n, n), whose axes are those of the map's ``walls``.
+    """
+    rows, columns = depth.shape
+    for marking in (True, False):
+        for v in range(rows):
+            for u in range(columns):
+                d = depth[v, u]
+                if image[v, u] >= 0 or not 0.0 < d < FAR_M:
+                    continue
+                z = _point(u, v, d, rows, columns, camera)[2]
+                if marking:
+                    if z > ABOVE_FURNITURE_M:
+                        _border(depth, u, v, camera, half, upright, True)
+                elif z < FLOOR_M:
+                    image[v, u] = FLOORS
+                elif z > CEILING_M:
+                    image[v, u] = CEILINGS
+                else:
+                    image[v, u] = WALLS if _border(depth, u, v, camera, half, upright, False) else OBSTACLES
+
+
+@jit
+def _border(depth: F32, u: int, v: int, camera: F64, half: int, upright: U8, mark: bool) -> bool:
+    """Whether a pixel lies on an upright plane at a marked cell border; with ``mark`` the border becomes marked."""
+    rows, columns = depth.shape
+    a, b = (u + 1 if u + 1 < columns else u - 1), (v + 1 if v + 1 < rows else v - 1)
+    x, y, z = _point(u, v, depth[v, u], rows, columns, camera)
+    x1, y1, z1 = _point(a, v, depth[v, a], rows, columns, camera)
+    x2, y2, z2 = _point(u, b, depth[b, u], rows, columns, camera)
+    x1, y1, z1, x2, y2, z2 = x1 - x, y1 - y, z1 - z, x2 - x, y2 - y, z2 - z
+    nx, ny, nz = y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2
+    length = np.sqrt(nx * nx + ny * ny + nz * nz)
+    if length == 0.0 or abs(nz) > 0.15 * length or max(abs(nx), abs(ny)) < 0.97 * length:
+        return False
+    axis = 0 if abs(nx) > abs(ny) else 1
+    across, along = (x, y) if axis == 0 else (y, x)
+    border = int(np.floor(across / CELL_M))
+    if abs(across - (border + 0.5) * CELL_M) > 0.08:
+        return False
+    cell = int(np.floor(along / CELL_M + 0.5)) + half
+    i, j = (border + half, cell) if axis == 0 else (cell, border + half)
+    if not (0 <= i < upright.shape[1] and 0 <= j < upright.shape[2]):
+        return False
+    if mark:
+        upright[axis, i, j] = 1
+    return upright[axis, i, j] == 1

@@ -1,0 +1,134 @@
+"""YOLO-World through ``ultralytics``, in a Python environment and a process of its own.
+
+That package is AGPL-3.0 and replaces the headless OpenCV, so it must not be installed beside UcON. Once:
+
+    python -m venv yolo-world
+    yolo-world/bin/pip install ultralytics git+https://github.com/ultralytics/CLIP.git
+    yolo-world/bin/python -c "from ultralytics import YOLOWorld; YOLOWorld('yolov8l-worldv2.pt').set_classes(['cup'])"
+
+The last line fetches the weights into the folder it is run in, and the text encoder into its cache. Then
+``detector=yolo_world detector.python=yolo-world/bin/python detector.weights=yolov8l-worldv2.pt``.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ucon.core.errors import ConfigError, DetectorError, brief
+from ucon.perception.detectors.base import Frame, vocabulary
+from ucon.perception.detectors.box_detector import BoxDetector
+from ucon.perception.detectors.boxes import Boxes
+from ucon.perception.detectors.phrases import plain
+from ucon.perception.detectors.tracker import GATE_M
+from ucon.perception.detectors.worker_link import WorkerLink
+
+WORKER = Path(__file__).with_name("yolo_world_worker.py")
+
+
+class YoloWorldDetector(BoxDetector):
+    """Boxes by YOLO-World; the process starts at the first frame and ends with :meth:`close`."""
+
+    name = "yolo_world"
+
+    def __init__(
+        self,
+        python: str,
+        weights: str,
+        *,
+        threshold: float = 0.05,
+        nms_iou: float = 0.5,
+        most_boxes: int = 100,
+        image_px: int = 640,
+        device: str = "cpu",
+        load_timeout_s: float = 300.0,
+        timeout_s: float = 30.0,
+        names: Sequence[str] | None = None,
+        gate_m: float = GATE_M,
+    ) -> None:
+        """Name the environment and the weights.
+
+        Args:
+            python: Python executable of the environment that has ``ultralytics``.
+            weights: file of a YOLO-World model.
+            threshold: least score.
+            nms_iou: boxes of one name that overlap by more are one.
+            most_boxes: a frame.
+            image_px: side to which frames are brought.
+            device: cpu, or a GPU as torch names it.
+            load_timeout_s: for loading, with all names embedded.
+            timeout_s: for one frame.
+            names: the vocabulary, by default that of the catalogue.
+            gate_m: the tracker's.
+        """
+        super().__init__(gate_m)
+        if not 0.0 <= threshold < 1.0 or min(load_timeout_s, timeout_s) <= 0.0 or most_boxes < 1 or image_px < 32:
+            raise ConfigError(
+                f"detector yolo_world: threshold={threshold}, load_timeout_s={load_timeout_s}, timeout_s={timeout_s}, "
+                f"most_boxes={most_boxes}, image_px={image_px}: expected a threshold from 0 to below 1, times above "
+                "0 s, at least one box and 32 pixels"
+            )
+        # Not resolved: the executable of an environment is a link, and known by where it stands.
+        self._python, self._weights = Path(python).expanduser(), Path(weights).expanduser()
+        self._names = vocabulary() if names is None else tuple(names)
+        self._settings = {"device": device, "threshold": threshold, "image_px": image_px, "most": most_boxes}
+        self._nms_iou, self._most_boxes = nms_iou, most_boxes
+        self._load_timeout_s, self._timeout_s = load_timeout_s, timeout_s
+        self._link: WorkerLink | None = None
+
+    def find(self, frame: Frame) -> Boxes:
+        """Boxes of one frame, in its pixels."""
+        if frame.rgb is None:
+            raise DetectorError("detector yolo_world: the frame has no colours; render rgb for it")
+        link = self._link or self._start()
+        head = json.dumps({"shape": frame.rgb.shape}).encode()
+        try:
+            answer = link.ask([head, np.ascontiguousarray(frame.rgb).tobytes()], self._timeout_s)
+            return self._boxes(answer.get("boxes"), frame.depth.shape)
+        except DetectorError:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """End the process."""
+        if self._link is not None:
+            self._link.close()
+            self._link = None
+
+    def _start(self) -> WorkerLink:
+        for option, path in (("python", self._python), ("weights", self._weights)):
+            if not path.is_file():
+                raise DetectorError(f"detector.{option}={path}: no such file; see configs/detector/yolo_world.yaml")
+        link = WorkerLink([str(self._python.absolute()), str(WORKER)], "detector yolo_world")
+        names = [plain(name) for name in self._names]
+        settings = {**self._settings, "weights": str(self._weights.absolute()), "names": names}
+        link.ask([json.dumps(settings).encode()], self._load_timeout_s)
+        self._link = link
+        return link
+
+    def _boxes(self, rows: object, shape: tuple[int, ...]) -> Boxes:
+        """Check what came back and turn it into boxes."""
+        if not isinstance(rows, list) or not all(_is_row(row, len(self._names)) for row in rows):
+            raise DetectorError(
+                f"detector yolo_world: answered {brief(repr(rows))}, expected rows of x0, y0, x1, y1, score and the "
+                "number of a name; is the worker of another version?"
+            )
+        if not rows:
+            return Boxes.none()
+        table = np.array(rows, np.float32)
+        edge = np.array([shape[1], shape[0]] * 2, np.float32)
+        label = [self._names[int(row[5])] for row in rows]
+        found = Boxes(label, table[:, 4], np.clip(table[:, :4], 0, edge))
+        inside = np.flatnonzero(((found.xyxy[:, 2:] - found.xyxy[:, :2]) > 0.5).all(1))
+        return found.keep(inside).without_doubles(self._nms_iou, self._most_boxes)
+
+
+def _is_row(row: object, n_names: int) -> bool:
+    if not isinstance(row, list) or len(row) != 6:
+        return False
+    numbers = all(isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x) for x in row)
+    return numbers and 0.0 <= row[4] <= 1.0 and row[5] == int(row[5]) and 0 <= row[5] < n_names
