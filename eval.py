@@ -52,6 +52,7 @@ def evaluate_and_report(cfg: DictConfig, out: Path) -> None:
     if not reads_habits(config) and (twin := twin_of(out, config, hashes)) is not None:
         print(f"{config['agent']['_target_'].rsplit('.', 1)[-1]} reads no habits: its results are those in {twin}")
         return
+    check_weights(config)
     folder = RunFolder(out, hashes)
     done = folder.open()
     played, seconds = play_missing(config, source, episodes, folder, done, out)
@@ -65,6 +66,14 @@ def evaluate_and_report(cfg: DictConfig, out: Path) -> None:
 def reads_habits(config: dict[str, Any]) -> bool:
     """Whether the agent does anything with habits, as its class says."""
     return bool(getattr(get_class(config["agent"]["_target_"]), "uses_habits", True))
+
+
+def check_weights(config: dict[str, Any]) -> None:
+    """Fail in one line, before anything is played, where a language model's or detector's weights are missing."""
+    for part in (config["agent"], config["env"]["detector"]):
+        check = getattr(Factory(part)(), "check", None)
+        if check is not None:
+            check()
 
 
 def chosen_episodes(name: str, limit: int | None, task: str, *, context: bool) -> tuple[Episode, ...]:

@@ -9,9 +9,10 @@ from hydra.utils import get_class
 from omegaconf import OmegaConf
 
 from ucon.commands.wiring import Factory
+from ucon.core.errors import UconError
 from ucon.evaluation.play import Policy
-from ucon.language.choice import LanguageModel
 from ucon.evaluation.report import run_hashes
+from ucon.language.choice import LanguageModel
 from ucon.retrieval import Retriever
 
 CONFIGS = Path(__file__).parents[1] / "configs"
@@ -110,3 +111,25 @@ def test_the_environment_can_be_built_and_reset():
 def test_every_file_says_what_it_is():
     for path in CONFIGS.rglob("*.yaml"):
         assert path.read_text().lstrip().startswith("#"), f"{path}: starts with no comment"
+
+
+TABLE_1 = [name for group, name in OPTIONS if group == "experiment" and name.startswith("table1_")]
+
+
+@pytest.mark.parametrize("name", TABLE_1)
+def test_a_row_of_table_1_says_in_one_line_what_it_lacks(name, monkeypatch, tmp_path):
+    """Every row with a language model is there, and plays the test episodes; without weights or key it stops at once."""
+    monkeypatch.setattr("huggingface_hub.constants.HF_HUB_CACHE", str(tmp_path))
+    monkeypatch.delenv("OPENAI_API_KEY", raising=False)
+    config = composed(f"experiment={name}")
+    assert config["episodes"] == "test"
+    assert name.startswith(f"table1_{config['agent']['_target_'].split('.')[2]}")
+    with pytest.raises(UconError) as error:
+        Factory(config["agent"])().check()
+    assert "\n" not in str(error.value)
+
+
+def test_table_1_is_whole():
+    """Rows of the paper by method: LGX three, PixelNav two, L3MVN one. VTN and ZSON ask no language model."""
+    methods = [name.split("_")[1] for name in TABLE_1]
+    assert (methods.count("lgx"), methods.count("pixelnav"), methods.count("l3mvn")) == (3, 2, 1)
