@@ -118,7 +118,7 @@ TABLE_1 = [name for group, name in OPTIONS if group == "experiment" and name.sta
 
 @pytest.mark.parametrize("name", TABLE_1)
 def test_a_row_of_table_1_says_in_one_line_what_it_lacks(name, monkeypatch, tmp_path):
-    """Every row with a language model is there, and plays the test episodes; without weights or key it stops at once."""
+    """Rows with a language model play the test episodes; without weights or key they stop at once."""
     monkeypatch.setattr("huggingface_hub.constants.HF_HUB_CACHE", str(tmp_path))
     monkeypatch.delenv("OPENAI_API_KEY", raising=False)
     config = composed(f"experiment={name}")
