@@ -1,0 +1,94 @@
+"""Landmark cases: what counts as one, on real episodes of the test set."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+from records import BASE  # (the path above)
+
+from ucon.__main__ import main
+from ucon.core.errors import ConfigError
+from ucon.envs.knowledge import HabitSource
+from ucon.evaluation.cases import NEAR_M, landmark_cases, landmarks
+from ucon.evaluation.record import to_lines
+from ucon.habits import book
+from ucon.task.sets import load_episodes
+
+SOURCE = HabitSource()
+
+
+@pytest.fixture(scope="module")
+def found():
+    """Cases among the test episodes, if every one were found at retrieval and none at gt."""
+    episodes = load_episodes("test")[:400]
+    runs = [
+        [replace(BASE, episode=e.id, habit_level=level, success=success) for e in episodes]
+        for level, success in (("retrieval", True), ("gt", False))
+    ]
+    return episodes, *runs, list(landmark_cases(*runs, episodes, SOURCE))
+
+
+def test_a_case_is_what_it_says(found):
+    episodes, _, _, cases = found
+    assert len(cases) > 3
+    by_id = {episode.id: episode for episode in episodes}
+    for case in cases:
+        episode = by_id[case.episode]
+        given = SOURCE.knowledge(episode, "retrieval")
+        assert given.texts[case.rank - 1] == case.habit
+        dataset = book()
+        row = int(given.rows[case.rank - 1])
+        assert dataset.categories[dataset.row_category[row]] == case.landmark != case.target == episode.target_category
+        things = [o for o in episode.arrangement.objects if o.category == case.landmark]
+        assert len(things) == 1
+        gap = np.linalg.norm(np.subtract(things[0].position, episode.target_object.position))
+        assert gap == pytest.approx(case.distance_m, abs=0.006)
+        assert gap <= NEAR_M
+        # The habit speaks for the place where that thing really is.
+        entry = dataset.entries[dataset.row_entry[row]]
+        index = episode.arrangement.objects.index(things[0])
+        assert episode.placed_by[index][0] == entry.id
+        assert episode.placed_by[index][1] in dataset.habits[row].supports
+
+
+def test_what_was_found_as_fast_with_own_habits_is_no_case(found):
+    episodes, retrieved, own, cases = found
+    fast = [replace(r, success=True, steps=44) for r in own]
+    slow = [replace(r, success=True, steps=45) for r in own]
+    assert list(landmark_cases(retrieved, fast, episodes, SOURCE)) == []
+    assert len(list(landmark_cases(retrieved, slow, episodes, SOURCE))) == len(cases)
+    failed = [replace(r, success=False) for r in retrieved]
+    assert list(landmark_cases(failed, own, episodes, SOURCE)) == []
+
+
+def test_the_target_is_no_landmark_of_itself():
+    for episode in load_episodes("mini"):
+        own = episode.placed_by[episode.target][0]
+        assert own not in landmarks(episode)
+
+
+def test_wrong_runs_are_told(found):
+    episodes, retrieved, own, _ = found
+    with pytest.raises(ConfigError, match="level retrieval"):
+        list(landmark_cases(own, own, episodes, SOURCE))
+    with pytest.raises(ConfigError, match="different agents"):
+        list(landmark_cases(retrieved, [replace(r, agent="b") for r in own], episodes, SOURCE))
+    with pytest.raises(ConfigError, match="not in the given set"):
+        list(landmark_cases(retrieved, own, episodes[:1], SOURCE))
+
+
+def test_the_command_keeps_episodes_that_can_be_played_again(found, tmp_path, capsys):
+    _, retrieved, own, cases = found
+    for name, records in (("retrieval", retrieved), ("gt", own)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "episodes.jsonl").write_text(to_lines(records))
+    out = tmp_path / "cases.jsonl.xz"
+    assert main(["cases", str(tmp_path / "retrieval"), str(tmp_path / "gt"), "--out", str(out)]) == 0
+    assert f"{len(cases)} cases" in capsys.readouterr().out
+    assert {e.id for e in load_episodes(out)} == {case.episode for case in cases}
