@@ -28,7 +28,7 @@ def found():
     """Cases among the test episodes, if every one were found at retrieval and none at gt."""
     episodes = load_episodes("test")[:400]
     runs = [
-        [replace(BASE, episode=e.id, habit_level=level, success=success) for e in episodes]
+        [replace(BASE, episode=e.id, target=e.target_category, habit_level=level, success=success) for e in episodes]
         for level, success in (("retrieval", True), ("gt", False))
     ]
     return episodes, *runs, list(landmark_cases(*runs, episodes, SOURCE))
