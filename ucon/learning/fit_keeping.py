@@ -44,8 +44,8 @@ class _Batch:
             for k, place in enumerate(case.places):
                 share[i, k, [names.index(thing) for thing in place]] = 1 / len(place)
         self.share = torch.from_numpy(share)  # (N, places, things)
-        usual = torch.from_numpy(np.stack([(v @ furniture.T).mean(1) for v in labels]))[:, :, None]
-        self.like = torch.bmm(torch.from_numpy(like), self.share.mT) - usual  # (N, labels, places)
+        self.like = torch.from_numpy(like)  # (N, labels, things)
+        self.usual = torch.from_numpy(np.stack([v @ furniture.T for v in labels]))  # (N, labels, furniture)
         self.levels: dict[str, tuple[Any, Any, Any]] = {}
         for level in FIXED_LEVELS[1:]:
             most = max(len(case.habits[level]) for case in found)
@@ -60,19 +60,19 @@ class _Batch:
             self.levels[level] = torch.from_numpy(about), torch.from_numpy(said), torch.from_numpy(usually)
 
     def logits(self, x: Any, level: str) -> Any:
-        """(N, labels, places); ``x`` (7,): like, like_none, log about, named, log sigma, log weight, log doubt."""
+        """(N, labels, places); ``x`` (7,): like, other, log about, named, log sigma, log weight, log doubt."""
         import torch
 
         if level == "none":
-            return x[1] * self.like
+            return x[0] * (torch.bmm(self.like, self.share.mT) - self.usual.mean(2, keepdim=True))
         about, said, usually = self.levels[level]
         temperature, sigma, weight, doubt = torch.exp(x[[2, 4, 5, 6]])
         none = (x[3] / temperature).expand(len(about), 1, about.shape[2])
         share = torch.softmax(torch.cat([about / temperature, none], 1), 1)[:, :-1]
-        usual = torch.logsumexp(usually / sigma, 2) - np.log(usually.shape[2])
-        fits = torch.bmm(torch.exp(said / sigma - usual[:, :, None]), self.share.mT)  # (N, habits, places)
-        lift = torch.log((doubt + torch.bmm(share, fits)) / (doubt + share.sum(2, keepdim=True)))
-        return x[0] * self.like + weight * lift
+        usual = torch.bmm(torch.exp(-x[1] * self.usual / sigma), torch.exp(usually / sigma).mT) / usually.shape[2]
+        fits = torch.bmm(share / usual, torch.exp(said / sigma)) * torch.exp(-x[1] * self.like / sigma)
+        fits = torch.bmm(fits, self.share.mT)  # (N, labels, places)
+        return weight * torch.log((doubt + fits) / (doubt + share.sum(2, keepdim=True)))
 
     def loss(self, x: Any) -> Any:
         """Mean negative log-likelihood of the true places over levels."""
@@ -98,8 +98,8 @@ def fit(found: Sequence[PlaceCase]) -> KeepingWeights:
 
     ranges = ((0.01, 1), (0.03, 1), (0.05, 10), (0.001, 100))
     about, sigma, weight, doubt = (tuple(np.log(pair)) for pair in ranges)
-    bounds = [(-50.0, 50.0), (-50.0, 50.0), about, (0.0, 1.0), sigma, weight, doubt]
-    start = np.array([0.0, 5.0, np.log(0.05), 0.4, np.log(0.1), 0.0, 0.0])
+    bounds = [(0.0, 50.0), (0.0, 1.5), about, (0.0, 1.0), sigma, weight, doubt]
+    start = np.array([8.8, 0.4, *np.log([0.02]), 0.45, *np.log([0.06, 0.7, 0.05])])
     x = minimize(loss, start, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": 60}).x
     return weights_of(x)
 
@@ -107,8 +107,8 @@ def fit(found: Sequence[PlaceCase]) -> KeepingWeights:
 def weights_of(x: NDArray[np.float64]) -> KeepingWeights:
     """The weights that a point (7,) of the search stands for."""
     about, sigma, weight, doubt = (float(np.round(value, 4)) for value in np.exp(x[[2, 4, 5, 6]]))
-    like, like_none, named = (round(float(value), 3) for value in x[[0, 1, 3]])
-    return KeepingWeights(like, like_none, about, named, sigma, weight, doubt)
+    like, other, named = (round(float(value), 3) for value in x[[0, 1, 3]])
+    return KeepingWeights(like, other, about, named, sigma, weight, doubt)
 
 
 def target_scores(found: Sequence[PlaceCase], level: str, model: EncoderModel) -> NDArray[np.float64]:

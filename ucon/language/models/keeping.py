@@ -1,13 +1,13 @@
 """Which of some labels is kept where some things stand, by sentence vectors: the embedded model's answer for L3MVN.
 
-The log odds of a label l in a place with things o are ``like * (cos(l, o) - cos(l, f)) + weight * log((doubt + S) /
-(doubt + N))``. The first part, means over the things and over all furniture f of the catalogue, is whether the label
-fits there better than anywhere. In the second, N is the number of habits about the label: each habit h counts by its
-share ``softmax(cos(h, l) / about)`` among the labels and one more answer, "about none of them", whose likeness is
-``named``. S sums the same shares times how much better the habit fits the place than furniture at large: the mean of
-``exp(cos(h, o) / sigma)`` over the things divided by that over furniture. So a habit raises the label that it is about
+The log odds of a label l where things o stand are ``weight * log((doubt + S) / (doubt + N))``. N is the number of
+habits about the label: each habit h counts by its share ``softmax(cos(h, l) / about)`` among the labels and one more
+answer, "about none of them", whose likeness is ``named``. S sums the same shares, each times how much better the habit
+fits the place than furniture at large: the mean of ``exp((cos(h, o) - other * cos(l, o)) / sigma)`` over the things
+divided by that over all furniture of the catalogue. The part with ``other`` takes out what the habit shares with a
+thing by naming its own label: words about a pot fit every other pot. So a habit raises the label that it is about
 where its words fit what stands there, lowers it where they do not, and leaves the others alone; a label that no habit
-is about keeps 0. Without habits only the first part is left, with the weight ``like_none``.
+is about keeps 0. Without habits the log odds are ``like`` times the mean of ``cos(l, o)`` above that over furniture.
 """
 
 from __future__ import annotations
@@ -34,19 +34,19 @@ _EPISODES = 64
 class KeepingWeights:
     """Seven figures, one set for all habit levels."""
 
-    like: float = 0.0
-    """Weight of the likeness of label and things, where there are habits."""
-    like_none: float = 8.0
-    """The same without habits."""
-    about: float = 0.01
+    like: float = 8.81
+    """Weight of the likeness of label and things, without habits."""
+    other: float = 0.56
+    """How much of the likeness of label and thing is taken from that of habit and thing."""
+    about: float = 0.0138
     """Likeness to a label that makes a habit e times as likely to be about it."""
-    named: float = 0.5
+    named: float = 0.503
     """Likeness below which a habit is rather about none of the labels."""
-    sigma: float = 0.05
+    sigma: float = 0.0408
     """Likeness to a thing that makes a habit fit it e times as well."""
-    weight: float = 0.6
+    weight: float = 0.7594
     """Weight of the habits."""
-    doubt: float = 0.03
+    doubt: float = 0.2904
     """Number of habits about a label that count as much as knowing nothing."""
 
 
@@ -95,13 +95,15 @@ class _Reading:
         """``furniture`` (F, D); there may be no habits."""
         self._encode, self._w = encode, weights
         self._labels, self._habits = encode(labels), encode(habits)  # (L, D), (H, D)
-        self._usual_like = (self._labels @ furniture.T).mean(1)  # (L,)
+        near = self._labels @ furniture.T  # (L, F)
+        self._usual_like = near.mean(1)  # (L,)
         about = self._labels @ self._habits.T / weights.about  # (L, H)
         top = np.maximum(about.max(0), weights.named / weights.about)
         odds = np.exp(about - top)
-        self._share = odds / (odds.sum(0) + np.exp(weights.named / weights.about - top))  # (L, H)
-        self._number = self._share.sum(1)  # (L,)
-        self._usual = np.log(np.exp(furniture @ self._habits.T / weights.sigma).mean(0))  # (H,)
+        share = odds / (odds.sum(0) + np.exp(weights.named / weights.about - top))  # (L, H)
+        self._number = share.sum(1)  # (L,)
+        fits = np.exp(furniture @ self._habits.T / weights.sigma)  # (F, H)
+        self._share = share / (np.exp(-weights.other * near / weights.sigma) @ fits / len(furniture))  # (L, H)
         self._columns: dict[str, Vectors] = {}
 
     def logits(self, things: Sequence[str]) -> Vectors:
@@ -109,17 +111,17 @@ class _Reading:
         w = self._w
         like, said = np.mean([self._column(thing) for thing in dict.fromkeys(things)], axis=0)
         if not len(self._habits):
-            return np.asarray(w.like_none * (like - self._usual_like))
-        lift = np.log((w.doubt + said) / (w.doubt + self._number))
-        return np.asarray(w.like * (like - self._usual_like) + w.weight * lift)
+            return np.asarray(w.like * (like - self._usual_like))
+        return np.asarray(w.weight * np.log((w.doubt + said) / (w.doubt + self._number)))
 
     def _column(self, thing: str) -> Vectors:
         """(2, L): likeness of each label to a thing, and how well its habits fit it. One thing at a time, so that its
         bytes do not depend on the others."""
         if thing not in self._columns:
-            vector = self._encode([thing])[0]
-            fits = np.exp(self._habits @ vector / self._w.sigma - self._usual)  # (H,)
-            self._columns[thing] = np.stack([self._labels @ vector, self._share @ fits])
+            w, vector = self._w, self._encode([thing])[0]
+            like = self._labels @ vector
+            said = self._share @ np.exp(self._habits @ vector / w.sigma) * np.exp(-w.other * like / w.sigma)
+            self._columns[thing] = np.stack([like, said])
         return self._columns[thing]
 
 
