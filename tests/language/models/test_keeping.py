@@ -16,7 +16,7 @@ from ucon.learning.fit_keeping import target_scores
 from ucon.learning.keeping_cases import asked, place_cases
 
 LABELS = ("wallet", "kettle", "hammer", "apple")
-HABITS = ("Dad always leaves his wallet on the desk in the evening.", "Tea is at five, as it always was.")
+HABITS = ("The wallet is on the desk.", "Tea is at five, as it always was.")
 OFFICE, KITCHEN = ("desk", "swivel chair", "laptop"), ("oven", "sink", "fridge")
 
 
@@ -50,18 +50,17 @@ def plain(question, encoder, w):
     )
     out = []
     for label in labels:
-        lift = np.mean([label @ o for o in things]) - np.mean([label @ f for f in furniture])
-        if not habits:
-            out.append(w.like_none * lift)
-            continue
         number = said = 0.0
         for h in habits:
             odds = np.exp(w.named / w.about) + sum(np.exp(other @ h / w.about) for other in labels)
             share = np.exp(label @ h / w.about) / odds
-            usual = np.mean([np.exp(f @ h / w.sigma) for f in furniture])
+            there, usual = (
+                np.mean([np.exp((o @ h - w.other * (o @ label)) / w.sigma) for o in some]) for some in (things, furniture)
+            )
             number += share
-            said += share * np.mean([np.exp(o @ h / w.sigma) for o in things]) / usual
-        out.append(w.like * lift + w.weight * np.log((w.doubt + said) / (w.doubt + number)))
+            said += share * there / usual
+        lift = np.mean([label @ o for o in things]) - np.mean([label @ f for f in furniture])
+        out.append(w.weight * np.log((w.doubt + said) / (w.doubt + number)) if habits else w.like * lift)
     return np.array(out) - np.log(np.exp(out).sum())
 
 
@@ -69,7 +68,7 @@ def plain(question, encoder, w):
 @pytest.mark.parametrize("things", [OFFICE, KITCHEN, ("sofa",)])
 def test_it_computes_its_formula(encoder, habits, things):
     one = place(things, habits)
-    for weights in (KeepingWeights(), KeepingWeights(-2.0, 5.0, 0.1, 0.3, 0.2, 1.5, 0.7)):
+    for weights in (KeepingWeights(), KeepingWeights(5.0, 0.2, 0.1, 0.3, 0.2, 1.5, 0.7)):
         (found,) = scores(EncoderModel(encoder=encoder, keeping=weights), one)
         assert found == pytest.approx(plain(one, encoder, weights), abs=1e-4)
         assert np.exp(found).sum() == pytest.approx(1.0, abs=1e-3)
