@@ -99,7 +99,7 @@ def fit(found: Sequence[PlaceCase]) -> KeepingWeights:
     ranges = ((0.01, 1), (0.03, 1), (0.05, 10), (0.001, 100))
     about, sigma, weight, doubt = (tuple(np.log(pair)) for pair in ranges)
     bounds = [(0.0, 50.0), (0.0, 1.5), about, (0.0, 1.0), sigma, weight, doubt]
-    start = np.array([8.8, 0.4, *np.log([0.02]), 0.45, *np.log([0.06, 0.7, 0.05])])
+    start = np.array([8.8, 0.4, np.log(0.02), 0.45, *np.log([0.06, 0.7, 0.05])])
     x = minimize(loss, start, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": 60}).x
     return weights_of(x)
 

@@ -45,18 +45,15 @@ def plain(question, encoder, w):
         return encoder.encode([text])[0].astype(np.float64)
 
     labels, things, habits, furniture = (
-        [vector(text) for text in texts]
-        for texts in (LABELS, question.things, question.habits, furniture_names())
+        [vector(text) for text in texts] for texts in (LABELS, question.things, question.habits, furniture_names())
     )
-    out = []
+    out, places = [], (things, furniture)
     for label in labels:
         number = said = 0.0
         for h in habits:
             odds = np.exp(w.named / w.about) + sum(np.exp(other @ h / w.about) for other in labels)
             share = np.exp(label @ h / w.about) / odds
-            there, usual = (
-                np.mean([np.exp((o @ h - w.other * (o @ label)) / w.sigma) for o in some]) for some in (things, furniture)
-            )
+            there, usual = (np.mean([np.exp((o @ h - w.other * (o @ label)) / w.sigma) for o in x]) for x in places)
             number += share
             said += share * there / usual
         lift = np.mean([label @ o for o in things]) - np.mean([label @ f for f in furniture])
@@ -122,7 +119,9 @@ def test_options_without_or_with_several_labels(model):
 
 def test_names_that_no_catalogue_holds_and_junk(model):
     junk = ("家 \ud800", "", "\u202e\x00zzz", "a " * 2000)
-    one = Question("flux capacitor", junk, (Option("flux capacitor"), Option("\ud83d"), Option("")), "", "", things=junk)
+    one = Question(
+        "flux capacitor", junk, (Option("flux capacitor"), Option("\ud83d"), Option("")), "", "", things=junk
+    )
     (answer,) = model.answer([one])
     assert answer.choice in (0, 1, 2)
     assert np.exp(answer.scores).sum() == pytest.approx(1.0, abs=1e-3)
