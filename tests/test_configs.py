@@ -73,9 +73,11 @@ def test_every_language_model_can_be_built(name):
 
 def test_the_encoders_figures_stand_in_one_place_as_in_the_other():
     from ucon.language.models.encoder import EncoderWeights
+    from ucon.language.models.keeping import KeepingWeights
 
-    config = composed()["language"]["weights"]
-    assert EncoderWeights(**{key: value for key, value in config.items() if key != "_target_"}) == EncoderWeights()
+    config = composed()["language"]
+    for part, made in (("weights", EncoderWeights), ("keeping", KeepingWeights)):
+        assert made(**{key: value for key, value in config[part].items() if key != "_target_"}) == made()
 
 
 @pytest.mark.parametrize("name", [name for group, name in OPTIONS if group == "detector"])

@@ -23,10 +23,9 @@ from models.agents.asking import AskingAgent
 from models.agents.base import Info
 from models.agents.waypoint import Chosen
 from ucon.core.errors import ConfigError
-from ucon.core.rng import stream
 from ucon.envs.waypoint import Decision, FineFrontiers, Manner, Strategy
 from ucon.language.choice import Answer, LanguageModel, Option, Question
-from ucon.objects.catalogue import catalogue
+from ucon.language.labels import label_set
 from ucon.perception.body import Body
 from ucon.perception.fine_frontiers import SQUARE_M
 from ucon.retrieval.base import phrase
@@ -122,11 +121,3 @@ def select(scores: Sequence[float], sure: float, possible: float) -> int:
     if scores[best] > sure:
         return best
     return next((k for k, score in enumerate(scores) if score > possible), 0)
-
-
-def label_set(target: str, size: int) -> tuple[str, ...]:
-    """The target and ``size - 1`` other movable categories, always the same for a target; with spaces."""
-    book = catalogue()
-    others = [name for name in book.names if book[name].role == "movable" and name != target]
-    drawn = stream(0, "l3mvn", target).choice(len(others), size=min(size - 1, len(others)), replace=False)
-    return (phrase(target), *(phrase(others[k]) for k in sorted(drawn.tolist())))

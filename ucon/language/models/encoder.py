@@ -4,6 +4,8 @@ Nothing is downloaded and, for catalogue names and the habit book, nothing is en
 relevance of a label l is ``(1 - beta) cos(l, target) + beta S(l)``, where S(l) is a soft maximum over habits h of
 ``cos(l, h)``, each habit weighed by how much it is about the target: ``softmax(cos(h, target) / tau_habit)``. Without
 habits it is ``cos(l, target)``. The labels of an option are pooled as alternatives are: their odds add up.
+
+Questions that tell the things of a place ask for something else: see :mod:`ucon.language.models.keeping`.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from numpy.typing import NDArray
 
 from ucon.language.choice import Answer, Option, Question, from_scores
 from ucon.language.encoder import minilm_folder
+from ucon.language.models.keeping import Keeping, KeepingWeights
 from ucon.language.store import StoredEncoder, default_encoder
 from ucon.objects.catalogue import catalogue
 
@@ -85,17 +88,24 @@ class EncoderModel:
     name = "encoder (all-MiniLM-L6-v2)"
     gives_scores = True
 
-    def __init__(self, weights: EncoderWeights | None = None, encoder: StoredEncoder | None = None) -> None:
+    def __init__(
+        self,
+        weights: EncoderWeights | None = None,
+        encoder: StoredEncoder | None = None,
+        keeping: KeepingWeights | None = None,
+    ) -> None:
         """Nothing is read before it is needed.
 
         Args:
             weights: fitted figures.
             encoder: makes vectors; the shipped table with MiniLM behind it by default.
+            keeping: fitted figures of questions that tell the things of a place.
         """
         self._weights = weights or EncoderWeights()
         self._encoder = encoder
         self._vectors: dict[str, Vector] = {}
         self._readings: OrderedDict[tuple[str, tuple[str, ...]], _Reading] = OrderedDict()
+        self._keeping = Keeping(self._encode, keeping)
 
     def check(self) -> None:
         """Whether the weights are installed: texts beyond the shipped table need them."""
@@ -108,6 +118,8 @@ class EncoderModel:
 
     def _answer(self, question: Question) -> Answer:
         start = time.perf_counter()
+        if question.things:
+            return from_scores(self._keeping.logits(question), seconds=time.perf_counter() - start)
         reading = self._reading(question.target, question.habits)
         logits = np.asarray([self._option(reading, option) for option in question.options])
         return from_scores(logits, seconds=time.perf_counter() - start)
@@ -126,16 +138,19 @@ class EncoderModel:
         if key in self._readings:
             self._readings.move_to_end(key)
             return self._readings[key]
-        vectors = self._source.encode_half([_clean(habit) for habit in habits]).astype(np.float64)
-        reading = self._readings[key] = _Reading(self._vector(target), vectors, self._weights)
+        reading = self._readings[key] = _Reading(self._vector(target), self._encode(habits), self._weights)
         if len(self._readings) > _EPISODES:
             self._readings.popitem(last=False)
         return reading
 
     def _vector(self, text: str) -> Vector:
         if text not in self._vectors:
-            self._vectors[text] = self._source.encode_half([_clean(text)])[0].astype(np.float64)
+            self._vectors[text] = self._encode([text])[0]
         return self._vectors[text]
+
+    def _encode(self, texts: Sequence[str]) -> Vector:
+        """Unit vectors (n, D)."""
+        return self._source.encode_half([_clean(text) for text in texts]).astype(np.float64)
 
     @property
     def _source(self) -> StoredEncoder:

@@ -1,0 +1,15 @@
+"""The set of labels among which L3MVN asks for its target: the target and others drawn from the catalogue."""
+
+from __future__ import annotations
+
+from ucon.core.rng import stream
+from ucon.objects.catalogue import catalogue
+from ucon.retrieval.base import phrase
+
+
+def label_set(target: str, size: int) -> tuple[str, ...]:
+    """The target and ``size - 1`` other movable categories, always the same for a target; with spaces."""
+    book = catalogue()
+    others = [name for name in book.names if book[name].role == "movable" and name != target]
+    drawn = stream(0, "l3mvn", target).choice(len(others), size=min(size - 1, len(others)), replace=False)
+    return (phrase(target), *(phrase(others[k]) for k in sorted(drawn.tolist())))
