@@ -64,7 +64,7 @@ def test_every_agent_plays_it(name: str, mode: str, played_from: tuple[HabitData
     with initialize_config_dir(str(CONFIGS), version_base="1.3"):
         config = compose("eval", [f"agent={name}"])
     agent: Any = OmegaConf.to_container(config.agent, resolve=True)
-    env = partial(UcONEnv, episodes, habit_level="retrieval", source=source, observe="symbolic", detector=True)
+    env = partial(UcONEnv, episodes, habit_level="retrieval", source=source, observe=config.env.observe, detector=True)
     spec = RunSpec(Factory(agent), partial(env, privileged=config.env.privileged), "retrieval")
     records = [played.record for played in evaluate(spec, episodes, workers=0)]
     assert [record.target for record in records] == [episode.target_category for episode in episodes]

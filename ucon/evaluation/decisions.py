@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from ucon.core.errors import DataError
 from ucon.core.files import canonical_json
 
 
@@ -46,9 +47,12 @@ class DecisionRecord:
         return canonical_json(values)
 
     @classmethod
-    def from_json(cls, data: dict[str, Any]) -> DecisionRecord:
-        """Rebuild a record from a parsed line."""
-        return cls(**{**data, "options": tuple(data["options"]), "scores": tuple(data["scores"])})
+    def from_json(cls, data: dict[str, Any], *, where: str = "decision") -> DecisionRecord:
+        """Rebuild a record from a parsed line; raises :class:`DataError` where it is none."""
+        try:
+            return cls(**{**data, "options": tuple(data["options"]), "scores": tuple(data["scores"])})
+        except (TypeError, KeyError):
+            raise DataError(f"{where}: not a decision; the file is altered, evaluate again") from None
 
 
 def language_figures(decisions: Sequence[DecisionRecord], n_episodes: int) -> dict[str, Any] | None:
