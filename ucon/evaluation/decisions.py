@@ -36,7 +36,7 @@ class DecisionRecord:
     prompt_tokens: int = 0
     completion_tokens: int = 0
     text: str = ""
-    """What the model said, where it says something."""
+    """What the model said, where it says something; without line breaks and other control characters in the line."""
     seconds: float = 0.0
     """Wall time of the answers; not part of the line."""
 
@@ -44,6 +44,7 @@ class DecisionRecord:
         """One line of canonical JSON without the line break."""
         values: dict[str, Any] = asdict(self)
         values.pop("seconds")
+        values["text"] = "".join(c if c.isprintable() else " " for c in self.text)  # servers say anything
         return canonical_json(values)
 
     @classmethod

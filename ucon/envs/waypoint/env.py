@@ -76,11 +76,14 @@ the left, actions to get there, cells of a frontier, share of a thing not looked
         """Describe the environment.
 
         Args:
-            episodes: see ``UcON-v0``, as ``observe``, ``detector`` and the other ``options``.
+            episodes: see ``UcON-v0``.
             strategy: a name, or what makes a strategy from the info at reset.
             manner: how choices are carried out.
             max_candidates: rows of the observation; ``landmarks`` offered up to 144 in the mini set, the others 16.
             seed: of what the strategy draws.
+            observe: see ``UcON-v0``.
+            detector: what candidates come from; see ``UcON-v0``.
+            **options: of ``UcON-v0``.
 
         Raises:
             ConfigError: an unknown strategy, or no detector.
