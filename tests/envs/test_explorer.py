@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, get_args
 
@@ -17,12 +18,9 @@ from toy import ToyEnv, two_rooms  # (the path above)
 from ucon.envs.ucon_env import UcONEnv
 from ucon.envs.waypoint import STRATEGIES, Decision, Explorer, Manner, Views
 from ucon.envs.waypoint.explorer import Interrupt
-from ucon.perception.detections import MIN_PIXELS
 from ucon.perception.semantic_map import View
 from ucon.task.actions import Action
 from ucon.task.episode import Episode
-
-TARGETS = ("bowl", "pencil_box", "coffee_cup", "teapot")
 
 
 @dataclass
@@ -64,23 +62,25 @@ def play(env: Any, make: Callable[[Any], Any], manner: Manner, start: Any = None
     return out
 
 
-def toy(target: str, *, nav: bool = True) -> ToyEnv:
-    return ToyEnv(two_rooms(), target, (12, 4, 1), nav=nav)
+def toy(target: str) -> ToyEnv:
+    return ToyEnv(two_rooms(), target, (12, 4, 1), size=64)
 
 
-def in_homes(episodes: tuple[Episode, ...], make: Callable[[Any], Any], manner: Manner, **options: Any) -> list[Played]:
+def in_homes(
+    episodes: tuple[Episode, ...], make: Callable[[Any], Any], manner: Manner, every: int = 3, **options: Any
+) -> list[Played]:
     env = UcONEnv(episodes, observe="symbolic", detector=True, **options)
-    return [play(env, make, manner, {"episode": number}) for number in range(1, len(episodes), 3)]
+    return [play(env, make, manner, {"episode": number}) for number in range(1, len(episodes), every)]
 
 
 def arrivals(played: Played) -> list[tuple[int, int, View]]:
     """For each walk that was finished: the first action after it, the next choice (or the end), the goal."""
     marks = [*played.chosen, played.taking_from if played.taking_from >= 0 else len(played.actions)]
     out = []
-    for first, last in zip(marks, marks[1:], strict=False):
+    for first, last in pairwise(marks):
         decision, number = played.chosen[first]
         goal = decision.candidates[number].view
-        there = [k for k in range(first, last) if played.views[k] == goal]
+        there = [k for k in range(first, min(last + 1, len(played.views))) if played.views[k] == goal]
         if there:
             out.append((there[0], last, goal))
     return out
@@ -134,12 +134,9 @@ def test_it_opens_on_arrival_once_a_pose(episodes: tuple[Episode, ...]) -> None:
 
 
 def test_opening_shows_what_is_inside() -> None:
-    played = [play(toy("coffee_cup"), STRATEGIES["landmarks"], Manner(), seed=seed) for seed in range(3)]
-    assert any(one.info["success"] for one in played)
-    assert not any(
-        play(toy("coffee_cup"), STRATEGIES["landmarks"], Manner(opens=False), seed=seed).info["success"]
-        for seed in range(3)
-    )
+    """The cup is in the cupboard: who opens it finds it, who does not cannot."""
+    assert play(toy("coffee_cup"), STRATEGIES["landmarks"], Manner()).info["success"]
+    assert play(toy("coffee_cup"), STRATEGIES["landmarks"], Manner(opens=False)).seen_from < 0
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
@@ -158,12 +155,12 @@ def test_it_looks_around_on_arrival(strategy: str, episodes: tuple[Episode, ...]
                 assert last - first <= 1  # a goal right here costs a turn
 
 
-@pytest.mark.parametrize("steps", [1, 4, 10])
+@pytest.mark.parametrize("steps", [5, 7, 10])
 def test_a_new_choice_is_due_after_so_many_steps(steps: int, episodes: tuple[Episode, ...]) -> None:
     early = whole = 0
-    for played in in_homes(episodes, STRATEGIES["frontiers"], Manner(replan_steps=steps)):
+    for played in in_homes(episodes, STRATEGIES["views"], Manner(replan_steps=steps), every=1):
         marks = [*played.chosen]
-        for first, last in zip(marks, marks[1:], strict=False):
+        for first, last in pairwise(marks):
             decision, number = played.chosen[first]
             candidate = decision.candidates[number]
             if candidate.cost > steps:
@@ -174,17 +171,16 @@ def test_a_new_choice_is_due_after_so_many_steps(steps: int, episodes: tuple[Epi
                 assert last - first >= steps + 3
                 whole += 1
     assert early > 0
-    assert whole > 0 or steps == 10
+    assert whole > 0
 
 
-@pytest.mark.parametrize("target", TARGETS)
 @pytest.mark.parametrize("interrupt", get_args(Interrupt))
-def test_what_ends_the_search(interrupt: Interrupt, target: str) -> None:
-    taken = 0
-    for seed in range(6):
-        played = play(toy(target), lambda _: Views(), Manner(interrupt=interrupt), seed=seed)
-        first = played.taking_from
-        assert played.info["success"] == (first >= 0 and played.actions[-1] == Action.DONE)
+def test_what_ends_the_search(interrupt: Interrupt, episodes: tuple[Episode, ...]) -> None:
+    taken = passed = 0
+    make = STRATEGIES["views" if interrupt == "chosen" else "frontiers"]
+    for played in in_homes(episodes, make, Manner(interrupt=interrupt), every=1):
+        first, target = played.taking_from, played.explorer.target
+        passed += played.seen_from >= 0 and not 0 <= first <= played.seen_from
         if first < 0:
             continue
         taken += 1
@@ -194,22 +190,10 @@ def test_what_ends_the_search(interrupt: Interrupt, target: str) -> None:
             decision, number = played.chosen[first]
             assert target in [name for name, _ in decision.candidates[number].things]
         else:
-            stands = [(0, min(played.chosen, default=first), played.views[0])]
-            stands += [(a, b, goal) for a, b, goal in arrivals(played)]
-            assert any(a <= first <= b for a, b, _ in stands)
+            stands = [(0, min(played.chosen, default=first)), *((a, b) for a, b, _ in arrivals(played))]
+            assert any(a <= first <= b for a, b in stands)
     assert taken > 0
-
-
-def test_a_target_that_was_passed_is_taken_when_it_is_seen_again_around() -> None:
-    """``around`` needs it in the newest frame: a target seen on the way is no reason to turn back."""
-    later = 0
-    for seed in range(6):
-        played = play(toy("bowl"), lambda _: Views(), Manner(interrupt="around"), seed=seed)
-        known = played.explorer.map
-        assert played.taking_from < 0 or known.instances["bowl"]
-        later += 0 <= played.seen_from < played.taking_from
-    assert later > 0
-    assert MIN_PIXELS == 4
+    assert (passed > 0) == (interrupt != "always")
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
@@ -219,7 +203,6 @@ def test_it_does_without_the_true_free_space(strategy: str, episodes: tuple[Epis
         assert len({(view.i, view.j) for view in played.views}) > 20 or played.info["episode_metrics"]["success"]
         metrics = played.info["episode_metrics"]
         assert metrics["collisions"] == played.collisions < 0.2 * metrics["steps"]
-    assert any(play(toy("teapot", nav=False), STRATEGIES[strategy], Manner(), seed=s).info["success"] for s in range(3))
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
