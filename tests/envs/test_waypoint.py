@@ -69,10 +69,14 @@ def test_torchrl_draws_candidates_only(strategy: str, episodes: tuple[Episode, .
     made = GymWrapper(gym.make("UcONWaypoint-v0", episodes=episodes, strategy=strategy))
     env = TransformedEnv(made, ActionMask(mask_key="action_mask"))
     torch.manual_seed(0)
-    drawn = env.rollout(12)
-    mask = drawn["action_mask"].bool()
-    assert (mask & drawn["action"].bool()).sum(-1).tolist() == [1] * len(drawn)
-    assert 1 < mask.sum(-1).max() < mask.shape[-1]
+    env.set_seed(0)
+    most = 0
+    for _ in range(3):
+        drawn = env.rollout(12)
+        mask = drawn["action_mask"].bool()
+        assert (mask & drawn["action"].bool()).sum(-1).tolist() == [1] * len(drawn)
+        most = max(most, int(mask.sum(-1).max()))
+    assert 1 < most < mask.shape[-1]
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
