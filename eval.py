@@ -15,6 +15,7 @@ from typing import Any
 
 import hydra
 from hydra.core.hydra_config import HydraConfig
+from hydra.types import RunMode
 from hydra.utils import get_class
 from omegaconf import DictConfig, OmegaConf
 
@@ -37,11 +38,15 @@ from ucon.task.sets import load_episodes
 def main(cfg: DictConfig) -> None:
     """One run; Hydra calls it once for each combination of a sweep."""
     with one_line_errors("eval"):
-        evaluate_and_report(cfg, Path(HydraConfig.get().runtime.output_dir))
+        hydra_config = HydraConfig.get()
+        evaluate_and_report(cfg, Path(hydra_config.runtime.output_dir), sweep=hydra_config.mode == RunMode.MULTIRUN)
 
 
-def evaluate_and_report(cfg: DictConfig, out: Path) -> None:
-    """Play what is missing in the output folder ``out``, then write and print the results."""
+def evaluate_and_report(cfg: DictConfig, out: Path, *, sweep: bool) -> None:
+    """Play what is missing in the output folder ``out``, then write and print the results.
+
+    In a sweep, an agent that reads no habits is played at its first habit level alone.
+    """
     config: dict[str, Any] = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)  # type: ignore[assignment]
     task = config["task"]
     episodes = chosen_episodes(config["episodes"], config["limit"], task["name"], context=task["context"])
@@ -49,7 +54,7 @@ def evaluate_and_report(cfg: DictConfig, out: Path) -> None:
     source = Factory(config["env"]["source"])()
     weights = source.weights(config["habit_level"]["name"])
     hashes = run_hashes(config, episodes, weights)
-    if not reads_habits(config) and (twin := twin_of(out, config, hashes)) is not None:
+    if sweep and not reads_habits(config) and (twin := twin_of(out, config, hashes)) is not None:
         print(f"{config['agent']['_target_'].rsplit('.', 1)[-1]} reads no habits: its results are those in {twin}")
         return
     check_weights(config)

@@ -1,6 +1,7 @@
 """Every file under configs/ composes, and what it describes can be built."""
 
 import inspect
+import re
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,7 @@ from hydra.utils import get_class
 from omegaconf import OmegaConf
 
 from ucon.commands.wiring import Factory
-from ucon.core.errors import UconError
+from ucon.core.errors import ConfigError, UconError
 from ucon.evaluation.play import Policy
 from ucon.evaluation.report import run_hashes
 from ucon.language.choice import LanguageModel
@@ -54,6 +55,34 @@ def test_every_agent_can_be_built(name):
     assert callable(agent.reset)
     assert callable(agent.act)
     assert Policy
+
+
+ASKING = [name for group, name in OPTIONS if group == "agent" and "language" in composed(f"agent={name}")["agent"]]
+
+
+@pytest.mark.parametrize("language", [name for group, name in OPTIONS if group == "language"])
+@pytest.mark.parametrize("name", ASKING)
+def test_agents_are_built_with_every_language_model(name, language):
+    """Nothing is loaded; only an agent that compares scores refuses a model that gives none, in one line."""
+    config = composed(f"agent={name}", f"language={language}")
+    model = Factory(config["language"])()
+    if name == "l3mvn" and not model.gives_scores:
+        with pytest.raises(ConfigError, match="gives none; choose language="):
+            Factory(config["agent"])()
+        return
+    agent = Factory(config["agent"])()
+    assert agent.language.name == model.name
+    assert not [key for key in vars(agent.language) if key in ("_model", "_tokenizer", "_processor")]
+
+
+def test_agents_that_ask_are_known():
+    assert {"lgx", "pixelnav", "pixelnav_images", "l3mvn"} <= set(ASKING)
+
+
+def test_the_evaluation_lists_every_agent_and_language_model():
+    text = (CONFIGS / "eval.yaml").read_text().partition("- override")[0]
+    words = set(re.findall(r"\w+", text))
+    assert {name for group, name in OPTIONS if group in ("agent", "language")} <= words
 
 
 @pytest.mark.parametrize("name", [name for group, name in OPTIONS if group == "retriever"])

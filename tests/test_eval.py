@@ -128,9 +128,31 @@ def test_context_is_the_same_bytes_with_any_workers(tmp_path):
     assert swept.read_bytes() == (tmp_path / "alone" / "episodes.jsonl").read_bytes()
 
 
-def test_a_sweep_ends_in_a_comparison(tmp_path):
-    result = evaluate("-m", "agent=random,frontier", "habit_level=none,gt", *QUICK, f"out={tmp_path}/sweep")
+def test_a_sweep_ends_in_a_comparison_and_plays_once_who_reads_no_habits(tmp_path):
+    sweep = ("-m", "agent=frontier_nearest,lgx", "habit_level=none,gt", *QUICK, f"out={tmp_path}/sweep")
+    result = evaluate(*sweep)
     assert result.returncode == 0, result.stderr[-2000:]
-    assert len(list((tmp_path / "sweep").glob("*/summary.json"))) == 4
+    runs = {path.parent: json.loads(path.read_text()) for path in (tmp_path / "sweep").glob("*/summary.json")}
+    assert sorted((s["agent"], s["habit_level"]) for s in runs.values()) == [
+        ("frontier_nearest", "none"),
+        ("lgx", "gt"),
+        ("lgx", "none"),
+    ]
+    assert result.stdout.count("FrontierRuleAgent reads no habits: its results are those in") == 1
     assert "paired differences" in result.stdout
-    assert "frontier none - random none" in result.stdout
+    assert "lgx none - frontier_nearest none" in result.stdout or "frontier_nearest none - lgx none" in result.stdout
+    for folder, found in runs.items():
+        made = (folder / "decisions.jsonl").read_text().splitlines()
+        assert len(made) > 4
+        if found["agent"] == "lgx":
+            assert found["language"]["decisions"] == len(made)
+            assert found["language"]["fallback_rate"] == 0.0
+        else:
+            assert found["language"] is None
+
+
+def test_a_run_by_itself_is_played_whatever_lies_beside_it(run):
+    beside = run[0].parent / "beside"
+    result = evaluate("agent=frontier", "habit_level=none", *QUICK, "workers=0", f"out={beside}")
+    assert result.returncode == 0, result.stderr[-2000:]
+    assert (beside / "episodes.jsonl").read_bytes() == (run[0] / "episodes.jsonl").read_bytes()

@@ -15,11 +15,12 @@ has not (``manner.opens``). Nothing is remembered from round to round (``memory`
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
+from typing import Literal, get_args
 
 from models.agents.asking import AskingAgent, listed
 from models.agents.base import Info
 from models.agents.waypoint import Chosen
+from ucon.core.errors import ConfigError, unknown_name
 from ucon.envs.waypoint import Decision, Manner, Strategy, Views
 from ucon.language.choice import Answer, LanguageModel, Option, Question
 from ucon.perception.candidates import Candidate
@@ -27,6 +28,7 @@ from ucon.perception.directions import Goal
 from ucon.perception.semantic_map import View
 from ucon.retrieval.base import phrase
 
+Mode = Literal["direction", "object"]
 #: Names of directions, by quarter turns to the left.
 SIDES = ("front", "left", "behind", "right")
 
@@ -40,7 +42,7 @@ class LGXAgent(AskingAgent):
         self,
         language: LanguageModel,
         *,
-        mode: Literal["direction", "object"] = "direction",
+        mode: Mode = "direction",
         goal: Goal = "random",
         reach_m: float = 5.0,
         temperature: float = 0.0,
@@ -61,7 +63,13 @@ class LGXAgent(AskingAgent):
             opens: Open on arrival.
             seed: of what is drawn at random.
             prompt: its file.
+
+        Raises:
+            ConfigError: an unknown mode or goal.
         """
+        for option, value, choices in (("mode", mode, get_args(Mode)), ("goal", goal, get_args(Goal))):
+            if value not in choices:
+                raise ConfigError(unknown_name(f"{option} of agent lgx", value, choices))
         if mode == "object" and prompt == "lgx":
             prompt = "lgx_object"
         super().__init__(language, prompt, Manner(opens=opens, interrupt="around"), seed, temperature)

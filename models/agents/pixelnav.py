@@ -15,7 +15,7 @@ PixelNav has not (``opens``); answers are one of the listed angles, without a re
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, get_args
 
 import cv2
 import numpy as np
@@ -23,13 +23,14 @@ from numpy.typing import NDArray
 
 from models.agents.asking import AskingAgent, listed
 from models.agents.base import Info
-from ucon.core.errors import ConfigError
+from ucon.core.errors import ConfigError, unknown_name
 from ucon.envs.waypoint import Decision, Manner, Strategy, Views
 from ucon.language.choice import LanguageModel, Option, Question
 from ucon.perception.candidates import Candidate
 from ucon.perception.semantic_map import View
 from ucon.retrieval.base import phrase
 
+Inputs = Literal["labels", "images"]
 _GAP_PX = 10
 _RED = (220, 30, 30)
 
@@ -43,7 +44,7 @@ class PixelNavAgent(AskingAgent):
         self,
         language: LanguageModel,
         *,
-        inputs: Literal["labels", "images"] = "labels",
+        inputs: Inputs = "labels",
         reach_m: float = 5.0,
         interrupt_on_sight: bool = False,
         opens: bool = True,
@@ -62,7 +63,12 @@ class PixelNavAgent(AskingAgent):
             temperature: of the choice.
             seed: of what is drawn at random.
             prompt: its file; by default that of the inputs.
+
+        Raises:
+            ConfigError: unknown inputs.
         """
+        if inputs not in get_args(Inputs):
+            raise ConfigError(unknown_name("inputs of agent pixelnav", inputs, get_args(Inputs)))
         manner = Manner(opens=opens, interrupt="always" if interrupt_on_sight else "chosen")
         super().__init__(language, prompt or f"pixelnav_{inputs}", manner, seed, temperature)
         self._inputs, self._reach_m = inputs, reach_m
@@ -113,7 +119,7 @@ def mosaic(decision: Decision) -> NDArray[np.uint8]:
     out = np.full((2 * height + _GAP_PX, 2 * width + _GAP_PX, 3), 255, np.uint8)
     for angle, rgb in tiles.items():
         row, column = divmod(angle // 90, 2)
-        tile = np.ascontiguousarray(rgb)
+        tile = rgb.copy()  # the frame is the observation's own
         size = height / 160
         place = (round(6 * size), round(24 * size))
         cv2.putText(tile, str(angle), place, cv2.FONT_HERSHEY_SIMPLEX, 0.7 * size, _RED, max(1, round(2 * size)))

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from ucon.core.errors import DataError
 from ucon.core.files import canonical_json
 
 
@@ -35,7 +36,7 @@ class DecisionRecord:
     prompt_tokens: int = 0
     completion_tokens: int = 0
     text: str = ""
-    """What the model said, where it says something."""
+    """What the model said, where it says something; without line breaks and other control characters in the line."""
     seconds: float = 0.0
     """Wall time of the answers; not part of the line."""
 
@@ -43,12 +44,16 @@ class DecisionRecord:
         """One line of canonical JSON without the line break."""
         values: dict[str, Any] = asdict(self)
         values.pop("seconds")
+        values["text"] = "".join(c if c.isprintable() else " " for c in self.text)  # servers say anything
         return canonical_json(values)
 
     @classmethod
-    def from_json(cls, data: dict[str, Any]) -> DecisionRecord:
-        """Rebuild a record from a parsed line."""
-        return cls(**{**data, "options": tuple(data["options"]), "scores": tuple(data["scores"])})
+    def from_json(cls, data: dict[str, Any], *, where: str = "decision") -> DecisionRecord:
+        """Rebuild a record from a parsed line; raises :class:`DataError` where it is none."""
+        try:
+            return cls(**{**data, "options": tuple(data["options"]), "scores": tuple(data["scores"])})
+        except (TypeError, KeyError):
+            raise DataError(f"{where}: not a decision; the file is altered, evaluate again") from None
 
 
 def language_figures(decisions: Sequence[DecisionRecord], n_episodes: int) -> dict[str, Any] | None:

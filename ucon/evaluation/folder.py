@@ -21,6 +21,7 @@ from ucon.evaluation.record import EpisodeRecord, EpisodeTiming, read_records, t
 RECORDS, TIMING, SUMMARY, CONFIG = "episodes.jsonl", "timing.jsonl", "summary.json", "config.yaml"
 DECISIONS = "decisions.jsonl"
 PARTIAL = f"{RECORDS}.partial"
+_ALTERED = "the file is altered, remove the folder and evaluate again"
 
 
 class RunFolder:
@@ -79,13 +80,18 @@ class RunFolder:
 
     def _finished(self) -> dict[int, Played]:
         records = read_records(self.path)
-        timings = [EpisodeTiming(**json.loads(line)) for line in (self.path / TIMING).read_text().splitlines()]
-        made: dict[str, list[dict[str, Any]]] = defaultdict(list)
-        for number, line in enumerate(_lines(self.path / DECISIONS), 1):
-            decision = _parsed(line, f"{self.path / DECISIONS}:{number}")
-            made[str(decision.get("episode"))].append(decision)
-        pairs = zip(records, timings, strict=True)
-        return {i: _played(i, record, timing, made[record.episode]) for i, (record, timing) in enumerate(pairs)}
+        timings = [
+            EpisodeTiming.from_json(_parsed(line, where), where=where) for line, where in _numbered(self.path / TIMING)
+        ]
+        made: dict[str, list[DecisionRecord]] = defaultdict(list)
+        for line, where in _numbered(self.path / DECISIONS):
+            decision = DecisionRecord.from_json(_parsed(line, where), where=where)
+            made[decision.episode].append(decision)
+        if len(timings) != len(records):
+            raise DataError(f"{self.path / TIMING}: {len(timings)} lines for {len(records)} episodes; {_ALTERED}")
+        pairs = enumerate(zip(records, timings, strict=True))
+        where = str(self.path / DECISIONS)
+        return {i: _played(i, record, timing, made[record.episode], where) for i, (record, timing) in pairs}
 
     def _read_partial(self) -> dict[int, Played]:
         partial = self.path / PARTIAL
@@ -104,8 +110,9 @@ class RunFolder:
             where = f"{partial}:{number}"
             value = _parsed(line, where)
             record = EpisodeRecord.from_json(value.get("record", {}), where=where)
-            timing = EpisodeTiming(**value["timing"])
-            done[int(value["index"])] = _played(int(value["index"]), record, timing, value.get("decisions", []))
+            timing = EpisodeTiming.from_json(value.get("timing", {}), where=where)
+            decisions = [DecisionRecord.from_json(d, where=where) for d in value.get("decisions", [])]
+            done[int(value["index"])] = _played(int(value["index"]), record, timing, decisions, where)
         return done
 
     def _refuse_other(self, found: dict[str, str] | None, name: str) -> None:
@@ -118,15 +125,18 @@ class RunFolder:
         )
 
 
-def _played(index: int, record: EpisodeRecord, timing: EpisodeTiming, made: list[dict[str, Any]]) -> Played:
+def _played(index: int, record: EpisodeRecord, timing: EpisodeTiming, made: list[DecisionRecord], where: str) -> Played:
     """An episode as it was when it ended: decisions get their seconds back from the timing."""
     seconds = timing.decision_seconds or (0.0,) * len(made)
-    decisions = [replace(DecisionRecord.from_json(d), seconds=s) for d, s in zip(made, seconds, strict=True)]
-    return Played(index, record, timing, tuple(decisions))
+    if len(seconds) != len(made):
+        raise DataError(f"{where}: {len(made)} decisions in {record.episode}, expected {len(seconds)}; {_ALTERED}")
+    return Played(index, record, timing, tuple(replace(d, seconds=s) for d, s in zip(made, seconds, strict=True)))
 
 
-def _lines(path: Path) -> list[str]:
-    return path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
+def _numbered(path: Path) -> list[tuple[str, str]]:
+    """Lines of a file and where each stands; none where there is no file."""
+    lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
+    return [(line, f"{path}:{number}") for number, line in enumerate(lines, 1)]
 
 
 def _json(path: Path) -> dict[str, Any]:
@@ -137,5 +147,5 @@ def _parsed(text: str, where: str) -> dict[str, Any]:
     try:
         value = json.loads(text)
     except ValueError:
-        raise DataError(f"{where}: not JSON; the file is altered, remove the folder and evaluate again") from None
+        raise DataError(f"{where}: not JSON; {_ALTERED}") from None
     return value if isinstance(value, dict) else {}

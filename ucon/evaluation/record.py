@@ -89,6 +89,14 @@ class EpisodeTiming:
         """One line of canonical JSON without the line break."""
         return canonical_json(asdict(self))
 
+    @classmethod
+    def from_json(cls, data: dict[str, Any], *, where: str = "timing") -> EpisodeTiming:
+        """Rebuild a timing from a parsed line; raises :class:`DataError` where it is none."""
+        try:
+            return cls(**{**data, "decision_seconds": tuple(data.get("decision_seconds", ()))})
+        except (TypeError, AttributeError):
+            raise DataError(f"{where}: not an episode's timing; the file is altered, evaluate again") from None
+
 
 def read_records(path: Path) -> list[EpisodeRecord]:
     """Records of ``episodes.jsonl``, or of the run folder that holds it.

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from omegaconf import OmegaConf
+from omegaconf.errors import OmegaConfBaseException
 from yaml import YAMLError
 
 from ucon.evaluation.folder import CONFIG, SUMMARY
@@ -20,13 +21,13 @@ def twin_of(out: Path, config: dict[str, Any], hashes: dict[str, str]) -> Path |
         if path.parent == out:
             continue
         try:
-            found = json.loads(path.read_text(encoding="utf-8")).get("hashes", {})
-            other = OmegaConf.to_container(OmegaConf.load(path.parent / CONFIG))
-        except (OSError, ValueError, AttributeError, YAMLError):
+            found = json.loads(path.read_text(encoding="utf-8"))["hashes"]
+            other: Any = OmegaConf.to_container(OmegaConf.load(path.parent / CONFIG))
+            same = all(found.get(name) == value for name, value in hashes.items() if name not in ("config", "weights"))
+            if same and without_level(other) == wanted:
+                return path.parent
+        except (OSError, ValueError, LookupError, TypeError, AttributeError, YAMLError, OmegaConfBaseException):
             continue  # a damaged neighbour is no reason to stop
-        same = all(found.get(name) == value for name, value in hashes.items() if name not in ("config", "weights"))
-        if same and isinstance(other, dict) and without_level(other) == wanted:
-            return path.parent
     return None
 
 

@@ -12,10 +12,11 @@ from ucon.perception.body import Body
 from ucon.perception.detections import MIN_PIXELS
 from ucon.perception.places import affordance
 from ucon.perception.planner import UNREACHED, Planner
-from ucon.perception.semantic_map import HALF, SemanticMap, View
+from ucon.perception.semantic_map import HALF, SIZE, SemanticMap, View
 
 #: Content of a drawer shows where the drawer took it; its box stays where it was, farther back.
 DRAWER_NEAR_M = 0.55
+_EVERYWHERE = np.ones((SIZE, SIZE), np.uint8)
 
 
 class Approach:
@@ -46,18 +47,24 @@ class Approach:
         """Remember that the thing was not visible from a view."""
         self._failed[view] = self._failed.get(view, 0) + 1
 
-    def goal(self, known: SemanticMap, planner: Planner, track: int) -> View | None:
-        """The cheapest pose that should do, or None; the planner must be up to date."""
+    def goal(self, known: SemanticMap, planner: Planner, track: int, *, anywhere: bool = False) -> View | None:
+        """The cheapest pose on an explored node that should do, or None; the planner must be up to date.
+
+        ``anywhere``: where no explored node will do, any that can be reached (to walk up to what was found).
+        """
         self._note(known, track)
         cells = (planner.steps, known.height, known.walls, HALF)
         eyes, look = _eyes(known.body), known.view.pitch_deg
         failed = np.array([(v.i, v.j, v.heading, v.pitch_deg, n) for v, n in self._failed.items()], np.int32)
         best = np.zeros(4, np.int32)
-        cost = best_view(
-            known.box[track], self.reach_m(known, track), cells, eyes, look, self._best, failed.reshape(-1, 5),
-            UNREACHED, best,
-        )  # fmt: skip
-        if cost >= UNREACHED:
+        for allowed in (known.explored, _EVERYWHERE) if anywhere else (known.explored,):
+            cost = best_view(
+                known.box[track], self.reach_m(known, track), cells, allowed, eyes, look, self._best,
+                failed.reshape(-1, 5), UNREACHED, best,
+            )  # fmt: skip
+            if cost < UNREACHED:
+                break
+        else:
             return None
         i, j, heading, row = best.tolist()
         return View(i, j, heading, int(eyes[row, 3]))

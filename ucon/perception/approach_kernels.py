@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ucon.core.jit import F64, I32, jit, merged
+from ucon.core.jit import F64, I32, U8, jit, merged
 from ucon.perception.map_kernels import CELL_M
 from ucon.perception.view_kernels import sight
 
@@ -18,8 +18,8 @@ FAILED_COST = 30
 
 @jit
 def best_view(
-    box: F64, reach_m: float, cells: Any, eyes: F64, look: int, seen: tuple[float, float], failed: I32, most: int,
-    best: I32,
+    box: F64, reach_m: float, cells: Any, allowed: U8, eyes: F64, look: int, seen: tuple[float, float], failed: I32,
+    most: int, best: I32,
 ) -> int:  # fmt: skip
     """Put the best pose into ``best`` (i, j, heading, row of eyes) and return its cost, ``most`` where there is none.
 
@@ -27,6 +27,7 @@ def best_view(
         box: (6,) what was seen of the thing, metres.
         reach_m: horizontal distance that is near enough.
         cells: steps (n, n, 4) int32 actions to every cell and heading; height (n, n); walls (2, n, n); half.
+        allowed: (n, n) nodes that may be stood on are above 0.
         eyes: (L, 4) height in metres, cosine and sine of the pitch, look in degrees.
         look: the look at present.
         seen: pixels of the best sight so far and its distance: tells how large the thing will be from nearby.
@@ -41,7 +42,7 @@ def best_view(
     j0, j1 = int((box[1] - reach_m) / CELL_M) + half - 1, int((box[4] + reach_m) / CELL_M) + half + 2
     for i in range(max(i0, 0), min(i1, steps.shape[0])):
         for j in range(max(j0, 0), min(j1, steps.shape[1])):
-            if min(steps[i, j, 0], steps[i, j, 1], steps[i, j, 2], steps[i, j, 3]) >= most:
+            if allowed[i, j] == 0 or min(steps[i, j, 0], steps[i, j, 1], steps[i, j, 2], steps[i, j, 3]) >= most:
                 continue
             x, y = (i - half) * CELL_M, (j - half) * CELL_M
             gap_x, gap_y = max(box[0] - x, x - box[3], 0.0), max(box[1] - y, y - box[4], 0.0)

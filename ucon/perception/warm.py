@@ -8,6 +8,8 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
+from ucon.perception.approach import Approach
+from ucon.perception.directions import in_view
 from ucon.perception.fine_frontiers import fine_frontiers
 from ucon.perception.fine_map import FineMap
 from ucon.perception.neighbourhood import interest
@@ -29,6 +31,8 @@ def look_around(env: gym.Env[Any, Any], actions: Sequence[int]) -> SemanticMap:
         fine.update(known.view, frame_depth(obs, info))
         planner.update(known)
         fine_frontiers(fine, known, planner)
+        in_view(known, planner, known.view, (1.0, 5.0))
+        Approach().goal(known, planner, 0)
         mass = np.ones((known.n_tracks, 4))
         closed = np.unique(places.track[places.relation == INSIDE]).astype(np.int64)
         expected = Expectation(mass, 1.0, 0.1, interest(known, {"fridge": 1.0}))

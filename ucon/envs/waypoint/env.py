@@ -67,13 +67,27 @@ the left, actions to get there, cells of a frontier, share of a thing not looked
         *,
         strategy: str | Callable[[Info], Strategy] = "landmarks",
         manner: Manner | None = None,
-        max_candidates: int = 64,
+        max_candidates: int = 256,
         seed: int = 0,
         observe: str = "symbolic",
         detector: Any = True,
         **options: Any,
     ) -> None:
-        """``strategy``: a name or a maker of strategies; ``seed``: of what they draw; ``options``: of ``UcON-v0``."""
+        """Describe the environment.
+
+        Args:
+            episodes: see ``UcON-v0``.
+            strategy: a name, or what makes a strategy from the info at reset.
+            manner: how choices are carried out.
+            max_candidates: rows of the observation; ``landmarks`` offered up to 144 in the mini set, the others 16.
+            seed: of what the strategy draws.
+            observe: see ``UcON-v0``.
+            detector: what candidates come from; see ``UcON-v0``.
+            **options: of ``UcON-v0``.
+
+        Raises:
+            ConfigError: an unknown strategy, or no detector.
+        """
         if isinstance(strategy, str) and strategy not in STRATEGIES:
             raise ConfigError(unknown_name("strategy", strategy, STRATEGIES))
         if not detector:

@@ -86,6 +86,7 @@ class Explorer:
 
     def look(self, observation: Mapping[str, Any], info: Info) -> Action | None:
         """Take in a frame; the next action, or None where a choice is due (:meth:`decision`, :meth:`choose`)."""
+        self._decision = None  # what was offered before this frame is out of date
         self.map.update(observation, info)
         self.strategy.look(self.map, observation, info)
         track = self._target_track()
@@ -117,18 +118,19 @@ class Explorer:
                 self.taking = True
                 return self.homing.act(self.map, self.planner, track)
         self._walk_to(chosen.view)
+        first = self._next()
         # A choice that is no walk must cost a step as well, or a stubborn chooser would never end.
-        return self._next(moving=True) or Action.ROTATE_LEFT
+        return Action.ROTATE_LEFT if first is None else first
 
     def _walk_to(self, view: View) -> None:
         self.planner.update(self.map)
         self._goal, self._plan = view, deque(self.planner.plan(view))
         self._walked, self._arrived = 0, False
 
-    def _next(self, *, moving: bool = False) -> Action | None:
-        if not self._arrived and not moving and 0 < self.manner.replan_steps <= self._walked:
-            return None
+    def _next(self) -> Action | None:
         if self._plan:
+            if 0 < self.manner.replan_steps <= self._walked:
+                return None
             self._walked += 1
             return self._plan.popleft()
         if not self._arrived:

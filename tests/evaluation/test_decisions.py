@@ -1,0 +1,170 @@
+"""Choices on disk: the same bytes however they were made, kept over an interruption, and their figures."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from models.agents.lgx import LGXAgent
+from tests.evaluation.records import played as made_up
+from ucon.core.errors import DataError
+from ucon.envs.ucon_env import UcONEnv
+from ucon.evaluation.decisions import DecisionRecord, language_figures
+from ucon.evaluation.folder import DECISIONS, PARTIAL, TIMING, RunFolder
+from ucon.evaluation.play import Played, RunSpec
+from ucon.evaluation.report import summary
+from ucon.evaluation.runner import evaluate
+from ucon.language.models.encoder import EncoderModel
+from ucon.task.sets import load_episodes
+
+HASHES = {"config": "c", "episodes": "e", "habits": "h", "code": "v", "weights": "w"}
+EPISODES = load_episodes("mini")[::12]
+
+
+def lgx() -> LGXAgent:
+    return LGXAgent(EncoderModel())
+
+
+def run(workers: int, batch: int, skip: tuple[int, ...] = ()) -> list[Played]:
+    env = partial(UcONEnv, EPISODES[:1], observe="symbolic", detector=True, habit_level="retrieval")
+    return evaluate(RunSpec(lgx, env, "retrieval", batch=batch), EPISODES, workers=workers, skip=skip)
+
+
+@pytest.fixture(scope="module")
+def played() -> list[Played]:
+    return run(0, 1)
+
+
+def finished(path: Path, played: list[Played]) -> RunFolder:
+    folder = RunFolder(path, HASHES)
+    folder.open()
+    for one in played:
+        folder.add(one)
+    folder.finish(played, {"hashes": HASHES} | summary(played, HASHES, 1.0), "x: 1\n")
+    return folder
+
+
+@pytest.mark.parametrize(("workers", "batch"), [(0, 3), (2, 1)])
+def test_one_line_a_choice_whatever_workers_and_batch(
+    workers: int, batch: int, played: list[Played], tmp_path: Path
+) -> None:
+    finished(tmp_path / "a", played)
+    finished(tmp_path / "b", run(workers, batch))
+    text = (tmp_path / "a" / DECISIONS).read_bytes()
+    assert (tmp_path / "b" / DECISIONS).read_bytes() == text
+    lines = [json.loads(line) for line in text.decode().split("\n")[:-1]]
+    assert [(line["episode"], line["number"]) for line in lines] == [
+        (p.record.episode, k) for p in played for k in range(len(p.decisions))
+    ]
+    assert "seconds" not in lines[0]
+    assert len(lines) == summary(played, HASHES, 1.0)["language"]["decisions"]
+
+
+def test_an_interrupted_run_keeps_the_choices_of_what_was_finished(played: list[Played], tmp_path: Path) -> None:
+    first = RunFolder(tmp_path / "cut", HASHES)
+    first.open()
+    for one in (played[2], played[0]):
+        first.add(one)
+    partial_file = tmp_path / "cut" / PARTIAL
+    partial_file.write_text(partial_file.read_text() + '{"index": 1, "record"')  # cut off in mid-write
+    again = RunFolder(tmp_path / "cut", HASHES)
+    done = again.open()
+    assert {k: v.decisions for k, v in done.items()} == {k: with_kept_seconds(played[k]) for k in (0, 2)}
+    new = run(0, 1, skip=tuple(done))
+    for one in new:
+        again.add(one)
+    whole = sorted([*done.values(), *new], key=lambda p: p.index)
+    again.finish(whole, {"hashes": HASHES}, "x: 1\n")
+    finished(tmp_path / "whole", played)
+    assert (tmp_path / "cut" / DECISIONS).read_bytes() == (tmp_path / "whole" / DECISIONS).read_bytes()
+
+
+def with_kept_seconds(one: Played) -> tuple[DecisionRecord, ...]:
+    """Seconds are kept to five digits."""
+    return tuple(replace(d, seconds=round(d.seconds, 5)) for d in one.decisions)
+
+
+def test_a_finished_run_is_read_back(played: list[Played], tmp_path: Path) -> None:
+    finished(tmp_path, played)
+    back = RunFolder(tmp_path, HASHES).open()
+    assert [back[k].timing for k in sorted(back)] == [p.timing for p in played]
+    assert [back[k].decisions for k in sorted(back)] == [with_kept_seconds(p) for p in played]
+    a, b = (summary(list(p), HASHES, 1.0)["language"] for p in (played, back.values()))
+    assert a.pop("seconds_per_decision") == pytest.approx(b.pop("seconds_per_decision"), abs=1e-5)
+    assert a == b
+
+
+def test_what_a_model_said_cannot_break_the_file(tmp_path: Path) -> None:
+    said = 'a\nb\u2028c\x85d\ud800"{}\x00'
+    decision = DecisionRecord("e0", 0, 3, "view", ("front", "left"), 1, asked=1, text=said)
+    one = replace(made_up(0), decisions=(decision, replace(decision, number=1)))
+    one = replace(one, timing=replace(one.timing, decision_seconds=(0.5, 0.25)))
+    folder = RunFolder(tmp_path, HASHES)
+    folder.open()
+    folder.add(one)
+    resumed = RunFolder(tmp_path, HASHES).open()[0]
+    assert [d.to_line() for d in resumed.decisions] == [d.to_line() for d in one.decisions]
+    assert [d.seconds for d in resumed.decisions] == [0.5, 0.25]
+    assert resumed.timing == one.timing
+
+
+@pytest.mark.parametrize("name", [DECISIONS, TIMING])
+@pytest.mark.parametrize("damage", ["cut", "lost line", "not JSON", "other fields", "list"])
+def test_a_damaged_folder_is_named_in_one_line(name: str, damage: str, played: list[Played], tmp_path: Path) -> None:
+    finished(tmp_path, played)
+    file = tmp_path / name
+    lines = file.read_text().splitlines(keepends=True)
+    file.write_text(
+        {
+            "cut": "".join(lines)[:-20],
+            "lost line": "".join(lines[:-1]),
+            "not JSON": "".join(["hello\n", *lines[1:]]),
+            "other fields": "".join(['{"episode": "x", "what": 1}\n', *lines[1:]]),
+            "list": "".join(["[1]\n", *lines[1:]]),
+        }[damage]
+    )
+    with pytest.raises(DataError, match=name.replace(".", r"\.")) as caught:
+        RunFolder(tmp_path, HASHES).open()
+    assert "\n" not in str(caught.value)
+    assert "evaluate again" in str(caught.value)
+
+
+def test_figures_of_a_run() -> None:
+    asked = DecisionRecord(
+        "e0",
+        0,
+        3,
+        "view",
+        ("front", "left"),
+        1,
+        asked=2,
+        retries=1,
+        prompt_tokens=90,
+        completion_tokens=10,
+        seconds=2.0,
+    )
+    lost = replace(asked, number=1, fallback=True, failure="server", prompt_tokens=10, retries=3, seconds=4.0)
+    alone = DecisionRecord("e1", 0, 3, "wander", ("0",), 0)
+    assert language_figures([asked, lost, alone], 2) == {
+        "decisions": 3,
+        "decisions_per_episode": 1.5,
+        "questions_per_episode": 2.0,
+        "fallback_rate": 0.5,
+        "failures": {"server": 1},
+        "retries": 4,
+        "prompt_tokens_per_decision": 50.0,
+        "completion_tokens_per_decision": 10.0,
+        "seconds_per_decision": 3.0,
+    }
+    assert language_figures([alone], 1) is None
+    assert language_figures([], 0) is None
+
+
+def test_a_run_without_choices_has_no_file(tmp_path: Path) -> None:
+    finished(tmp_path, [made_up(0)])
+    assert not (tmp_path / DECISIONS).exists()
+    assert RunFolder(tmp_path, HASHES).open() == {0: made_up(0)}

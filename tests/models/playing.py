@@ -1,0 +1,60 @@
+"""Configured agents on stored episodes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from hydra import compose, initialize_config_dir
+from omegaconf import OmegaConf
+
+from models.agents.base import Agent
+from ucon.commands.wiring import Factory
+from ucon.envs.ucon_env import UcONEnv
+from ucon.task.episode import Episode
+from ucon.task.sets import load_episodes
+
+CONFIGS = Path(__file__).resolve().parents[2] / "configs"
+AGENTS = sorted(path.stem for path in (CONFIGS / "agent").glob("*.yaml"))
+
+
+def config_of(agent: str, *overrides: str) -> dict[str, Any]:
+    with initialize_config_dir(str(CONFIGS), version_base="1.3"):
+        config = compose("eval", [f"agent={agent}", "out=runs/test", *overrides])
+    return OmegaConf.to_container(config, resolve=True)  # type: ignore[return-value]
+
+
+def built(name: str, level: str = "retrieval") -> tuple[Agent, UcONEnv]:
+    """An agent as it is configured, and the environment that it plays in; images are small."""
+    config = config_of(name, f"habit_level={level}")
+    return Factory(config["agent"])(), Factory(config["env"] | {"width_px": 128, "height_px": 128})()
+
+
+#: What may be played by an agent that knows no secrets.
+HONEST = [name for name in AGENTS if not config_of(name)["env"]["privileged"]]
+
+
+def episodes(n: int) -> list[Episode]:
+    """The longest searches of the mini set."""
+    return sorted(load_episodes("mini"), key=lambda e: -e.shortest_path_m)[:n]
+
+
+def gone(episode: Episode) -> Episode:
+    """The same home without the target."""
+    objects = list(episode.arrangement.objects)
+    objects[episode.target] = replace(objects[episode.target], position=(0.0, 0.0, -50.0))
+    return replace(episode, arrangement=replace(episode.arrangement, objects=tuple(objects)))
+
+
+def play(agent: Agent, env: UcONEnv, episode: Episode, most: int = 300, unseen: bool = False) -> list[int]:
+    """Actions of an episode; ``unseen``: until the target comes into view."""
+    obs, info = env.reset(options={"episode": episode})
+    agent.reset([info])
+    actions: list[int] = []
+    while len(actions) < most and not (unseen and env.search.counts[env.search.target]):
+        actions += agent.act([obs], [info])
+        obs, _, done, truncated, info = env.step(actions[-1])
+        if done or truncated:
+            break
+    return actions
