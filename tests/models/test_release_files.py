@@ -64,14 +64,9 @@ def test_every_agent_plays_it(name: str, mode: str, played_from: tuple[HabitData
     with initialize_config_dir(str(CONFIGS), version_base="1.3"):
         config = compose("eval", [f"agent={name}"])
     agent: Any = OmegaConf.to_container(config.agent, resolve=True)
-<<<<<<< HEAD
     seen = {option: config.env[option] for option in ("privileged", "observe", "width_px", "height_px")}
     env = partial(UcONEnv, episodes, habit_level="retrieval", source=source, detector=True, **seen)
     spec = RunSpec(Factory(agent), env, "retrieval")
-=======
-    env = partial(UcONEnv, episodes, habit_level="retrieval", source=source, observe=config.env.observe, detector=True)
-    spec = RunSpec(Factory(agent), partial(env, privileged=config.env.privileged), "retrieval")
->>>>>>> wptests
     records = [played.record for played in evaluate(spec, episodes, workers=0)]
     assert [record.target for record in records] == [episode.target_category for episode in episodes]
     assert all(record.steps > 0 for record in records)
