@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ucon.core.jit import F32, F64, I16, U8, Flags, jit, merged
+from ucon.core.jit import F32, F64, I16, I32, U8, Flags, jit, merged
 
 CELL_M = 0.25
 #: Bits of the sides -x, +x, -y, +y, -z, +z of a hollow.
@@ -32,23 +32,31 @@ def integrate(depth: F32, tracks: I16, camera: F64, half: int, cells: Any, kind:
     box (T, 6). Cells are read from every second pixel, boxes from every one: a thing may be four pixels.
     """
     rows, columns = depth.shape
-    x, y, cam_z, c, s, cp, sp, focal_px = camera
+    point, cell = np.empty((3, columns)), np.empty((2, columns), np.int32)
     for v in range(rows):
-        up = (0.5 * rows - v - 0.5) / focal_px
-        ahead, rise = cp - sp * up, sp + cp * up
+        # The arithmetic of a whole row goes first, where it can be done for several pixels at once.
+        _project(depth[v], (0.5 * rows - v - 0.5) / camera[7], camera, half, point, cell)
         for u in range(columns):
             t, d = tracks[v, u], depth[v, u]
-            if t < 0 or t >= kind.shape[0] or not (0.0 < d < FAR_M):
-                continue
-            odd = u & 1 or v & 1
-            if odd and (kind[t] != 0 or frozen[t]):
-                continue
-            f, right = d * ahead, d * ((u + 0.5 - 0.5 * columns) / focal_px)
-            px, py, pz = x + c * f + s * right, y + s * f - c * right, cam_z + d * rise
-            if kind[t] == 0 and not frozen[t]:
-                _widen(box[t], px, py, pz)
-            if not odd:
-                _mark(cells, half, px, py, pz, d, kind[t], frozen[t])
+            if 0 <= t < kind.shape[0] and kind[t] == 0 and not frozen[t] and 0.0 < d < FAR_M:
+                _widen(box[t], point[0, u], point[1, u], point[2, u])
+        if v & 1 == 0:
+            _mark(depth[v], tracks[v], point, cell, half, cells, kind, frozen)
+
+
+@jit
+def _project(depth: F32, up: float, camera: F64, half: int, point: F64, cell: I32) -> None:
+    """Write the points (3, W) that the pixels of a row show, in metres, and the cells (2, W) that these are in."""
+    x, y, cam_z, c, s, cp, sp, focal_px = camera
+    ahead, rise = cp - sp * up, sp + cp * up
+    columns = depth.shape[0]
+    for u in range(columns):
+        d = depth[u]
+        f, right = d * ahead, d * ((u + 0.5 - 0.5 * columns) / focal_px)
+        point[0, u], point[1, u], point[2, u] = x + c * f + s * right, y + s * f - c * right, cam_z + d * rise
+    for u in range(columns):
+        cell[0, u] = np.int32(np.floor(point[0, u] / CELL_M + 0.5)) + half
+        cell[1, u] = np.int32(np.floor(point[1, u] / CELL_M + 0.5)) + half
 
 
 @merged
@@ -58,26 +66,30 @@ def _widen(box: F64, x: float, y: float, z: float) -> None:
     box[2], box[5] = min(box[2], z), max(box[5], z)
 
 
-@merged
-def _mark(cells: Any, half: int, x: float, y: float, z: float, d: float, kind: int, frozen: bool) -> None:
-    """Note one point in the cell maps."""
+@jit
+def _mark(depth: F32, tracks: I16, point: F64, cell: I32, half: int, cells: Any, kind: U8, frozen: Flags) -> None:
+    """Note every second point of a row in the cell maps."""
     height, near, floor, blocked, walls = cells
-    i, j = int(np.floor(x / CELL_M + 0.5)) + half, int(np.floor(y / CELL_M + 0.5)) + half
-    if i < 1 or j < 1 or i >= height.shape[0] - 1 or j >= height.shape[1] - 1:
-        return
-    near[i, j] = min(near[i, j], d)
-    if kind == CEILINGS:
-        return
-    if z < LOW_M:
-        floor[i, j] = 1
-        return
-    if z < LINTEL_M and z > height[i, j]:
-        height[i, j] = z
-    if z < TALL_M and not frozen:
-        dx, dy = x - (i - half) * CELL_M, y - (j - half) * CELL_M
-        _block(blocked, i, j, dx, dy)
-        if kind == WALLS:
-            _wall(walls, i, j, dx, dy)
+    last = height.shape[0] - 1
+    for u in range(0, depth.shape[0], 2):
+        t, d, i, j = tracks[u], depth[u], cell[0, u], cell[1, u]
+        if t < 0 or t >= kind.shape[0] or not (0.0 < d < FAR_M) or i < 1 or j < 1 or i >= last or j >= last:
+            continue
+        if d < near[i, j]:
+            near[i, j] = d
+        z = point[2, u]
+        if kind[t] == CEILINGS:
+            continue
+        if z < LOW_M:
+            floor[i, j] = 1
+            continue
+        if z < LINTEL_M and z > height[i, j]:
+            height[i, j] = z
+        if z < TALL_M and not frozen[t]:
+            dx, dy = point[0, u] - (i - half) * CELL_M, point[1, u] - (j - half) * CELL_M
+            _block(blocked, i, j, dx, dy)
+            if kind[t] == WALLS:
+                _wall(walls, i, j, dx, dy)
 
 
 @merged

@@ -93,7 +93,7 @@ def test_a_fault_that_stays_ends_in_time_without_a_choice(model, fault):
 
 
 @pytest.mark.parametrize(
-    "fault", [*(SERVER.keys() - {"not found", "bad request", "moved", "moved nowhere"}), *UNUSABLE]
+    "fault", sorted((SERVER | UNUSABLE).keys() - {"not found", "bad request", "moved", "moved nowhere"})
 )
 def test_a_fault_that_passes_costs_a_retry(model, fault):
     with chat_server((SERVER | UNUSABLE)[fault], GOOD) as server:
