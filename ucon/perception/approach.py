@@ -12,11 +12,10 @@ from ucon.perception.body import Body
 from ucon.perception.detections import MIN_PIXELS
 from ucon.perception.places import affordance
 from ucon.perception.planner import UNREACHED, Planner
-from ucon.perception.semantic_map import HALF, SIZE, SemanticMap, View
+from ucon.perception.semantic_map import CELL_M, HALF, SemanticMap, View
 
 #: Content of a drawer shows where the drawer took it; its box stays where it was, farther back.
 DRAWER_NEAR_M = 0.55
-_EVERYWHERE = np.ones((SIZE, SIZE), np.uint8)
 
 
 class Approach:
@@ -47,27 +46,42 @@ class Approach:
         """Remember that the thing was not visible from a view."""
         self._failed[view] = self._failed.get(view, 0) + 1
 
-    def goal(self, known: SemanticMap, planner: Planner, track: int, *, anywhere: bool = False) -> View | None:
-        """The cheapest pose on an explored node that should do, or None; the planner must be up to date.
-
-        ``anywhere``: where no explored node will do, any that can be reached (to walk up to what was found).
-        """
+    def goal(self, known: SemanticMap, planner: Planner, track: int) -> View | None:
+        """The cheapest pose on an explored node that should do, or None; the planner must be up to date."""
         self._note(known, track)
         cells = (planner.steps, known.height, known.walls, HALF)
         eyes, look = _eyes(known.body), known.view.pitch_deg
         failed = np.array([(v.i, v.j, v.heading, v.pitch_deg, n) for v, n in self._failed.items()], np.int32)
         best = np.zeros(4, np.int32)
-        for allowed in (known.explored, _EVERYWHERE) if anywhere else (known.explored,):
-            cost = best_view(
-                known.box[track], self.reach_m(known, track), cells, allowed, eyes, look, self._best,
-                failed.reshape(-1, 5), UNREACHED, best,
-            )  # fmt: skip
-            if cost < UNREACHED:
-                break
-        else:
+        cost = best_view(
+            known.box[track], self.reach_m(known, track), cells, known.explored, eyes, look, self._best,
+            failed.reshape(-1, 5), UNREACHED, best,
+        )  # fmt: skip
+        if cost >= UNREACHED:
             return None
         i, j, heading, row = best.tolist()
         return View(i, j, heading, int(eyes[row, 3]))
+
+    def nearer(self, known: SemanticMap, planner: Planner, track: int) -> View:
+        """The explored node nearest to what was seen of a thing, looking that way: from there more of it shows.
+
+        For things of which only a far corner was seen, with no explored node in reach of it.
+        """
+        i0, i1, j0, j1 = known.extent(0)
+        window = (slice(i0, i1), slice(j0, j1))
+        ok = (planner.steps[window].min(2) < UNREACHED) & (known.explored[window] > 0)
+        nodes = np.argwhere(ok) + np.array([i0, j0])
+        xy = (nodes - HALF) * CELL_M
+        box = known.box[track]
+        gap = np.maximum(np.maximum(box[:2] - xy, xy - box[3:5]), 0.0)
+        away = np.hypot(gap[:, 0], gap[:, 1])
+        steps = planner.steps[nodes[:, 0], nodes[:, 1]].min(1)
+        for view, times in self._failed.items():  # a node that did not help counts as a metre farther
+            away[(nodes[:, 0] == view.i) & (nodes[:, 1] == view.j)] += times
+        k = int(np.lexsort((steps, np.round(away, 3)))[0])
+        dx, dy = (_center(box)[:2] - xy[k]).tolist()
+        heading = (0 if dx > 0 else 2) if abs(dx) >= abs(dy) else (1 if dy > 0 else 3)
+        return View(int(nodes[k, 0]), int(nodes[k, 1]), heading)
 
     def _note(self, known: SemanticMap, track: int) -> None:
         """Keep the best sight so far, to tell how many pixels a nearer view will have."""

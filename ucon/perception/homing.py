@@ -34,6 +34,6 @@ class Homing:
             self.approach.failed(known.view)
         self._under_way, self._age = True, 0
         planner.update(known)
-        goal = self.approach.goal(known, planner, track, anywhere=True)
-        self._plan = deque() if goal is None else deque(planner.plan(goal))
+        goal = self.approach.goal(known, planner, track) or self.approach.nearer(known, planner, track)
+        self._plan = deque(planner.plan(goal))
         return self._plan.popleft() if self._plan else Action.ROTATE_LEFT

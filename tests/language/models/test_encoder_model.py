@@ -13,6 +13,7 @@ from ucon.language.encoder import MiniLM
 from ucon.language.models.encoder import EncoderModel, EncoderWeights
 from ucon.language.store import StoredEncoder, default_encoder, shipped_table
 from ucon.learning.fit_encoder import cases, nats, shared_out, single
+from ucon.objects import catalogue
 
 #: Of the book, whose vectors are shipped.
 HABITS = book().texts[:6]
@@ -132,3 +133,14 @@ def test_questions_after_the_first_cost_well_below_a_millisecond(found):
             times.append(time.perf_counter() - start)
     later = [t for i, t in enumerate(times) if i % 20]
     assert np.median(later) < 0.001
+
+
+@pytest.mark.parametrize("habits", [(), HABITS, HABITS * 40])
+@pytest.mark.parametrize("target", ["mug", "sofa", "coffee cup"])
+def test_where_the_target_stands_in_view_nothing_else_is_chosen(habits, target):
+    """However many things that habits speak of crowd the other options."""
+    crowded = tuple(name.replace("_", " ") for name in catalogue().names if name != target.replace(" ", "_"))[:200]
+    options = (Option("front", crowded), Option("left", ("lamp", target)), Option("right", ()))
+    (answer,) = EncoderModel().answer([Question(target, habits, options, "", "")])
+    assert answer.choice == 1
+    assert answer.scores[1] > -0.01

@@ -81,20 +81,29 @@ class Explorer:
         self._arrived = True
         self._turns = 3 if self.manner.look_around else 0
         self._opened_at: set[View] = set()
-        self.taking = False
+        self._stood: set[View] = set()
+        self._taken: int | None = None
+
+    @property
+    def taking(self) -> bool:
         """Whether the target was found and is being walked up to."""
+        return self._taken is not None
 
     def look(self, observation: Mapping[str, Any], info: Info) -> Action | None:
         """Take in a frame; the next action, or None where a choice is due (:meth:`decision`, :meth:`choose`)."""
         self._decision = None  # what was offered before this frame is out of date
         self.map.update(observation, info)
         self.strategy.look(self.map, observation, info)
+        if self._arrived or not self._plan:
+            self._stood.add(self.map.view)
         track = self._target_track()
         if track is not None and self._may_take(track):
-            self.taking = True
+            self._taken = track
             return self.homing.act(self.map, self.planner, track, blocked=bool(observation["collision"]))
         if bool(observation["collision"]) and self._goal is not None:
+            walked = self._walked
             self._walk_to(self._goal)
+            self._walked = walked
         return self._next()
 
     def decision(self) -> Decision:
@@ -102,10 +111,14 @@ class Explorer:
         if self._decision is None:
             self.planner.update(self.map)
             draw = stream(*self._key, self.decisions)
-            found = self.strategy.candidates(self.map, self.planner, draw) or [self._somewhere(draw)]
+            found = self._fresh(self.strategy.candidates(self.map, self.planner, draw)) or [self._somewhere(draw)]
             around = tuple(self.strategy.sightings(self.map))
             self._decision = Decision(self.decisions, self.map.step, self.target, tuple(found), self.map, around, draw)
         return self._decision
+
+    def _fresh(self, found: list[Candidate]) -> list[Candidate]:
+        """Without frontiers that were looked into from the very pose to go to: looking again would change nothing."""
+        return [c for c in found if c.kind != "frontier" or c.view not in self._stood]
 
     def choose(self, number: int) -> Action:
         """Choose candidate ``number`` of the decision that is due; the first action towards it."""
@@ -113,9 +126,9 @@ class Explorer:
         self._decision = None
         self.decisions += 1
         if self.manner.interrupt == "chosen" and any(name == self.target for name, _ in chosen.things):
-            track = self._target_track()
+            track = self._target_track(chosen.view.heading)
             if track is not None:
-                self.taking = True
+                self._taken = track
                 return self.homing.act(self.map, self.planner, track)
         self._walk_to(chosen.view)
         first = self._next()
@@ -157,9 +170,21 @@ class Explorer:
             return True
         return self.taking or self.manner.interrupt == "always"
 
-    def _target_track(self) -> int | None:
-        tracks = self.map.instances.get(self.target, ())
-        return next((t for t in tracks if self.map.seen(t)), None)
+    def _target_track(self, heading: int | None = None) -> int | None:
+        """The track to take: the one being taken, else one in view, else the nearest; with ``heading``: that way first.
+
+        There may be several where a detector can be wrong.
+        """
+        known = self.map
+        tracks = [t for t in known.instances.get(self.target, ()) if known.seen(t)]
+        if self._taken is not None or not tracks:
+            return self._taken
+
+        def order(track: int) -> tuple[bool, bool, float, int]:
+            aside = heading is not None and _heading_to(known, track) != heading
+            return aside, known.pixels[track] < MIN_PIXELS, known.gap_m(track, known.view.xy), track
+
+        return min(tracks, key=order)
 
     def _somewhere(self, draw: np.random.Generator) -> Candidate:
         """An explored node drawn at random: what is left where a strategy offers nothing."""
@@ -174,3 +199,12 @@ class Explorer:
         heading = int(self.planner.steps[i, j].argmin())
         view = View(i, j, heading, 0)
         return Candidate("wander", view, self.planner.cost(view))
+
+
+def _heading_to(known: SemanticMap, track: int) -> int:
+    """The quarter turn in which a thing lies from where the agent stands."""
+    x0, y0, _, x1, y1, _ = known.box[track]
+    dx, dy = 0.5 * (x0 + x1) - known.view.xy[0], 0.5 * (y0 + y1) - known.view.xy[1]
+    if abs(dx) >= abs(dy):
+        return 0 if dx > 0 else 2
+    return 1 if dy > 0 else 3

@@ -28,6 +28,8 @@ Vector = NDArray[np.float64]
 
 #: Episodes whose relevances are kept: more than one worker plays side by side.
 _EPISODES = 64
+#: Log odds of the target itself: where it stands in view no likeness is asked. The fit never has it among the labels.
+FOUND = 30.0
 
 
 @dataclass(frozen=True)
@@ -139,6 +141,7 @@ class EncoderModel:
             self._readings.move_to_end(key)
             return self._readings[key]
         reading = self._readings[key] = _Reading(self._vector(target), self._encode(habits), self._weights)
+        reading.logits[target] = FOUND
         if len(self._readings) > _EPISODES:
             self._readings.popitem(last=False)
         return reading
