@@ -140,10 +140,14 @@ def test_a_sweep_ends_in_a_comparison_and_plays_once_who_reads_no_habits(tmp_pat
     ]
     assert result.stdout.count("FrontierRuleAgent reads no habits: its results are those in") == 1
     assert "paired differences" in result.stdout
-    assert "lgx none - frontier_nearest none" in result.stdout or "frontier_nearest none - lgx none" in result.stdout
+    for level in ("none", "gt"):  # who reads no habits is compared with every level
+        assert f"lgx + encoder (all-MiniLM-L6-v2) {level} - frontier_nearest any" in result.stdout
     for folder, found in runs.items():
         made = (folder / "decisions.jsonl").read_text().splitlines()
         assert len(made) > 4
+        assert found["detector"] == "gt"
+        assert found["uses_habits"] == (found["agent"] == "lgx")
+        assert found["language_model"] == ("encoder (all-MiniLM-L6-v2)" if found["agent"] == "lgx" else None)
         if found["agent"] == "lgx":
             assert found["language"]["decisions"] == len(made)
             assert found["language"]["fallback_rate"] == 0.0
