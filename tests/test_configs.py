@@ -13,7 +13,7 @@ from ucon.commands.wiring import Factory
 from ucon.core.errors import ConfigError, UconError
 from ucon.evaluation.play import Policy
 from ucon.evaluation.report import run_hashes
-from ucon.language.choice import LanguageModel
+from ucon.language.choice import LanguageModel, sees_images
 from ucon.retrieval import Retriever
 
 CONFIGS = Path(__file__).parents[1] / "configs"
@@ -50,7 +50,10 @@ def test_every_option_composes(group, name):
 
 @pytest.mark.parametrize("name", [name for group, name in OPTIONS if group == "agent"])
 def test_every_agent_can_be_built(name):
-    agent = Factory(composed(f"agent={name}")["agent"])()
+    config = composed(f"agent={name}")["agent"]
+    if config.get("inputs") == "images":  # refused with the default model, which sees nothing
+        config = composed(f"agent={name}", "language=vision_lm")["agent"]
+    agent = Factory(config)()
     assert isinstance(agent.name, str)
     assert callable(agent.reset)
     assert callable(agent.act)
@@ -63,12 +66,18 @@ ASKING = [name for group, name in OPTIONS if group == "agent" and "language" in 
 @pytest.mark.parametrize("language", [name for group, name in OPTIONS if group == "language"])
 @pytest.mark.parametrize("name", ASKING)
 def test_agents_are_built_with_every_language_model(name, language):
-    """Nothing is loaded; only an agent that compares scores refuses a model that gives none, in one line."""
+    """Nothing is loaded; an agent refuses, in one line, a model without the scores it compares or blind to images."""
     config = composed(f"agent={name}", f"language={language}")
     model = Factory(config["language"])()
     if name == "l3mvn" and not model.gives_scores:
         with pytest.raises(ConfigError, match="gives none; choose language="):
             Factory(config["agent"])()
+        return
+    if name == "pixelnav_images" and language not in ("vision_lm", "chat_api"):
+        assert not sees_images(model)
+        with pytest.raises(ConfigError, match="sees none; choose language=vision_lm") as caught:
+            Factory(config["agent"])()
+        assert "\n" not in str(caught.value)
         return
     agent = Factory(config["agent"])()
     assert agent.language.name == model.name

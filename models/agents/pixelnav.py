@@ -25,7 +25,7 @@ from models.agents.asking import AskingAgent, listed
 from models.agents.base import Info
 from ucon.core.errors import ConfigError, unknown_name
 from ucon.envs.waypoint import Decision, Manner, Strategy, Views
-from ucon.language.choice import LanguageModel, Option, Question
+from ucon.language.choice import LanguageModel, Option, Question, sees_images
 from ucon.perception.candidates import Candidate
 from ucon.perception.semantic_map import View
 from ucon.retrieval.base import phrase
@@ -65,10 +65,15 @@ class PixelNavAgent(AskingAgent):
             prompt: its file; by default that of the inputs.
 
         Raises:
-            ConfigError: unknown inputs.
+            ConfigError: unknown inputs, or images for a model that sees none.
         """
         if inputs not in get_args(Inputs):
             raise ConfigError(unknown_name("inputs of agent pixelnav", inputs, get_args(Inputs)))
+        if inputs == "images" and not sees_images(language):
+            raise ConfigError(
+                f"agent pixelnav_images shows pictures, and {language.name} sees none; choose language=vision_lm or "
+                "chat_api, or agent=pixelnav, which tells what is in view"
+            )
         manner = Manner(opens=opens, interrupt="always" if interrupt_on_sight else "chosen")
         super().__init__(language, prompt or f"pixelnav_{inputs}", manner, seed, temperature)
         self._inputs, self._reach_m = inputs, reach_m

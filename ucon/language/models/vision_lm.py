@@ -25,6 +25,7 @@ class VisionModel:
     """Any AutoModelForImageTextToText whose processor has a chat template."""
 
     gives_scores = True
+    sees_images = True
 
     def __init__(
         self,
