@@ -102,15 +102,15 @@ class LGXAgent(AskingAgent):
         if self._mode == "direction":
             return super().conclude(decision, questions, answers)
         options = tuple(option.name for option in questions[0].options)
-        number, fallback = self.pick(answers[0], len(options), decision.draw)
+        option, fallback = self.pick(answers[0], len(options), decision.draw)
         shown = [
             {phrase(name) for name, _ in c.things} | {side_of(decision.known.view, c)} for c in decision.candidates
         ]
         if fallback:
             number = int(decision.draw.integers(len(shown)))
         else:
-            number = next(k for k, names in enumerate(shown) if options[number] in names)
-        return Chosen(number, options, answers[0].scores, tuple(answers), fallback)
+            number = next(k for k, names in enumerate(shown) if options[option] in names)
+        return Chosen(number, options, answers[0].scores, tuple(answers), fallback, -1 if fallback else option)
 
     def _options(self, decision: Decision) -> tuple[Option, ...]:
         if self._mode == "object":

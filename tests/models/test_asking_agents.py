@@ -90,8 +90,10 @@ def test_a_thing_means_a_direction_that_shows_it() -> None:
         assert name in shown[chosen.number]
         assert not any(name in things for things in shown[: chosen.number])
         assert not chosen.fallback
+        assert chosen.options[chosen.answered] == name
     lost = agent.conclude(decision, [question], [Answer(-1, failure="unusable")])
     assert lost.fallback
+    assert lost.answered == -1
     assert 0 <= lost.number < len(decision.candidates)
 
 
