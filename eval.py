@@ -23,13 +23,14 @@ from ucon.commands.output import wide_console
 from ucon.commands.wiring import Factory
 from ucon.core.errors import ConfigError
 from ucon.envs.knowledge import HabitSource
-from ucon.evaluation.folder import RunFolder
+from ucon.evaluation.folder import SUMMARY, RunFolder
 from ucon.evaluation.naming import parts_of
 from ucon.evaluation.play import Played, RunSpec
 from ucon.evaluation.progress import EvaluationProgress, embedding_progress
 from ucon.evaluation.report import failure_line, results_table, run_hashes, summary
 from ucon.evaluation.runner import evaluate
 from ucon.evaluation.twins import twin_of
+from ucon.evaluation.weights import check_weights, fingerprints
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
 
@@ -53,13 +54,15 @@ def evaluate_and_report(cfg: DictConfig, out: Path, *, sweep: bool) -> None:
     warn_of_other_rules(episodes, task["name"])
     agent, detector = Factory(config["agent"])(), Factory(config["env"]["detector"])()
     parts, source = parts_of(agent, detector), Factory(config["env"]["source"])()
+    if not (out / SUMMARY).is_file():  # a finished run is only printed again
+        check_weights(agent, detector)
     # What ranks habits counts only where they are read: whoever reads none has one run for all levels.
-    weights = source.weights(config["habit_level"]["name"] if parts.uses_habits else "none")
-    hashes = run_hashes(config, episodes, weights)
+    of_habits = source.weights(config["habit_level"]["name"] if parts.uses_habits else "none")
+    of_parts = fingerprints(agent, detector)
+    hashes = run_hashes(config, episodes, None if of_parts is None else (*of_habits, *of_parts))
     if sweep and not parts.uses_habits and (twin := twin_of(out, config, hashes)) is not None:
         print(f"{config['agent']['_target_'].rsplit('.', 1)[-1]} reads no habits: its results are those in {twin}")
         return
-    check_weights(agent, detector)
     folder = RunFolder(out, hashes)
     done = folder.open()
     played, seconds = play_missing(config, source, episodes, folder, done, out)
@@ -68,14 +71,6 @@ def evaluate_and_report(cfg: DictConfig, out: Path, *, sweep: bool) -> None:
     console = wide_console()
     console.print(results_table([figures]))
     console.print(f"{failure_line(figures)}\n{seconds:.1f} s for {len(played) - len(done)} episodes; results in {out}")
-
-
-def check_weights(*parts: Any) -> None:
-    """Fail in one line, before anything is played, where a language model's or detector's weights are missing."""
-    for part in parts:
-        check = getattr(part, "check", None)
-        if check is not None:
-            check()
 
 
 def chosen_episodes(name: str, limit: int | None, task: str, *, context: bool) -> tuple[Episode, ...]:

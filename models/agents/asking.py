@@ -54,6 +54,11 @@ class AskingAgent(WaypointAgent):
         """Fail in one line where the model's weights or its server's key are missing."""
         self.language.check()
 
+    def fingerprint(self) -> str | None:
+        """Which weights the model has here, see :mod:`ucon.evaluation.weights`."""
+        made = getattr(self.language, "fingerprint", None)
+        return made() if made else ""
+
     def start(self, slot: int, info: Info) -> None:
         """Write the part of the prompt that stays."""
         self._rankings[slot] = info.get("reranking")

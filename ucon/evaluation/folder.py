@@ -40,7 +40,9 @@ class RunFolder:
         """
         summary = self.path / SUMMARY
         if summary.is_file():
-            self._refuse_other(_json(summary).get("hashes"), SUMMARY)
+            found = _json(summary).get("hashes")
+            self._refuse_other(found, SUMMARY)
+            self.hashes = dict(found or {})  # it knows weights that may be gone by now
             return self._finished()
         try:
             self.path.mkdir(parents=True, exist_ok=True)
@@ -115,10 +117,11 @@ class RunFolder:
             done[int(value["index"])] = _played(int(value["index"]), record, timing, decisions, where)
         return done
 
-    def _refuse_other(self, found: dict[str, str] | None, name: str) -> None:
-        if found == self.hashes:
+    def _refuse_other(self, found: Any, name: str) -> None:
+        known = found if isinstance(found, dict) else {}
+        other = sorted(k for k in self.hashes if known.get(k) != self.hashes[k])
+        if not other:
             return
-        other = sorted(k for k in self.hashes if (found or {}).get(k) != self.hashes[k])
         raise ConfigError(
             f"out={self.path}: {name} there belongs to another run (different {', '.join(other)}); "
             "choose another folder or remove this one"

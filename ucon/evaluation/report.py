@@ -26,8 +26,11 @@ _PACKAGES = ("numpy", "numba", "torch", "transformers", "gymnasium", "pybullet",
 NEUTRAL_OPTIONS = ("out", "workers", "pictures", "progress")
 
 
-def run_hashes(config: dict[str, Any], episodes: Sequence[Episode], weights: Sequence[str]) -> dict[str, str]:
-    """SHA-256 of what decides the records: configuration, episodes, habits, code, and the names of ``weights``."""
+def run_hashes(config: dict[str, Any], episodes: Sequence[Episode], weights: Sequence[str] | None) -> dict[str, str]:
+    """SHA-256 of what decides the records: configuration, episodes, habits, code, and names or prints of ``weights``.
+
+    Without ``weights`` that are known, since they are gone, nothing is said of them: a finished run can still be read.
+    """
     measured = {key: value for key, value in config.items() if key not in NEUTRAL_OPTIONS}
     habits = sorted({episode.habits_hash for episode in episodes})
     return {
@@ -35,8 +38,7 @@ def run_hashes(config: dict[str, Any], episodes: Sequence[Episode], weights: Seq
         "episodes": sha256_bytes("".join(episode.hash for episode in episodes).encode()),
         "habits": habits[0] if len(habits) == 1 else sha256_bytes("".join(habits).encode()),
         "code": code_hash(),
-        "weights": sha256_bytes(canonical_json(list(weights)).encode()),
-    }
+    } | ({} if weights is None else {"weights": sha256_bytes(canonical_json(list(weights)).encode())})
 
 
 @lru_cache(maxsize=1)
