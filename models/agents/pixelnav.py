@@ -7,10 +7,11 @@ it, else the middle of the largest patch of floor. On arrival it says Done if th
 again otherwise. There is no memory, and nothing seen on the way changes the plan (``interrupt_on_sight`` does).
 
 What differs from the paper and its code, and why: four views at 90 degrees instead of twelve at 30 (the task's turns);
-views without reachable floor are left out of the question, which is its first rule; labels of the detector in use
-instead of Grounding DINO and SAM; the planner that all agents share instead of the learned pixel policy, as the UcON
-paper has it, to the reachable node in view that is nearest to the goal pixel, 5 m away at most; Open on arrival, which
-PixelNav has not (``opens``); answers are one of the listed angles, without a reason, so that small models can be used.
+views without a reachable node of the map in sight at 1 to 5 m are left out of the question, for its first rule, which
+leaves out views without floor to walk on; labels of the detector in use instead of Grounding DINO and SAM; the planner
+that all agents share instead of the learned pixel policy, as the UcON paper has it, to the reachable node in view that
+is nearest to the goal pixel, 5 m away at most; Open on arrival, which PixelNav has not (``opens``); answers are one of
+the listed angles, without a reason, so that small models can be used.
 """
 
 from __future__ import annotations
