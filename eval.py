@@ -16,7 +16,6 @@ from typing import Any
 import hydra
 from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
-from hydra.utils import get_class
 from omegaconf import DictConfig, OmegaConf
 
 from ucon.commands.entry import one_line_errors, run_entry
@@ -24,12 +23,14 @@ from ucon.commands.output import wide_console
 from ucon.commands.wiring import Factory
 from ucon.core.errors import ConfigError
 from ucon.envs.knowledge import HabitSource
-from ucon.evaluation.folder import RunFolder
+from ucon.evaluation.folder import SUMMARY, RunFolder
+from ucon.evaluation.naming import parts_of
 from ucon.evaluation.play import Played, RunSpec
 from ucon.evaluation.progress import EvaluationProgress, embedding_progress
 from ucon.evaluation.report import failure_line, results_table, run_hashes, summary
 from ucon.evaluation.runner import evaluate
 from ucon.evaluation.twins import twin_of
+from ucon.evaluation.weights import check_weights, fingerprints
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
 
@@ -51,34 +52,25 @@ def evaluate_and_report(cfg: DictConfig, out: Path, *, sweep: bool) -> None:
     task = config["task"]
     episodes = chosen_episodes(config["episodes"], config["limit"], task["name"], context=task["context"])
     warn_of_other_rules(episodes, task["name"])
-    source = Factory(config["env"]["source"])()
-    weights = source.weights(config["habit_level"]["name"])
-    hashes = run_hashes(config, episodes, weights)
-    if sweep and not reads_habits(config) and (twin := twin_of(out, config, hashes)) is not None:
+    agent, detector = Factory(config["agent"])(), Factory(config["env"]["detector"])()
+    parts, source = parts_of(agent, detector), Factory(config["env"]["source"])()
+    if not (out / SUMMARY).is_file():  # a finished run is only printed again
+        check_weights(agent, detector)
+    # What ranks habits counts only where they are read: whoever reads none has one run for all levels.
+    of_habits = source.weights(config["habit_level"]["name"] if parts.uses_habits else "none")
+    of_parts = fingerprints(agent, detector)
+    hashes = run_hashes(config, episodes, None if of_parts is None else (*of_habits, *of_parts))
+    if sweep and not parts.uses_habits and (twin := twin_of(out, config, hashes)) is not None:
         print(f"{config['agent']['_target_'].rsplit('.', 1)[-1]} reads no habits: its results are those in {twin}")
         return
-    check_weights(config)
     folder = RunFolder(out, hashes)
     done = folder.open()
     played, seconds = play_missing(config, source, episodes, folder, done, out)
-    figures = summary(played, folder.hashes, seconds)
+    figures = summary(played, folder.hashes, seconds, parts)
     folder.finish(played, figures, OmegaConf.to_yaml(OmegaConf.create(config)))
     console = wide_console()
     console.print(results_table([figures]))
     console.print(f"{failure_line(figures)}\n{seconds:.1f} s for {len(played) - len(done)} episodes; results in {out}")
-
-
-def reads_habits(config: dict[str, Any]) -> bool:
-    """Whether the agent does anything with habits, as its class says."""
-    return bool(getattr(get_class(config["agent"]["_target_"]), "uses_habits", True))
-
-
-def check_weights(config: dict[str, Any]) -> None:
-    """Fail in one line, before anything is played, where a language model's or detector's weights are missing."""
-    for part in (config["agent"], config["env"]["detector"]):
-        check = getattr(Factory(part)(), "check", None)
-        if check is not None:
-            check()
 
 
 def chosen_episodes(name: str, limit: int | None, task: str, *, context: bool) -> tuple[Episode, ...]:

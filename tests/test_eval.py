@@ -2,6 +2,7 @@
 
 import functools
 import json
+import shutil
 import signal
 import subprocess
 import sys
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.language.tiny_models import save_causal
 from ucon.evaluation.record import read_records
 
 ROOT = Path(__file__).parents[1]
@@ -81,6 +83,31 @@ def test_a_finished_run_is_not_played_again(run):
     assert "for 0 episodes" in result.stdout
 
 
+def test_a_finished_run_is_printed_without_the_weights_that_made_it(tmp_path):
+    """Missing weights stop a run before it begins; exchanged ones are another run; gone ones do not hide results."""
+    folder, out = save_causal(tmp_path / "llama", positions=2048), tmp_path / "run"
+    made = ("agent=lgx", "language=causal_lm", f"language.path={folder}", "habit_level=none", "language.dtype=float32")
+    command = (*made, "language.device=cpu", "episodes=mini", "limit=1", "pictures=0", "workers=0", "progress=false")
+    first = evaluate(*command, f"out={out}")
+    assert first.returncode == 0, first.stderr[-2000:]
+    assert json.loads((out / "summary.json").read_text())["language_model"] == "causal (llama)"
+    weights = folder / "model.safetensors"
+    whole = weights.read_bytes()
+    weights.write_bytes(whole[:-4] + b"\x01\x02\x03\x04")
+    other = evaluate(*command, f"out={out}")
+    assert other.returncode == 2
+    assert "belongs to another run (different weights)" in other.stderr
+    shutil.rmtree(folder)
+    again = evaluate(*command, f"out={out}")
+    assert again.returncode == 0, again.stderr[-2000:]
+    assert "for 0 episodes" in again.stdout
+    assert len(json.loads((out / "summary.json").read_text())["hashes"]["weights"]) == 64
+    fresh = evaluate(*command, f"out={tmp_path}/fresh")
+    assert fresh.returncode == 2
+    assert "no such folder, and no model of that name" in fresh.stderr
+    assert not list((tmp_path / "fresh").iterdir())
+
+
 def test_another_run_is_refused_its_folder(run):
     result = evaluate("agent=random", "habit_level=none", *QUICK, f"out={run[0]}")
     assert result.returncode == 2
@@ -140,10 +167,14 @@ def test_a_sweep_ends_in_a_comparison_and_plays_once_who_reads_no_habits(tmp_pat
     ]
     assert result.stdout.count("FrontierRuleAgent reads no habits: its results are those in") == 1
     assert "paired differences" in result.stdout
-    assert "lgx none - frontier_nearest none" in result.stdout or "frontier_nearest none - lgx none" in result.stdout
+    for level in ("none", "gt"):  # who reads no habits is compared with every level
+        assert f"lgx + encoder (all-MiniLM-L6-v2) {level} - frontier_nearest any" in result.stdout
     for folder, found in runs.items():
         made = (folder / "decisions.jsonl").read_text().splitlines()
         assert len(made) > 4
+        assert found["detector"] == "gt"
+        assert found["uses_habits"] == (found["agent"] == "lgx")
+        assert found["language_model"] == ("encoder (all-MiniLM-L6-v2)" if found["agent"] == "lgx" else None)
         if found["agent"] == "lgx":
             assert found["language"]["decisions"] == len(made)
             assert found["language"]["fallback_rate"] == 0.0

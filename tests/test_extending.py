@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -48,6 +49,23 @@ def test_the_example_plays_and_reads_habits(clone):
         lines = (clone / level / "decisions.jsonl").read_text().splitlines()
         chosen[level] = [(d["episode"], d["number"], d["chosen"]) for d in map(json.loads, lines)]
     assert chosen["none"] != chosen["gt"]
+
+
+@pytest.mark.parametrize(
+    ("habit", "category", "mentions"),
+    [
+        ("The bedroom is tidied, and the bedside lamp stays.", "bed", 0),
+        ("My BED: the bed-cover lies on the bed.", "bed", 3),
+        ("A coffee table; the coffee tables.", "coffee_table", 1),
+        ("Nothing.", "", 0),
+    ],
+)
+def test_the_example_counts_whole_words(habit, category, mentions):
+    made = {"__name__": "mentioned"}
+    exec(compile(FILES["models/agents/mentioned.py"], "mentioned.py", "exec"), made)
+    agent = made["MentionedAgent"](weight=1.0)
+    agent.start(0, {"habits": (habit,)})
+    assert agent._score(SimpleNamespace(category=category, cost=0), agent._words[0]) == mentions
 
 
 def test_every_file_that_the_page_names_is_there():

@@ -16,7 +16,7 @@ COMMANDS = {
     "doctor": "check this machine and this installation, and say what to do",
     "bench": "measure renderer and environment speed",
     "compare": "paired differences with 95 % intervals between runs of eval.py",
-    "cases": "find episodes in which a habit about something else led to the target",
+    "cases": "find episodes where a habit about a thing beside the target was given, and the target found",
     "catalogue": "draw the object catalogue",
     "scenes": "list and draw the homes",
     "habits": "import a habit dataset, or print a dataset's statistics",

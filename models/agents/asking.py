@@ -1,6 +1,8 @@
 """Agents that ask a language model to choose: what LGX, PixelNav and L3MVN have in common.
 
 The habits are in the constant part of the prompt, delimited as data, so that a prefix cache keeps them for an episode.
+At habit level ``context`` the list is told what was seen before each choice, and the part is written anew where that
+changed the list.
 An answer that cannot be used is replaced by a candidate drawn at random (as LGX and PixelNav do), and counted.
 """
 
@@ -18,6 +20,7 @@ from ucon.envs.waypoint import Decision, Manner
 from ucon.language.choice import Answer, LanguageModel, Question
 from ucon.language.prompt import Prompt, habit_block
 from ucon.retrieval.base import phrase
+from ucon.retrieval.context import ContextHabits
 
 PROMPTS = Path(__file__).parent / "prompts"
 
@@ -45,16 +48,31 @@ class AskingAgent(WaypointAgent):
         self.prompt = Prompt.load(path if (path := PROMPTS / f"{prompt}.txt").is_file() else prompt)
         self._temperature = temperature
         self._told: dict[int, tuple[str, tuple[str, ...], str]] = {}
+        self._rankings: dict[int, ContextHabits | None] = {}
 
     def check(self) -> None:
         """Fail in one line where the model's weights or its server's key are missing."""
         self.language.check()
 
+    def fingerprint(self) -> str | None:
+        """Which weights the model has here, see :mod:`ucon.evaluation.weights`."""
+        made = getattr(self.language, "fingerprint", None)
+        return made() if made else ""
+
     def start(self, slot: int, info: Info) -> None:
         """Write the part of the prompt that stays."""
-        target, habits = phrase(str(info["target"])), tuple(info["habits"])
+        self._rankings[slot] = info.get("reranking")
+        self._tell(slot, phrase(str(info["target"])), tuple(info["habits"]))
+
+    def _tell(self, slot: int, target: str, habits: tuple[str, ...]) -> None:
         told = {"target": target, "habits": habit_block(habits)}
         self._told[slot] = target, habits, self.prompt.system(**_wanted(self.prompt, "system", told))
+
+    def _reread(self, decision: Decision, slot: int) -> None:
+        """At level ``context``: say which things were seen, and take the list that comes of it."""
+        ranking = self._rankings.get(slot)
+        if ranking is not None and ranking.update(decision.known.instances.keys(), {}):
+            self._tell(slot, self._told[slot][0], ranking.texts)
 
     def situation(self, **slots: str) -> str:
         """The part of the prompt that changes; what its file has no slot for is left out."""
@@ -67,6 +85,8 @@ class AskingAgent(WaypointAgent):
 
     def choose(self, decisions: Sequence[Decision], slots: Sequence[int]) -> list[Chosen]:
         """Ask about all decisions at once; where there is one candidate only, nothing is asked."""
+        for decision, slot in zip(decisions, slots, strict=True):
+            self._reread(decision, slot)
         asked = [self.questions(d, s) if len(d.candidates) > 1 else [] for d, s in zip(decisions, slots, strict=True)]
         answers = self.language.answer([question for questions in asked for question in questions])
         out, first = [], 0
@@ -84,7 +104,7 @@ class AskingAgent(WaypointAgent):
         """The choice that follows; by default that of the only answer, whose options are the candidates."""
         answer, options = answers[0], tuple(option.name for option in questions[0].options)
         number, fallback = self.pick(answer, len(options), decision.draw)
-        return Chosen(number, options, answer.scores, (answer,), fallback)
+        return Chosen(number, options, answer.scores, (answer,), fallback, -1 if fallback else number)
 
     def pick(self, answer: Answer, n: int, draw: np.random.Generator) -> tuple[int, bool]:
         """The option that an answer means, and whether it had to be drawn blindly."""

@@ -9,8 +9,10 @@ What differs from the paper and its code, and why. The label set is the target a
 the catalogue, where L3MVN has its six targets: hundreds of targets leave no fixed head to train, so this is the
 zero-shot form, and its thresholds (0.3 and 0.1 of six labels) are scaled by the number of labels. Habits are put before
 the sentence, as many as fit, since there is no prompt. Walking is by the planner that all agents share; a choice is due
-on arrival, or after 10 actions as in the code. The first frontier found counts as well (its loop skips one). Open on
-arrival, which L3MVN has not (``opens``). Where there is no frontier it goes to a random place, as L3MVN does.
+on arrival, or after 10 actions as in the code. It turns through four headings at the start and on arrival, which L3MVN
+does not (``look_around``); the square around a frontier whose things are told is 4 m wide, as in its zero-shot form (6
+m with a trained head; ``square_m``). The first frontier found counts as well (its loop skips one). Open on arrival,
+which L3MVN has not (``opens``). Where there is no frontier it goes to a random place, as L3MVN does.
 """
 
 from __future__ import annotations

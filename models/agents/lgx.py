@@ -1,15 +1,16 @@
 """``lgx``: asks a language model which direction to take (Dorbala, Mullen and Manocha, RA-L 2024).
 
 In each round it turns through four headings, takes the target if one of them shows it, and otherwise asks: the things
-seen in each free direction (or, ``mode="object"``, one list of things, as LGX's own object mode), one answer, and walks
-to a point drawn from the free nodes in view that way.
+seen in each free direction (or, ``mode="object"``, one list of the things seen in free directions), one answer, and
+walks to a point drawn from the free nodes in view that way; a thing means the first free direction that shows it.
 
 What differs from the paper and its code, and why: four views at 90 degrees instead of thirteen at 30 (the turns of the
 task); rounds until the steps are used up instead of five (300 steps are given); labels from the detector in use instead
 of YOLOv5 and GLIP; the prompt lists things by direction and leaves blocked directions out, as the UcON paper describes
-it, while LGX's object mode gives one list without directions; walking by the common planner, which every agent shares;
-success is the task's (an approach and Done within 1 m) instead of an oracle's within 2 m; Open on arrival, which LGX
-has not (``manner.opens``). Nothing is remembered from round to round (``memory`` is an addition, off).
+it, while LGX's object mode gives one list of all that is seen (here of what stands in free directions), and both walk
+in the thing's direction; walking by the common planner, which every agent shares; success is the task's (an approach
+and Done within 1 m) instead of an oracle's within 2 m; Open on arrival, which LGX has not (``manner.opens``). Nothing
+is remembered from round to round (``memory`` is an addition, off).
 """
 
 from __future__ import annotations
@@ -102,15 +103,15 @@ class LGXAgent(AskingAgent):
         if self._mode == "direction":
             return super().conclude(decision, questions, answers)
         options = tuple(option.name for option in questions[0].options)
-        number, fallback = self.pick(answers[0], len(options), decision.draw)
+        option, fallback = self.pick(answers[0], len(options), decision.draw)
         shown = [
             {phrase(name) for name, _ in c.things} | {side_of(decision.known.view, c)} for c in decision.candidates
         ]
         if fallback:
             number = int(decision.draw.integers(len(shown)))
         else:
-            number = next(k for k, names in enumerate(shown) if options[number] in names)
-        return Chosen(number, options, answers[0].scores, tuple(answers), fallback)
+            number = next(k for k, names in enumerate(shown) if options[option] in names)
+        return Chosen(number, options, answers[0].scores, tuple(answers), fallback, -1 if fallback else option)
 
     def _options(self, decision: Decision) -> tuple[Option, ...]:
         if self._mode == "object":

@@ -7,10 +7,11 @@ it, else the middle of the largest patch of floor. On arrival it says Done if th
 again otherwise. There is no memory, and nothing seen on the way changes the plan (``interrupt_on_sight`` does).
 
 What differs from the paper and its code, and why: four views at 90 degrees instead of twelve at 30 (the task's turns);
-views without reachable floor are left out of the question, which is its first rule; labels of the detector in use
-instead of Grounding DINO and SAM; the planner that all agents share instead of the learned pixel policy, as the UcON
-paper has it, to the reachable node in view that is nearest to the goal pixel, 5 m away at most; Open on arrival, which
-PixelNav has not (``opens``); answers are one of the listed angles, without a reason, so that small models can be used.
+views without a reachable node of the map in sight at 1 to 5 m are left out of the question, for its first rule, which
+leaves out views without floor to walk on; labels of the detector in use instead of Grounding DINO and SAM; the planner
+that all agents share instead of the learned pixel policy, as the UcON paper has it, to the reachable node in view that
+is nearest to the goal pixel, 5 m away at most; Open on arrival, which PixelNav has not (``opens``); answers are one of
+the listed angles, without a reason, so that small models can be used.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from models.agents.asking import AskingAgent, listed
 from models.agents.base import Info
 from ucon.core.errors import ConfigError, unknown_name
 from ucon.envs.waypoint import Decision, Manner, Strategy, Views
-from ucon.language.choice import LanguageModel, Option, Question
+from ucon.language.choice import LanguageModel, Option, Question, sees_images
 from ucon.perception.candidates import Candidate
 from ucon.perception.semantic_map import View
 from ucon.retrieval.base import phrase
@@ -65,10 +66,15 @@ class PixelNavAgent(AskingAgent):
             prompt: its file; by default that of the inputs.
 
         Raises:
-            ConfigError: unknown inputs.
+            ConfigError: unknown inputs, or images for a model that sees none.
         """
         if inputs not in get_args(Inputs):
             raise ConfigError(unknown_name("inputs of agent pixelnav", inputs, get_args(Inputs)))
+        if inputs == "images" and not sees_images(language):
+            raise ConfigError(
+                f"agent pixelnav_images shows pictures, and {language.name} sees none; choose language=vision_lm or "
+                "chat_api, or agent=pixelnav, which tells what is in view"
+            )
         manner = Manner(opens=opens, interrupt="always" if interrupt_on_sight else "chosen")
         super().__init__(language, prompt or f"pixelnav_{inputs}", manner, seed, temperature)
         self._inputs, self._reach_m = inputs, reach_m

@@ -20,6 +20,8 @@ class Chosen:
     scores: tuple[float, ...] = ()
     answers: tuple[Answer, ...] = ()
     fallback: bool = False
+    answered: int = -1
+    """Number of the option that was answered; -1 where none was."""
 
 
 class WaypointAgent:
@@ -93,6 +95,8 @@ def _record(episode: str, decision: Decision, chosen: Chosen) -> DecisionRecord:
         record,
         asked=len(answers),
         fallback=chosen.fallback,
+        answered=chosen.answered,
+        dropped=max((a.dropped for a in answers), default=0),
         failure=next((a.failure for a in answers if a.failure), ""),
         retries=sum(a.retries for a in answers),
         prompt_tokens=sum(a.prompt_tokens for a in answers),

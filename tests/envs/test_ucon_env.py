@@ -14,7 +14,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 from ucon.core.errors import ConfigError, EpisodeError
-from ucon.envs.ucon_env import UcONEnv
+from ucon.envs.ucon_env import Nav, UcONEnv
 from ucon.retrieval.context import ContextHabits
 from ucon.retrieval.levels import LEVELS
 from ucon.task.actions import Action
@@ -123,8 +123,8 @@ def test_progress_reward_sums_to_the_distance_closed(episodes: tuple[Episode, ..
 
 
 def _names(value: Any, found: set[str]) -> set[str]:
-    if isinstance(value, dict):
-        for key, item in value.items():
+    if isinstance(value, dict | Nav):
+        for key, item in (vars(value) if isinstance(value, Nav) else value).items():
             found.add(str(key))
             _names(item, found)
     return found
@@ -198,7 +198,7 @@ def test_levels_give_what_they_say(episodes: tuple[Episode, ...]) -> None:
     for level in LEVELS:
         env = UcONEnv(episodes, habit_level=level)
         obs, info = env.reset(options={"episode": 0})
-        rows[level] = set(info["habit_rows"].tolist())
+        rows[level] = set(info["habit_rows"])
         assert int(obs["habits_mask"].sum()) == len(info["habits"]) == len(rows[level])
         assert env.habit_table.shape[1] == len(obs["target"])
     assert rows["none"] == set()

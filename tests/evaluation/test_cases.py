@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from omegaconf import OmegaConf
 
 sys.path.insert(0, str(Path(__file__).parent))
 from records import BASE  # (the path above)
 
+from tests.models.playing import config_of
 from ucon.__main__ import main
 from ucon.core.errors import ConfigError
 from ucon.envs.knowledge import HabitSource
 from ucon.evaluation.cases import NEAR_M, landmark_cases, landmarks
 from ucon.evaluation.record import to_lines
 from ucon.habits import book
+from ucon.retrieval import BM25Retriever
 from ucon.task.sets import load_episodes
 
 SOURCE = HabitSource()
@@ -83,12 +87,49 @@ def test_wrong_runs_are_told(found):
         list(landmark_cases(retrieved, own, episodes[:1], SOURCE))
 
 
+def stored(folder, found, gt=(), retrieval=()):
+    """Two runs as eval.py leaves them, with further options of their configurations."""
+    _, retrieved, own, _ = found
+    for level, records, options in (("retrieval", retrieved, retrieval), ("gt", own, gt)):
+        (folder / level).mkdir()
+        (folder / level / "episodes.jsonl").write_text(to_lines(records))
+        config = OmegaConf.create(config_of("belief", f"habit_level={level}", "episodes=test", *options))
+        (folder / level / "config.yaml").write_text(OmegaConf.to_yaml(config))
+    return str(folder / "retrieval"), str(folder / "gt")
+
+
+@pytest.mark.parametrize(
+    ("options", "different"),
+    [(("detector=noisy",), "detector, env"), (("seed=1",), "seed"), (("knowledge_base=task",), "knowledge_base")],
+)
+def test_runs_that_differ_in_more_than_the_level_are_refused(found, tmp_path, capsys, options, different):
+    assert main(["cases", *stored(tmp_path, found, gt=options)]) == 2
+    assert f"the two runs differ in {different}" in capsys.readouterr().err
+
+
+def test_the_habits_are_those_that_the_run_was_given(found, tmp_path, capsys):
+    """Another retriever gives other lists, so the same records make other cases, ranked as it ranks."""
+    episodes, retrieved, own, cases = found
+    assert main(["cases", *stored(tmp_path, found, retrieval=("retriever=bm25",)), "--json"]) == 0
+    said = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    by_words = HabitSource(retriever=BM25Retriever())
+    assert said == [case.to_json() for case in landmark_cases(retrieved, own, episodes, by_words)]
+    assert said != [case.to_json() for case in cases]
+
+
+@pytest.mark.parametrize("damage", [None, "[1]", "a: ${", "x: 1"])
+def test_a_run_without_its_configuration_is_refused(found, tmp_path, capsys, damage):
+    folders = stored(tmp_path, found)
+    config = tmp_path / "retrieval" / "config.yaml"
+    config.unlink() if damage is None else config.write_text(damage)
+    assert main(["cases", *folders]) == 2
+    assert "config.yaml: no " in capsys.readouterr().err
+
+
 def test_the_command_keeps_episodes_that_can_be_played_again(found, tmp_path, capsys):
-    _, retrieved, own, cases = found
-    for name, records in (("retrieval", retrieved), ("gt", own)):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "episodes.jsonl").write_text(to_lines(records))
+    *_, cases = found
+    folders = stored(tmp_path, found)
     out = tmp_path / "cases.jsonl.xz"
-    assert main(["cases", str(tmp_path / "retrieval"), str(tmp_path / "gt"), "--out", str(out)]) == 0
+    assert main(["cases", *folders, "--out", str(out)]) == 0
     assert f"{len(cases)} cases" in capsys.readouterr().out
     assert {e.id for e in load_episodes(out)} == {case.episode for case in cases}

@@ -143,11 +143,14 @@ def test_figures_of_a_run() -> None:
         1,
         asked=2,
         retries=1,
+        dropped=3,
         prompt_tokens=90,
         completion_tokens=10,
         seconds=2.0,
     )
-    lost = replace(asked, number=1, fallback=True, failure="server", prompt_tokens=10, retries=3, seconds=4.0)
+    lost = replace(
+        asked, number=1, fallback=True, failure="server", dropped=0, prompt_tokens=10, retries=3, seconds=4.0
+    )
     alone = DecisionRecord("e1", 0, 3, "wander", ("0",), 0)
     assert language_figures([asked, lost, alone], 2) == {
         "decisions": 3,
@@ -155,6 +158,8 @@ def test_figures_of_a_run() -> None:
         "questions_per_episode": 2.0,
         "fallback_rate": 0.5,
         "failures": {"server": 1},
+        "dropped_rate": 0.5,
+        "dropped_per_decision": 1.5,
         "retries": 4,
         "prompt_tokens_per_decision": 50.0,
         "completion_tokens_per_decision": 10.0,

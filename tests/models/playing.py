@@ -12,6 +12,7 @@ from omegaconf import OmegaConf
 from models.agents.base import Agent
 from ucon.commands.wiring import Factory
 from ucon.envs.ucon_env import UcONEnv
+from ucon.language.models.encoder import EncoderModel
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
 
@@ -25,9 +26,20 @@ def config_of(agent: str, *overrides: str) -> dict[str, Any]:
     return OmegaConf.to_container(config, resolve=True)  # type: ignore[return-value]
 
 
+class SeeingEncoder(EncoderModel):
+    """The encoder in place of a model that sees: it is shown the pictures, and answers by the labels."""
+
+    sees_images = True
+
+
 def built(name: str, level: str = "retrieval") -> tuple[Agent, UcONEnv]:
-    """An agent as it is configured, and the environment that it plays in; images are small."""
+    """An agent as it is configured, and the environment that it plays in; images are small.
+
+    An agent that shows pictures gets a language model that takes them: the default one is refused.
+    """
     config = config_of(name, f"habit_level={level}")
+    if config["agent"].get("inputs") == "images":
+        config["agent"]["language"]["_target_"] = f"{__name__}.{SeeingEncoder.__name__}"
     return Factory(config["agent"])(), Factory(config["env"] | {"width_px": 128, "height_px": 128})()
 
 

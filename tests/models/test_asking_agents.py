@@ -13,7 +13,7 @@ from models.agents.l3mvn import LABELS_THERE, L3MVNAgent, label_set, select
 from models.agents.lgx import SIDES, LGXAgent, side_of
 from models.agents.pixelnav import PixelNavAgent, angle_of, mosaic
 from tests.language.tiny_models import save_causal
-from tests.models.playing import episodes, gone, play
+from tests.models.playing import SeeingEncoder, episodes, gone, play
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.envs.waypoint import Decision
@@ -90,8 +90,10 @@ def test_a_thing_means_a_direction_that_shows_it() -> None:
         assert name in shown[chosen.number]
         assert not any(name in things for things in shown[: chosen.number])
         assert not chosen.fallback
+        assert chosen.options[chosen.answered] == name
     lost = agent.conclude(decision, [question], [Answer(-1, failure="unusable")])
     assert lost.fallback
+    assert lost.answered == -1
     assert 0 <= lost.number < len(decision.candidates)
 
 
@@ -123,7 +125,7 @@ def test_memory_is_told_where_it_is_wanted() -> None:
 
 
 def test_the_picture_of_four_views() -> None:
-    agent = PixelNavAgent(EncoderModel(), inputs="images")
+    agent = PixelNavAgent(SeeingEncoder(), inputs="images")
     decision = first(agent, home("pixels"))
     kept = [s.rgb.copy() for s in decision.sightings if s.rgb is not None]
     picture = mosaic(decision)
@@ -144,7 +146,7 @@ def test_the_picture_of_four_views() -> None:
 
 def test_a_camera_is_needed_for_pictures() -> None:
     with pytest.raises(ConfigError, match=r"needs images: set env\.observe=pixels") as caught:
-        play(PixelNavAgent(EncoderModel(), inputs="images"), home(), episodes(1)[0])
+        play(PixelNavAgent(SeeingEncoder(), inputs="images"), home(), episodes(1)[0])
     assert "\n" not in str(caught.value)
 
 
@@ -154,6 +156,11 @@ def test_a_camera_is_needed_for_pictures() -> None:
         (lambda m: LGXAgent(m, mode="objects"), "unknown mode of agent lgx 'objects': did you mean object"),
         (lambda m: LGXAgent(m, goal="far"), "unknown goal of agent lgx 'far'"),
         (lambda m: PixelNavAgent(m, inputs="image"), "unknown inputs of agent pixelnav 'image': did you mean images"),
+        (
+            lambda m: PixelNavAgent(m, inputs="images"),
+            r"encoder \(all-MiniLM-L6-v2\) sees none; choose language=vision_lm",
+        ),
+        (lambda m: PixelNavAgent(CausalModel("tiny"), inputs="images"), r"causal \(tiny\) sees none"),
         (lambda m: L3MVNAgent(ChatModel(ChatClient("http://127.0.0.1:9/v1", "tiny"))), r"chat \(tiny\) gives none"),
     ],
 )

@@ -1,18 +1,21 @@
-"""``python -m ucon cases RETRIEVAL GT``: episodes in which a habit about something else led to the target."""
+"""``python -m ucon cases RETRIEVAL GT``: episodes found where a habit about a thing beside the target was given.
+
+The habits are those that the retrieval run was given: its folder says by which retriever, of which knowledge base.
+"""
 
 from __future__ import annotations
 
 import argparse
 import json
 from pathlib import Path
+from typing import Any
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     parser.add_argument("retrieval", metavar="RETRIEVAL", type=Path, help="run folder of an agent at level retrieval")
     parser.add_argument("gt", metavar="GT", type=Path, help="run folder of the same agent at level gt")
-    parser.add_argument("--episodes", default="test", help="set or file that both played (default: test)")
-    parser.add_argument("--habits", metavar="PATH", help="habit dataset by path; default: the embedded book")
+    parser.add_argument("--episodes", help="set or file that both played (default: what the runs say)")
     parser.add_argument("--out", type=Path, metavar="FILE", help="keep these episodes, to play them again by path")
     parser.add_argument("--json", action="store_true", help="print one JSON object a line")
 
@@ -20,15 +23,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Print the cases."""
     from ucon.commands.output import stdout_to_stderr
-    from ucon.commands.wiring import load_dataset
-    from ucon.envs.knowledge import HabitSource
+    from ucon.commands.wiring import Factory
     from ucon.evaluation.cases import landmark_cases
+    from ucon.evaluation.folder import read_config
     from ucon.evaluation.record import read_records
     from ucon.task.sets import load_episodes, save_episodes
 
+    config = read_config(args.retrieval)
+    _require_one_setting(config, read_config(args.gt))
     with stdout_to_stderr():
-        episodes = load_episodes(args.episodes)
-        source = HabitSource(load_dataset(args.habits))
+        task = config["task"]
+        episodes = load_episodes(args.episodes or config["episodes"], task["name"], context=task["context"])
+        source = Factory(config["env"]["source"])()
+        source.prepare(level="retrieval")
         cases = list(landmark_cases(read_records(args.retrieval), read_records(args.gt), episodes, source))
         if args.out is not None and cases:
             kept = {case.episode for case in cases}
@@ -45,3 +52,19 @@ def run(args: argparse.Namespace) -> int:
         kept_in = f", kept in {args.out}" if args.out is not None and cases else ""
         print(f"{len(cases)} cases{kept_in}")
     return 0
+
+
+def _require_one_setting(retrieval: dict[str, Any], own: dict[str, Any]) -> None:
+    """Refuse runs that differ in more than their habit level: what they show would not be the habits' doing.
+
+    The retriever may differ too: level ``gt`` asks none.
+    """
+    from ucon.core.errors import ConfigError
+    from ucon.evaluation.twins import without_level
+
+    a, b = without_level(retrieval), without_level(own)
+    different = sorted(name for name in a.keys() | b.keys() if a.get(name) != b.get(name))
+    if different:
+        raise ConfigError(
+            f"the two runs differ in {', '.join(different)}; give two runs that differ in their habit level alone"
+        )

@@ -6,7 +6,6 @@ import argparse
 import json
 from itertools import combinations, permutations
 from pathlib import Path
-from typing import Any
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,7 +40,7 @@ def run(args: argparse.Namespace) -> int:
         compare_records(
             runs[a].records,
             runs[b].records,
-            (runs[a].label, runs[b].label) if args.markdown else (str(a), str(b)),
+            (str(a), str(b)) if args.json else (runs[a].label, runs[b].label),
             by_scene=args.by_scene,
         )
         for a, b in wanted
@@ -59,6 +58,7 @@ def print_sweep(folder: Path) -> None:
     """Tables of all finished runs below a sweep's folder, and what habits and agents are worth in it."""
     from ucon.commands.output import wide_console
     from ucon.evaluation.compare import compare_records, comparison_table
+    from ucon.evaluation.naming import answers_something, level, player
     from ucon.evaluation.record import read_records
     from ucon.evaluation.report import results_table
 
@@ -66,28 +66,16 @@ def print_sweep(folder: Path) -> None:
     if len(paths) < 2:
         return
     runs = [(json.loads((p / "summary.json").read_text()), read_records(p)) for p in paths]
-    runs.sort(key=lambda run: (run[0]["agent"], _LEVEL_ORDER.get(run[0]["habit_level"], 9)))
+    runs.sort(key=lambda run: (player(run[0]), _LEVEL_ORDER.get(level(run[0]), 9)))
     console = wide_console()
     console.print(results_table([summary for summary, _ in runs], title=str(folder)))
     pairs = [
-        compare_records(records_a, records_b, (_label(a), _label(b)))
+        compare_records(records_a, records_b, (f"{player(a)} {level(a)}", f"{player(b)} {level(b)}"))
         for (a, records_a), (b, records_b) in permutations(runs, 2)
-        if _answers_something(a, b) and {r.episode for r in records_a} & {r.episode for r in records_b}
+        if answers_something(a, b) and {r.episode for r in records_a} & {r.episode for r in records_b}
     ]
     if pairs:
         console.print(comparison_table(pairs, ("success_rate", "spl")))
 
 
 _LEVEL_ORDER = {"none": 0, "full": 1, "gt": 2, "retrieval": 3, "context": 4}
-
-
-def _answers_something(a: dict[str, Any], b: dict[str, Any]) -> bool:
-    """Whether ``a - b`` is worth a row: a level of an agent minus its basis, or two agents at one level."""
-    if a["agent"] == b["agent"]:
-        levels = (a["habit_level"], b["habit_level"])
-        return levels == ("context", "retrieval") or bool(levels[1] == "none" != levels[0])
-    return bool(a["habit_level"] == b["habit_level"] and a["agent"] < b["agent"])
-
-
-def _label(summary: dict[str, Any]) -> str:
-    return f"{summary['agent']} {summary['habit_level']}"

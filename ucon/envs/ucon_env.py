@@ -18,6 +18,7 @@ from ucon.envs.options import check_choice, make_detector, make_renderer
 from ucon.envs.spaces import NO_ACTION, observation_space, padded
 from ucon.envs.topdown import TopDownMap
 from ucon.perception.detectors import Detector, Frame
+from ucon.perception.nav import Nav
 from ucon.sim.cache import load_house
 from ucon.sim.render import RasterRenderer
 from ucon.sim.state import SceneState
@@ -155,13 +156,12 @@ class UcONEnv(gym.Env[Obs, int]):
             "context": self.episode.context and self.episode.context.sentence(),
             "habit_level": self.habit_level,
             "habits": self._knowledge.texts,
-            "habit_rows": self._knowledge.rows,
+            "habit_rows": tuple(self._knowledge.rows.tolist()),
         }
         if self._knowledge.reranking is not None:
             info["reranking"] = self._knowledge.reranking
         if self._planner == "true":
-            free, cell = self._frame.grid(self._world.free)
-            info["nav"] = {"free": free, "start": cell}
+            info["nav"] = Nav(*self._frame.grid(self._world.free))
         return obs, info
 
     def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:

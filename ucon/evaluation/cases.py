@@ -1,9 +1,10 @@
-"""Episodes in which a habit about something else led to the target: the paper's tea bags, found beside the tea set.
+"""Episodes found where a habit about something else spoke for a place by the target: tea bags, beside the tea set.
 
 The paper's third question asks why retrieved habits can do better than the target's own. One answer is a habit of
 another thing that says where that thing is, and the target stands beside it. Such episodes are found by two runs of one
 agent: with retrieved habits it found the target, with the target's own (``gt``) it did not, or took much longer; and
-among the habits it was given is one about another thing that really stands, as the habit says, by the target.
+among the habits it was given is one about another thing that really stands, as the habit says, by the target. That the
+habit was given and the target found is all that is shown: not that the agent went there because of it.
 """
 
 from __future__ import annotations

@@ -23,13 +23,17 @@ class DecisionRecord:
     options: tuple[str, ...]
     """What was asked about: the candidates, or (LGX by objects, L3MVN) what stands for them."""
     chosen: int
-    """Number of the candidate."""
+    """Number of the candidate. It numbers ``options`` too, but where they stand for candidates (LGX by objects)."""
     scores: tuple[float, ...] = ()
     """Of the options, where the chooser gives any."""
     asked: int = 0
     """Questions put to a language model."""
     fallback: bool = False
     """Whether no usable answer came and the agent chose by its rule for that."""
+    answered: int = -1
+    """Number of the option that was answered; -1 where none was (L3MVN compares probabilities of labels)."""
+    dropped: int = 0
+    """Habits that did not fit into the model's window, in the question that lost most."""
     failure: str = ""
     """Why not."""
     retries: int = 0
@@ -68,6 +72,8 @@ def language_figures(decisions: Sequence[DecisionRecord], n_episodes: int) -> di
         "questions_per_episode": sum(d.asked for d in asked) / n_episodes,
         "fallback_rate": len(failures) / len(asked),
         "failures": {name: failures.count(name) for name in sorted(set(failures))},
+        "dropped_rate": sum(d.dropped > 0 for d in asked) / len(asked),
+        "dropped_per_decision": sum(d.dropped for d in asked) / len(asked),
         "retries": sum(d.retries for d in asked),
         "prompt_tokens_per_decision": sum(d.prompt_tokens for d in asked) / len(asked),
         "completion_tokens_per_decision": sum(d.completion_tokens for d in asked) / len(asked),

@@ -12,6 +12,10 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, TextIO
 
+from omegaconf import OmegaConf
+from omegaconf.errors import OmegaConfBaseException
+from yaml import YAMLError
+
 from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import canonical_json, write_atomic
 from ucon.evaluation.decisions import DecisionRecord
@@ -40,7 +44,9 @@ class RunFolder:
         """
         summary = self.path / SUMMARY
         if summary.is_file():
-            self._refuse_other(_json(summary).get("hashes"), SUMMARY)
+            found = _json(summary).get("hashes")
+            self._refuse_other(found, SUMMARY)
+            self.hashes = dict(found or {})  # it knows weights that may be gone by now
             return self._finished()
         try:
             self.path.mkdir(parents=True, exist_ok=True)
@@ -115,14 +121,33 @@ class RunFolder:
             done[int(value["index"])] = _played(int(value["index"]), record, timing, decisions, where)
         return done
 
-    def _refuse_other(self, found: dict[str, str] | None, name: str) -> None:
-        if found == self.hashes:
+    def _refuse_other(self, found: Any, name: str) -> None:
+        known = found if isinstance(found, dict) else {}
+        other = sorted(k for k in self.hashes if known.get(k) != self.hashes[k])
+        if not other:
             return
-        other = sorted(k for k in self.hashes if (found or {}).get(k) != self.hashes[k])
         raise ConfigError(
             f"out={self.path}: {name} there belongs to another run (different {', '.join(other)}); "
             "choose another folder or remove this one"
         )
+
+
+def read_config(folder: Path) -> dict[str, Any]:
+    """The configuration of a finished run.
+
+    Raises:
+        DataError: there is none, or it is damaged.
+    """
+    path = folder / CONFIG
+    if not path.is_file():
+        raise DataError(f"{path}: no such file; expected the folder of a finished run of eval.py")
+    try:
+        config = OmegaConf.to_container(OmegaConf.load(path))
+    except (OSError, ValueError, YAMLError, OmegaConfBaseException):
+        config = None
+    if not isinstance(config, dict) or not {"env", "task", "episodes"} <= config.keys():
+        raise DataError(f"{path}: no configuration of a run; {_ALTERED}")
+    return {str(name): value for name, value in config.items()}
 
 
 def _played(index: int, record: EpisodeRecord, timing: EpisodeTiming, made: list[DecisionRecord], where: str) -> Played:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
-from ucon.core.errors import ConfigError
+from ucon.core.errors import ConfigError, DataError
 from ucon.evaluation.compare import Comparison
+from ucon.evaluation.folder import SUMMARY
+from ucon.evaluation.naming import level, player
 from ucon.evaluation.record import EpisodeRecord, read_records
 from ucon.evaluation.statistics import Interval, mean_interval, rate_interval
 from ucon.scenes import home_spec
@@ -27,17 +31,28 @@ class Run:
 
 
 def read_run(folder: Path) -> Run:
-    """Read a run folder of ``eval.py``.
+    """Read a run folder of ``eval.py``; its summary, where there is one, says what the agent asks and sees with.
 
     Raises:
-        DataError: no records there.
+        DataError: no records there, or a damaged summary.
     """
     records = tuple(read_records(folder))
-    return Run(f"{records[0].agent}, {records[0].habit_level}", records)
+    said = {"agent": records[0].agent, "habit_level": records[0].habit_level} | _summary(folder / SUMMARY)
+    return Run(f"{player(said)}, {level(said)}", records)
+
+
+def _summary(path: Path) -> dict[str, Any]:
+    try:
+        said = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    except ValueError:
+        said = None
+    if not isinstance(said, dict):
+        raise DataError(f"{path}: no summary of a run; the file is altered, evaluate again")
+    return said
 
 
 def read_runs(folders: Sequence[Path]) -> dict[Path, Run]:
-    """Read run folders; runs of the same agent and habit level are told apart by the names of their folders.
+    """Read run folders; runs of one label are told apart by the names of their folders.
 
     Raises:
         DataError: no records in one of them.

@@ -15,6 +15,7 @@ import ucon
 from ucon.core.files import canonical_json, sha256_bytes
 from ucon.evaluation.decisions import language_figures
 from ucon.evaluation.metrics import summarise
+from ucon.evaluation.naming import ANY_LEVEL, Parts, level, player
 from ucon.evaluation.play import Played
 from ucon.task.episode import Episode
 
@@ -25,8 +26,11 @@ _PACKAGES = ("numpy", "numba", "torch", "transformers", "gymnasium", "pybullet",
 NEUTRAL_OPTIONS = ("out", "workers", "pictures", "progress")
 
 
-def run_hashes(config: dict[str, Any], episodes: Sequence[Episode], weights: Sequence[str]) -> dict[str, str]:
-    """SHA-256 of what decides the records: configuration, episodes, habits, code, and the names of ``weights``."""
+def run_hashes(config: dict[str, Any], episodes: Sequence[Episode], weights: Sequence[str] | None) -> dict[str, str]:
+    """SHA-256 of what decides the records: configuration, episodes, habits, code, and names or prints of ``weights``.
+
+    Without ``weights`` that are known, since they are gone, nothing is said of them: a finished run can still be read.
+    """
     measured = {key: value for key, value in config.items() if key not in NEUTRAL_OPTIONS}
     habits = sorted({episode.habits_hash for episode in episodes})
     return {
@@ -34,8 +38,7 @@ def run_hashes(config: dict[str, Any], episodes: Sequence[Episode], weights: Seq
         "episodes": sha256_bytes("".join(episode.hash for episode in episodes).encode()),
         "habits": habits[0] if len(habits) == 1 else sha256_bytes("".join(habits).encode()),
         "code": code_hash(),
-        "weights": sha256_bytes(canonical_json(list(weights)).encode()),
-    }
+    } | ({} if weights is None else {"weights": sha256_bytes(canonical_json(list(weights)).encode())})
 
 
 @lru_cache(maxsize=1)
@@ -58,12 +61,15 @@ def versions() -> dict[str, str]:
     return found
 
 
-def summary(played: Sequence[Played], hashes: dict[str, str], seconds: float) -> dict[str, Any]:
+def summary(
+    played: Sequence[Played], hashes: dict[str, str], seconds: float, parts: Parts | None = None
+) -> dict[str, Any]:
     """Content of ``summary.json``. ``seconds`` is the wall time of this call; what is measured is deterministic."""
     records = [p.record for p in played]
     return {
         "agent": records[0].agent,
         "habit_level": records[0].habit_level,
+        **(parts or Parts()).to_json(),
         **summarise(records),
         "seconds": round(seconds, 2),
         "episode_seconds": round(sum(p.timing.seconds for p in played), 2),
@@ -75,17 +81,18 @@ def summary(played: Sequence[Played], hashes: dict[str, str], seconds: float) ->
 
 
 def results_table(summaries: Sequence[dict[str, Any]], title: str | None = None) -> Table:
-    """One row a run."""
+    """One row a run. Where a name is long, it is folded: no figure is cut off."""
     table = Table(title=title, title_justify="left")
-    table.add_column("agent", no_wrap=True)
+    table.add_column("agent", overflow="fold")
     table.add_column("habits", no_wrap=True)
     for column in ("n", "SR % [95 %]", "SPL [95 %]", "SR 75", "SR 150", "SoftSPL", "steps", "recall@20", "MRR"):
         table.add_column(column, justify="right", no_wrap=True)
     for s in summaries:
-        retrieval = s["retrieval"]
+        # Ranks of habits that nobody reads would depend on the level that happened to be played.
+        retrieval = {"recall_20": None, "mrr": None} if level(s) == ANY_LEVEL else s["retrieval"]
         table.add_row(
-            s["agent"],
-            s["habit_level"],
+            player(s),
+            level(s),
             str(s["n"]),
             f"{100 * s['success_rate']:.1f} [{_range(s['success_rate_ci95'], 100, 1)}]",
             f"{s['spl']:.3f} [{_range(s['spl_ci95'], 1, 3)}]",

@@ -23,7 +23,7 @@ def twin_of(out: Path, config: dict[str, Any], hashes: dict[str, str]) -> Path |
         try:
             found = json.loads(path.read_text(encoding="utf-8"))["hashes"]
             other: Any = OmegaConf.to_container(OmegaConf.load(path.parent / CONFIG))
-            same = all(found.get(name) == value for name, value in hashes.items() if name not in ("config", "weights"))
+            same = all(found.get(name) == value for name, value in hashes.items() if name != "config")
             if same and without_level(other) == wanted:
                 return path.parent
         except (OSError, ValueError, LookupError, TypeError, AttributeError, YAMLError, OmegaConfBaseException):

@@ -83,7 +83,11 @@ class Answer:
 
 @runtime_checkable
 class LanguageModel(Protocol):
-    """Answers questions. Built by ``configs/language/``; weights are loaded at the first question."""
+    """Answers questions. Built by ``configs/language/``; weights are loaded at the first question.
+
+    A model that reads :attr:`Question.images` says ``sees_images = True``; one that says nothing reads words alone.
+    One with weights on this machine has ``fingerprint()``, see :mod:`ucon.evaluation.weights`.
+    """
 
     @property
     def name(self) -> str:
@@ -108,6 +112,11 @@ class LanguageModel(Protocol):
     def answer(self, questions: Sequence[Question]) -> list[Answer]:
         """One answer a question, in order; never an exception for what a model or a server says."""
         ...
+
+
+def sees_images(model: LanguageModel) -> bool:
+    """Whether a model reads the images of a question; those that cannot would answer without a word of complaint."""
+    return bool(getattr(model, "sees_images", False))
 
 
 def from_scores(logits: NDArray[np.floating[Any]], **spent: Any) -> Answer:

@@ -29,8 +29,9 @@ LEAST_CELLS = 5
 NEAREST_M, FARTHEST_M = 0.5, 5.0
 BONUS, BONUS_M = 8.0, 3.0
 SNAP_M = 0.5
-#: L3MVN looks for things in this square around a frontier: a sixth of its window of 24 m, a quarter with its own head.
-SQUARE_M, WIDE_SQUARE_M = 4.0, 6.0
+#: L3MVN looks for things in this square around a frontier: a sixth of its window of 24 m (a quarter, 6 m, with the head
+#: that it trained).
+SQUARE_M = 4.0
 _BORDER = 2
 #: Cells from the robot's middle to its edge.
 _ROBOT = int(RADIUS_M / FINE_M)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.jit import jit
+from ucon.perception.nav import Nav
 from ucon.perception.semantic_map import HALF, SIZE, SemanticMap, View
 from ucon.task.actions import Action
 
@@ -63,8 +64,8 @@ class Planner:
         moves: the same, counting only moves ahead.
     """
 
-    def __init__(self, nav: Mapping[str, Any] | None = None) -> None:
-        """``nav``: the environment's true grid ({"free": bool array, "start": cell}), or None to go by the map."""
+    def __init__(self, nav: Nav | Mapping[str, Any] | None = None) -> None:
+        """``nav``: the environment's true grid (free, start), or None to go by the map."""
         self._true = None if nav is None else _in_window(nav["free"], nav["start"])
         self.steps = np.full((SIZE, SIZE, 4), UNREACHED, np.int32)
         self.moves = np.zeros((SIZE, SIZE, 4), np.int32)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -168,6 +169,32 @@ def test_weights_that_are_not_there_are_one_line(tmp_path: Path) -> None:
     with pytest.raises(DetectorError, match="download=true") as caught:
         detector.find(frame())
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("kind", [Owlv2Detector, GroundingDinoDetector])
+@pytest.mark.parametrize("lacks", ["", "config.json", "model.safetensors"])
+def test_missing_files_are_told_before_anything_is_loaded(kind: type, lacks: str, owl: str, tmp_path: Path) -> None:
+    shutil.copytree(owl, tmp_path / "m")
+    before = load.cache_info().currsize
+    detector = kind(Weights(str(tmp_path / "m")), threshold=0.2)
+    detector.check()
+    print_of_all = detector.fingerprint()
+    assert print_of_all == kind(Weights(owl), threshold=0.2).fingerprint()
+    if lacks:
+        (tmp_path / "m" / lacks).unlink()
+        with pytest.raises(DetectorError, match=r"no (config\.json|weights \(\*\.safetensors\)); give") as caught:
+            detector.check()
+        assert "\n" not in str(caught.value)
+        assert detector.fingerprint() != print_of_all
+    assert load.cache_info().currsize == before
+
+
+def test_a_name_that_is_not_in_the_cache_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("huggingface_hub.constants.HF_HUB_CACHE", str(tmp_path))
+    detector = Owlv2Detector(Weights("google/owlv2-base-patch16-ensemble"), threshold=0.2)
+    with pytest.raises(DetectorError, match=r"detector owlv2: weights google/.* no folder or cached model"):
+        detector.check()
+    assert detector.fingerprint() is None
 
 
 def test_options_that_cannot_be_are_refused(owl: str) -> None:

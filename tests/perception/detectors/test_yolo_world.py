@@ -107,6 +107,26 @@ def test_closing_ends_the_process_and_a_next_frame_starts_another(make) -> None:
     assert detector.find(frame()).label == ["mug", "bed"]
 
 
+@pytest.mark.parametrize("option", ["python", "weights"])
+def test_what_is_missing_is_told_before_anything_starts(make, option: str, tmp_path: Path) -> None:
+    detector = make()
+    detector.check()
+    assert detector._link is None
+    paths = {"python": sys.executable, "weights": str(tmp_path / "weights.pt")} | {option: str(tmp_path / "none")}
+    with pytest.raises(DetectorError, match=rf"detector\.{option}=.*none: no such file") as caught:
+        YoloWorldDetector(**paths).check()
+    assert "\n" not in str(caught.value)
+
+
+def test_other_weights_under_one_name_have_another_fingerprint(make, tmp_path: Path) -> None:
+    detector = make()
+    first = detector.fingerprint()
+    assert first == make().fingerprint()
+    assert make("nothing").fingerprint() != first
+    (tmp_path / "weights.pt").unlink()
+    assert detector.fingerprint() is None
+
+
 def test_no_box_is_no_error(make) -> None:
     assert make("nothing").find(frame()).label == ()
 

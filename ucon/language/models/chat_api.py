@@ -27,6 +27,7 @@ class ChatModel:
     """Asks a server; answers are kept on disk by the client."""
 
     gives_scores = False
+    sees_images = True
 
     def __init__(self, client: ChatClient, *, retries: int = 3, parallel: int = 4) -> None:
         """Nothing is sent before the first question.

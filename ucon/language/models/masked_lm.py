@@ -69,6 +69,10 @@ class MaskedModel:
         """See :meth:`ucon.language.choice.LanguageModel.check`."""
         self._weights.check()
 
+    def fingerprint(self) -> str | None:
+        """See :meth:`ucon.language.models.weights.LocalWeights.fingerprint`."""
+        return self._weights.fingerprint()
+
     def answer(self, questions: Sequence[Question]) -> list[Answer]:
         """See :class:`ucon.language.choice.LanguageModel`."""
         return [self._answer(question) for question in questions]

@@ -25,6 +25,7 @@ class VisionModel:
     """Any AutoModelForImageTextToText whose processor has a chat template."""
 
     gives_scores = True
+    sees_images = True
 
     def __init__(
         self,
@@ -52,6 +53,10 @@ class VisionModel:
     def check(self) -> None:
         """See :meth:`ucon.language.choice.LanguageModel.check`."""
         self._weights.check()
+
+    def fingerprint(self) -> str | None:
+        """See :meth:`ucon.language.models.weights.LocalWeights.fingerprint`."""
+        return self._weights.fingerprint()
 
     def answer(self, questions: Sequence[Question]) -> list[Answer]:
         """See :class:`ucon.language.choice.LanguageModel`."""

@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import Any, Final
 
 from ucon.core.errors import ConfigError, DataError, unknown_name
+from ucon.core.weight_files import FETCHED, fingerprint, local_folder, missing_parts
 from ucon.language.encoder import quiet
 
 DTYPES: Final = ("float32", "bfloat16", "float16", "int8")
-_FILES: Final = ("*.json", "*.safetensors", "*.txt", "*.model", "*.jinja")
-_WEIGHTS: Final = ("*.safetensors", "*.bin")
 
 
 class LocalWeights:
@@ -76,15 +75,17 @@ class LocalWeights:
                 "and give language.device=cuda, or give language.dtype=bfloat16"
             )
 
+    def fingerprint(self) -> str | None:
+        """Which files lie here, see :func:`ucon.core.weight_files.fingerprint`; None where there are none."""
+        folder = local_folder(self.path)
+        return None if folder is None else fingerprint(folder)
+
     def folder(self) -> Path:
         """Folder of the files; raises :class:`DataError` where they are not all there."""
         found = Path(self.path).expanduser()
         if not found.is_dir():
             found = self._from_hub()
-        missing = [] if (found / "config.json").is_file() else ["config.json"]
-        if not any(any(found.glob(pattern)) for pattern in _WEIGHTS):
-            missing.append("weights (*.safetensors)")
-        if missing:
+        if missing := missing_parts(found):
             what = f"{found}: no {', no '.join(missing)}, expected a model in Hugging Face layout"
             raise DataError(f"{what}; {self._how}")
         return found
@@ -122,7 +123,7 @@ class LocalWeights:
         from huggingface_hub import snapshot_download
 
         try:
-            return Path(snapshot_download(self.path, local_files_only=not self._download, allow_patterns=list(_FILES)))
+            return Path(snapshot_download(self.path, local_files_only=not self._download, allow_patterns=list(FETCHED)))
         except Exception as error:  # the hub's client raises many kinds: offline, no such name, a licence not accepted
             if self._download:
                 line = " ".join(str(error).split())[:160]

@@ -48,7 +48,10 @@ class Frame:
 
 
 class Detector(Protocol):
-    """Finds things in frames and follows them through one episode."""
+    """Finds things in frames and follows them through one episode.
+
+    One with weights has ``check()`` and ``fingerprint()`` besides, see :mod:`ucon.evaluation.weights`.
+    """
 
     name: str
     needs_rgb: bool

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ucon.core.errors import ConfigError, DetectorError, brief
+from ucon.core.weight_files import fingerprint, local_folder, missing_parts
 from ucon.perception.detectors.base import Frame, vocabulary
 from ucon.perception.detectors.box_detector import BoxDetector
 from ucon.perception.detectors.boxes import Boxes
@@ -102,6 +103,26 @@ class OpenVocabularyDetector(BoxDetector):
         self._weights, self._threshold = weights, threshold
         self._nms_iou, self._most_boxes = nms_iou, most_boxes
         self._names = vocabulary() if names is None else tuple(names)
+
+    def check(self) -> None:
+        """Whether the weights are there; nothing is loaded.
+
+        Raises:
+            DetectorError: no such folder, no model of that name here, or files are missing in it.
+        """
+        weights = self._weights
+        folder = local_folder(weights.model, download=weights.download)
+        missing = ["folder or cached model of that name"] if folder is None else missing_parts(folder)
+        if missing:
+            raise DetectorError(
+                f"detector {self.name}: weights {weights.model}: no {', no '.join(missing)}; give the folder of a "
+                "model, or set download=true once to fetch it into the cache"
+            )
+
+    def fingerprint(self) -> str | None:
+        """Which weights lie here; None where there are none."""
+        folder = local_folder(self._weights.model)
+        return None if folder is None else fingerprint(folder)
 
     def find(self, frame: Frame) -> Boxes:
         """Boxes of one frame, in its pixels."""

@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from ucon.core.errors import ConfigError, DetectorError, brief
+from ucon.core.weight_files import fingerprint
 from ucon.perception.detectors.base import Frame, vocabulary
 from ucon.perception.detectors.box_detector import BoxDetector
 from ucon.perception.detectors.boxes import Boxes
@@ -80,6 +81,20 @@ class YoloWorldDetector(BoxDetector):
         self._load_timeout_s, self._timeout_s = load_timeout_s, timeout_s
         self._link: WorkerLink | None = None
 
+    def check(self) -> None:
+        """Whether the other Python and the weights are there; nothing is started.
+
+        Raises:
+            DetectorError: one of them is missing.
+        """
+        for option, path in (("python", self._python), ("weights", self._weights)):
+            if not path.is_file():
+                raise DetectorError(f"detector.{option}={path}: no such file; see configs/detector/yolo_world.yaml")
+
+    def fingerprint(self) -> str | None:
+        """Which weights lie here; None where there are none."""
+        return fingerprint(self._weights) if self._weights.is_file() else None
+
     def find(self, frame: Frame) -> Boxes:
         """Boxes of one frame, in its pixels."""
         if frame.rgb is None:
@@ -100,9 +115,7 @@ class YoloWorldDetector(BoxDetector):
             self._link = None
 
     def _start(self) -> WorkerLink:
-        for option, path in (("python", self._python), ("weights", self._weights)):
-            if not path.is_file():
-                raise DetectorError(f"detector.{option}={path}: no such file; see configs/detector/yolo_world.yaml")
+        self.check()
         link = WorkerLink([str(self._python.absolute()), str(WORKER)], "detector yolo_world")
         names = [plain(name) for name in self._names]
         settings = {**self._settings, "weights": str(self._weights.absolute()), "names": names}
