@@ -21,9 +21,13 @@ AGENTS = sorted(path.stem for path in (CONFIGS / "agent").glob("*.yaml"))
 
 
 def config_of(agent: str, *overrides: str) -> dict[str, Any]:
+    """As it is configured; an agent that shows pictures gets a model that takes them: it refuses the default one."""
     with initialize_config_dir(str(CONFIGS), version_base="1.3"):
-        config = compose("eval", [f"agent={agent}", "out=runs/test", *overrides])
-    return OmegaConf.to_container(config, resolve=True)  # type: ignore[return-value]
+        composed = compose("eval", [f"agent={agent}", "out=runs/test", *overrides])
+    config: dict[str, Any] = OmegaConf.to_container(composed, resolve=True)  # type: ignore[assignment]
+    if config["agent"].get("inputs") == "images":
+        config["agent"]["language"]["_target_"] = f"{__name__}.{SeeingEncoder.__name__}"
+    return config
 
 
 class SeeingEncoder(EncoderModel):
@@ -33,13 +37,8 @@ class SeeingEncoder(EncoderModel):
 
 
 def built(name: str, level: str = "retrieval") -> tuple[Agent, UcONEnv]:
-    """An agent as it is configured, and the environment that it plays in; images are small.
-
-    An agent that shows pictures gets a language model that takes them: the default one is refused.
-    """
+    """An agent as it is configured, and the environment that it plays in; images are small."""
     config = config_of(name, f"habit_level={level}")
-    if config["agent"].get("inputs") == "images":
-        config["agent"]["language"]["_target_"] = f"{__name__}.{SeeingEncoder.__name__}"
     return Factory(config["agent"])(), Factory(config["env"] | {"width_px": 128, "height_px": 128})()
 
 

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import json
 from functools import partial
-from pathlib import Path
-from typing import Any
 
 import pytest
-from hydra import compose, initialize_config_dir
-from omegaconf import OmegaConf
 
+from tests.models.playing import AGENTS, config_of
 from ucon.commands.wiring import Factory, official_habits
 from ucon.envs.knowledge import HabitSource
 from ucon.envs.ucon_env import UcONEnv
@@ -21,8 +18,6 @@ from ucon.habits.knowledge import MODES
 from ucon.task.episode import Episode
 from ucon.task.sampler import EpisodeSampler
 
-CONFIGS = Path(__file__).resolve().parents[2] / "configs"
-AGENTS = sorted(path.stem for path in (CONFIGS / "agent").glob("*.yaml"))
 HOME = "Rs_int"
 PLACES = {
     "mug": ("ontop(breakfast_table)", "inside(bottom_cabinet)"),
@@ -61,12 +56,10 @@ def test_every_agent_plays_it(name: str, mode: str, played_from: tuple[HabitData
         tasks = episode.entries if mode == "category" else episode.task_entries
         assert len(source.knowledge(episode, "full").rows) == len(tasks)
         assert len(tasks) == len(episode.arrangement.objects) * (2 if mode == "category" else 1)
-    with initialize_config_dir(str(CONFIGS), version_base="1.3"):
-        config = compose("eval", [f"agent={name}"])
-    agent: Any = OmegaConf.to_container(config.agent, resolve=True)
-    seen = {option: config.env[option] for option in ("privileged", "observe", "width_px", "height_px")}
+    config = config_of(name)
+    seen = {option: config["env"][option] for option in ("privileged", "observe", "width_px", "height_px")}
     env = partial(UcONEnv, episodes, habit_level="retrieval", source=source, detector=True, **seen)
-    spec = RunSpec(Factory(agent), env, "retrieval")
+    spec = RunSpec(Factory(config["agent"]), env, "retrieval")
     records = [played.record for played in evaluate(spec, episodes, workers=0)]
     assert [record.target for record in records] == [episode.target_category for episode in episodes]
     assert all(record.steps > 0 for record in records)

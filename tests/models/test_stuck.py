@@ -3,37 +3,22 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import pytest
-from hydra import compose, initialize_config_dir
-from hydra.utils import get_class
-from omegaconf import OmegaConf
 
 from models.agents.waypoint import WaypointAgent
+from tests.models.playing import HONEST, config_of
 from ucon.commands.wiring import Factory
 from ucon.envs.ucon_env import UcONEnv
+from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+WAYPOINT = [name for name in HONEST if isinstance(Factory(config_of(name)["agent"])(), WaypointAgent)]
 
 
-def composed(name: str, *changes: str) -> dict:
-    with initialize_config_dir(str(CONFIGS), version_base="1.3"):
-        config = compose("eval", [f"agent={name}", *changes])
-    return OmegaConf.to_container(config, resolve=True)
-
-
-WAYPOINT = [
-    path.stem
-    for path in sorted((CONFIGS / "agent").glob("*.yaml"))
-    if issubclass(get_class(composed(path.stem)["agent"]["_target_"]), WaypointAgent)
-]
-
-
-def played(name: str, episode: object, *changes: str) -> tuple[str, dict]:
+def played(name: str, episode: Episode, *changes: str) -> tuple[str, dict]:
     """The actions of one episode, and how it ended."""
-    config = composed(name, *changes)
+    config = config_of(name, *changes)
     agent = Factory(config["agent"])()
     env = UcONEnv([episode], habit_level="retrieval", observe=config["env"]["observe"], detector=True)
     obs, info = env.reset(options={"episode": 0})
