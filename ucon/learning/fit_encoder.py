@@ -15,13 +15,13 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ucon.core.rng import stream
 from ucon.envs.knowledge import HabitSource
 from ucon.language.choice import Option, Question
 from ucon.language.models.encoder import EncoderModel, EncoderWeights
 from ucon.language.store import default_encoder
+from ucon.learning.likelihood import minimised
 from ucon.retrieval.base import phrase
 from ucon.retrieval.levels import FIXED_LEVELS
 from ucon.sim.cache import load_house
@@ -130,21 +130,9 @@ class _Batch:
 
 def fit(found: Sequence[Case]) -> EncoderWeights:
     """The weights that make the true anchors most probable."""
-    import torch
-    from scipy.optimize import minimize
-
-    batch = _Batch(found)
-
-    def loss(values: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
-        x = torch.tensor(values, dtype=torch.float32, requires_grad=True)
-        value = batch.loss(x)
-        value.backward()
-        assert x.grad is not None
-        return value.item(), x.grad.numpy().astype(np.float64)
-
     start = np.array([1.0, *np.log([0.1, 1.0, 0.06, 0.06])])
     bounds = [(0.0, 3.0), *[tuple(np.log(pair)) for pair in ((0.02, 1), (0.02, 20), (0.01, 1), (0.01, 1))]]
-    best = minimize(loss, start, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": 40}).x
+    best = minimised(_Batch(found).loss, start, bounds, 40)
     scales = [float(np.round(value, 4)) for value in np.exp(best[1:])]
     return fit_empty(EncoderWeights(round(float(best[0]), 3), *scales), found)
 

@@ -20,6 +20,7 @@ from ucon.language.models.encoder import EncoderModel
 from ucon.language.models.keeping import KeepingWeights, furniture_names
 from ucon.language.store import default_encoder
 from ucon.learning.keeping_cases import LABELS, PLACES, PlaceCase, asked, place_cases
+from ucon.learning.likelihood import minimised
 from ucon.retrieval.levels import FIXED_LEVELS
 
 #: A likeness that is too small to count, and finite.
@@ -84,24 +85,11 @@ class _Batch:
 
 def fit(found: Sequence[PlaceCase]) -> KeepingWeights:
     """The weights that make the true places most probable."""
-    import torch
-    from scipy.optimize import minimize
-
-    batch = _Batch(found)
-
-    def loss(values: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
-        x = torch.tensor(values, dtype=torch.float32, requires_grad=True)
-        value = batch.loss(x)
-        value.backward()
-        assert x.grad is not None
-        return value.item(), x.grad.numpy().astype(np.float64)
-
     ranges = ((0.01, 1), (0.03, 1), (0.05, 10), (0.001, 100))
     about, sigma, weight, doubt = (tuple(np.log(pair)) for pair in ranges)
     bounds = [(0.0, 50.0), (0.0, 1.5), about, (0.0, 1.0), sigma, weight, doubt]
     start = np.array([8.8, 0.4, np.log(0.02), 0.45, *np.log([0.06, 0.7, 0.05])])
-    x = minimize(loss, start, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": 60}).x
-    return weights_of(x)
+    return weights_of(minimised(_Batch(found).loss, start, bounds, 60))
 
 
 def weights_of(x: NDArray[np.float64]) -> KeepingWeights:

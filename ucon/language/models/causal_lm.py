@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from ucon.core.errors import ConfigError
 from ucon.language.choice import Answer, Question, from_scores
 from ucon.language.models.conversation import ChatTemplate, common_prefix, end_tokens, most_habits, window_of
+from ucon.language.models.local import LocalModel
 from ucon.language.models.weights import LocalWeights
 
 Ids = tuple[int, ...]
@@ -32,10 +33,10 @@ Ids = tuple[int, ...]
 _USERS: Final = ("A", "?")
 
 
-class CausalModel:
+class CausalModel(LocalModel):
     """Any AutoModelForCausalLM whose tokenizer has a chat template."""
 
-    gives_scores = True
+    kind = "causal"
 
     def __init__(
         self,
@@ -70,28 +71,11 @@ class CausalModel:
             raise ConfigError(
                 f"batch_size={batch_size}, prefixes={prefixes}, window={window}: expected at least 1, 0 and 2"
             )
-        self._weights = LocalWeights(path, device=device, dtype=dtype, download=download)
+        super().__init__(LocalWeights(path, device=device, dtype=dtype, download=download))
         self._batch, self._keep, self._normalise, self._limit = batch_size, prefixes, normalise, window
         self._options = template
         self._prefixes: OrderedDict[Ids, Any] = OrderedDict()
         self._systems: OrderedDict[str, Ids] = OrderedDict()
-
-    @property
-    def name(self) -> str:
-        """Such as ``causal (Llama-3.1-8B-Instruct)``."""
-        return f"causal ({self._weights.short})"
-
-    def check(self) -> None:
-        """See :meth:`ucon.language.choice.LanguageModel.check`."""
-        self._weights.check()
-
-    def fingerprint(self) -> str | None:
-        """See :meth:`ucon.language.models.weights.LocalWeights.fingerprint`."""
-        return self._weights.fingerprint()
-
-    def answer(self, questions: Sequence[Question]) -> list[Answer]:
-        """See :class:`ucon.language.choice.LanguageModel`."""
-        return [self._answer(question) for question in questions]
 
     def _answer(self, question: Question) -> Answer:
         start = time.perf_counter()

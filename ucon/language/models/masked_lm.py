@@ -17,6 +17,7 @@ import numpy as np
 
 from ucon.core.errors import ConfigError, DataError
 from ucon.language.choice import Answer, Question, from_scores
+from ucon.language.models.local import LocalModel
 from ucon.language.models.weights import LocalWeights
 from ucon.language.prompt import neutral
 
@@ -25,10 +26,10 @@ _UNUSED_POSITIONS: Final = 2
 _REMEMBERED: Final = 20_000
 
 
-class MaskedModel:
+class MaskedModel(LocalModel):
     """Any AutoModelForMaskedLM with a fast tokenizer."""
 
-    gives_scores = True
+    kind = "masked"
 
     def __init__(
         self,
@@ -55,27 +56,10 @@ class MaskedModel:
         """
         if batch_size < 1 or budget_tokens < 0:
             raise ConfigError(f"batch_size={batch_size}, budget_tokens={budget_tokens}: expected at least 1 and 0")
-        self._weights = LocalWeights(path, device=device, dtype=dtype, download=download)
+        super().__init__(LocalWeights(path, device=device, dtype=dtype, download=download))
         self._budget, self._batch = budget_tokens, batch_size
         self._known: OrderedDict[tuple[str, int, int], float] = OrderedDict()
         self._lengths: dict[str, int] = {}
-
-    @property
-    def name(self) -> str:
-        """Such as ``masked (roberta-large)``."""
-        return f"masked ({self._weights.short})"
-
-    def check(self) -> None:
-        """See :meth:`ucon.language.choice.LanguageModel.check`."""
-        self._weights.check()
-
-    def fingerprint(self) -> str | None:
-        """See :meth:`ucon.language.models.weights.LocalWeights.fingerprint`."""
-        return self._weights.fingerprint()
-
-    def answer(self, questions: Sequence[Question]) -> list[Answer]:
-        """See :class:`ucon.language.choice.LanguageModel`."""
-        return [self._answer(question) for question in questions]
 
     def _answer(self, question: Question) -> Answer:
         start = time.perf_counter()

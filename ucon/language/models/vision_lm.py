@@ -18,13 +18,14 @@ from numpy.typing import NDArray
 from ucon.core.errors import ConfigError, DataError
 from ucon.language.choice import Answer, Image, Question, from_scores
 from ucon.language.models.conversation import ChatTemplate, common_prefix, end_tokens, most_habits, window_of
+from ucon.language.models.local import LocalModel
 from ucon.language.models.weights import LocalWeights
 
 
-class VisionModel:
+class VisionModel(LocalModel):
     """Any AutoModelForImageTextToText whose processor has a chat template."""
 
-    gives_scores = True
+    kind = "vision"
     sees_images = True
 
     def __init__(
@@ -42,25 +43,8 @@ class VisionModel:
         """Nothing is read before it is needed. Arguments and errors as in :class:`.causal_lm.CausalModel`."""
         if batch_size < 1 or (window is not None and window < 2):
             raise ConfigError(f"batch_size={batch_size}, window={window}: expected at least 1 and 2")
-        self._weights = LocalWeights(path, device=device, dtype=dtype, download=download)
+        super().__init__(LocalWeights(path, device=device, dtype=dtype, download=download))
         self._batch, self._normalise, self._limit, self._options = batch_size, normalise, window, template
-
-    @property
-    def name(self) -> str:
-        """Such as ``vision (Llama-3.2-11B-Vision-Instruct)``."""
-        return f"vision ({self._weights.short})"
-
-    def check(self) -> None:
-        """See :meth:`ucon.language.choice.LanguageModel.check`."""
-        self._weights.check()
-
-    def fingerprint(self) -> str | None:
-        """See :meth:`ucon.language.models.weights.LocalWeights.fingerprint`."""
-        return self._weights.fingerprint()
-
-    def answer(self, questions: Sequence[Question]) -> list[Answer]:
-        """See :class:`ucon.language.choice.LanguageModel`."""
-        return [self._answer(question) for question in questions]
 
     def _answer(self, question: Question) -> Answer:
         start = time.perf_counter()

@@ -1,0 +1,41 @@
+"""What models of this machine have in common: a name by their weights, checks of these, one answer at a time."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+
+from ucon.language.choice import Answer, Question
+from ucon.language.models.weights import LocalWeights
+
+
+class LocalModel(ABC):
+    """A model whose weights are files here; a subclass answers one question. It gives scores."""
+
+    gives_scores = True
+    kind = "local"
+    """Before the weights in the name."""
+
+    def __init__(self, weights: LocalWeights) -> None:
+        self._weights = weights
+
+    @property
+    def name(self) -> str:
+        """Such as ``causal (Llama-3.1-8B-Instruct)``."""
+        return f"{self.kind} ({self._weights.short})"
+
+    def check(self) -> None:
+        """See :meth:`ucon.language.choice.LanguageModel.check`."""
+        self._weights.check()
+
+    def fingerprint(self) -> str | None:
+        """See :mod:`ucon.evaluation.weights`."""
+        return self._weights.fingerprint()
+
+    def answer(self, questions: Sequence[Question]) -> list[Answer]:
+        """See :class:`ucon.language.choice.LanguageModel`."""
+        return [self._answer(question) for question in questions]
+
+    @abstractmethod
+    def _answer(self, question: Question) -> Answer:
+        """The answer to one question."""

@@ -1,0 +1,29 @@
+"""Fitting a few figures by maximum likelihood: a loss in torch, minimised within bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Bounds = Sequence[tuple[float, float]]
+
+
+def minimised(
+    loss: Callable[[Any], Any], start: NDArray[np.float64], bounds: Bounds, steps: int
+) -> NDArray[np.float64]:
+    """The figures (n,) at which ``loss`` (a torch tensor in, a scalar tensor out) is least, by L-BFGS-B."""
+    import torch
+    from scipy.optimize import minimize
+
+    def value_and_slope(values: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+        x = torch.tensor(values, dtype=torch.float32, requires_grad=True)
+        value = loss(x)
+        value.backward()
+        assert x.grad is not None
+        return value.item(), x.grad.numpy().astype(np.float64)
+
+    found = minimize(value_and_slope, start, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": steps})
+    return np.asarray(found.x, np.float64)
