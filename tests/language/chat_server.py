@@ -15,6 +15,8 @@ class ChatServer(ThreadingHTTPServer):
     """Plays ``script``, one act a request; the last act is repeated. Keeps what it was asked."""
 
     daemon_threads = True
+    request_queue_size = 64
+    """Many connect at once. One that finds the queue full tries again after a second: longer than a client waits."""
 
     def __init__(self, script: list[Callable[[Handler], None]]) -> None:
         super().__init__(("127.0.0.1", 0), Handler)
