@@ -9,6 +9,7 @@ import pytest
 from models.agents.asking import AskingAgent
 from models.agents.waypoint import Chosen, WaypointAgent
 from tests.models.playing import HONEST, built, episodes, gone, play
+from ucon.core.errors import ConfigError
 from ucon.envs.waypoint import Decision
 
 CHOOSERS = [name for name in HONEST if isinstance(built(name)[0], WaypointAgent)]
@@ -105,3 +106,18 @@ def twice(agent: AskingAgent) -> list[tuple[Chosen, Chosen]]:
 
     agent.choose = listen  # type: ignore[method-assign]
     return heard
+
+
+@pytest.mark.parametrize(
+    ("chosen", "message"),
+    [
+        (Chosen(99), "agent lgx chose number 99 of 4 candidates"),
+        (Chosen(-1), "agent lgx chose number -1 of 4 candidates"),
+        (Chosen(0, scores=(0.5,)), "agent lgx gives 1 scores for 4 options"),
+    ],
+)
+def test_a_choice_that_is_none_is_told(chosen: Chosen, message: str) -> None:
+    agent, env = built("lgx")
+    agent.choose = lambda decisions, slots: [chosen]  # type: ignore[attr-defined]
+    with pytest.raises(ConfigError, match=message.replace(" 4 ", r" \d+ ")):
+        play(agent, env, episodes(1)[0], 20)
