@@ -104,6 +104,7 @@ class Explorer:
             return self.homing.act(self.map, self.planner, track, blocked=bool(observation["collision"]))
         if bool(observation["collision"]) and self._goal is not None:
             walked = self._walked
+            self.planner.update(self.map)
             self._walk_to(self._goal)
             self._walked = walked
         return self._next()
@@ -137,13 +138,12 @@ class Explorer:
                 self._taken = track
                 return self.homing.act(self.map, self.planner, track)
         self._sent_to = chosen.track
-        self._walk_to(chosen.view)
+        self._walk_to(chosen.view)  # the planner was brought up to date for the decision
         first = self._next()
         # A choice that is no walk must cost a step as well, or a stubborn chooser would never end.
         return Action.ROTATE_LEFT if first is None else first
 
     def _walk_to(self, view: View) -> None:
-        self.planner.update(self.map)
         self._goal, self._plan = view, deque(self.planner.plan(view))
         self._walked, self._arrived = 0, False
 
