@@ -31,6 +31,7 @@ from ucon.evaluation.report import failure_line, results_table, run_hashes, summ
 from ucon.evaluation.runner import evaluate
 from ucon.evaluation.twins import twin_of
 from ucon.evaluation.weights import check_weights, fingerprints
+from ucon.retrieval.levels import check_level
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
 
@@ -50,6 +51,7 @@ def evaluate_and_report(cfg: DictConfig, out: Path, *, sweep: bool) -> None:
     """
     config: dict[str, Any] = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)  # type: ignore[assignment]
     task = config["task"]
+    check_level(config["habit_level"]["name"])
     episodes = chosen_episodes(config["episodes"], config["limit"], task["name"], context=task["context"])
     warn_of_other_rules(episodes, task["name"])
     agent, detector = Factory(config["agent"])(), Factory(config["env"]["detector"])()

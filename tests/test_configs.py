@@ -15,6 +15,7 @@ from ucon.evaluation.play import Policy
 from ucon.evaluation.report import run_hashes
 from ucon.language.choice import LanguageModel, sees_images
 from ucon.retrieval import Retriever
+from ucon.retrieval.levels import check_level
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 OPTIONS = sorted((p.parent.name, p.stem) for p in CONFIGS.glob("*/*.yaml"))
@@ -58,6 +59,24 @@ def test_every_agent_can_be_built(name):
     assert callable(agent.reset)
     assert callable(agent.act)
     assert Policy
+
+
+@pytest.mark.parametrize(
+    ("target", "message"),
+    [
+        ("models.agents.lgx.LGXAgnt", "models.agents.lgx has no LGXAgnt; see its file in configs/"),
+        ("models.agents.lxg.LGXAgent", "there is no module models.agents.lxg; see its file in configs/"),
+    ],
+)
+def test_a_target_that_does_not_exist_is_named(target, message):
+    with pytest.raises(ConfigError) as caught:
+        Factory({"_target_": target})()
+    assert str(caught.value) == f"{target}: {message}"
+
+
+@pytest.mark.parametrize("name", [name for group, name in OPTIONS if group == "habit_level"])
+def test_every_habit_level_is_one(name):
+    check_level(composed(f"habit_level={name}")["habit_level"]["name"])
 
 
 ASKING = [name for group, name in OPTIONS if group == "agent" and "language" in composed(f"agent={name}")["agent"]]

@@ -77,15 +77,10 @@ class SearchController:
         known = self.map
         known.update(observation, info)
         self.places.refresh(known)
-        active = ~self._behind_doors()
-        active &= (self.places.unseen > 1e-3) & (self.places.share > 0.0)
-        reach = self.viewpoints.reach_m
-        self.places.look(known, frame_depth(observation, info), active, reach, self.MISS)
-
-    def _behind_doors(self) -> NDArray[np.bool_]:
-        shut = np.zeros(max(self.map.n_tracks, 1), bool)
+        shut = np.zeros(known.n_tracks, bool)
         shut[self.closed()] = True
-        return shut[self.places.track] & (self.places.relation == INSIDE)
+        active, reach = self.places.searched(shut), self.viewpoints.reach_m
+        self.places.look(known, frame_depth(observation, info), active, reach, self.MISS)
 
     def closed(self) -> NDArray[np.int64]:
         """Tracks of containers that are closed and may still open."""

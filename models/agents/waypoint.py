@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from models.agents.base import Info, Observation, slots_of
+from ucon.core.errors import ConfigError
 from ucon.envs.waypoint import Decision, Explorer, Manner, Strategy
 from ucon.evaluation.decisions import DecisionRecord
 from ucon.language.choice import Answer
@@ -45,7 +46,10 @@ class WaypointAgent:
         """Called at the start of an episode, for what a subclass keeps of it."""
 
     def choose(self, decisions: Sequence[Decision], slots: Sequence[int]) -> list[Chosen]:
-        """Choose a candidate in each decision; ``slots`` tell whose they are."""
+        """Choose a candidate in each decision; ``slots`` tell whose they are.
+
+        :meth:`act` raises :class:`ConfigError` for a number that is none of the candidates'.
+        """
         raise NotImplementedError
 
     def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
@@ -69,6 +73,7 @@ class WaypointAgent:
         if due:
             decisions = [self._explorers[slot].decision() for slot in due]
             for slot, decision, chosen in zip(due, decisions, self.choose(decisions, due), strict=True):
+                _check(self.name, chosen, len(decision.candidates))
                 self._decided[slot].append(_record(self._episodes[slot], decision, chosen))
                 actions[slot] = self._explorers[slot].choose(chosen.number)
         return [int(actions[slot]) for slot in numbers]  # type: ignore[arg-type]
@@ -82,6 +87,15 @@ class WaypointAgent:
         made = self.decisions(slot)
         tokens = sum(d.prompt_tokens + d.completion_tokens for d in made)
         return sum(d.asked for d in made), tokens, sum(d.seconds for d in made)
+
+
+def _check(name: str, chosen: Chosen, n: int) -> None:
+    """Raise :class:`ConfigError` for a choice that is none of ``n`` candidates, or a number of scores that is wrong."""
+    if not 0 <= chosen.number < n:
+        raise ConfigError(f"agent {name} chose number {chosen.number} of {n} candidates, which count from 0")
+    options = len(chosen.options) or n
+    if chosen.scores and len(chosen.scores) != options:
+        raise ConfigError(f"agent {name} gives {len(chosen.scores)} scores for {options} options")
 
 
 def _record(episode: str, decision: Decision, chosen: Chosen) -> DecisionRecord:

@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 from itertools import chain
 
 import pytest
@@ -49,6 +50,15 @@ def test_tables_say_what_the_records_say():
         cells = rows(table, "SR / SPL")
         assert cells["belief, none"] == ["1.00 / 0.50", "0.00 / 0.00"]
         assert cells["n"] == ["4", "4"]
+
+
+def test_failures_are_told_by_cause():
+    first, second = two_runs()
+    mixed = [replace(r, failure_cause="seen_not_reached") if r.episode == "e1" else r for r in second.records]
+    causes = rows(markdown_page([first, Run(second.label, tuple(mixed))], []), "% failed by cause")
+    assert causes["% failed by cause"] == ["never seen", "seen not reached"]
+    assert causes["belief, retrieval"] == ["0.0", "0.0"]
+    assert causes["belief, none"] == ["37.5", "12.5"]
 
 
 def test_two_runs_of_one_name_are_refused():

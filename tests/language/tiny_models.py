@@ -88,10 +88,11 @@ def _tokenizer(template="", masked=False, **options):
     return tokenizer
 
 
-def save_causal(folder: Path, template=CHAT, positions=1024) -> Path:
+def save_causal(folder: Path, template=CHAT, positions=1024, kind="LlamaConfig", **options) -> Path:
+    """``kind`` is a configuration class of transformers, ``options`` what it is told besides."""
     tokenizer = _tokenizer(template)
     torch.manual_seed(0)
-    config = transformers.LlamaConfig(
+    config = getattr(transformers, kind)(
         vocab_size=len(tokenizer),
         hidden_size=32,
         intermediate_size=64,
@@ -103,8 +104,9 @@ def save_causal(folder: Path, template=CHAT, positions=1024) -> Path:
         eos_token_id=[1, 5],
         pad_token_id=2,
         initializer_range=0.3,  # large, so that probabilities differ
+        **options,
     )
-    transformers.LlamaForCausalLM(config).save_pretrained(folder)
+    transformers.AutoModelForCausalLM.from_config(config).save_pretrained(folder)
     tokenizer.save_pretrained(folder)
     return folder
 

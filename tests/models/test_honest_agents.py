@@ -7,8 +7,10 @@ from itertools import pairwise
 import pytest
 
 from models.agents.asking import AskingAgent
-from models.agents.waypoint import WaypointAgent
+from models.agents.waypoint import Chosen, WaypointAgent
 from tests.models.playing import HONEST, built, episodes, gone, play
+from ucon.core.errors import ConfigError
+from ucon.envs.waypoint import Decision
 
 CHOOSERS = [name for name in HONEST if isinstance(built(name)[0], WaypointAgent)]
 
@@ -71,13 +73,51 @@ def test_choices_are_recorded_and_walked_to(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", CHOOSERS)
-def test_habits_matter_to_those_that_read_them(name: str) -> None:
-    scores = []
-    for level in ("none", "gt"):
-        agent, env = built(name, level)
-        assert isinstance(agent, WaypointAgent)
-        scores.append([])
-        for episode in episodes(2):
-            play(agent, env, episode, 40)
-            scores[-1] += [d.scores for d in agent.decisions(0)]
-    assert (scores[0] != scores[1]) == agent.uses_habits
+def test_habits_change_a_tenth_of_the_choices(name: str) -> None:
+    """Each choice of whole searches at gt is made twice, with the habits and without, by the same random numbers."""
+    agent, env = built(name, "gt")
+    assert isinstance(agent, WaypointAgent)
+    made = twice(agent) if isinstance(agent, AskingAgent) else []
+    for episode in episodes(12):
+        play(agent, env, gone(episode), 150)
+    if not agent.uses_habits:
+        assert not made
+        return
+    changed = sum(a.number != b.number for a, b in made)
+    assert len(made) > 60
+    assert 0.1 * len(made) <= changed < len(made)
+
+
+def twice(agent: AskingAgent) -> list[tuple[Chosen, Chosen]]:
+    """Listens to the choices of an agent of one slot that were asked about: as made, and as made without habits."""
+    heard: list[tuple[Chosen, Chosen]] = []
+    choose = agent.choose
+
+    def listen(decisions: list[Decision], slots: list[int]) -> list[Chosen]:
+        (decision,), (slot,) = decisions, slots
+        random, told = decision.draw.bit_generator.state, agent._told[slot]
+        agent._tell(slot, told[0], ())
+        without = choose(decisions, slots)
+        decision.draw.bit_generator.state, agent._told[slot] = random, told
+        chosen = choose(decisions, slots)
+        if chosen[0].answers:
+            heard.append((chosen[0], without[0]))
+        return chosen
+
+    agent.choose = listen  # type: ignore[method-assign]
+    return heard
+
+
+@pytest.mark.parametrize(
+    ("chosen", "message"),
+    [
+        (Chosen(99), "agent lgx chose number 99 of 4 candidates"),
+        (Chosen(-1), "agent lgx chose number -1 of 4 candidates"),
+        (Chosen(0, scores=(0.5,)), "agent lgx gives 1 scores for 4 options"),
+    ],
+)
+def test_a_choice_that_is_none_is_told(chosen: Chosen, message: str) -> None:
+    agent, env = built("lgx")
+    agent.choose = lambda decisions, slots: [chosen]  # type: ignore[attr-defined]
+    with pytest.raises(ConfigError, match=message.replace(" 4 ", r" \d+ ")):
+        play(agent, env, episodes(1)[0], 20)

@@ -9,12 +9,12 @@ from ucon.envs.ucon_env import UcONEnv
 from ucon.perception.detectors import noisy_kernels as d, tracker_kernels as t
 from ucon.perception.detectors.noisy import NoisyDetector
 from ucon.perception import approach_kernels as a, fine_kernels as f, map_kernels as m, node_kernels as n
-from ucon.perception import place_kernels as p, planner, view_kernels as v
+from ucon.perception import frontier_kernels as e, place_kernels as p, planner, view_kernels as v
 from ucon.perception.warm import look_around
 called_from_python = (
-    m.integrate, m.carve, m.look, p.make_points, p.facing, p.inherit, v.space_gain, v.place_gain, v.open_gain,
-    v.fade_space, v.fade_places, planner._search, f.add_frame, f.walk, n.nodes_ahead, a.best_view, d.outline, d.spots,
-    t.segment, t.structure,
+    m.integrate, m.carve, m.look, p.grown, p.make_points, p.stretch, p.facing, p.inherit, v.space_gain, v.place_gain,
+    v.open_gain, v.fade_space, v.fade_places, planner._search, f.add_frame, f.walk, n.nodes_ahead, a.best_views,
+    p.searched, e.edges, e.groups, d.outline, d.spots, t.segment, t.structure,
 )
 for detector in (True, NoisyDetector()):
     known = look_around(UcONEnv("mini", observe="symbolic", detector=detector), WARMING)

@@ -40,13 +40,25 @@ class Factory:
 
 
 def _raise_users_error(error: BaseException | None, target: str) -> None:
-    """Raise the :class:`UconError` among the causes, or one about an argument that ``target`` does not take."""
+    """Raise the :class:`UconError` among the causes, or one about ``target`` or an argument that it does not take."""
     while error is not None:
         if isinstance(error, UconError):
             raise error from None
         if isinstance(error, TypeError) and "argument" in str(error):
             raise ConfigError(f"{target}: {error}; see its file in configs/") from None
+        if isinstance(error, ModuleNotFoundError) and error.name:
+            raise ConfigError(f"{target}: {_missing(target, error.name)}") from None
         error = error.__cause__
+
+
+def _missing(target: str, module: str) -> str:
+    """What is wrong where importing ``target`` ends in no such ``module``."""
+    owner, _, name = target.rpartition(".")
+    if module == target:
+        return f"{owner} has no {name}; see its file in configs/"
+    if target.startswith(f"{module}."):
+        return f"there is no module {module}; see its file in configs/"
+    return f"it needs the module {module}, which is not installed"
 
 
 def official_habits(path: str) -> HabitDataset:

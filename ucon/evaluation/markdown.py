@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from ucon.core.errors import ConfigError, DataError
 from ucon.evaluation.compare import Comparison
@@ -17,6 +18,7 @@ from ucon.evaluation.naming import level, player
 from ucon.evaluation.record import EpisodeRecord, read_records
 from ucon.evaluation.statistics import Interval, mean_interval, rate_interval
 from ucon.scenes import home_spec
+from ucon.task.outcome import FailureCause
 
 #: Limits of the home sizes, in square metres, around the sizes of the calibration study.
 SIZE_LIMITS_M2 = (0, 40, 70, 115, 170, 250, 600)
@@ -76,7 +78,7 @@ def named_apart(runs: Sequence[Run]) -> None:
 def markdown_page(runs: Sequence[Run], comparisons: Sequence[Comparison]) -> str:
     """All tables of ``runs``, separated by empty lines."""
     named_apart(runs)
-    tables = [_runs(runs), _differences(comparisons)]
+    tables = [_runs(runs), _differences(comparisons), _causes(runs)]
     sizes = _sizes(runs)
     if len(sizes) > 1:
         tables.append(_groups(runs, sizes, lambda r: _size(_area_m2(r.scene))))
@@ -118,6 +120,17 @@ def _differences(comparisons: Sequence[Comparison]) -> str:
         for c in comparisons
     ]
     return _table(("paired difference", "n", "SPL", "SR", "steps"), rows)
+
+
+def _causes(runs: Sequence[Run]) -> str:
+    """Why episodes failed: percent of all episodes of each run, for the causes that occur."""
+    there = {r.failure_cause for run in runs for r in run.records if not r.success}
+    causes = [cause for cause in get_args(FailureCause) if cause in there]
+    rows = []
+    for run in runs:
+        counts = Counter(r.failure_cause for r in run.records)
+        rows.append((run.label, *(f"{100 * counts[cause] / len(run.records):.1f}" for cause in causes)))
+    return _table(("% failed by cause", *(cause.replace("_", " ") for cause in causes)), rows)
 
 
 def _groups(runs: Sequence[Run], names: Sequence[str], group: Callable[[EpisodeRecord], str]) -> str:

@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.perception.approach_kernels import best_view
+from ucon.perception.approach_kernels import best_views
 from ucon.perception.body import Body
 from ucon.perception.detections import MIN_PIXELS
 from ucon.perception.places import affordance
@@ -27,20 +27,9 @@ class Approach:
 
     def arrived(self, known: SemanticMap, track: int) -> bool:
         """Whether Done would succeed now, as far as the map can tell."""
-        return bool(known.pixels[track] >= MIN_PIXELS) and known.gap_m(track, known.view.xy) <= self.reach_m(
-            known, track
-        )
-
-    def reach_m(self, known: SemanticMap, track: int) -> float:
-        """How near the seen part must be: less where the thing may have come out with a drawer."""
-        x, y = _center(known.box[track])[:2]
-        for holder in np.flatnonzero(known.opened[: known.n_tracks]):
-            x0, y0, _, x1, y1, z1 = known.box[holder]
-            out = np.hypot(max(x0 - x, x - x1, 0.0), max(y0 - y, y - y1, 0.0))
-            name = known.category[holder]
-            if out < 0.7 and known.box[track, 2] < z1 + 0.05 and name and affordance(name).drawers:
-                return DRAWER_NEAR_M
-        return known.body.near_m - 0.005
+        if known.pixels[track] < MIN_PIXELS:
+            return False
+        return known.gap_m(track, known.view.xy) <= float(_reach_m(known, np.array([track]))[0])
 
     def failed(self, view: View) -> None:
         """Remember that the thing was not visible from a view."""
@@ -48,19 +37,27 @@ class Approach:
 
     def goal(self, known: SemanticMap, planner: Planner, track: int) -> View | None:
         """The cheapest pose on an explored node that should do, or None; the planner must be up to date."""
-        self._note(known, track)
+        poses, costs = self.goals(known, planner, np.array([track]))
+        return View(*poses[0].tolist()) if costs[0] < UNREACHED else None
+
+    def goals(
+        self, known: SemanticMap, planner: Planner, tracks: NDArray[np.int64]
+    ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """:meth:`goal` of one track after the other: poses (m, 4) as in ``View``, and what they cost, (m,).
+
+        The cost is UNREACHED where there is no pose; it counts against a pose that the thing may not be seen from it.
+        """
+        seen = self._sights(known, tracks)
         cells = (planner.steps, known.height, known.walls, HALF)
         eyes, look = _eyes(known.body), known.view.pitch_deg
         failed = np.array([(v.i, v.j, v.heading, v.pitch_deg, n) for v, n in self._failed.items()], np.int32)
-        best = np.zeros(4, np.int32)
-        cost = best_view(
-            known.box[track], self.reach_m(known, track), cells, known.explored, eyes, look, self._best,
-            failed.reshape(-1, 5), UNREACHED, best,
+        poses, costs = np.zeros((len(tracks), 4), np.int32), np.full(len(tracks), UNREACHED, np.int32)
+        best_views(
+            known.box[tracks], _reach_m(known, tracks), cells, known.explored, eyes, look, seen, failed.reshape(-1, 5),
+            poses, costs,
         )  # fmt: skip
-        if cost >= UNREACHED:
-            return None
-        i, j, heading, row = best.tolist()
-        return View(i, j, heading, int(eyes[row, 3]))
+        poses[:, 3] = eyes[poses[:, 3], 3]
+        return poses, costs
 
     def nearer(self, known: SemanticMap, planner: Planner, track: int) -> View:
         """The explored node nearest to what was seen of a thing, looking that way: from there more of it shows.
@@ -83,11 +80,30 @@ class Approach:
         heading = (0 if dx > 0 else 2) if abs(dx) >= abs(dy) else (1 if dy > 0 else 3)
         return View(int(nodes[k, 0]), int(nodes[k, 1]), heading)
 
-    def _note(self, known: SemanticMap, track: int) -> None:
-        """Keep the best sight so far, to tell how many pixels a nearer view will have."""
-        if known.pixels[track] > self._best[0]:
-            gap = _center(known.box[track]) - (*known.view.xy, known.body.eyes[known.view.pitch_deg][0])
-            self._best = (float(known.pixels[track]), float(np.linalg.norm(gap)))
+    def _sights(self, known: SemanticMap, tracks: NDArray[np.int64]) -> NDArray[np.float64]:
+        """(m, 2) the best sight up to each track, pixels and metres: it tells how many a nearer view will have."""
+        out = np.empty((len(tracks), 2))
+        out[:] = self._best
+        for k in np.flatnonzero(known.pixels[tracks] > self._best[0]).tolist():
+            pixels = float(known.pixels[tracks[k]])
+            if pixels > self._best[0]:
+                gap = _center(known.box[tracks[k]]) - (*known.view.xy, known.body.eyes[known.view.pitch_deg][0])
+                self._best = (pixels, float(np.linalg.norm(gap)))
+                out[k:] = self._best
+        return out
+
+
+def _reach_m(known: SemanticMap, tracks: NDArray[np.int64]) -> NDArray[np.float64]:
+    """(m,) how near what was seen must be: less where a thing may have come out with a drawer."""
+    box = known.box[tracks]
+    x, y = 0.5 * (box[:, 0] + box[:, 3]), 0.5 * (box[:, 1] + box[:, 4])
+    out = np.full(len(tracks), known.body.near_m - 0.005)
+    for holder in np.flatnonzero(known.opened[: known.n_tracks]).tolist():
+        if affordance(known.category[holder]).drawers:
+            x0, y0, _, x1, y1, z1 = known.box[holder]
+            gap = np.hypot(np.maximum(np.maximum(x0 - x, x - x1), 0.0), np.maximum(np.maximum(y0 - y, y - y1), 0.0))
+            out[(gap < 0.7) & (box[:, 2] < z1 + 0.05)] = DRAWER_NEAR_M
+    return out
 
 
 def _center(box: NDArray[np.float64]) -> NDArray[np.float64]:

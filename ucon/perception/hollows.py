@@ -16,7 +16,7 @@ from ucon.objects.catalogue import catalogue
 from ucon.objects.model import Box3, Compartment, ObjectModel, Surface
 from ucon.objects.models import build_model
 from ucon.perception.map_kernels import ALL_OPEN
-from ucon.perception.place_kernels import INSIDE, ONTOP
+from ucon.perception.place_kernels import INSIDE, ONTOP, stretch
 from ucon.sim.shapes import primitive_boxes, solid_of_parts
 
 __all__ = ["ALL_OPEN", "Template", "fit", "template"]
@@ -95,20 +95,14 @@ def fit(
     """Write the points of a template, stretched to a box and turned, into rows (k, 12) and faces (k,)."""
     if not len(rows):
         return
-    across = quarters % 2
-    sides = np.array([box[3] - box[0], box[4] - box[1], box[5] - box[2]])
-    scale = sides[[across, 1 - across, 2]]
-    middle = np.array([0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), box[2]])
-    c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[quarters]
-    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]], float)
-    low, high = shape.hollow[:, :3] * scale @ turn.T + middle, shape.hollow[:, 3:] * scale @ turn.T + middle
-    hollow = np.hstack([np.minimum(low, high), np.maximum(low, high)])
-    rows[:, :3] = shape.xyz * scale @ turn.T + middle
-    rows[:, 2] += np.maximum(shape.lift * lift_m, 0.02)
-    closed = shape.faces != ALL_OPEN
-    rows[closed, 2] = np.minimum(rows[closed, 2], 0.5 * (hollow[closed, 2] + hollow[closed, 5]))
-    rows[:, 3], rows[:, 4], rows[:, 6:] = shape.relation, shape.share, hollow
-    faces[:] = shape.turned_faces(quarters)
+    stretch(shape.xyz, shape.lift, shape.hollow, shape.faces, box, quarters, lift_m, rows)
+    rows[:, 3], rows[:, 4] = shape.relation, shape.share
+    faces[:] = _turned_faces(shape, quarters)
+
+
+@lru_cache(maxsize=4096)
+def _turned_faces(shape: Template, quarters: int) -> NDArray[np.uint8]:
+    return shape.turned_faces(quarters)
 
 
 #: xyz, relation, weight, hollow, faces, lift.

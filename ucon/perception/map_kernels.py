@@ -22,6 +22,9 @@ LOW_M, TALL_M = 0.05, 1.8
 LINTEL_M = 1.9
 FAR_M = 60.0
 FLOORS, WALLS, CEILINGS = 1, 2, 3
+#: Steps of sight lines that differ by less than this end in the same cells, if those of one of them, 64 at most, stay
+#: this far (in cells) from all borders.
+_ALIKE_M, _CLEAR = 1e-12, 1e-9
 
 
 @jit
@@ -32,38 +35,54 @@ def integrate(depth: F32, tracks: I16, camera: F64, half: int, cells: Any, kind:
     box (T, 6). Cells are read from every second pixel, boxes from every one: a thing may be four pixels.
     """
     rows, columns = depth.shape
-    point, cell = np.empty((3, columns)), np.empty((2, columns), np.int32)
+    point, cell, aside = np.empty((3, columns)), np.empty((2, columns), np.int32), np.empty(columns)
+    for u in range(columns):
+        aside[u] = (u + 0.5 - 0.5 * columns) / camera[7]
     for v in range(rows):
         # The arithmetic of a whole row goes first, where it can be done for several pixels at once.
-        _project(depth[v], (0.5 * rows - v - 0.5) / camera[7], camera, half, point, cell)
-        for u in range(columns):
-            t, d = tracks[v, u], depth[v, u]
-            if 0 <= t < kind.shape[0] and kind[t] == 0 and not frozen[t] and 0.0 < d < FAR_M:
-                _widen(box[t], point[0, u], point[1, u], point[2, u])
+        _project(depth[v], (0.5 * rows - v - 0.5) / camera[7], aside, camera, point)
+        _widen(depth[v], tracks[v], point, kind, frozen, box)
         if v & 1 == 0:
+            _cells(point, half, cell)
             _mark(depth[v], tracks[v], point, cell, half, cells, kind, frozen)
 
 
 @jit
-def _project(depth: F32, up: float, camera: F64, half: int, point: F64, cell: I32) -> None:
-    """Write the points (3, W) that the pixels of a row show, in metres, and the cells (2, W) that these are in."""
-    x, y, cam_z, c, s, cp, sp, focal_px = camera
+def _project(depth: F32, up: float, aside: F64, camera: F64, point: F64) -> None:
+    """Write the points (3, W) that the pixels of a row show, in metres."""
+    x, y, cam_z, c, s, cp, sp, _ = camera
     ahead, rise = cp - sp * up, sp + cp * up
-    columns = depth.shape[0]
-    for u in range(columns):
+    for u in range(depth.shape[0]):
         d = depth[u]
-        f, right = d * ahead, d * ((u + 0.5 - 0.5 * columns) / focal_px)
+        f, right = d * ahead, d * aside[u]
         point[0, u], point[1, u], point[2, u] = x + c * f + s * right, y + s * f - c * right, cam_z + d * rise
-    for u in range(columns):
+
+
+@jit
+def _cells(point: F64, half: int, cell: I32) -> None:
+    """Write the cells (2, W) that the points (3, W) are in."""
+    for u in range(point.shape[1]):
         cell[0, u] = np.int32(np.floor(point[0, u] / CELL_M + 0.5)) + half
         cell[1, u] = np.int32(np.floor(point[1, u] / CELL_M + 0.5)) + half
 
 
-@merged
-def _widen(box: F64, x: float, y: float, z: float) -> None:
-    box[0], box[3] = min(box[0], x), max(box[3], x)
-    box[1], box[4] = min(box[1], y), max(box[4], y)
-    box[2], box[5] = min(box[2], z), max(box[5], z)
+@jit
+def _widen(depth: F32, tracks: I16, point: F64, kind: U8, frozen: Flags, box: F64) -> None:
+    """Widen the boxes by the points of a row, for each stretch of one track at once."""
+    u, columns = 0, depth.shape[0]
+    while u < columns:
+        t, first = tracks[u], u
+        while u < columns and tracks[u] == t:
+            u += 1
+        if not 0 <= t < kind.shape[0] or kind[t] != 0 or frozen[t]:
+            continue
+        x0, y0, z0, x1, y1, z1 = box[t]
+        for k in range(first, u):
+            if 0.0 < depth[k] < FAR_M:
+                x0, x1 = min(x0, point[0, k]), max(x1, point[0, k])
+                y0, y1 = min(y0, point[1, k]), max(y1, point[1, k])
+                z0, z1 = min(z0, point[2, k]), max(z1, point[2, k])
+        box[t, 0], box[t, 1], box[t, 2], box[t, 3], box[t, 4], box[t, 5] = x0, y0, z0, x1, y1, z1
 
 
 @jit
@@ -108,45 +127,77 @@ def _wall(walls: U8, i: int, j: int, dx: float, dy: float) -> None:
 
 @merged
 def _block(blocked: U8, i: int, j: int, dx: float, dy: float) -> None:
-    """Mark the nodes around an obstacle point (dx, dy metres from node (i, j)) that it makes impassable."""
-    for a in range(-1, 2):
-        for b in range(-1, 2):
-            ex, ey = dx - a * CELL_M, dy - b * CELL_M
-            if ex * ex + ey * ey < RADIUS_M * RADIUS_M:
-                blocked[i + a, j + b] = 1
+    """Mark the nodes around an obstacle point (dx, dy metres from node (i, j)) that it makes impassable.
+
+    It is in the node's own cell, so that the others on its far sides are never near enough. No branches: they would
+    be guessed wrong half the time.
+    """
+    a, b = i + (1 if dx > 0.0 else -1), j + (1 if dy > 0.0 else -1)
+    ex, ey = CELL_M - abs(dx), CELL_M - abs(dy)
+    blocked[i, j] = 1
+    blocked[a, j] |= ex * ex + dy * dy < RADIUS_M * RADIUS_M
+    blocked[i, b] |= dx * dx + ey * ey < RADIUS_M * RADIUS_M
+    blocked[a, b] |= ex * ex + ey * ey < RADIUS_M * RADIUS_M
 
 
 @jit
 def carve(depth: F32, camera: F64, half: int, explored: U8, reach_m: float) -> int:
-    """Mark the cells that sight lines pass over as explored. Returns how many became so."""
+    """Mark the cells that sight lines pass over as explored. Returns how many became so.
+
+    Those of one column of a level picture lie over each other: of these only the longest is followed.
+    """
     rows, columns = depth.shape
-    x, y, _, c, s, cp, sp, focal_px = camera
-    fresh = 0
-    for v in range(4, rows, 8):
-        ahead = cp - sp * (0.5 * rows - v - 0.5) / focal_px
-        for u in range(0, columns, 2):
-            d = min(depth[v, u], FAR_M)
-            if not d > 0.0:
-                continue
-            f, right = d * ahead, d * ((u + 0.5 - 0.5 * columns) / focal_px)
-            hx, hy = c * f + s * right, s * f - c * right
-            length = np.sqrt(hx * hx + hy * hy)
-            if length > 0.15:
-                step = 0.125 / length
-                fresh += _trace(explored, half, x, y, step * hx, step * hy, int(min(length - 0.02, reach_m) / 0.125))
+    fresh, way = 0, np.empty((rows // 8 + 1, 3))
+    for u in range(0, columns, 2):
+        aside = (u + 0.5 - 0.5 * columns) / camera[7]
+        count, longest = 0, 0
+        for v in range(4, rows, 8):
+            ahead = camera[5] - camera[6] * (0.5 * rows - v - 0.5) / camera[7]
+            if _way(depth[v, u], ahead, aside, camera, reach_m, way[count]):
+                longest = count if way[count, 2] > way[longest, 2] else longest
+                count += 1
+        if count == 0:
+            continue
+        dx, dy = way[longest, 0], way[longest, 1]
+        marked, clear = _trace(explored, half, camera[0], camera[1], dx, dy, int(way[longest, 2]))
+        fresh += marked
+        for k in range(count):
+            along = clear > _CLEAR and abs(way[k, 0] - dx) < _ALIKE_M and abs(way[k, 1] - dy) < _ALIKE_M
+            if k != longest and not along:
+                marked, _ = _trace(explored, half, camera[0], camera[1], way[k, 0], way[k, 1], int(way[k, 2]))
+                fresh += marked
     return fresh
 
 
 @merged
-def _trace(explored: U8, half: int, x: float, y: float, dx: float, dy: float, n: int) -> int:
-    fresh = 0
+def _way(d: float, ahead: float, aside: float, camera: F64, reach_m: float, way: F64) -> bool:
+    """Write the step (dx, dy) of a pixel's sight line over the floor, in metres, and how many of them it has."""
+    c, s, d = camera[3], camera[4], min(d, FAR_M)
+    if not d > 0.0:
+        return False
+    f, right = d * ahead, d * aside
+    hx, hy = c * f + s * right, s * f - c * right
+    length = np.sqrt(hx * hx + hy * hy)
+    if not length > 0.15:
+        return False
+    step = 0.125 / length
+    way[0], way[1], way[2] = step * hx, step * hy, int(min(length - 0.02, reach_m) / 0.125)
+    return True
+
+
+@merged
+def _trace(explored: U8, half: int, x: float, y: float, dx: float, dy: float, n: int) -> tuple[int, float]:
+    """Mark the cells of n steps from a point; how many are new, and how clear of cell borders all steps are (cells)."""
+    fresh, off = 0, 0.0
     for k in range(n + 1):
-        i = int(np.floor((x + k * dx) / CELL_M + 0.5)) + half
-        j = int(np.floor((y + k * dy) / CELL_M + 0.5)) + half
+        a, b = (x + k * dx) / CELL_M + 0.5, (y + k * dy) / CELL_M + 0.5
+        low_a, low_b = np.floor(a), np.floor(b)
+        off = max(off, abs(a - low_a - 0.5), abs(b - low_b - 0.5))
+        i, j = int(low_a) + half, int(low_b) + half
         if 0 <= i < explored.shape[0] and 0 <= j < explored.shape[1] and explored[i, j] == 0:
             explored[i, j] = 1
             fresh += 1
-    return fresh
+    return fresh, 0.5 - off
 
 
 @merged

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ucon.core.jit import F32, F64, I32, U8, jit, merged
-from ucon.perception.map_kernels import CELL_M
+from ucon.core.jit import F32, F64, I32, U8, Flags, jit, merged
+from ucon.perception.map_kernels import ALL_OPEN, CELL_M
 
 ONTOP, INSIDE, UNDER, NEXTTO = range(4)
 #: Most points under and next to one thing.
@@ -17,6 +17,48 @@ SMALL_M = 0.45
 _MISMATCH = 0.7
 #: How much likelier another turn must be than the one believed before.
 _STAYS = 0.25
+
+
+@jit
+def grown(box: F64, made: F64, kind: U8, opened: Flags, by_m: float, out: I32) -> int:
+    """Write to out (n,) the things of whose box (n, 6) a side moved by more than ``by_m`` from ``made`` (n, 6).
+
+    Only what was seen and is not open. Returns how many there are.
+    """
+    count = 0
+    for n in range(box.shape[0]):
+        if kind[n] != 0 or opened[n] or box[n, 3] < box[n, 0]:
+            continue
+        for k in range(6):
+            if abs(box[n, k] - made[n, k]) > by_m:
+                out[count] = n
+                count += 1
+                break
+    return count
+
+
+@jit
+def stretch(xyz: F64, lift: F64, hollow: F64, faces: U8, box: F64, quarters: int, lift_m: float, rows: F64) -> None:
+    """Write columns 0 to 2 and 6 to 11 of rows (k, 12): the points and hollows of a template in a box, turned.
+
+    xyz (k, 3), lift (k,), hollow (k, 6) and faces (k,) are those of a ``Template``.
+    """
+    c, s = (1.0, 0.0, -1.0, 0.0)[quarters], (0.0, 1.0, 0.0, -1.0)[quarters]
+    wide, deep, high = box[3] - box[0], box[4] - box[1], box[5] - box[2]
+    if quarters % 2 == 1:
+        wide, deep = deep, wide
+    cx, cy = 0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4])
+    for k in range(rows.shape[0]):
+        row, x, y = rows[k], xyz[k, 0] * wide, xyz[k, 1] * deep
+        row[0], row[1] = c * x - s * y + cx, s * x + c * y + cy
+        row[2] = xyz[k, 2] * high + box[2] + max(lift[k] * lift_m, 0.02)
+        x0, y0, x1, y1 = hollow[k, 0] * wide, hollow[k, 1] * deep, hollow[k, 3] * wide, hollow[k, 4] * deep
+        ax, bx, ay, by = c * x0 - s * y0 + cx, c * x1 - s * y1 + cx, s * x0 + c * y0 + cy, s * x1 + c * y1 + cy
+        az, bz = hollow[k, 2] * high + box[2], hollow[k, 5] * high + box[2]
+        row[6], row[7], row[8] = min(ax, bx), min(ay, by), min(az, bz)
+        row[9], row[10], row[11] = max(ax, bx), max(ay, by), max(az, bz)
+        if faces[k] != ALL_OPEN:
+            row[2] = min(row[2], 0.5 * (row[8] + row[11]))
 
 
 @jit
@@ -74,13 +116,14 @@ def _around(box: F64, height: F32, half: int, out: F64, n: int) -> int:
 
 
 @jit
-def facing(boxes: F64, sizes: F64, floor: U8, blocked: U8, walls: U8, half: int, out: I32) -> None:
+def facing(boxes: F64, sizes: F64, floor: U8, blocked: U8, walls: U8, half: int, out: I32) -> int:
     """Write to out (n,) the quarter turns by which things (n, 6) of catalogue sizes (n, 3) most likely stand turned.
 
     Their front (+x at 0) looks at free floor, their back at a wall or at nothing that was seen; and depth is not width.
-    ``out`` holds the turns believed so far (-1 none), which stay unless another is clearly likelier.
+    ``out`` holds the turns believed so far (-1 none), which stay unless another is clearly likelier. Returns how many
+    changed.
     """
-    side = np.zeros(4)
+    side, changed = np.zeros(4), 0
     for n in range(boxes.shape[0]):
         box = boxes[n]
         for k in range(4):
@@ -94,6 +137,8 @@ def facing(boxes: F64, sizes: F64, floor: U8, blocked: U8, walls: U8, half: int,
             score += _STAYS if q == before else 0.0
             if score > best + 1e-9:
                 best, out[n] = score, q
+        changed += out[n] != before
+    return changed
 
 
 @merged
@@ -122,6 +167,14 @@ def _freedom(box: F64, q: int, floor: U8, blocked: U8, walls: U8, half: int) -> 
                 total += 0.5 * (-1.0 if blocked[a, b] > 0 else 1.0 if floor[a, b] > 0 else 0.0)
             i, j = a, b
     return total / 3.0
+
+
+@jit
+def searched(track: I32, relation: I32, share: F64, unseen: F64, shut: Flags, out: Flags) -> None:
+    """Write to out (n,) which points may show something new: live, not seen well yet, not inside what is shut (T,)."""
+    for n in range(track.shape[0]):
+        hidden = relation[n] == INSIDE and shut[track[n]]
+        out[n] = not hidden and unseen[n] > 1e-3 and share[n] > 0.0
 
 
 @jit

@@ -17,7 +17,18 @@ from ucon.objects.catalogue import catalogue
 from ucon.objects.models import build_model
 from ucon.perception.hollows import ALL_OPEN, fit, template
 from ucon.perception.map_kernels import look
-from ucon.perception.place_kernels import INSIDE, MOST, NEXTTO, ONTOP, UNDER, facing, inherit, make_points
+from ucon.perception.place_kernels import (
+    INSIDE,
+    MOST,
+    NEXTTO,
+    ONTOP,
+    UNDER,
+    facing,
+    grown,
+    inherit,
+    make_points,
+    searched,
+)
 from ucon.perception.semantic_map import HALF, SemanticMap, camera_of
 
 __all__ = [
@@ -115,10 +126,12 @@ class Places:
         self._data = np.zeros((1024, 12))
         self._faces = np.zeros(1024, np.uint8)
         self._track = np.zeros(1024, np.int32)
+        self._relation = np.zeros(1024, np.int32)
         self._n = 0
         self._scratch = np.zeros((MOST, 5))
-        self._turning: list[int] = []
+        self._turning: NDArray[np.int64] = np.zeros(0, np.int64)
         self._sizes: NDArray[np.float64] = np.zeros((0, 3))
+        self._quarters: NDArray[np.int32] = np.zeros(0, np.int32)
         self._turn: dict[int, int] = {}
 
     @property
@@ -134,7 +147,7 @@ class Places:
     @property
     def relation(self) -> NDArray[np.int32]:
         """(n,) int32."""
-        return self._data[: self._n, 3].astype(np.int32)
+        return self._relation[: self._n]
 
     @property
     def share(self) -> NDArray[np.float64]:
@@ -163,25 +176,27 @@ class Places:
             fresh = n - len(self._made)
             self._made = np.vstack([self._made, np.full((fresh, 6), np.inf)])
             self._seen_from = np.vstack([self._seen_from, np.zeros((fresh, 2))])
-        moved = np.abs(known.box[:n] - self._made).max(1) > GROWTH_M
-        moved &= (known.kind[:n] == 0) & (known.box[:n, 3] >= known.box[:n, 0]) & ~known.opened[:n]
-        grown = [track for track in np.flatnonzero(moved).tolist() if known.category[track]]
-        self._seen_from[grown] = known.view.xy
-        for track in sorted({*grown, *self._turned(known, grown)}):
+        moved = np.empty(n, np.int32)
+        count = grown(known.box[:n], self._made, known.kind[:n], known.opened[:n], GROWTH_M, moved)
+        anew = [track for track in moved[:count].tolist() if known.category[track]]
+        if anew:
+            self._seen_from[anew] = known.view.xy
+        for track in sorted({*anew, *self._turned(known, anew)}):
             self._make(track, known)
 
-    def _turned(self, known: SemanticMap, grown: list[int]) -> list[int]:
-        """Tracks whose front seems to be elsewhere than it did; takes in those among ``grown`` that are new."""
-        for track in grown:
-            if track not in self._turn and template(known.category[track]).turns:
-                self._turning.append(track)
-                self._turn[track] = -1
-        if len(self._turning) > len(self._sizes):
-            self._sizes = np.array([template(known.category[k]).size for k in self._turning])
-        turn = np.array([self._turn[track] for track in self._turning], np.int32)
-        facing(known.box[self._turning], self._sizes, known.floor, known.blocked, known.walls, HALF, turn)
-        changed = [track for track, q in zip(self._turning, turn.tolist(), strict=True) if self._turn[track] != q]
-        self._turn.update(zip(self._turning, turn.tolist(), strict=True))
+    def _turned(self, known: SemanticMap, anew: list[int]) -> list[int]:
+        """Tracks whose front seems to be elsewhere than it did; takes in those among ``anew`` that it does not know."""
+        new = [track for track in anew if track not in self._turn and template(known.category[track]).turns]
+        if new:
+            self._turning = np.append(self._turning, new)
+            self._sizes = np.array([template(known.category[k]).size for k in self._turning.tolist()])
+            self._quarters = np.append(self._quarters, np.full(len(new), -1, np.int32))
+        before, boxes = self._quarters.copy(), known.box[self._turning]
+        if not facing(boxes, self._sizes, known.floor, known.blocked, known.walls, HALF, self._quarters):
+            return []
+        rows = np.flatnonzero(self._quarters != before)
+        changed: list[int] = self._turning[rows].tolist()
+        self._turn.update(zip(changed, self._quarters[rows].tolist(), strict=True))
         return changed
 
     def _make(self, track: int, known: SemanticMap) -> None:
@@ -196,7 +211,7 @@ class Places:
         new, faces = self._data[rows], self._faces[rows]
         new[:count, :5], new[:, 5], faces[:] = self._scratch[:count], 1.0, ALL_OPEN
         fit(shape, whole, self._turn.get(track, 0), self._lift_m, new[count:], faces[count:])
-        self._track[rows] = track
+        self._track[rows], self._relation[rows] = track, new[:, 3]
         if (old := self._rows.get(track)) is not None:
             inherit(new[:, :4], self._data[old, :4], self._data[old, 5], new[:, 5])
             self._data[old, 4:6] = 0.0
@@ -208,6 +223,7 @@ class Places:
             self._data = np.vstack([self._data, np.zeros_like(self._data)])
             self._faces = np.concatenate([self._faces, np.zeros_like(self._faces)])
             self._track = np.concatenate([self._track, np.zeros_like(self._track)])
+            self._relation = np.concatenate([self._relation, np.zeros_like(self._relation)])
 
     def look(
         self, known: SemanticMap, depth: NDArray[np.float32], active: NDArray[np.bool_], reach_m: float, miss: float
@@ -220,15 +236,24 @@ class Places:
         camera = camera_of(known.view, flat, known.body)
         return int(look(flat, camera, reach_m, self.xyz, self.hollow, self.faces, active, self.unseen, miss))
 
+    def searched(self, shut: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """(n,) points that may show something new, given which tracks are shut (T,)."""
+        out = np.empty(self._n, bool)
+        searched(self.track, self.relation, self.share, self.unseen, shut, out)
+        return out
+
     def weights(self, mass: NDArray[np.float64]) -> NDArray[np.float64]:
         """Weight of every point for the mass (T, 4) of tracks and relations; (n,)."""
         return mass[self.track, self.relation] * self.share * self.unseen
 
-    def left(self, n_tracks: int) -> NDArray[np.float64]:
-        """Share of every (track, relation) that was not looked at yet, (T, 4)."""
-        out = np.zeros((n_tracks, 4))
-        np.add.at(out, (self.track, self.relation), self.share * self.unseen)
-        return out
+    def unseen_share(self, n_tracks: int) -> NDArray[np.float64]:
+        """(T,) share of the places of every track that no frame has shown yet; its relations count alike."""
+        row, shape = 4 * self.track + self.relation, (n_tracks, 4)
+        left, total = (
+            np.bincount(row, weight, 4 * n_tracks).reshape(shape).sum(1)
+            for weight in (self.share * self.unseen, self.share)
+        )
+        return np.asarray(left / np.maximum(total, 1e-9))
 
 
 def _whole(box: NDArray[np.float64], name: str, xy: NDArray[np.float64]) -> NDArray[np.float64]:

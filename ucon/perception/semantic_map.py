@@ -203,7 +203,7 @@ def view_of_pose(
     pose: NDArray[np.floating[Any]], camera_m: float = PAPER_BODY.camera_m, body: Body = PAPER_BODY
 ) -> View:
     """Nearest grid pose of (x, y, yaw_rad, pitch_rad) and the camera's height."""
-    x, y, yaw, pitch = (float(v) for v in pose)
+    x, y, yaw, pitch = pose.tolist()
     heading = round(yaw / (np.pi / 2)) % 4
     look = body.look(camera_m, round(np.rad2deg(pitch) / 30) * 30)
     return View(round(x / CELL_M) + HALF, round(y / CELL_M) + HALF, heading, look)

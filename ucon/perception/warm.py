@@ -8,7 +8,7 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
-from ucon.perception.approach import Approach
+from ucon.perception.candidates import candidates
 from ucon.perception.directions import in_view
 from ucon.perception.fine_frontiers import fine_frontiers
 from ucon.perception.fine_map import FineMap
@@ -27,12 +27,13 @@ def look_around(env: gym.Env[Any, Any], actions: Sequence[int]) -> SemanticMap:
     for action in actions:
         known.update(obs, info)
         places.refresh(known)
-        places.look(known, frame_depth(obs, info), places.share > 0.0, 3.0, 0.1)
+        active = places.searched(~known.opened[: known.n_tracks])
+        places.look(known, frame_depth(obs, info), active, 3.0, 0.1)
         fine.update(known.view, frame_depth(obs, info))
         planner.update(known)
         fine_frontiers(fine, known, planner)
         in_view(known, planner, known.view, (1.0, 5.0))
-        Approach().goal(known, planner, 0)
+        candidates(known, planner, places)
         mass = np.ones((known.n_tracks, 4))
         closed = np.unique(places.track[places.relation == INSIDE]).astype(np.int64)
         expected = Expectation(mass, 1.0, 0.1, interest(known, {"fridge": 1.0}))

@@ -20,6 +20,12 @@ LEVELS: tuple[Level, ...] = (*FIXED_LEVELS, "context")
 TOP_P = 20
 
 
+def check_level(level: str) -> None:
+    """Raise :class:`ConfigError` for a name that is no habit level."""
+    if level not in LEVELS:
+        raise ConfigError(unknown_name("habit level", level, LEVELS))
+
+
 def habits_at_level(
     level: str, kb: KnowledgeBase, target: str, retriever: Retriever | None = None, p: int = TOP_P
 ) -> NDArray[np.int32]:
@@ -32,14 +38,13 @@ def habits_at_level(
     Raises:
         ConfigError: unknown level or target, ``p`` < 1, or no retriever for a level that ranks.
     """
+    check_level(level)
     if level == "none":
         return np.empty(0, np.int32)
     if level == "full":
         return kb.rows
     if level == "gt":
         return kb.rows_about(target)
-    if level not in RANKED_LEVELS:
-        raise ConfigError(unknown_name("habit level", level, LEVELS))
     if retriever is None:
         raise ConfigError(f"habit level '{level}' without a retriever; give one, for example DenseRetriever()")
     if p < 1:

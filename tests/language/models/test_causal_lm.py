@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 import torch
-import transformers
 
+from tests.language.plain import PlainPasses, normal
 from tests.language.tiny_models import (
     HABITS,
     INJECTED,
@@ -15,7 +15,6 @@ from tests.language.tiny_models import (
     save_causal,
 )
 from ucon.core.errors import ConfigError, DataError
-from ucon.language.choice import Question
 from ucon.language.models.causal_lm import CausalModel
 from ucon.language.prompt import habits_in
 
@@ -27,33 +26,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def plain(folder):
-    """Log-probabilities of answers by whole forward passes, one an option, without any cache."""
-    tokenizer = transformers.AutoTokenizer.from_pretrained(folder)
-    network = transformers.AutoModelForCausalLM.from_pretrained(folder).eval()
-
-    def log_probs(asked: Question, messages=None):
-        messages = messages or [
-            {"role": "system", "content": asked.system},
-            {"role": "user", "content": asked.situation},
-        ]
-        text = tokenizer.apply_chat_template(messages, tokenize=False, add_generation_prompt=True)
-        prompt = tokenizer(text, add_special_tokens=False)["input_ids"]
-        totals, lengths = [], []
-        for option in asked.options:
-            own = tokenizer(option.name, add_special_tokens=False)["input_ids"]
-            with torch.no_grad():
-                said = network(torch.tensor([prompt + own])).logits[0].log_softmax(-1)
-            total = sum(float(said[len(prompt) - 1 + i, token]) for i, token in enumerate(own))
-            ends = said[-1].exp()[[1, 5]].sum().log()  # </s> and <|end|>
-            totals.append(total + float(ends))
-            lengths.append(len(own) + 1)
-        return np.array(totals), np.array(lengths), len(prompt)
-
-    return log_probs
-
-
-def normal(x):
-    return x - np.logaddexp.reduce(x)
+    return PlainPasses(folder)
 
 
 def test_it_says_what_plain_forward_passes_say(folder, plain):
@@ -87,8 +60,9 @@ def test_prefixes_and_batches_change_nothing(folder):
 def test_the_system_part_is_read_once_an_episode(folder):
     model = CausalModel(folder, prefixes=2)
     lengths = []
-    read = model._read
-    model._read = lambda rows, cache, last: lengths.append(len(rows[0])) or read(rows, cache, last=last)
+    model._model.register_forward_pre_hook(
+        lambda _, args, told: lengths.extend([told["input_ids"].shape[1]] * len(told["input_ids"])), with_kwargs=True
+    )
     model.answer([question(target=target) for target in ("wallet", "key", "cup")])
     whole = max(lengths)
     assert sum(n > whole / 2 for n in lengths) == 1

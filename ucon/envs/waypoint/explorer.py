@@ -82,6 +82,8 @@ class Explorer:
         self._turns = 3 if self.manner.look_around else 0
         self._opened_at: set[View] = set()
         self._stood: set[View] = set()
+        self._sent_to: int = -1
+        self._visited: set[int] = set()
         self._taken: int | None = None
 
     @property
@@ -102,6 +104,7 @@ class Explorer:
             return self.homing.act(self.map, self.planner, track, blocked=bool(observation["collision"]))
         if bool(observation["collision"]) and self._goal is not None:
             walked = self._walked
+            self.planner.update(self.map)
             self._walk_to(self._goal)
             self._walked = walked
         return self._next()
@@ -117,8 +120,12 @@ class Explorer:
         return self._decision
 
     def _fresh(self, found: list[Candidate]) -> list[Candidate]:
-        """Without frontiers that were looked into from the very pose to go to: looking again would change nothing."""
-        return [c for c in found if c.kind != "frontier" or c.view not in self._stood]
+        """Without what would be looked at again from the very pose, and things walked up to before; directions stay."""
+
+        def known(c: Candidate) -> bool:
+            return c.kind != "view" and (c.view in self._stood or c.track in self._visited)
+
+        return [c for c in found if not known(c)]
 
     def choose(self, number: int) -> Action:
         """Choose candidate ``number`` of the decision that is due; the first action towards it."""
@@ -130,13 +137,13 @@ class Explorer:
             if track is not None:
                 self._taken = track
                 return self.homing.act(self.map, self.planner, track)
-        self._walk_to(chosen.view)
+        self._sent_to = chosen.track
+        self._walk_to(chosen.view)  # the planner was brought up to date for the decision
         first = self._next()
         # A choice that is no walk must cost a step as well, or a stubborn chooser would never end.
         return Action.ROTATE_LEFT if first is None else first
 
     def _walk_to(self, view: View) -> None:
-        self.planner.update(self.map)
         self._goal, self._plan = view, deque(self.planner.plan(view))
         self._walked, self._arrived = 0, False
 
@@ -148,6 +155,8 @@ class Explorer:
             return self._plan.popleft()
         if not self._arrived:
             self._arrived, self._goal = True, None
+            if self._sent_to >= 0:
+                self._visited.add(self._sent_to)
             self._turns = 3 if self.manner.look_around else 0
         if self._opens_here():
             self._opened_at.add(self.map.view)

@@ -17,7 +17,7 @@ from ucon.perception.candidates import Candidate, candidates, frontiers
 from ucon.perception.directions import Goal, directions
 from ucon.perception.fine_frontiers import SQUARE_M, FineFrontier, fine_frontiers, labels_near
 from ucon.perception.fine_map import FineMap
-from ucon.perception.places import INSIDE, Places, sight_range_m
+from ucon.perception.places import Places, sight_range_m
 from ucon.perception.planner import Planner
 from ucon.perception.semantic_map import SemanticMap, frame_depth
 from ucon.perception.sightings import Sighting, Sightings
@@ -130,9 +130,7 @@ class Landmarks:
         """See :class:`Strategy`."""
         places = self._places
         places.refresh(known)
-        shut = ~known.opened[: known.n_tracks]
-        hidden = shut[places.track] & (places.relation == INSIDE)
-        active = ~hidden & (places.unseen > 1e-3) & (places.share > 0.0)
+        active = places.searched(~known.opened[: known.n_tracks])
         places.look(known, frame_depth(observation, info), active, self._reach_m, self.MISS)
 
     def candidates(self, known: SemanticMap, planner: Planner, draw: np.random.Generator) -> list[Candidate]:

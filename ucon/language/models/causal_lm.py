@@ -1,9 +1,4 @@
-"""``causal_lm``: a chat model on this machine; the score of an option is the log-probability that it is the answer.
-
-The answer is the option's name and then the end of the turn. Without the end, ``sofa`` would be at least as probable
-as ``sofa bed``, which begins with it. Log-probabilities are summed over tokens: that of the whole answer is what the
-model says, and over the closed set they add up after division. ``normalise`` takes the mean instead, for models that
-give long names too little.
+"""``causal_lm``: a chat model on this machine that reads words, see :mod:`ucon.language.models.likelihood`.
 
 The system part is the same in all questions of an episode, so its keys and values are kept; those of a question are
 computed once and shared by its options.
@@ -11,10 +6,9 @@ computed once and shared by its options.
 
 from __future__ import annotations
 
-import copy
-import time
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Final
 
@@ -22,21 +16,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError
-from ucon.language.choice import Answer, Question, from_scores
-from ucon.language.models.conversation import ChatTemplate, common_prefix, end_tokens, most_habits, window_of
-from ucon.language.models.local import LocalModel
+from ucon.language.choice import Question
+from ucon.language.models.conversation import common_prefix, most_habits
+from ucon.language.models.likelihood import Ids, LikelihoodModel, Ready
+from ucon.language.models.reading import Past, Reader
 from ucon.language.models.weights import LocalWeights
-
-Ids = tuple[int, ...]
 
 #: Two users' texts that begin differently: what their conversations share is the system's part.
 _USERS: Final = ("A", "?")
 
 
-class CausalModel(LocalModel):
+@dataclass(frozen=True, eq=False)
+class _Ready(Ready):
+    shared: Ids
+    """The beginning of the prompt that other questions of its system have too."""
+    answers: tuple[Ids, ...]
+
+
+class CausalModel(LikelihoodModel[_Ready]):
     """Any AutoModelForCausalLM whose tokenizer has a chat template."""
 
     kind = "causal"
+    auto = "AutoModelForCausalLM"
 
     def __init__(
         self,
@@ -57,7 +58,7 @@ class CausalModel(LocalModel):
             path: folder in Hugging Face layout, or a name in the Hugging Face cache.
             device: ``cpu``, ``cuda``, ``auto``.
             dtype: ``float32``, ``bfloat16``, ``float16``, ``int8``.
-            batch_size: options that go through the network together.
+            batch_size: rows that go through the network together: questions, then options of any of them.
             prefixes: system parts whose keys and values are kept; one an episode played side by side.
             normalise: mean log-probability of the answer's tokens instead of their sum.
             window: longest prompt and answer in tokens; by default what the model can hold.
@@ -67,28 +68,23 @@ class CausalModel(LocalModel):
         Raises:
             ConfigError: a number out of range, an unknown dtype.
         """
-        if batch_size < 1 or prefixes < 0 or (window is not None and window < 2):
-            raise ConfigError(
-                f"batch_size={batch_size}, prefixes={prefixes}, window={window}: expected at least 1, 0 and 2"
-            )
-        super().__init__(LocalWeights(path, device=device, dtype=dtype, download=download))
-        self._batch, self._keep, self._normalise, self._limit = batch_size, prefixes, normalise, window
-        self._options = template
-        self._prefixes: OrderedDict[Ids, Any] = OrderedDict()
+        if prefixes < 0:
+            raise ConfigError(f"prefixes={prefixes}: expected at least 0")
+        weights = LocalWeights(path, device=device, dtype=dtype, download=download)
+        super().__init__(weights, batch_size=batch_size, normalise=normalise, window=window, template=template)
+        self._keep = prefixes
+        self._prefixes: OrderedDict[Ids, Past] = OrderedDict()
         self._systems: OrderedDict[str, Ids] = OrderedDict()
 
-    def _answer(self, question: Question) -> Answer:
-        start = time.perf_counter()
-        answers = [self._ids(option.name) or self._ids("?") for option in question.options]
+    def _ready(self, question: Question) -> _Ready | None:
+        answers = tuple(self._ids(option.name) or self._ids("?") for option in question.options)
         room = self._window - max(map(len, answers))
         found = most_habits(question.system, lambda system: len(self._prompt(system, question.situation)) <= room)
         if found is None:
-            return Answer(-1, failure="too long", seconds=time.perf_counter() - start)
+            return None
         system, dropped = found
         prompt = self._prompt(system, question.situation)
-        scores = self._log_probs(self._system_part(system), prompt, answers)
-        spent = time.perf_counter() - start
-        return from_scores(scores, prompt_tokens=len(prompt), seconds=spent, dropped=dropped)
+        return _Ready(prompt, dropped, self._shared(system, prompt), answers)
 
     def _prompt(self, system: str, situation: str) -> Ids:
         return self._ids(self._template.render(system, situation))
@@ -98,84 +94,59 @@ class CausalModel(LocalModel):
         clean = text.encode("utf-8", "replace").decode()
         return tuple(self._tokenizer(clean, add_special_tokens=False)["input_ids"])
 
+    def _shared(self, system: str, prompt: Ids) -> Ids:
+        """What is kept of a prompt; its last token is left to be read with the options."""
+        if not self._keep:
+            return ()
+        return prompt[: min(common_prefix(self._system_part(system), prompt), len(prompt) - 1)]
+
     def _system_part(self, system: str) -> Ids:
         """Tokens with which every conversation of this system begins."""
         if system not in self._systems:
             a, b = (self._prompt(system, user) for user in _USERS)
             self._systems[system] = a[: common_prefix(a, b)]
-            if len(self._systems) > max(self._keep, 1):
+            if len(self._systems) > self._keep:
                 self._systems.popitem(last=False)
         return self._systems[system]
 
-    def _log_probs(self, shared: Ids, prompt: Ids, answers: Sequence[Ids]) -> NDArray[np.float64]:
-        """Log-probability (n,) of each answer and the end of the turn after a prompt."""
+    def _scores(self, group: Sequence[_Ready]) -> list[NDArray[np.float64]]:
         import torch
 
+        out: list[list[float]] = [[] for _ in group]
         with torch.inference_mode():
-            # At least one token of the prompt is left to be read, for what it says about the next.
-            shared = shared[: min(common_prefix(shared, prompt), len(prompt) - 1)]
-            cache = copy.deepcopy(self._prefix(shared)) if shared and self._keep else self._no_cache()
-            first = self._read([prompt[len(shared) if self._keep else 0 :]], cache, last=1)[0, -1]
-            parts = [answers[i : i + self._batch] for i in range(0, len(answers), self._batch)]
-            return np.concatenate([self._continued(cache, first, part) for part in parts])
+            # All but the last token of each prompt; the last says what an answer begins with, and is read with each.
+            started = self._started([one.shared for one in group])
+            pasts = self._reader.after(started, [one.prompt[len(one.shared) : -1] for one in group])
+            for part in self._parts([one.answers for one in group]):
+                rows = [group[k].prompt[-1:] + answer for k, answer in part]
+                logits = self._reader.logits([pasts[k] for k, _ in part], rows)  # (n, T + 1, V)
+                for said, (k, answer) in zip(logits.log_softmax(-1).cpu(), part, strict=True):
+                    out[k].append(self._log_prob(said, answer))
+        return [np.array(scores) for scores in out]
 
-    def _continued(self, cache: Any, first: Any, answers: Sequence[Ids]) -> NDArray[np.float64]:
-        """Log-probabilities (n,) of answers; ``first`` (V,) says the first token, ``cache`` holds the prompt."""
-        import torch
+    def _started(self, shared: Sequence[Ids]) -> list[Past]:
+        """The pasts after system parts: kept for the last few, those that are not are read together."""
+        new = [ids for ids in dict.fromkeys(shared) if ids not in self._prefixes]
+        nothing = self._reader.nothing()
+        found = {**self._prefixes, **dict(zip(new, self._reader.after([nothing] * len(new), new), strict=True))}
+        for ids in filter(None, shared):
+            self._prefixes[ids] = found[ids]
+            self._prefixes.move_to_end(ids)
+        while len(self._prefixes) > self._keep:
+            self._prefixes.popitem(last=False)
+        return [found[ids] for ids in shared]
 
-        longest = max(map(len, answers))
-        # What is padded stands after the answer, so no token that counts can see it.
-        rows = [answer + (self._ends[0],) * (longest - len(answer)) for answer in answers]
-        mine = copy.deepcopy(cache)
-        mine.batch_repeat_interleave(len(rows))
-        later = self._read(rows, mine, last=longest)  # (n, T, V)
-        said = torch.cat([first.expand(len(rows), 1, -1), later], 1).log_softmax(-1).cpu()  # (n, T + 1, V)
-        out = np.empty(len(rows))
-        for i, answer in enumerate(answers):
-            tokens = said[i, range(len(answer)), list(answer)].double().sum()
-            end = said[i, len(answer), self._ends].double().logsumexp(0)
-            out[i] = float(tokens + end) / (len(answer) + 1 if self._normalise else 1)
-        return out
-
-    def _prefix(self, ids: Ids) -> Any:
-        """Keys and values of a system part: kept for the last few."""
-        if ids not in self._prefixes:
-            cache = self._no_cache()
-            self._read([ids], cache, last=1)
-            self._prefixes[ids] = cache
-            if len(self._prefixes) > self._keep:
-                self._prefixes.popitem(last=False)
-        self._prefixes.move_to_end(ids)
-        return self._prefixes[ids]
-
-    def _read(self, rows: Sequence[Ids], cache: Any, *, last: int) -> Any:
-        """Logits (n, last, V) float32 of rows of tokens after what ``cache`` holds, which grows by them."""
-        import torch
-
-        ids = torch.tensor(rows, device=self._model.device)
-        out = self._model(input_ids=ids, past_key_values=cache, use_cache=True, logits_to_keep=last)
-        return out.logits[:, -last:].float()
-
-    def _no_cache(self) -> Any:
-        from transformers import DynamicCache
-
-        return DynamicCache(config=self._model.config)
+    @property
+    def _together(self) -> bool:
+        return self._reader.together
 
     @cached_property
-    def _window(self) -> int:
-        return min(window_of(self._model), self._limit or 1 << 30)
+    def _reader(self) -> Reader:
+        return Reader(self._model, self._ends[0])
 
-    @cached_property
-    def _ends(self) -> list[int]:
-        return end_tokens(self._model, self._tokenizer)
-
-    @cached_property
-    def _template(self) -> ChatTemplate:
-        return ChatTemplate(self._tokenizer, self._weights.path, self._options)
-
-    @cached_property
-    def _model(self) -> Any:
-        return self._weights.load("AutoModelForCausalLM")
+    @property
+    def _owner(self) -> Any:
+        return self._tokenizer
 
     @cached_property
     def _tokenizer(self) -> Any:

@@ -1,4 +1,4 @@
-"""What models of this machine have in common: a name by their weights, checks of these, one answer at a time."""
+"""What models of this machine have in common: a name by their weights, and checks of these."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ucon.language.models.weights import LocalWeights
 
 
 class LocalModel(ABC):
-    """A model whose weights are files here; a subclass answers one question. It gives scores."""
+    """A model whose weights are files here. It gives scores."""
 
     gives_scores = True
     kind = "local"
@@ -32,10 +32,6 @@ class LocalModel(ABC):
         """See :mod:`ucon.evaluation.weights`."""
         return self._weights.fingerprint()
 
+    @abstractmethod
     def answer(self, questions: Sequence[Question]) -> list[Answer]:
         """See :class:`ucon.language.choice.LanguageModel`."""
-        return [self._answer(question) for question in questions]
-
-    @abstractmethod
-    def _answer(self, question: Question) -> Answer:
-        """The answer to one question."""

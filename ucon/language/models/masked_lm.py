@@ -61,6 +61,10 @@ class MaskedModel(LocalModel):
         self._known: OrderedDict[tuple[str, int, int], float] = OrderedDict()
         self._lengths: dict[str, int] = {}
 
+    def answer(self, questions: Sequence[Question]) -> list[Answer]:
+        """See :class:`ucon.language.choice.LanguageModel`; one question at a time."""
+        return [self._answer(question) for question in questions]
+
     def _answer(self, question: Question) -> Answer:
         start = time.perf_counter()
         cloze = question.cloze or made_cloze(question)

@@ -1,31 +1,40 @@
-"""``vision_lm``: a chat model that sees; the score of an option is the log-probability that it is the answer.
+"""``vision_lm``: a chat model on this machine that sees, see :mod:`ucon.language.models.likelihood`.
 
-As in :mod:`ucon.language.models.causal_lm`, an answer is the option's name and the end of the turn. Every option goes
-through model and processor with the whole prompt: how images enter (cross-attention, patches among the tokens, places
-in three dimensions) differs between models, and what each processor makes is right for its own.
+Every option goes through model and processor with the whole prompt: how images enter (cross-attention, patches among
+the tokens, places in three dimensions) differs between models, and what each processor makes is right for its own.
 """
 
 from __future__ import annotations
 
-import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.core.errors import ConfigError, DataError
-from ucon.language.choice import Answer, Image, Question, from_scores
-from ucon.language.models.conversation import ChatTemplate, common_prefix, end_tokens, most_habits, window_of
-from ucon.language.models.local import LocalModel
+from ucon.core.errors import DataError
+from ucon.language.choice import Image, Question
+from ucon.language.models.conversation import common_prefix, most_habits
+from ucon.language.models.likelihood import LikelihoodModel, Ready
+from ucon.language.models.reading import rows_are_independent
 from ucon.language.models.weights import LocalWeights
 
 
-class VisionModel(LocalModel):
+@dataclass(frozen=True, eq=False)
+class _Ready(Ready):
+    text: str
+    """The prompt, without what the processor puts where the images are."""
+    names: tuple[str, ...]
+    images: tuple[Image, ...]
+
+
+class VisionModel(LikelihoodModel[_Ready]):
     """Any AutoModelForImageTextToText whose processor has a chat template."""
 
     kind = "vision"
+    auto = "AutoModelForImageTextToText"
     sees_images = True
 
     def __init__(
@@ -41,65 +50,70 @@ class VisionModel(LocalModel):
         template: Mapping[str, Any] | None = None,
     ) -> None:
         """Nothing is read before it is needed. Arguments and errors as in :class:`.causal_lm.CausalModel`."""
-        if batch_size < 1 or (window is not None and window < 2):
-            raise ConfigError(f"batch_size={batch_size}, window={window}: expected at least 1 and 2")
-        super().__init__(LocalWeights(path, device=device, dtype=dtype, download=download))
-        self._batch, self._normalise, self._limit, self._options = batch_size, normalise, window, template
+        weights = LocalWeights(path, device=device, dtype=dtype, download=download)
+        super().__init__(weights, batch_size=batch_size, normalise=normalise, window=window, template=template)
 
-    def _answer(self, question: Question) -> Answer:
-        start = time.perf_counter()
-        names = [option.name.encode("utf-8", "replace").decode() or "?" for option in question.options]
+    def _ready(self, question: Question) -> _Ready | None:
+        names = tuple(option.name.encode("utf-8", "replace").decode() or "?" for option in question.options)
         longest = max(len(self._tokenizer(name, add_special_tokens=False)["input_ids"]) for name in names)
 
-        def length(system: str) -> int:
-            return len(self._inputs([self._prompt(system, question)], question.images)["input_ids"][0])
+        def tokens(system: str) -> list[int]:
+            return _rows(self._inputs([self._prompt(system, question)], [question.images]))[0]
 
-        found = most_habits(question.system, lambda system: length(system) + longest <= self._window)
+        found = most_habits(question.system, lambda system: len(tokens(system)) + longest <= self._window)
         if found is None:
-            return Answer(-1, failure="too long", seconds=time.perf_counter() - start)
-        prompt = self._prompt(found[0], question)
-        tokens = self._inputs([prompt], question.images)["input_ids"][0].tolist()
-        scores = self._log_probs(prompt, tokens, names, question.images)
-        spent = time.perf_counter() - start
-        return from_scores(scores, prompt_tokens=len(tokens), seconds=spent, dropped=found[1])
+            return None
+        system, dropped = found
+        return _Ready(tuple(tokens(system)), dropped, self._prompt(system, question), names, question.images)
 
     def _prompt(self, system: str, question: Question) -> str:
         text = self._template.render(system, question.situation, len(question.images))
         return text.encode("utf-8", "replace").decode()
 
-    def _log_probs(
-        self, prompt: str, tokens: Sequence[int], names: Sequence[str], images: Sequence[Image]
-    ) -> NDArray[np.float64]:
-        """Log-probability (n,) of each name and the end of the turn after a prompt of these tokens."""
-        parts = [names[i : i + self._batch] for i in range(0, len(names), self._batch)]
-        batches = [self._inputs([prompt + name for name in part], images) for part in parts]
+    def _kind(self, ready: _Ready) -> Hashable:
+        """Number and sizes of the images: processors pad images of different sizes in ways of their own."""
+        return tuple(image.shape for image in ready.images)
+
+    def _scores(self, group: Sequence[_Ready]) -> list[NDArray[np.float64]]:
+        parts = self._parts([one.names for one in group])
+        batches = [
+            self._inputs([group[k].text + name for k, name in part], [group[k].images for k, _ in part])
+            for part in parts
+        ]
         rows = [_rows(inputs) for inputs in batches]
         # Where a name's first letters change how the prompt's end is cut into tokens, all scores start before them.
-        first = min(common_prefix(tokens, row) for part in rows for row in part)
-        return np.concatenate([self._scored(*pair, first) for pair in zip(batches, rows, strict=True)])
+        first = [len(one.prompt) for one in group]
+        for part, own in zip(parts, rows, strict=True):
+            for (k, _), row in zip(part, own, strict=True):
+                first[k] = min(first[k], common_prefix(group[k].prompt, row))
+        out: list[list[float]] = [[] for _ in group]
+        for part, own, inputs in zip(parts, rows, batches, strict=True):
+            scores = self._scored(inputs, own, [first[k] for k, _ in part])
+            for (k, _), score in zip(part, scores, strict=True):
+                out[k].append(score)
+        return [np.array(scores) for scores in out]
 
-    def _scored(self, inputs: dict[str, Any], rows: Sequence[Sequence[int]], first: int) -> NDArray[np.float64]:
-        """Log-probability (n,) of each row's tokens from number ``first`` on, and of the end of the turn."""
+    def _scored(self, inputs: dict[str, Any], rows: Sequence[Sequence[int]], first: Sequence[int]) -> list[float]:
+        """Log-probability of each row's tokens from number ``first`` on, and of the end of the turn."""
         import torch
 
-        width = inputs["input_ids"].shape[1]
+        # Logits of a large vocabulary are many: only where some row's answer stands.
+        places = sorted({place for row, start in zip(rows, first, strict=True) for place in range(start - 1, len(row))})
         with torch.inference_mode():
             moved = {name: self._moved(value) for name, value in inputs.items()}
-            logits = self._model(**moved, use_cache=False, logits_to_keep=width - first + 1).logits
-        said = logits[:, first - 1 - width :].float().log_softmax(-1).cpu()  # (n, width - first + 1, V)
-        out = np.empty(len(rows))
-        for i, row in enumerate(rows):
-            own = list(row[first:])
-            end = said[i, len(own), self._ends].double().logsumexp(0)
-            total = float(said[i, range(len(own)), own].double().sum() + end)
-            out[i] = total / (len(own) + 1 if self._normalise else 1)
-        return out
+            keep = torch.tensor(places, device=self._model.device)
+            logits = self._model(**moved, use_cache=False, logits_to_keep=keep).logits
+            if logits.shape[1] != len(places):  # a model that does not know the option gives all
+                logits = logits[:, keep]
+            said = logits.float().log_softmax(-1).cpu()  # (n, len(places), V)
+        own = zip(said, rows, first, strict=True)
+        return [self._log_prob(one[places.index(start - 1) :], row[start:]) for one, row, start in own]
 
-    def _inputs(self, texts: Sequence[str], images: Sequence[Image]) -> dict[str, Any]:
-        """What the processor makes of texts that all go with the same images."""
+    def _inputs(self, texts: Sequence[str], images: Sequence[Sequence[Image]]) -> dict[str, Any]:
+        """What the processor makes of texts and the images of each; all have some, or none has."""
         from PIL import Image as Picture
 
-        seen = [[Picture.fromarray(image) for image in images] for _ in texts] if images else None
+        seen = [[Picture.fromarray(image) for image in own] for own in images] if any(images) else None
         return dict(
             self._processor(text=list(texts), images=seen, return_tensors="pt", padding=True, add_special_tokens=False)
         )
@@ -110,22 +124,14 @@ class VisionModel(LocalModel):
         return value.to(self._model.dtype) if value.is_floating_point() else value
 
     @cached_property
-    def _window(self) -> int:
-        return min(window_of(self._model), self._limit or 1 << 30)
+    def _together(self) -> bool:
+        return rows_are_independent(self._model)
 
-    @cached_property
-    def _ends(self) -> list[int]:
-        return end_tokens(self._model, self._tokenizer)
+    @property
+    def _owner(self) -> Any:
+        return self._processor
 
-    @cached_property
-    def _template(self) -> ChatTemplate:
-        return ChatTemplate(self._processor, self._weights.path, self._options)
-
-    @cached_property
-    def _model(self) -> Any:
-        return self._weights.load("AutoModelForImageTextToText")
-
-    @cached_property
+    @property
     def _tokenizer(self) -> Any:
         return self._processor.tokenizer
 

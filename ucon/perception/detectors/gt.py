@@ -44,8 +44,9 @@ class GtDetector:
                 self._track[instance] = self._known
                 self._known += 1
         seen = seen[np.argsort(self._track[seen])]
-        names = tuple(self._categories[k] for k in seen)
-        return Detections(self._track[seen], names, counts[seen], self._track[frame.instance])
+        names = tuple(self._categories[k] for k in seen.tolist())
+        image = self._track.take(frame.instance, mode="wrap")  # -1 is the last entry
+        return Detections(self._track[seen], names, counts[seen], image)
 
     def tracks_of(self, instances: tuple[int, ...]) -> tuple[int, ...]:
         """Tracks of instances; unseen ones are left out."""

@@ -1,0 +1,155 @@
+"""Chat models of this machine: the score of an option is the log-probability that it is the answer.
+
+The answer is the option's name and then the end of the turn. Without the end, ``sofa`` would be at least as probable
+as ``sofa bed``, which begins with it. Log-probabilities are summed over tokens: that of the whole answer is what the
+model says, and over the closed set they add up after division. ``normalise`` takes the mean instead, for models that
+give long names too little.
+
+A row of the network is one option of one question; rows of several questions go through it together. What stands
+beside a row changes its scores by rounding only; ``batch_size=1`` reads each row alone, for scores that do not depend
+on it at all.
+"""
+
+from __future__ import annotations
+
+import time
+from abc import abstractmethod
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.errors import ConfigError
+from ucon.language.choice import Answer, Question, from_scores
+from ucon.language.models.conversation import ChatTemplate, end_tokens, window_of
+from ucon.language.models.local import LocalModel
+from ucon.language.models.weights import LocalWeights
+
+Ids = tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Ready:
+    """A question as tokens, cut to the window by whole habits."""
+
+    prompt: Ids
+    dropped: int
+    """Habits that were left out."""
+
+
+R = TypeVar("R", bound=Ready)
+
+
+class LikelihoodModel(LocalModel, Generic[R]):
+    """A subclass makes questions ready, and scores the options of several of them at once."""
+
+    auto = ""
+    """Class of transformers that loads the weights."""
+
+    def __init__(
+        self,
+        weights: LocalWeights,
+        *,
+        batch_size: int,
+        normalise: bool,
+        window: int | None,
+        template: Mapping[str, Any] | None,
+    ) -> None:
+        """Arguments and errors as in :class:`.causal_lm.CausalModel`."""
+        if batch_size < 1 or (window is not None and window < 2):
+            raise ConfigError(f"batch_size={batch_size}, window={window}: expected at least 1 and 2")
+        super().__init__(weights)
+        self._batch, self._normalise, self._limit, self._options = batch_size, normalise, window, template
+
+    def answer(self, questions: Sequence[Question]) -> list[Answer]:
+        """See :class:`ucon.language.choice.LanguageModel`.
+
+        A question's seconds are those of its own making ready, and an equal share of its group's in the network.
+        """
+        out: dict[int, Answer] = {}
+        ready: dict[int, R] = {}
+        spent: dict[int, float] = {}
+        for i, question in enumerate(questions):
+            start = time.perf_counter()
+            found = self._ready(question)
+            spent[i] = time.perf_counter() - start
+            if found is None:
+                out[i] = Answer(-1, failure="too long", seconds=spent[i])
+            else:
+                ready[i] = found
+        for group in self._groups(ready):
+            start = time.perf_counter()
+            scores = self._scores([ready[i] for i in group])
+            share = (time.perf_counter() - start) / len(group)
+            for i, own in zip(group, scores, strict=True):
+                told = {"prompt_tokens": len(ready[i].prompt), "dropped": ready[i].dropped}
+                out[i] = from_scores(own, seconds=spent[i] + share, **told)
+        return [out[i] for i in range(len(questions))]
+
+    def _groups(self, ready: Mapping[int, R]) -> list[list[int]]:
+        """Numbers of the questions that are scored together: of one kind, ``batch_size`` at most."""
+        kinds: dict[Hashable, list[int]] = {}
+        for i, one in ready.items():
+            kinds.setdefault(self._kind(one), []).append(i)
+        size = self._batch if self._together else 1
+        return [group[i : i + size] for group in kinds.values() for i in range(0, len(group), size)]
+
+    def _parts(self, group: Sequence[Sequence[Any]]) -> list[list[tuple[int, Any]]]:
+        """Rows (number in the group, option) of some questions' options, ``batch_size`` at most a part."""
+        rows = [(k, option) for k, options in enumerate(group) for option in options]
+        return [rows[i : i + self._batch] for i in range(0, len(rows), self._batch)]
+
+    def _log_prob(self, said: Any, answer: Sequence[int]) -> float:
+        """Log-probability of an answer and the end of the turn; ``said`` (len(answer) + 1 or more, V) is the model's.
+
+        ``said[0]`` is about the answer's first token.
+        """
+        tokens = said[range(len(answer)), list(answer)].double().sum()
+        end = said[len(answer), self._ends].double().logsumexp(0)
+        return float(tokens + end) / (len(answer) + 1 if self._normalise else 1)
+
+    @abstractmethod
+    def _ready(self, question: Question) -> R | None:
+        """A question made ready; None where it exceeds the window even without habits."""
+
+    @abstractmethod
+    def _scores(self, group: Sequence[R]) -> list[NDArray[np.float64]]:
+        """Log-probabilities (n,) of the options of each question of a group."""
+
+    def _kind(self, ready: R) -> Hashable:
+        """Only questions of the same kind are scored together."""
+        return None
+
+    @property
+    @abstractmethod
+    def _together(self) -> bool:
+        """Whether rows of different lengths may go through this network together."""
+
+    @cached_property
+    def _window(self) -> int:
+        return min(window_of(self._model), self._limit or 1 << 30)
+
+    @cached_property
+    def _ends(self) -> list[int]:
+        return end_tokens(self._model, self._tokenizer)
+
+    @cached_property
+    def _template(self) -> ChatTemplate:
+        return ChatTemplate(self._owner, self._weights.path, self._options)
+
+    @cached_property
+    def _model(self) -> Any:
+        return self._weights.load(self.auto)
+
+    @property
+    @abstractmethod
+    def _owner(self) -> Any:
+        """Tokenizer or processor: what has the chat template."""
+
+    @property
+    @abstractmethod
+    def _tokenizer(self) -> Any:
+        """The tokenizer."""
