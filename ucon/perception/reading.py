@@ -31,15 +31,22 @@ class ReadHabits:
         trusted = info.get("habit_level") == "gt"
         reading = self._reader.read(str(info["target"]), tuple(info["habits"]), trusted=trusted)
         belief = reading.belief(self._reader.known)
-        return Locations(belief.candidates, belief.p[:, None] * belief.relation)
+        return Locations(belief.candidates, belief.p[:, None] * belief.relation, reading.telling)
 
 
 def expecting(
-    info: Info, locate: Locate, coverage: CoverageWeights | None = None, weights: BeliefWeights | None = None
+    info: Info,
+    locate: Locate,
+    coverage: CoverageWeights | None = None,
+    weights: BeliefWeights | None = None,
+    locations: Locations | None = None,
 ) -> Believing:
-    """What to expect in the episode whose info at reset is given; at level ``context`` it reads again as it goes."""
+    """What to expect in the episode whose info at reset is given; at level ``context`` it reads again as it goes.
+
+    ``locations``: what ``locate`` says of ``info``, where that is known already.
+    """
     indifferent = Indifferent(str(info["target"]), coverage or CoverageWeights())
-    arguments = (locate(info), indifferent, weights or BeliefWeights())
+    arguments = (locations or locate(info), indifferent, weights or BeliefWeights())
     return Rereading(*arguments, info, locate) if "reranking" in info else Believing(*arguments)
 
 

@@ -1,0 +1,1 @@
+"""Blocks that learned policies are built of."""
