@@ -21,7 +21,7 @@ from ucon.envs.waypoint.view_tokens import N_VIEW
 #: Width of sentence and name embeddings.
 TEXT = 384
 #: How much a view is preferred for being better than another one by gain over cost, at first.
-_SHARPNESS = 6.0
+_SHARPNESS = 10.0
 _FAR = 5.0
 """Metres of one unit of position in tokens."""
 

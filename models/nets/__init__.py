@@ -1,1 +1,1 @@
-"""Blocks that learned policies are built of."""
+"""Networks of the learned policies: blocks that they share."""
