@@ -8,22 +8,28 @@ which is how ``belief`` chooses; what the network adds to it is learned.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, Final, NamedTuple
 
 import torch
 from torch import Tensor, nn
 
 from models.nets.token_transformer import TokenTransformer
-from ucon.envs.waypoint.tokens import N_FRONTIER, N_STATE, N_THING
-from ucon.envs.waypoint.view_tokens import N_VIEW
+from ucon.envs.waypoint.searcher import LOYALTY
+from ucon.envs.waypoint.tokens import N_FRONTIER, N_STATE, N_THING, THING_AHEAD
+from ucon.envs.waypoint.view_tokens import AHEAD, IS_KEPT, N_VIEW
 
 #: Width of sentence and name embeddings.
 TEXT = 384
 #: How much a view is preferred for being better than another one by gain over cost, at first.
-_SHARPNESS = 10.0
-_FAR = 5.0
-"""Metres of one unit of position in tokens."""
+_SHARPNESS: Final = 10.0
+#: Metres of one unit of position in tokens.
+_UNIT_M: Final = 5.0
+
+
+#: Preference for the view on its way, as :mod:`ucon.envs.waypoint.searcher` has it.
+_KEPT: Final = math.log(LOYALTY)
 
 
 class Scores(NamedTuple):
@@ -33,20 +39,24 @@ class Scores(NamedTuple):
     """(B, V) float32; -inf where there is no view."""
     value: Tensor
     """(B,) float32, the expected return."""
-    attention: Tensor | None = None
 
 
 class HabitPolicy(nn.Module):
-    """Scores candidate views.
+    """Scores candidate views."""
 
-    Args:
-        width, layers, heads: of the transformer.
-        use_prior: start from gain over cost.
-    """
+    architecture = "habit_policy"
 
-    def __init__(self, width: int = 128, layers: int = 3, heads: int = 4, *, use_prior: bool = True) -> None:
+    def __init__(self, width: int = 64, layers: int = 2, heads: int = 4, *, use_prior: bool = True) -> None:
+        """Describe the network.
+
+        Args:
+            width: of the transformer.
+            layers: its blocks.
+            heads: of their attention.
+            use_prior: start from gain over cost; without, everything is learned.
+        """
         super().__init__()
-        self.use_prior = use_prior
+        self.arguments: Mapping[str, Any] = {"width": width, "layers": layers, "heads": heads, "use_prior": use_prior}
         self.view, self.thing = nn.Linear(N_VIEW, width), nn.Linear(N_THING, width)
         self.frontier, self.state = nn.Linear(N_FRONTIER, width), nn.Linear(N_STATE, width)
         self.name = nn.Linear(TEXT, width, bias=False)
@@ -55,40 +65,42 @@ class HabitPolicy(nn.Module):
         self.score = nn.Sequential(nn.Linear(2 * width, width), nn.GELU(), nn.Linear(width, 1))
         self.worth = nn.Sequential(nn.Linear(width, width), nn.GELU(), nn.Linear(width, 1))
         self.sharpness = nn.Parameter(torch.tensor(_SHARPNESS).log())
-        for head in (self.score, self.worth):
-            nn.init.zeros_(head[-1].weight)
-            nn.init.zeros_(head[-1].bias)
+        for head in (self.score[-1], self.worth[-1]):
+            nn.init.zeros_(head.weight)
+            nn.init.zeros_(head.bias)
 
     def forward(self, tokens: Mapping[str, Tensor]) -> Scores:
         """Score B decisions.
 
         Args:
-            tokens: as in :class:`ucon.envs.waypoint.tokens.Tokens`, with a batch dimension, ``thing_names`` (B, T, 384) in
-                place of ``thing_rows``, and of the episode ``target`` (B, 384), ``habits`` (B, P, 384), ``habits_relevance`` (B, P),
-                ``habits_mask`` (B, P).
+            tokens: what ``UcONSearch-v0`` observes, as float32 tensors with a batch dimension, with ``thing_names``
+                (B, T, 384), the embeddings of their names, in place of ``thing_rows``.
         """
-        views, things, frontiers = tokens["views"], tokens["things"], tokens["frontiers"]
-        state = self.state(tokens["state"]) + self.name(tokens["target"])
+        own = self.state(tokens["state"]) + self.name(tokens["target"])
         habits = self.habit(tokens["habits"]) + self.relevance(tokens["habits_relevance"][..., None])
-        parts = [state[:, None], self.view(views), self.thing(things) + self.name(tokens["thing_names"])]
-        parts += [self.frontier(frontiers), habits]
-        there = [torch.ones_like(tokens["views_mask"][:, :1])]
-        there += [tokens[f"{name}_mask"] for name in ("views", "things", "frontiers", "habits")]
-        zero = torch.zeros_like(tokens["state"][:, None, :2])
-        xy = [zero, views[..., 10:12], things[..., 4:6], frontiers[..., :2], torch.zeros_like(tokens["habits"][..., :2])]
-        n_habits = tokens["habits_mask"].shape[1]
-        is_there = torch.cat(there, 1) > 0
-        placed = is_there.clone()
-        placed[:, placed.shape[1] - n_habits :] = False
-        x = self.body(torch.cat(parts, 1), _FAR * torch.cat(xy, 1), placed, is_there)
-        v = views.shape[1]
-        own, seen = x[:, :1], x[:, 1 : 1 + v]
+        things = self.thing(tokens["things"]) + self.name(tokens["thing_names"])
+        x = torch.cat([own[:, None], self.view(tokens["views"]), things, self.frontier(tokens["frontiers"]), habits], 1)
+        x = self.body(x, *_positions(tokens))
+        own, seen = x[:, :1], x[:, 1 : 1 + tokens["views"].shape[1]]
         logits = self.score(torch.cat([seen, own.expand_as(seen)], -1))[..., 0]
         if self.use_prior:
-            logits = logits + self.sharpness.exp() * (tokens["prior"] + _KEPT * views[..., 9])
-        logits = logits.masked_fill(tokens["views_mask"] == 0, float("-inf"))
+            logits = logits + self.sharpness.exp() * (tokens["prior"] + _KEPT * tokens["views"][..., IS_KEPT])
+        logits = logits.masked_fill(tokens["action_mask"] == 0, float("-inf"))
         return Scores(logits, self.worth(own[:, 0])[..., 0])
 
+    @property
+    def use_prior(self) -> bool:
+        """Whether scores start from gain over cost."""
+        return bool(self.arguments["use_prior"])
 
-#: Logarithm of the loyalty to the view on its way (:data:`ucon.envs.waypoint.searcher.LOYALTY`).
-_KEPT = 0.2231
+
+def _positions(tokens: Mapping[str, Tensor]) -> tuple[Tensor, Tensor, Tensor]:
+    """Of state, views, things, frontiers and habits: metres (B, N, 2), which have a position, and which are there."""
+    zero = torch.zeros_like(tokens["state"][:, None, :2])
+    nowhere = torch.zeros_like(tokens["habits"][..., :2])
+    xy = [zero, tokens["views"][..., AHEAD], tokens["things"][..., THING_AHEAD], tokens["frontiers"][..., :2], nowhere]
+    masks = [tokens[name] for name in ("action_mask", "things_mask", "frontiers_mask", "habits_mask")]
+    there = torch.cat([torch.ones_like(masks[0][:, :1]), *masks], 1) > 0
+    placed = torch.ones_like(there)
+    placed[:, placed.shape[1] - masks[-1].shape[1] :] = False
+    return _UNIT_M * torch.cat(xy, 1), placed, there

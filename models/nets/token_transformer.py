@@ -1,4 +1,4 @@
-"""A transformer over tokens of different kinds that know where they are: attention fades with distance as it learns to."""
+"""A transformer over tokens of different kinds that know where they are: attention may fade with distance."""
 
 from __future__ import annotations
 

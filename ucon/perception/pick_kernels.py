@@ -49,7 +49,8 @@ def picked_views(
 
     Args:
         nodes: (n, 2) cells.
-        score, gain: (n, 4) of the best pitch of each heading.
+        score: (n, 4) of the best pitch of each heading.
+        gain: (n, 4) of that pitch.
         most: how many.
         first: a view that is picked whatever its score.
     """

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ucon.perception.belief import Believing, BeliefWeights, Locations
+from ucon.perception.belief import BeliefWeights, Believing, Locations
 from ucon.perception.coverage import CoverageWeights, Indifferent
 from ucon.perception.places import Places
 from ucon.perception.semantic_map import SemanticMap

@@ -88,7 +88,8 @@ class UcONSearchEnv(gym.Env[Obs, int]):
             sizes: rows of the tokens.
             text: embeds names and habits.
             returns: what an episode is worth.
-            observe, detector: see ``UcON-v0``.
+            observe: see ``UcON-v0``.
+            detector: what is mapped; see ``UcON-v0``.
             **options: of ``UcON-v0``.
 
         Raises:
@@ -152,8 +153,7 @@ class UcONSearchEnv(gym.Env[Obs, int]):
             blank = {name: np.zeros(space.shape, space.dtype) for name, space in self.observation_space.items()}  # type: ignore[attr-defined]
             blank["action_mask"][0] = 1
             return blank | self._said
-        arrays = dict(self._tokens.arrays)
-        return arrays | {"action_mask": arrays.pop("views_mask")} | self._said
+        return {**self._tokens.arrays, **self._said}
 
     def render(self) -> NDArray[np.uint8] | None:
         """See ``UcON-v0``."""

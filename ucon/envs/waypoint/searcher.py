@@ -1,4 +1,4 @@
-"""Carries out a search by views: maps what it sees, values every view, goes to the one that is chosen, opens on its way.
+"""Carries out a search by views: maps what it sees, values every view, goes to the chosen one, opens on its way.
 
 ``frontier``, ``belief`` and the habit policy share it, so that they differ in what they expect and in choosing alone.
 Like :class:`~ucon.envs.waypoint.explorer.Explorer` it asks for a choice whenever one is due; unlike there, a choice

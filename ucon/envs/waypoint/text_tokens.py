@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.envs.waypoint.features import category_rows
 from ucon.language.store import StoredEncoder, default_encoder
 from ucon.perception.belief import Locations
 from ucon.retrieval.base import phrase
@@ -43,3 +44,9 @@ class TextTokens:
             habits[: len(top)] = self.encoder.encode_half([texts[k] for k in top])
             relevance[: len(top)], mask[: len(top)] = telling[top], 1
         return {"target": target, "habits": habits, "habits_relevance": relevance, "habits_mask": mask}
+
+
+def name_table(encoder: StoredEncoder) -> NDArray[np.float32]:
+    """(n + 1, D) embeddings of the catalogue's names, what ``thing_rows`` numbers; row -1, the last, is zero."""
+    names = encoder.encode_half([phrase(name) for name in category_rows()]).astype(np.float32)
+    return np.vstack([names, np.zeros((1, names.shape[1]), np.float32)])

@@ -27,6 +27,8 @@ from ucon.perception.viewpoints import Choice, Valued
 F32 = NDArray[np.float32]
 KINDS: Final = ("fixed_furniture", "movable_furniture", "fixture", "wall", "ceiling", "movable", "structure")
 N_THING: Final = 14 + len(KINDS)
+#: Columns of metres ahead and to the left, in units of 5 m.
+THING_AHEAD: Final = slice(4, 6)
 N_FRONTIER: Final = 6
 N_STATE: Final = 18 + len(PITCHES_DEG)
 
@@ -47,7 +49,8 @@ class Tokens:
     arrays: Mapping[str, NDArray[Any]]
     """``views`` (V, N_VIEW), ``things`` (T, N_THING), ``frontiers`` (F, N_FRONTIER), ``state`` (N_STATE,) float32;
     ``thing_rows`` (T,) int32 rows of the catalogue, -1 for none; ``prior`` (V,) float32, the logarithm of each view's
-    gain over cost; ``views_mask``, ``things_mask``, ``frontiers_mask`` int8. Rows past what there is are zero."""
+    gain over cost; ``action_mask`` (of the views), ``things_mask``, ``frontiers_mask`` int8.
+    Rows past what there is are zero."""
     choices: tuple[Choice, ...]
     """The choice behind each row of ``views`` whose mask is 1."""
 
@@ -69,15 +72,15 @@ class TokenReader:
         known, places = self._searcher.map, self._searcher.places
         weight = places.weights(decision.expected.mass)
         row = 4 * places.track + places.relation
-        mass = np.bincount(row, weight, 4 * known.n_tracks).reshape(-1, 4)
+        mass = np.asarray(np.bincount(row, weight, 4 * known.n_tracks), np.float64).reshape(-1, 4)
         rows, prior, choices = self._views(decision, weight)
         things, numbers = self._things(mass)
         edges = self._frontiers(decision)
         sizes = self.sizes
-        arrays = {
+        arrays: dict[str, NDArray[Any]] = {
             "views": _padded(rows, sizes.views, N_VIEW),
             "prior": _padded(prior[:, None], sizes.views, 1)[:, 0],
-            "views_mask": _mask(len(choices), sizes.views),
+            "action_mask": _mask(len(choices), sizes.views),
             "things": _padded(things, sizes.things, N_THING),
             "thing_rows": np.append(numbers, np.full(sizes.things - len(numbers), -1)).astype(np.int32),
             "things_mask": _mask(len(things), sizes.things),
@@ -126,7 +129,7 @@ class TokenReader:
         rows = np.zeros((len(tracks), N_THING), np.float32)
         rows[:, :4] = lg(mass[tracks])
         xy = 0.5 * (box[:, :2] + box[:, 3:5])
-        rows[:, 4:6] = ego(xy - np.array(known.view.xy), known.view) / 5.0
+        rows[:, THING_AHEAD] = ego(xy - np.array(known.view.xy), known.view) / 5.0
         rows[:, 6] = 0.5 * (box[:, 2] + box[:, 5])
         rows[:, 7:10] = box[:, 3:] - box[:, :3]
         rows[:, 10], rows[:, 11] = shut[tracks], known.opened[tracks]
@@ -154,11 +157,11 @@ class TokenReader:
         shut = self._searcher.openable_now()
         area = float(np.count_nonzero(known.floor)) * CELL_M**2
         left_m2 = max(25.0, 130.0 - area)
+        chosen = (0.0, 0.0) if best is None else (lg(best.score), lg(best.gain))
+        left = (mass.sum(), mass[shut, INSIDE].sum(), mass.max(initial=0.0), expected.unknown_per_m2 * left_m2)
         out = [
             *self._fixed, known.step / 300.0, np.sqrt(known.step / 300.0), area / 100.0, known.n_tracks / 100.0,
-            lg(mass.sum()), lg(mass[shut, INSIDE].sum()), lg(mass.max(initial=0.0)), lg(expected.unknown_per_m2 * left_m2),
-            len(shut) / 20.0, 0.0 if best is None else lg(best.score), 0.0 if best is None else lg(best.gain),
-            float(decision.valued is None),
+            *map(lg, left), len(shut) / 20.0, *chosen, float(decision.valued is None),
         ]  # fmt: skip
         turned = [float(known.view.pitch_deg == pitch) for pitch in PITCHES_DEG]
         return np.array([*out, *turned], np.float32)
@@ -172,5 +175,3 @@ def _padded(rows: NDArray[Any], most: int, width: int) -> F32:
 
 def _mask(n: int, most: int) -> NDArray[np.int8]:
     return (np.arange(most) < n).astype(np.int8)
-
-

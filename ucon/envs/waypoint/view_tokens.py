@@ -16,6 +16,9 @@ F32 = NDArray[np.float32]
 #: Radii in metres around a view within which mass and unexplored space are summed.
 RADII_M: Final = (1.0, 2.0, 4.0)
 _PLAIN: Final = 15
+#: Columns of metres ahead and to the left, in units of 5 m, and of whether it is the view on its way.
+AHEAD: Final = slice(10, 12)
+IS_KEPT: Final = 9
 N_VIEW: Final = _PLAIN + 4 + len(PITCHES_DEG) + 2 * len(RADII_M)
 
 
@@ -76,8 +79,8 @@ def view_rows(
     rows[:, 4], rows[:, 5] = lg(valued.looks[n, :, p].sum(1)), lg(score)
     rows[:, 6], rows[:, 7] = np.sqrt(moves / 40.0), (steps - moves) / 4.0
     rows[:, 8] = [choice.opens for choice in choices]
-    rows[:, 9] = [kept is not None and choice.view == kept.view for choice in choices]
-    rows[:, 10:12], rows[:, 12] = ego(xy, here) / 5.0, np.hypot(xy[:, 0], xy[:, 1]) / 5.0
+    rows[:, IS_KEPT] = [kept is not None and choice.view == kept.view for choice in choices]
+    rows[:, AHEAD], rows[:, 12] = ego(xy, here) / 5.0, np.hypot(xy[:, 0], xy[:, 1]) / 5.0
     rows[:, 13] = np.log10(np.minimum(valued.cost[at], 1e3))
     rows[:, 14] = known.visited[nodes[:, 0], nodes[:, 1]] > 0
     rows[np.arange(len(n)), _PLAIN + (h - here.heading) % 4] = 1.0
