@@ -152,8 +152,12 @@ class UcONSearchEnv(gym.Env[Obs, int]):
         if self._tokens is None:  # the end: nothing is due
             blank = {name: np.zeros(space.shape, space.dtype) for name, space in self.observation_space.items()}  # type: ignore[attr-defined]
             blank["action_mask"][0] = 1
-            return blank | self._said
-        return {**self._tokens.arrays, **self._said}
+            return blank | self._text_arrays()
+        return {**self._tokens.arrays, **self._text_arrays()}
+
+    def _text_arrays(self) -> Obs:
+        """Copies: whoever keeps an observation owns it."""
+        return {name: array.copy() for name, array in self._said.items()}
 
     def render(self) -> NDArray[np.uint8] | None:
         """See ``UcON-v0``."""
