@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     maker = actions.add_parser("make", help="sample, check and write a set")
-    maker.add_argument("name", metavar="SET", help="mini, train, val, test, test_large, or official (with --habits PATH)")
+    maker.add_argument("name", metavar="SET", help="mini, train, val, test, test_large, official (with --habits PATH)")
     maker.add_argument("--task", default="paper", help="rules that the episodes are made under: paper, released_code")
     maker.add_argument(
         "--context", action="store_true", help="episodes state day, season and occasion, and follow them"
