@@ -66,7 +66,9 @@ def tiny_imitation(folder, policy=None, kind=ImitationLearner, **options):
     standard = {"episodes": training_file(folder), "steps": 20, "batch": 3, "chunk": 8, "lr": 5e-3, "warm_up": 0}
     standard |= {"levels": ("none", "retrieval")}
     loss = options.pop("loss", None) or SequenceLoss({"done": 3.0})
-    return kind(policy=policy or TinyPolicy(), env=ENV, loss=loss, validation=Validation(**validation), **standard | options)
+    return kind(
+        policy=policy or TinyPolicy(), env=ENV, loss=loss, validation=Validation(**validation), **standard | options
+    )
 
 
 def tiny_dagger(folder, policy=None, rollouts=None, **options):
