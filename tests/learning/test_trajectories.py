@@ -125,3 +125,8 @@ def test_a_policy_that_reads_no_habits_is_shown_an_episode_once():
     batch = [demonstration(EPISODES[0], level) for level in ("none", "gt", "full")]
     list(Feeder(policy, ENV)([batch]))
     assert policy.asked == 1
+
+
+def test_changes_are_against_what_was_done():
+    strayed = Trajectory(EPISODES[0], "gt", "0020", "0.00")
+    assert strayed.changes.tolist() == [True, True, False, True]
