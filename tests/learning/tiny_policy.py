@@ -63,10 +63,13 @@ def training_file(folder, count=6):
 def tiny_imitation(folder, policy=None, kind=ImitationLearner, **options):
     validation = options.pop("validation", {})
     validation = {"episodes": "mini", "n_demonstrations": 2, "n_play": 2, "max_steps": 12, "slots": 2} | validation
-    standard = {"episodes": training_file(folder), "steps": 20, "batch": 3, "chunk": 8, "lr": 5e-3, "warm_up": 0}
+    standard = {"steps": 20, "batch": 3, "chunk": 8, "lr": 5e-3, "warm_up": 0}
+    standard |= {"episodes": options.pop("episodes", None) or training_file(folder)}
     standard |= {"levels": ("none", "retrieval")}
     loss = options.pop("loss", None) or SequenceLoss({"done": 3.0})
-    return kind(policy=policy or TinyPolicy(), env=ENV, loss=loss, validation=Validation(**validation), **standard | options)
+    return kind(
+        policy=policy or TinyPolicy(), env=ENV, loss=loss, validation=Validation(**validation), **standard | options
+    )
 
 
 def tiny_dagger(folder, policy=None, rollouts=None, **options):

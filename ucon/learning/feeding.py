@@ -131,7 +131,7 @@ def _packed(replay: Replay) -> bytes:
 
     arrays = {f"{_CONTEXT}{name}": value for name, value in replay.context.items()}
     arrays |= {f"{_FRAMES}{name}": value for name, value in replay.frames.items()} | {_REWARDS: replay.rewards}
-    return zlib.compress(save({name: np.ascontiguousarray(value) for name, value in arrays.items()}), 1)
+    return zlib.compress(save({name: np.asarray(value, order="C") for name, value in arrays.items()}), 1)
 
 
 def _unpacked(packed: bytes) -> Replay:

@@ -115,8 +115,7 @@ class ImitationLearner:
         _check_parts(self.episodes, entry_parts(self.dataset))
         self.feeder = Feeder(policy, env, workers=workers, memory_bytes=int(memory_gb * (1 << 30)))
         self.policy.to(self.device)
-        options = {"lr": lr, "clip": clip, "warm_up": warm_up, "decay": decay, "average": average}
-        self.updates = Updates(policy, steps=steps, **options)
+        self.updates = Updates(policy, lr=lr, clip=clip, steps=steps, warm_up=warm_up, decay=decay, average=average)
         self._precision, self.done, self.frames = PRECISIONS[precision], 0, 0
         self._stream: Iterator[list[tuple[Trajectory, Replay]]] | None = None
         self._ordered: tuple[int, NDArray[np.int64]] = (-1, np.empty(0, np.int64))
@@ -125,11 +124,9 @@ class ImitationLearner:
     def identity(self) -> Mapping[str, str]:
         """Hashes of the episodes, of the habits and of frozen weights."""
         of_episodes = [f"{e.id} {e.home_hash} {e.solution}" for e in (*self.episodes, *self.validation.all)]
-        return {
-            "habits": self.dataset.sha256,
-            "episodes": sha256_bytes("\n".join(of_episodes).encode()),
-            "frozen": getattr(self.policy, "fingerprint", str)() or "",
-        }
+        frozen = getattr(self.policy, "fingerprint", str)()
+        hashes = {"habits": self.dataset.sha256, "episodes": sha256_bytes("\n".join(of_episodes).encode())}
+        return hashes | ({"frozen": frozen} if frozen else {})
 
     @property
     def n_labels(self) -> int:

@@ -62,13 +62,14 @@ class Updates:
         rate = self._rate(step)
         for group in self._optimiser.param_groups:
             group["lr"] = rate
-        norm = float(torch.nn.utils.clip_grad_norm_(self.parameters.values(), self.clip))
-        if not math.isfinite(norm):
-            gradients = {f"gradient of {n}": p.grad for n, p in self.parameters.items() if p.grad is not None}
+        gradients = {f"gradient of {n}": p.grad for n, p in self.parameters.items() if p.grad is not None}
+        norm = torch.nn.utils.get_total_norm(gradients.values())
+        if not bool(torch.isfinite(norm)):  # before clipping, which would spread it to all of them
             require_finite(gradients, step)
+        torch.nn.utils.clip_grads_with_norm_(self.parameters.values(), self.clip, norm)
         self._optimiser.step()
         self._average.update(step)
-        return {"gradient": norm, "rate": rate}
+        return {"gradient": float(norm), "rate": rate}
 
     @contextmanager
     def averaged(self) -> Iterator[None]:

@@ -19,6 +19,8 @@ from ucon.task.sets import load_episodes
 SCORES = {"loss": -1.0, "accuracy": 1.0, "success_rate": 1.0, "spl": 1.0}
 #: Those that are known only if the policy plays.
 _PLAYED = ("success_rate", "spl")
+#: So little that it decides among equals alone: one episode in a thousand is more.
+_TIE = 1e-5
 
 
 @dataclass(frozen=True)
@@ -82,8 +84,8 @@ class Validation:
         }
 
     def score(self, figures: Figures) -> Figures:
-        """The figure that chooses, larger is better."""
-        return {SCORE: SCORES[self.choose] * figures[self.choose]}
+        """The figure that chooses, larger is better; among equals, such as untrained policies, the smaller loss."""
+        return {SCORE: SCORES[self.choose] * figures[self.choose] - _TIE * figures["loss"]}
 
 
 def spaced(episodes: Sequence[Episode], count: int | None, option: str) -> tuple[Episode, ...]:

@@ -149,8 +149,8 @@ class Expert:
         nearest = np.minimum(done.moves, opening.moves).min((2, 3))  # (nx, ny)
         ends = np.argwhere(nearest < _NEVER)
         moves = distances(self._world.free, ends, nearest[tuple(ends.T)])
-        order = np.argwhere(moves >= 0)
-        order = order[np.argsort(moves[tuple(order.T)], kind="stable")].astype(np.int32)
+        nodes = np.argwhere(moves >= 0)
+        order: I32 = nodes[np.argsort(moves[tuple(nodes.T)], kind="stable")].astype(np.int32)
         here = moves[..., None, None]
         last = np.minimum(
             np.where(done.moves == here, done.steps, _NEVER), np.where(opening.moves == here, opening.steps, _NEVER)
