@@ -59,8 +59,8 @@ class ActionPolicy(Protocol):
     def features(self, frames: Tensors) -> Tensors:
         """What the policy's frozen networks make of frames (..., *shape), without gradients; what they read is gone.
 
-        Calling the policy with frames or with their features is the same but for the rounding of fp16. Features of
-        features are themselves; where nothing is frozen, so are frames.
+        Calling the policy with frames or with their features is the same. Features of features are themselves; so are
+        frames where nothing is frozen.
         """
         ...
 
