@@ -15,6 +15,8 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
+from models.nets.advice import Advisor
+from models.nets.clip_eye import ClipEye
 from models.nets.ego_view import N_THINGS, THING_FEATURES, ego_view
 from models.nets.eye import Eye, small_image
 from models.nets.floor_memory import CHANNELS, N_TRACKS, REACH, FloorMemory, Step, Window
@@ -23,6 +25,7 @@ from models.nets.policy import N_ACTIONS, PolicyModule, lstm_state, run_lstm
 from models.nets.read_habits import SUMMARY_FEATURES, Reader, read_habits, words
 from models.nets.things_in_view import N_CUES, Seen, ThingsInView
 from ucon.core.errors import ConfigError
+from ucon.core.rng import derived_seed
 from ucon.language.encoder import DIM
 from ucon.learning.policy import Arrays, Outputs, Tensors
 
@@ -60,8 +63,12 @@ class HabitPolicyE2E(PolicyModule):
         rgb: bool = True,
         plan: bool = True,
         attend: bool = True,
+        scores: bool = False,
+        advisor: Advisor | None = None,
+        clip: ClipEye | None = None,
+        seed: int = 0,
     ) -> None:
-        """Random weights, by torch's generator.
+        """Build it with random weights.
 
         Args:
             reader: reads the habits; the shipped one by default.
@@ -71,6 +78,10 @@ class HabitPolicyE2E(PolicyModule):
             rgb: False blanks the image (ablation).
             plan: False takes away the places to go (ablation).
             attend: False takes away the habits' vectors, leaving the belief (ablation).
+            scores: retrieval scores as a feature of habits.
+            advisor: a language model's choice among the anchors as a feature of things.
+            clip: a frozen image encoder beside the learned one.
+            seed: of the weights.
         """
         super().__init__()
         if reader is None:
@@ -79,20 +90,27 @@ class HabitPolicyE2E(PolicyModule):
             reader = default_reader()
         self._reader = reader
         self._arguments = {"image_px": image_px, "width": width, "hidden": hidden}
-        self._arguments |= {"rgb": rgb, "plan": plan, "attend": attend}
-        self._rgb, self._plan, self._attend, self._image_px = rgb, plan, attend, image_px
-        self.eye = Eye(image_px, 2 * width)
-        self.things = ThingsInView(width, tuple(reader.known), DIM)
+        self._arguments |= {"rgb": rgb, "plan": plan, "attend": attend, "scores": scores}
+        self._advisor, self._clip = advisor, clip
+        self._rgb, self._plan, self._attend, self._scores, self._image_px = rgb, plan, attend, scores, image_px
+        with torch.random.fork_rng(devices=[]):
+            torch.manual_seed(derived_seed(seed, self.architecture))
+            self._build(width, hidden)
+
+    def _build(self, width: int, hidden: int) -> None:
+        self.eye = Eye(self._image_px, 2 * width)
+        self.things = ThingsInView(width, tuple(self._reader.known), DIM)
         self.memory = FloorMemory()
         self.places = PlacesToGo(len(SUMMARY_FEATURES) + 2)
         facts = N_CUES + _N_STATUS + 4
-        self.join = nn.Sequential(nn.Linear(2 * width + 3 * width + facts, hidden), nn.ReLU())
+        looks = 2 * width + (0 if self._clip is None else self._clip.dim)
+        self.join = nn.Sequential(nn.Linear(looks + 3 * width + facts, hidden), nn.ReLU())
         self.lstm = nn.LSTM(hidden, hidden)
         self.choose = nn.Sequential(nn.Linear(hidden + facts, hidden), nn.ReLU(), nn.Linear(hidden, N_ACTIONS))
         self.plan_weight = nn.Parameter(torch.tensor([1.0, 1.0, 1.0, 0.2, 0.2, 0.2, 0.2]))
         self.judge = nn.Sequential(nn.Linear(hidden + facts, hidden // 2), nn.ReLU(), nn.Linear(hidden // 2, 1))
         self.register_buffer("beside", torch.from_numpy(_BESIDE), persistent=False)
-        nn.init.zeros_(self.choose[-1].weight)
+        nn.init.zeros_(self.choose[-1].weight)  # at first the places to go decide
 
     @property
     def reader(self) -> Reader:
@@ -102,14 +120,31 @@ class HabitPolicyE2E(PolicyModule):
     @property
     def arguments(self) -> Mapping[str, Any]:
         """See :class:`ucon.learning.policy.ActionPolicy`."""
-        return self._arguments
+        named = {"advisor": self._advisor, "clip": self._clip}
+        return self._arguments | {name: None if part is None else part.name for name, part in named.items()}
+
+    def check(self) -> None:
+        """See :class:`models.nets.policy.PolicyModule`."""
+        for part in (self._advisor, self._clip):
+            if part is not None:
+                part.check()
+
+    def fingerprint(self) -> str | None:
+        """See :class:`models.nets.policy.PolicyModule`."""
+        parts = [part.fingerprint() for part in (self._advisor, self._clip) if part is not None]
+        return None if None in parts else " ".join(part for part in parts if part)
 
     def context(self, info: Mapping[str, Any]) -> Arrays:
         """See :func:`models.nets.read_habits.read_habits`."""
-        arrays = read_habits(self._reader, info)
+        arrays = read_habits(self._reader, info, scores=self._scores)
         if not self._attend:
             arrays["habit_features"] = np.zeros_like(arrays["habit_features"])
-        return arrays
+        number, advised = words().number, np.zeros(len(words().number) + 1, np.float16)
+        if self._advisor is not None:
+            known = [name for name in self._reader.known if name in number]
+            p = self._advisor.advice(info, known)
+            advised[[number[name] for name in known]] = p / p.max()
+        return arrays | {"advice": advised}
 
     def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:
         """Image, patch of floor, things and status of one step; about 20 KB."""
@@ -126,7 +161,8 @@ class HabitPolicyE2E(PolicyModule):
         look = int(np.clip(round(np.degrees(pitch) / 30), -2, 2))
         pose = [round(x / 0.25), round(y / 0.25), round(yaw / (np.pi / 2)) % 4, look]
         status = [int(observation["step"]), int(observation["collision"]), int(observation["last_action"])]
-        return {
+        whole = {} if self._clip is None else {"rgb": observation["rgb"]}
+        return whole | {
             "image": small_image(observation["rgb"], depth, self._image_px),
             "pose": np.array(pose, np.int16),
             "status": np.array(status, np.int16),
@@ -138,6 +174,14 @@ class HabitPolicyE2E(PolicyModule):
             "pair_cell": view.pair_cell,
             "pair_row": view.pair_row,
         }
+
+    def features(self, frames: Tensors) -> Tensors:
+        """With CLIP: ``clip`` (..., dim) float16 in place of ``rgb``."""
+        if self._clip is None or "clip" in frames:
+            return frames
+        rgb = frames["rgb"]
+        vectors = self._clip.vectors(rgb.reshape(-1, *rgb.shape[-3:])).unflatten(0, rgb.shape[:-3])
+        return {name: tensor for name, tensor in frames.items() if name != "rgb"} | {"clip": vectors}
 
     def initial_state(self, batch: int) -> Tensors:
         """Empty maps, nothing opened, no target seen, zeros of the LSTM."""
@@ -155,12 +199,14 @@ class HabitPolicyE2E(PolicyModule):
 
     def think(self, frames: Tensors, context: Tensors, state: Tensors) -> tuple[Outputs, Inside]:
         """The outputs, and what led to them."""
-        given = dict(context)
+        frames, given = self.features(frames), dict(context)
         things, mass = frames["things"].float(), self._masses(frames["thing_ids"], given)
         new, opened, windows, remembered = self._remember(frames, things, mass, given, state)
         status = self._status(frames, given, windows, remembered)
         image = frames["image"].flatten(0, 1)
         sight = self.eye(image if self._rgb else torch.zeros_like(image)).unflatten(0, frames["pose"].shape[:2])
+        if "clip" in frames:
+            sight = torch.cat([sight, frames["clip"].float()], -1)
         seen = self.things(frames["thing_ids"].long(), things, opened, mass, given)
         ways, log_p = self._ways(frames, windows, status)
         facts = torch.cat([seen.cues, status, log_p / 4], -1)

@@ -18,12 +18,13 @@ from ucon.language.encoder import DIM
 from ucon.language.store import StoredEncoder, default_encoder
 from ucon.objects.catalogue import catalogue
 from ucon.perception.places import affordance
-from ucon.retrieval.base import phrase
+from ucon.retrieval.base import phrase, query_text
 
 N_HABITS = 24
 """Habits that are kept: those that speak most for some place of the target."""
-HABIT_FEATURES = ("there", "relevance", "place")
-"""Of each habit kept: 1 (0 in empty rows), how much it is about the target, how much it speaks for any place of it."""
+HABIT_FEATURES = ("there", "relevance", "place", "score")
+"""Of each habit kept: 1 (0 in empty rows), how much it is about the target, how much it speaks for any place of it;
+where asked for, its retrieval score."""
 SUMMARY_FEATURES = ("most", "entropy", "amount", "some", "trusted", "size_m", "height_m")
 STATIC_FEATURES = ("openable", "inside", "ontop", "under", "furniture", "length_m", "height_m", "known")
 """Of a category, by the catalogue; ``known``: an anchor that the reader knows."""
@@ -110,14 +111,20 @@ def kept_habits(reading: Read, texts: Sequence[str], known: Sequence[str]) -> tu
 
 
 def read_habits(
-    reader: Reader, info: Mapping[str, Any], encoder: StoredEncoder | None = None
+    reader: Reader, info: Mapping[str, Any], *, scores: bool = False, encoder: StoredEncoder | None = None
 ) -> dict[str, NDArray[np.generic]]:
     """The arrays of an episode from the ``info`` of its reset.
+
+    Args:
+        reader: of the habits.
+        info: with ``target``, ``habits``, ``habit_level``.
+        scores: give each habit its cosine with the retrieval query.
+        encoder: of the sentences, the shipped one by default.
 
     Returns:
         belief (n, 4) float16, p(category, relation) for the n categories of the catalogue; summary (7,) float32;
         target () int64, its number, -1 outside the catalogue; goal (DIM,) float16, embedding of its name; habit_vectors
-        (N_HABITS, DIM) float16; habit_features (N_HABITS, 3) float16; support (N_HABITS, A) float16.
+        (N_HABITS, DIM) float16; habit_features (N_HABITS, 4) float16; support (N_HABITS, A) float16.
     """
     target, texts = str(info["target"]), tuple(info["habits"])
     trusted = info.get("habit_level") == "gt"
@@ -129,7 +136,7 @@ def read_habits(
         if name in words().number:
             joint[words().number[name]] = p * relation
     kept, support = kept_habits(reading, texts, known)
-    vectors, features = np.zeros((N_HABITS, DIM), np.float16), np.zeros((N_HABITS, 3), np.float16)
+    vectors, features = np.zeros((N_HABITS, DIM), np.float16), np.zeros((N_HABITS, len(HABIT_FEATURES)), np.float16)
     supports = np.zeros((N_HABITS, len(known)), np.float16)
     if kept:
         vectors[: len(kept)] = encoder.encode_half([texts[k] for k in kept])
@@ -137,6 +144,9 @@ def read_habits(
         features[: len(kept), 0] = 1.0
         features[: len(kept), 1] = np.asarray(reading.relevance)[kept]
         features[: len(kept), 2] = support[kept].sum(1)
+    if kept and scores:
+        query = encoder.encode_half([query_text(target)])[0].astype(np.float32)
+        features[: len(kept), 3] = vectors[: len(kept)].astype(np.float32) @ query
     return {
         "belief": joint,
         "summary": _summary(np.asarray(belief.p), len(texts), support, trusted, target),

@@ -63,7 +63,7 @@ class ThingsInView(nn.Module):
         scale = torch.tensor([_SCALE.get(name, 1.0) for name in THING_FEATURES])
         self.register_buffer("scale", scale, persistent=False)
         self.name = nn.Linear(vectors.shape[1], width)
-        self.numbers = nn.Linear(len(THING_FEATURES) + len(STATIC_FEATURES) + 8, width)
+        self.numbers = nn.Linear(len(THING_FEATURES) + len(STATIC_FEATURES) + 9, width)
         self.mix = nn.Sequential(nn.ReLU(), nn.Linear(width, width), nn.ReLU())
         self.habit_key = nn.Linear(goal_dim + len(HABIT_FEATURES), width)
         self.habit_value = nn.Linear(goal_dim + len(HABIT_FEATURES), width)
@@ -91,7 +91,9 @@ class ThingsInView(nn.Module):
         reach = (things[..., THING_FEATURES.index("nearest_m")] <= REACH_M) & there
         closed = self.openable[row] & ~opened & reach
         flags = torch.stack([is_target, reach, closed, opened], -1).float()
-        numbers = torch.cat([things * self.scale, self.static[row], mass.sqrt(), flags], -1)
+        episode = torch.arange(ids.shape[1], device=ids.device)[None, :, None]
+        advised = context["advice"].float()[episode, row][..., None]
+        numbers = torch.cat([things * self.scale, self.static[row], mass.sqrt(), advised, flags], -1)
         names = nn.functional.embedding(row, self.name(self.vectors))
         tokens = self.mix(names + self.numbers(numbers))
         tokens, attention = self._attend(tokens, self.anchor[row], context)
