@@ -17,6 +17,7 @@ from torch import Tensor, nn
 
 from models.nets.advice import Advisor
 from models.nets.clip_eye import ClipEye
+from models.nets.directions import from_here, target_at, turned
 from models.nets.ego_view import N_THINGS, THING_FEATURES, ego_view
 from models.nets.eye import Eye, small_image
 from models.nets.floor_memory import CHANNELS, N_TRACKS, REACH, FloorMemory, Step, Window
@@ -106,11 +107,12 @@ class HabitPolicyE2E(PolicyModule):
         looks = 2 * width + (0 if self._clip is None else self._clip.dim)
         self.join = nn.Sequential(nn.Linear(looks + 3 * width + facts, hidden), nn.ReLU())
         self.lstm = nn.LSTM(hidden, hidden)
-        self.choose = nn.Sequential(nn.Linear(hidden + facts, hidden), nn.ReLU(), nn.Linear(hidden, N_ACTIONS))
+        last = nn.Linear(hidden, N_ACTIONS)
+        nn.init.zeros_(last.weight)  # at first the places to go decide
+        self.choose = nn.Sequential(nn.Linear(hidden + facts, hidden), nn.ReLU(), last)
         self.plan_weight = nn.Parameter(torch.tensor([1.0, 1.0, 1.0, 0.2, 0.2, 0.2, 0.2]))
         self.judge = nn.Sequential(nn.Linear(hidden + facts, hidden // 2), nn.ReLU(), nn.Linear(hidden // 2, 1))
         self.register_buffer("beside", torch.from_numpy(_BESIDE), persistent=False)
-        nn.init.zeros_(self.choose[-1].weight)  # at first the places to go decide
 
     @property
     def reader(self) -> Reader:
@@ -183,6 +185,11 @@ class HabitPolicyE2E(PolicyModule):
         vectors = self._clip.vectors(rgb.reshape(-1, *rgb.shape[-3:])).unflatten(0, rgb.shape[:-3])
         return {name: tensor for name, tensor in frames.items() if name != "rgb"} | {"clip": vectors}
 
+    def augment(self, frames: Tensors, generator: torch.Generator) -> Tensors:
+        """The map's axes are those of the start, which always looks along the first: turn them at random."""
+        quarters = torch.randint(4, (frames["pose"].shape[1],), generator=generator).to(frames["pose"].device)
+        return {**frames, "pose": turned(frames["pose"], quarters)}
+
     def initial_state(self, batch: int) -> Tensors:
         """Empty maps, nothing opened, no target seen, zeros of the LSTM."""
         device = self.device
@@ -243,7 +250,7 @@ class HabitPolicyE2E(PolicyModule):
             new["opened"][batch, tracks[batch, row]] = True
             opened.append(new["opened"].gather(1, tracks.clamp(0, N_TRACKS - 1)) & known)
             pose = frames["pose"][t].long()
-            new["target_at"] = _target_at(new["target_at"], is_target[:, 0] & (ids[:, 0] >= 0), things[t, :, 0], pose)
+            new["target_at"] = target_at(new["target_at"], is_target[:, 0] & (ids[:, 0] >= 0), things[t, :, 0], pose)
             rows = frames["pair_row"][t].clamp(min=0).long()
             marks = torch.stack([just[t] | opened[-1], is_target], 1).float()
             masses = torch.cat([mass[t].transpose(1, 2), marks], 1)  # (B, 6, N)
@@ -253,7 +260,7 @@ class HabitPolicyE2E(PolicyModule):
             patch, look = frames["patch"][t], frames["look"][t]
             self.memory.write(new, Step(pose, collision, patch, look, frames["pair_cell"][t], pair_mass, category))
             windows.append(self.memory.read(new, pose))
-            remembered.append(_from_here(new["target_at"], pose))
+            remembered.append(from_here(new["target_at"], pose))
         return new, torch.stack(opened), windows, torch.stack(remembered)
 
     def _status(self, frames: Tensors, context: dict[str, Tensor], windows: list[Window], remembered: Tensor) -> Tensor:
@@ -280,26 +287,3 @@ class HabitPolicyE2E(PolicyModule):
         ways = self.places(joined, frames["pose"][..., 2].flatten(), given)
         log_p = ways.log_p.unflatten(0, status.shape[:2])
         return ways, log_p if self._plan else torch.zeros_like(log_p)
-
-
-def _target_at(before: Tensor, seen: Tensor, thing: Tensor, pose: Tensor) -> Tensor:
-    """(B, 4): whether the target was seen; where, in metres from the start and above the camera."""
-    c, s = _turn(pose)
-    x = 0.25 * pose[:, 0] + c * thing[:, 0] - s * thing[:, 1]
-    y = 0.25 * pose[:, 1] + s * thing[:, 0] + c * thing[:, 1]
-    return torch.where(seen[:, None], torch.stack([torch.ones_like(x), x, y, thing[:, 2]], -1), before)
-
-
-def _from_here(target_at: Tensor, pose: Tensor) -> Tensor:
-    """(B, 5): whether the target was seen; metres / 4 ahead, to the left, up; and away."""
-    c, s = _turn(pose)
-    known = target_at[:, 0]
-    dx, dy = target_at[:, 1] - 0.25 * pose[:, 0], target_at[:, 2] - 0.25 * pose[:, 1]
-    away = torch.stack([c * dx + s * dy, c * dy - s * dx, target_at[:, 3], torch.hypot(dx, dy)], -1)
-    return torch.cat([known[:, None], 0.25 * away * known[:, None]], -1)
-
-
-def _turn(pose: Tensor) -> tuple[Tensor, Tensor]:
-    """Cosine and sine of headings."""
-    c = torch.tensor([1.0, 0.0, -1.0, 0.0], device=pose.device)[pose[:, 2]]
-    return c, torch.tensor([0.0, 1.0, 0.0, -1.0], device=pose.device)[pose[:, 2]]

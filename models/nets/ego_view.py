@@ -6,6 +6,7 @@ Cells are 0.25 m and centred on nodes; cell (f, l) of the patch is f - 1 cells a
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -59,7 +60,7 @@ class EgoView:
     """(N_PAIRS,) thing seen in it."""
 
 
-def ego_view(depth: F32, pitch_rad: float, camera_m: float, info: dict[str, Any], target: str) -> EgoView:
+def ego_view(depth: F32, pitch_rad: float, camera_m: float, info: Mapping[str, Any], target: str) -> EgoView:
     """Read one frame of a 90 degree view.
 
     Args:
@@ -139,10 +140,10 @@ def _floor(points: F32, spread: F32) -> tuple[NDArray[np.uint8], NDArray[np.uint
     np.maximum.at(reach, _bins(points[0][seen], points[1][seen]), spread[seen])
     distance, direction = _cells()
     explored = distance <= np.minimum(reach[direction] + 0.125, AHEAD * CELL_M)
-    flags = flags.reshape(ROWS, COLUMNS)
-    flags[explored] |= EXPLORED
+    patch = flags.reshape(ROWS, COLUMNS)
+    patch[explored] |= EXPLORED
     look = (255.0 * np.exp(-nearest / _LOOK_M)).astype(np.uint8).reshape(ROWS, COLUMNS)
-    return flags, look, cell
+    return patch, look, cell
 
 
 def _block(flags: NDArray[np.uint8], at: NDArray[np.int64], off: F32) -> None:

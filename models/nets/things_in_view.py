@@ -94,7 +94,7 @@ class ThingsInView(nn.Module):
         episode = torch.arange(ids.shape[1], device=ids.device)[None, :, None]
         advised = context["advice"].float()[episode, row][..., None]
         numbers = torch.cat([things * self.scale, self.static[row], mass.sqrt(), advised, flags], -1)
-        names = nn.functional.embedding(row, self.name(self.vectors))
+        names = self._names(row)
         tokens = self.mix(names + self.numbers(numbers))
         tokens, attention = self._attend(tokens, self.anchor[row], context)
         ask = self.goal(context["goal"].float())[None, :, None]
@@ -106,6 +106,12 @@ class ThingsInView(nn.Module):
         told = (focus[..., None] * self._value(attention, context)).sum(-2)
         summary = torch.cat([pooled, largest, told], -1)
         return Seen(summary, _cues(is_target, reach, closed, things, mass), attention, focus)
+
+    def _names(self, row: Tensor) -> Tensor:
+        """Projected names of categories; whatever is less work goes first."""
+        if row.numel() < len(self.vectors):
+            return self.name(self.vectors[row])  # type: ignore[no-any-return]
+        return nn.functional.embedding(row, self.name(self.vectors))
 
     def _attend(self, tokens: Tensor, anchor: Tensor, context: dict[str, Tensor]) -> tuple[Tensor, Tensor]:
         """Cross-attention of tokens (T, B, N, D) to the habits (B, K, ...)."""

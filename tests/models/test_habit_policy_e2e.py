@@ -196,6 +196,20 @@ def test_patch_is_the_frame_alone(policy, walks):
     assert sum(array.nbytes for array in frame.values()) < 25_000
 
 
+def test_augmentation_turns_the_map_and_nothing_else(policy, walks):
+    frames, context = episode(policy, walks["gt"])
+    seen = set()
+    for seed in range(8):
+        turned = policy.augment(frames, torch.Generator().manual_seed(seed))
+        assert all(torch.equal(turned[name], frames[name]) for name in frames if name != "pose")
+        quarters = int(turned["pose"][0, 0, 2] - frames["pose"][0, 0, 2]) % 4
+        seen.add(quarters)
+        ours, plain = (policy(f, context, policy.initial_state(1)).state["cells"] for f in (turned, frames))
+        whole = torch.rot90(plain.view(-1, SIZE, SIZE), quarters, (1, 2))
+        assert torch.equal(ours.view(-1, SIZE, SIZE), whole)
+    assert len(seen) > 1
+
+
 def test_shortest_ways_by_hand():
     free = torch.zeros(1, 7, 7, dtype=torch.bool)
     free[0, 3, 3:] = True  # a corridor along the second axis: heading 1
