@@ -92,11 +92,13 @@ class ClipGoal:
 
     @cached_property
     def _tokenizer(self) -> Any:
+        self._weights.check()
         import transformers
 
         try:
             with quiet(transformers):
-                return transformers.AutoTokenizer.from_pretrained(local_folder(self._weights.path))
+                folder = local_folder(self._weights.path)
+                return transformers.AutoTokenizer.from_pretrained(folder, local_files_only=True)
         except Exception as error:  # a damaged file fails in many ways
             line = " ".join(str(error).split())[:120]
             raise DataError(f"{_OPTION}={self._weights.path}: no tokenizer ({line}); get the whole model") from None

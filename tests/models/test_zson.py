@@ -46,7 +46,7 @@ def test_the_start_is_no_action() -> None:
     rgb = np.zeros((128, 128, 3), np.uint8)
     given = [int(zson.frame({"rgb": rgb, "last_action": k}, {})["last_action"]) for k in (7, 0, 6)]
     assert given == [0, 1, 7]
-    with pytest.raises(ConfigError, match="no image of 128 x 128"):
+    with pytest.raises(ConfigError, match="without images of 128 pixels"):
         zson.frame({"rgb": rgb[:64], "last_action": 0}, {})
 
 

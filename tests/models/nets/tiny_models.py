@@ -14,7 +14,7 @@ DETR_LABELS = ("N/A", "cup", "coffee table", "table", "bed")
 
 
 def resnet(folder: Path, layer_type: str = "basic") -> Path:
-    """The ResNet-18 of the random weights as a classifier, with a head that is not needed; or a small bottleneck one."""
+    """The ResNet-18 of the random weights as a classifier with its head, or a small one of bottlenecks."""
     config = FrozenResNet18()._model.config
     if layer_type != "basic":
         config = transformers.ResNetConfig(
