@@ -108,7 +108,7 @@ class HabitPolicyE2E(PolicyModule):
         self.join = nn.Sequential(nn.Linear(looks + 3 * width + facts, hidden), nn.ReLU())
         self.lstm = nn.LSTM(hidden, hidden)
         last = nn.Linear(hidden, N_ACTIONS)
-        nn.init.zeros_(last.weight)  # at first the places to go decide
+        nn.init.normal_(last.weight, std=0.01)  # at first the places to go decide
         self.choose = nn.Sequential(nn.Linear(hidden + facts, hidden), nn.ReLU(), last)
         self.plan_weight = nn.Parameter(torch.tensor([1.0, 1.0, 1.0, 0.2, 0.2, 0.2, 0.2]))
         self.judge = nn.Sequential(nn.Linear(hidden + facts, hidden // 2), nn.ReLU(), nn.Linear(hidden // 2, 1))
@@ -151,9 +151,11 @@ class HabitPolicyE2E(PolicyModule):
     def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:
         """Image, patch of floor, things and status of one step; about 20 KB."""
         if "rgb" not in observation or "depth" not in observation:
-            raise ConfigError(f"{self.architecture}: no image in the observation; it needs env.observe=pixels")
+            raise ConfigError(f"agent {self.architecture}: observations without images; give env.observe=pixels")
         if "detections" not in info:
-            raise ConfigError(f"{self.architecture}: no detections in the info; it needs a detector, as detector=gt")
+            raise ConfigError(
+                f"agent {self.architecture}: no detections; give the environment a detector, as detector=gt"
+            )
         x, y, yaw, pitch = (float(v) for v in observation["pose"])
         depth = observation["depth"].reshape(observation["depth"].shape[:2])
         view = ego_view(depth, pitch, float(info["camera_m"]), info, str(info["target"]))

@@ -123,7 +123,7 @@ def read_habits(
 
     Returns:
         belief (n, 4) float16, p(category, relation) for the n categories of the catalogue; summary (7,) float32;
-        target () int64, its number, -1 outside the catalogue; goal (DIM,) float16, embedding of its name; habit_vectors
+        target () int64, its number, n outside the catalogue; goal (DIM,) float16, embedding of its name; habit_vectors
         (N_HABITS, DIM) float16; habit_features (N_HABITS, 4) float16; support (N_HABITS, A) float16.
     """
     target, texts = str(info["target"]), tuple(info["habits"])
@@ -150,7 +150,7 @@ def read_habits(
     return {
         "belief": joint,
         "summary": _summary(np.asarray(belief.p), len(texts), support, trusted, target),
-        "target": np.array(words().number.get(target, -1)),
+        "target": np.array(words().number.get(target, len(words().number))),
         "goal": encoder.encode_half([phrase(target)])[0],
         "habit_vectors": vectors,
         "habit_features": features,
