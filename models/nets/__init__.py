@@ -1,0 +1,1 @@
+"""Networks that learned policies are made of."""
