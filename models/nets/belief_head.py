@@ -261,7 +261,7 @@ class Block(nn.Module):
         """``query`` (T, C, d), ``habits`` (H, d), ``pair`` (H, C, N_PAIR), ``gate`` (T, H) -> (T, C, d)."""
         t, c, d = query.shape
         k, v = self.kv(self.habit_norm(habits)).view(-1, 2, self.heads, d // self.heads).unbind(1)  # (H, n, e)
-        q = self.q(self.norm(query)).view(t, c, self.heads, -1)
+        q = self.q(self.norm(query)).view(t, c, self.heads, d // self.heads)
         logits = torch.einsum("tcne,hne->tnch", q, k) / q.shape[-1] ** 0.5
         logits = logits + self.bias(pair).permute(2, 1, 0) + torch.log(gate + 1e-9)[:, None, None]
         # A sink of weight 1 takes what no habit claims, so no habits at all are nothing to look at.

@@ -56,6 +56,7 @@ class BeliefLearner:
         relation, relevance: weights of these losses beside that of the anchors.
         average: decay of the moving average of the parameters, which is what is chosen and kept.
         n_folds: of the parts that read the train text.
+        used_folds: so many of them are learned from (each takes minutes to fit); all by default.
         n_kbs: knowledge bases of one validation.
         seed: of the start and of what is drawn.
         parts: what reads the val part, and what the head will stand on; the shipped ones by default.
@@ -79,6 +80,7 @@ class BeliefLearner:
         relevance: float = 0.5,
         average: float = 0.99,
         n_folds: int = 2,
+        used_folds: int | None = None,
         n_kbs: int = 8,
         seed: int = 0,
         parts: FittedParts | None = None,
@@ -93,7 +95,9 @@ class BeliefLearner:
         torch.manual_seed(derived_seed(seed, "belief head"))
         self.head = head()
         draw = draw or Draw()
-        self._draws = [(data, Draws(fitted, draw)) for data, fitted in readers or fold_readers(dataset, n_folds)]
+        self._draws = [
+            (data, Draws(fitted, draw)) for data, fitted in readers or fold_readers(dataset, n_folds, used_folds)
+        ]
         self._parts = parts or default_parts()
         self.parameters = dict(self.head.named_parameters())
         self._optimiser = torch.optim.AdamW(self.parameters.values(), lr=lr, weight_decay=decay)
@@ -245,12 +249,12 @@ class BeliefLearner:
         )
 
 
-def fold_readers(dataset: HabitDataset, count: int) -> list[tuple[HabitDataset, FittedParts]]:
+def fold_readers(dataset: HabitDataset, count: int, used: int | None) -> list[tuple[HabitDataset, FittedParts]]:
     """The folds of a dataset, each with parts that were fitted on the others."""
     pairs = default_pair_reader()
     return [
         (fold.dataset, FittedParts(fold.weights, pairs, ReadEvidence.of(fold, pairs)))
-        for fold in folds(dataset, pairs, count)
+        for fold in folds(dataset, pairs, count, used)
     ]
 
 

@@ -47,8 +47,8 @@ class Draw:
 
     task_share: float = 0.6
     """Share of knowledge bases with one entry a category; the others hold all entries of a household."""
-    targets: int = 10
-    clutter: int = 24
+    targets: int = 8
+    clutter: int = 12
     """Candidates that are no anchors of the dataset, as they stand about in homes."""
     swap: float = 0.15
     """Share of households in which :attr:`swapped` of the anchors exchange their names."""

@@ -80,10 +80,22 @@ def fold_categories(data: HabitDataset, count: int) -> list[tuple[str, ...]]:
 
 
 def folds(
-    data: HabitDataset, pairs: PairReader, count: int = 2, recipe: Recipe | None = None, say: Say = print
+    data: HabitDataset,
+    pairs: PairReader,
+    count: int = 2,
+    used: int | None = None,
+    recipe: Recipe | None = None,
+    say: Say = print,
 ) -> list[Fold]:
-    """All folds; what was fitted before is read from the cache."""
-    return [_fold(data, set(group), pairs, recipe or RECIPE, say) for group in fold_categories(data, count)]
+    """The first ``used`` folds, or all; what was fitted before is read from the cache.
+
+    Raises:
+        ConfigError: fewer than two folds, or more than categories; more used than there are.
+    """
+    groups = fold_categories(data, count)
+    if used is not None and not 1 <= used <= count:
+        raise ConfigError(f"{used} of {count} folds: expected 1 to {count}")
+    return [_fold(data, set(group), pairs, recipe or RECIPE, say) for group in groups[:used]]
 
 
 def _fold(data: HabitDataset, names: set[str], pairs: PairReader, recipe: Recipe, say: Say) -> Fold:
