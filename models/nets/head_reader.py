@@ -23,6 +23,7 @@ from ucon.core.files import read_verified
 from ucon.habits.types import RELATIONS
 from ucon.language.encoder import one_thread
 from ucon.learning.belief import CONFIG, WEIGHTS
+from ucon.learning.run import MODEL
 from ucon.retrieval.household import Candidates, FittedParts, Household, default_parts
 from ucon.retrieval.reader import AnchorBelief
 from ucon.retrieval.weights import Array, sigmoid, softmax
@@ -104,8 +105,16 @@ class HeadReader:
 
     @classmethod
     def load(cls, folder: str | Path | None = None) -> HeadReader:
-        """The head of a run (its folder, or its ``model``); None: the shipped one."""
-        return cls(load_head(SHIPPED if folder is None else Path(folder)))
+        """The head of a run (its folder, or its ``model``); None: the shipped one.
+
+        Raises:
+            DataError: see :func:`load_head`; or it was trained on other fitted parts than the shipped ones.
+        """
+        path = _model_folder(SHIPPED if folder is None else Path(folder))
+        head, parts = load_head(path), default_parts()
+        if json.loads(read_verified(path / CONFIG)).get("parts") != parts.sha256:
+            raise DataError(f"{path}: trained on other fitted parts than are shipped; train it again (learner=belief)")
+        return cls(head, parts)
 
     def read(self, target: str, texts: Sequence[str], *, trusted: bool = False) -> HeadReading:
         """Read habits once for an episode; see :meth:`ucon.retrieval.reader.AnchorReader.read`."""
@@ -150,8 +159,7 @@ def load_head(folder: Path) -> BeliefHead:
     Raises:
         DataError: a file is missing or altered, or holds no head of this architecture.
     """
-    folder = folder.expanduser()
-    folder = folder if (folder / WEIGHTS).is_file() or not (folder / "model").is_dir() else folder / "model"
+    folder = _model_folder(folder)
     raw, described = read_verified(folder / WEIGHTS), read_verified(folder / CONFIG)
     try:
         head = BeliefHead(**json.loads(described)["head"])
@@ -160,6 +168,12 @@ def load_head(folder: Path) -> BeliefHead:
         reason = str(error).splitlines()[0][:120]
         raise DataError(f"{folder}: no belief head of this version ({reason}); train one with learner=belief") from None
     return head.eval()
+
+
+def _model_folder(folder: Path) -> Path:
+    """``folder``, or the ``model`` in it where it is that of a run."""
+    folder = folder.expanduser()
+    return folder / MODEL if (folder / MODEL).is_dir() else folder
 
 
 @cache

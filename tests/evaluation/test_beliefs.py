@@ -51,7 +51,7 @@ def test_knowing_the_places_is_no_leak_knowing_the_draw_is(kbs):
     from ucon.evaluation import beliefs
 
     found = measured(Cheat(kbs[0]), kbs)
-    drawn = {level: row for level, row in found.items()}
+    drawn = dict(found)
     drawn["gt"].values["nll"] = [value - 0.5 for value in found[ORACLE].values["nll"]]
     with pytest.raises(DataError, match="leaks into what is read"):
         beliefs._alarm(drawn)

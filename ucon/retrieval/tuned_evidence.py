@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import DataError
+from ucon.core.files import sha256_bytes
 from ucon.language.adapted import AdaptedMiniLM
 from ucon.language.pairs import PairReader
 from ucon.language.store import StoredEncoder, VectorTable
@@ -42,10 +43,15 @@ class TunedEvidence(EvidenceReader):
         """
         super().__init__(weights, pairs)
         self.table = table
-        self._last, self.sha256 = load_arrays(LAST)
+        self._last, self._sha256 = load_arrays(LAST)
         if tuple(self._last["anchors"].tobytes().decode().split("\n")) != weights.anchors:
             raise DataError(f"{LAST}: made for other anchors than the reader's; restore both from the release")
         self._encoder = StoredEncoder(AdaptedMiniLM(ADAPTER))
+
+    @property
+    def sha256(self) -> str:
+        """Hash of last layer and adapter."""
+        return sha256_bytes(f"{self._sha256} {self._encoder.name}".encode())
 
     def logits_of(self, texts: Sequence[str]) -> Array:
         """(n, A + 5) by the encoder."""
@@ -71,6 +77,6 @@ class TunedEvidence(EvidenceReader):
 
 
 @cache
-def book_table() -> VectorTable:
-    """What is said of the habit book's sentences."""
-    return VectorTable.load(TABLE)
+def book_table() -> VectorTable | None:
+    """What is said of the habit book's sentences; None before it was made."""
+    return VectorTable.load(TABLE) if TABLE.with_suffix(".npy").is_file() else None
