@@ -1,6 +1,7 @@
-"""Train what agents learn: so far the habit retriever.
+"""Train what agents learn.
 
     python train.py learner=retriever
+    python train.py learner=belief
     python train.py learner=retriever habits=official habits.path=FILE
     python train.py resume=runs/train/RUN
 
