@@ -234,16 +234,16 @@ class BeliefLearner:
     def card(self) -> Card:
         """What it is and what for."""
         parts = entry_parts(self.dataset)
-        count: Callable[[str], int] = lambda part: sum(p == part for p in parts.values())  # noqa: E731
+        chosen = sum(part == "val" for part in parts.values())
+        taught = sum(parts.get(e.id) == "train" for data, _ in self._draws for e in data.entries)
         size = sum(value.numel() for value in self.parameters.values())
         return Card(
             "Belief head: where a thing may be, by what the habits say",
             f"A network of {size:,} parameters (fp16). It reads sentence vectors (all-MiniLM-L6-v2, Apache-2.0), pair "
             "features and what the fitted anchor reader says of each sentence, and gives p(anchor), p(relation | "
             "anchor), the relevance of every habit and the mass of what was not seen.\n\n"
-            f"Trained on the {count('train')} `train` entries of `{self.dataset.name}` (read by parts that were fitted "
-            f"on other categories), chosen and calibrated on its {count('val')} `val` entries; `test` entries were "
-            "not read. One set of weights for all habit levels.\n\n"
+            f"Trained on {taught} `train` entries of `{self.dataset.name}` (read by parts that were fitted on other "
+            f"categories), chosen and calibrated on its {chosen} `val` entries; `test` entries were not read. One set of weights for all habit levels.\n\n"
             "It reads English sentences about where people keep things. Its probabilities are those of the habit "
             "book's households: elsewhere they are too sure.",
         )
