@@ -243,7 +243,8 @@ class BeliefLearner:
             "features and what the fitted anchor reader says of each sentence, and gives p(anchor), p(relation | "
             "anchor), the relevance of every habit and the mass of what was not seen.\n\n"
             f"Trained on {taught} `train` entries of `{self.dataset.name}` (read by parts that were fitted on other "
-            f"categories), chosen and calibrated on its {chosen} `val` entries; `test` entries were not read. One set of weights for all habit levels.\n\n"
+            f"categories), chosen and calibrated on its {chosen} `val` entries; `test` entries were not read. "
+            "One set of weights for all habit levels.\n\n"
             "It reads English sentences about where people keep things. Its probabilities are those of the habit "
             "book's households: elsewhere they are too sure.",
         )
