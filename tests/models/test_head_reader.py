@@ -48,7 +48,7 @@ def test_stands_in_for_the_fitted_reader(reader):
     fitted = ReadHabits(AnchorReader())({"habits": HABITS, "target": "wallet", "habit_level": "gt"})
     assert locations.names == fitted.names
     assert locations.p.shape == fitted.p.shape
-    assert 0.9 < locations.p.sum() <= 1 + 1e-6
+    assert 0.5 < locations.p.sum() < 1, "the rest is what nobody knows"
 
 
 def test_beliefs_add_up(reader):
