@@ -47,6 +47,15 @@ def test_a_resumed_run_is_bit_identical(tmp_path):
         assert torch.equal(value, again.learner.state_dict().tensors[name])
 
 
+@pytest.mark.parametrize("switch", ["pairs", "evidence", "gate", "sentences", "prior"])
+def test_ablations_can_be_resumed(switch):
+    learner = tiny_belief(head={switch: False})
+    learner.step()
+    again = tiny_belief(head={switch: False})
+    again.load_state_dict(learner.state_dict())
+    assert again.step() == learner.step()
+
+
 def test_state_of_another_head_is_refused():
     with pytest.raises(DataError, match="names or shapes differ"):
         tiny_belief().load_state_dict(tiny_belief(head={"width": 8}).state_dict())

@@ -129,6 +129,9 @@ class BeliefLearner:
             (loss / self.households).backward()  # type: ignore[no-untyped-call]
             for name, value in {"loss": loss, **found}.items():
                 total[name] += float(value.detach()) / self.households
+        for value in self.parameters.values():
+            if value.grad is None:  # switched off by an ablation; it has moments all the same, so states are alike
+                value.grad = torch.zeros_like(value)
         rate = self.lr * schedule(self._done, self.steps, self.warm_up)
         for group in self._optimiser.param_groups:
             group["lr"] = rate
