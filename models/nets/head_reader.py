@@ -58,6 +58,11 @@ class HeadReading:
         relation = np.stack([self._relation[name] for name in names]) if names else np.zeros((0, len(RELATIONS)))
         return AnchorBelief(names, p[: len(names)], relation, float(sum(unseen.values()) + p[-1]), unseen)
 
+    @property
+    def telling(self) -> Array:
+        """(H,): how much each habit is taken to say where the target is."""
+        return self.relevance * self.household.said.place
+
     def support(self, anchor: str) -> Array:
         """(H,): how strongly each habit speaks for the target being by ``anchor``: the reasons for a belief."""
         self._read([anchor])
