@@ -32,13 +32,35 @@ def composed(*overrides: str, root: str = "eval") -> dict:
     return OmegaConf.to_container(config, resolve=True, throw_on_missing=True)
 
 
+#: Learners of an agent's policy.
+OF_POLICIES = [
+    n for g, n in OPTIONS if g == "learner" and "${agent.policy}" in (CONFIGS / g / f"{n}.yaml").read_text()
+] + ["dagger"]
+
+
 @pytest.mark.parametrize(("group", "name"), [(g, n) for g, n in OPTIONS if g in TRAINING | {"habits"}])
 def test_every_option_of_training_composes(group, name):
-    extra = MANDATORY.get((group, name))
-    config = composed(f"{group}={name}", *([extra] if extra else []), root="train")
+    extra = [MANDATORY.get((group, name)), "agent=vtn" if group == "learner" and name in OF_POLICIES else None]
+    config = composed(f"{group}={name}", *(word for word in extra if word), root="train")
     assert config["training"]["steps"] >= 1
     assert config["learner"]["_target_"].startswith("ucon.learning.")
     assert callable(get_class(config["learner"]["_target_"]))
+
+
+def with_a_policy():
+    """Agents that have one: each can be trained."""
+    return [n for g, n in OPTIONS if g == "agent" and "policy" in composed(f"agent={n}")["agent"]]
+
+
+@pytest.mark.parametrize("name", with_a_policy())
+@pytest.mark.parametrize("learner", OF_POLICIES)
+def test_every_policy_can_be_given_to_every_learner_of_policies(name, learner):
+    config = composed(f"agent={name}", f"learner={learner}", root="train")
+    assert config["learner"]["policy"] == config["agent"]["policy"]
+    assert config["learner"]["env"]["config"]["observe"] == "pixels"
+    assert config["learner"]["episodes"] == "train"
+    env = Factory(config["learner"]["env"]["config"])
+    assert env().observation_space["rgb"].shape == (128, 128, 3)
 
 
 @pytest.mark.parametrize(("group", "name"), [(g, n) for g, n in OPTIONS if g not in TRAINING])
