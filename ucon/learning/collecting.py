@@ -93,7 +93,7 @@ class Rollouts:
     """Gathers experience with a policy on the CPU, whatever device it is trained on.
 
     Args:
-        policy: an :class:`ucon.learning.policy.ActionPolicy` that is a module; played with the weights that it has then.
+        policy: an :class:`ucon.learning.policy.ActionPolicy` that is a module; plays with its weights of the time.
         make_env: makes an environment; sent to workers.
         episodes: to draw from.
         levels: habit levels that are mixed.

@@ -37,7 +37,7 @@ class PPOLoss:
     """
 
     def __init__(self, clip: float = 0.2, entropy: float = 0.003, value: float = 0.5) -> None:
-        for name, number, least in (("clip", clip, 1e-6), ("entropy", entropy, 0), ("value", value, 0)):
+        for name, number, least in (("clip", clip, 1e-6), ("entropy", entropy, 0), ("value", value, 1e-6)):
             if type(number) not in (int, float) or not least <= number < 1e9:
                 raise ConfigError(f"learner.loss.{name}={brief(number)}: must be a number from {least:g} up")
         # The network is run once for both, by who calls: TorchRL's parts only pass on what it said.
@@ -51,6 +51,7 @@ class PPOLoss:
             critic_coeff=value,
             loss_critic_type="l2",
             normalize_advantage=False,
+            functional=False,
         )
 
     def __call__(self, played: TensorDictBase, logits: Tensor, value: Tensor) -> tuple[Tensor, Mapping[str, float]]:
