@@ -137,10 +137,10 @@ class VTN(_Seeing):
         for seen in self.seen(frames, context):  # (B, 3136)
             inputs = torch.cat([seen, relu(self.action_embed(state["probabilities"]))], -1)
             outputs, memory = run_lstm(self.lstm, inputs[None], state)
-            logits.append(self.actor(outputs[0]))
+            logits.append(self.actor(outputs[0]).float())
             hidden.append(outputs[0])
             state = memory | {"probabilities": logits[-1].softmax(-1)}
-        return Outputs(torch.stack(logits), self.critic(torch.stack(hidden))[..., 0], state)
+        return Outputs(torch.stack(logits), self.critic(torch.stack(hidden))[..., 0].float(), state)
 
     def _take_over(self, pretraining: VTNPretraining, path: str) -> None:
         load_network(path, pretraining, how="train it with `python train.py agent=vtn_pretraining learner=imitation`")
@@ -166,7 +166,7 @@ class VTNPretraining(_Seeing):
 
     def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
         """See :class:`ucon.learning.policy.ActionPolicy`; values are 0."""
-        logits = self.head(self.seen(frames, context))
+        logits = self.head(self.seen(frames, context)).float()
         return Outputs(logits, torch.zeros_like(logits[..., 0]), {})
 
 

@@ -111,7 +111,7 @@ class ZSON(PolicyModule):
         goal = context["goal"].float().expand(steps, batch, -1)
         parts = [seen.unflatten(0, (steps, batch)), goal, self.last_action(frames["last_action"].long())]
         hidden, state = run_lstm(self.lstm, torch.cat(parts, -1), state)
-        return Outputs(self.actor(hidden), self.critic(hidden)[..., 0], state)
+        return Outputs(self.actor(hidden).float(), self.critic(hidden)[..., 0].float(), state)
 
     def _initialise(self) -> None:
         """Habitat's rules: Kaiming for what sees, orthogonal for what remembers and decides, no bias."""

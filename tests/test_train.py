@@ -97,6 +97,23 @@ def test_impossible_numbers_of_threads(threads):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("learner", ["imitation", "dagger"])
+def test_a_policy_is_trained_and_then_played(tmp_path, learner):
+    run, small = tmp_path / "run", ("learner.n_episodes=2", "learner.batch=2", "training.steps=2", "progress=false")
+    validation = [f"learner.validation.{x}" for x in ("n_demonstrations=2", "n_play=0", "choose=loss")]
+    rollouts = ["learner.rollouts.episodes=2", "learner.rollouts.max_steps=20"] if learner == "dagger" else []
+    result = train("agent=vtn", f"learner={learner}", *small, *validation, *rollouts, f"out={run}")
+    assert result.returncode == 0, result.stderr[-2000:]
+    lines = [json.loads(line) for line in (run / "metrics.jsonl").read_text().splitlines()]
+    assert lines[-1]["val/loss"] > 0
+    assert "different labelled frames" in (run / "MODEL_CARD.md").read_text()
+    command = [sys.executable, "eval.py", "agent=vtn", f"agent.checkpoint={run}", "limit=1", f"out={tmp_path}/eval"]
+    played = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=600)
+    assert played.returncode == 0, played.stderr[-2000:]
+    assert json.loads((tmp_path / "eval" / "summary.json").read_text())["n"] == 1
+
+
+@pytest.mark.slow
 def test_sigterm_saves_and_resume_gives_the_same_bytes(tmp_path):
     whole, parts = tmp_path / "whole", tmp_path / "parts"
     result = train(*SMALL, "training.steps=4", f"out={whole}")

@@ -9,7 +9,7 @@ from typing import Any, Final
 import torch
 from torch import Tensor, nn
 
-from models.nets.frozen import FrozenWeights
+from models.nets.frozen import FrozenWeights, without_models
 from models.nets.tokens import TOKENS, WIDTH
 from ucon.core.errors import ConfigError, DataError
 from ucon.learning.policy import Arrays, Tensors
@@ -73,7 +73,12 @@ class DetrTokens(nn.Module):
         """Of ``rgb`` (..., H, W, 3): ``feature`` (..., 100, 256) float16, and as :class:`LabelTokens` the others."""
         rgb = frames["rgb"]
         lead = rgb.shape[:-3]
-        parts = [self._found(part) for part in rgb.reshape(-1, *rgb.shape[-3:]).split(_CHUNK)]
+        with torch.autocast(rgb.device.type, enabled=False):
+            parts = [self._found(part) for part in rgb.reshape(-1, *rgb.shape[-3:]).split(_CHUNK)]
+            return self._together(parts, lead)
+
+    @staticmethod
+    def _together(parts: list[dict[str, Tensor]], lead: torch.Size) -> dict[str, Tensor]:
         return {name: torch.cat([part[name] for part in parts]).unflatten(0, lead) for name in parts[0]}
 
     def forward(self, frames: Tensors) -> Tensor:
@@ -98,6 +103,9 @@ class DetrTokens(nn.Module):
             "box": _rows(box, order, keep),
             "feature": _rows(found.last_hidden_state, order, keep),
         }
+
+    def __getstate__(self) -> dict[str, Any]:
+        return without_models(self, "_model")
 
     @cached_property
     def _model(self) -> Any:

@@ -85,3 +85,11 @@ class FrozenWeights:
     @property
     def _how(self) -> str:
         return f"get it once with `hf download NAME --local-dir FOLDER` and give {self._option}=FOLDER"
+
+    def __getstate__(self) -> dict[str, Any]:
+        return without_models(self, "model")
+
+
+def without_models(holder: Any, *names: str) -> dict[str, Any]:
+    """The state of an object without what it made at its first use: another process or device makes its own."""
+    return {name: value for name, value in vars(holder).items() if name not in names}

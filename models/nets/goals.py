@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from models.nets.frozen import FrozenWeights
+from models.nets.frozen import FrozenWeights, without_models
 from ucon.core.errors import DataError
 from ucon.core.weight_files import local_folder
 from ucon.language.encoder import quiet
@@ -25,18 +25,15 @@ class SentenceGoal:
     Not ZSON's: nothing ties these vectors to images, so a policy trained on them knows words, not looks.
     """
 
-    def __init__(self) -> None:
-        self._encoder = default_encoder()
-
     @property
     def name(self) -> str:
         """Name of the encoder."""
-        return self._encoder.name
+        return default_encoder().name
 
     @property
     def dim(self) -> int:
         """384."""
-        return self._encoder.dim
+        return default_encoder().dim
 
     def check(self) -> None:
         """Nothing is needed."""
@@ -47,7 +44,7 @@ class SentenceGoal:
 
     def encode(self, category: str) -> NDArray[np.float32]:
         """Unit vector (384,) of a category's name."""
-        return np.asarray(self._encoder.encode([phrase(category)])[0], np.float32)
+        return np.asarray(default_encoder().encode([phrase(category)])[0], np.float32)
 
 
 class ClipGoal:
@@ -60,7 +57,7 @@ class ClipGoal:
     def __init__(self, path: str) -> None:
         """``path``: folder in Hugging Face layout or a name in its cache."""
         self._weights = FrozenWeights(path, "CLIPTextModelWithProjection", _OPTION)
-        self._encoded = lru_cache(maxsize=4096)(self._encode)
+        self._known: dict[str, NDArray[np.float32]] = {}
 
     @property
     def name(self) -> str:
@@ -82,7 +79,13 @@ class ClipGoal:
 
     def encode(self, category: str) -> NDArray[np.float32]:
         """Unit vector (dim,) of a category's name."""
-        return self._encoded(phrase(category))
+        text = phrase(category)
+        if text not in self._known:
+            self._known[text] = self._encode(text)
+        return self._known[text]
+
+    def __getstate__(self) -> dict[str, Any]:
+        return without_models(self, "_tokenizer")
 
     @torch.no_grad()
     def _encode(self, text: str) -> NDArray[np.float32]:

@@ -71,7 +71,11 @@ def lstm_state(batch: int, lstm: nn.LSTM) -> dict[str, Tensor]:
 
 
 def run_lstm(lstm: nn.LSTM, inputs: Tensor, state: Tensors) -> tuple[Tensor, dict[str, Tensor]]:
-    """T steps: ``inputs`` (T, B, in) and a state (B, layers, hidden) to outputs (T, B, hidden) and the state after."""
+    """T steps: ``inputs`` (T, B, in) and a state (B, layers, hidden) to outputs (T, B, hidden) and the state after.
+
+    The state is float32 whatever autocast computes in.
+    """
     before = tuple(state[name].transpose(0, 1).contiguous() for name in ("hidden", "cell"))
     outputs, after = lstm(inputs, before)
-    return outputs, {name: tensor.transpose(0, 1) for name, tensor in zip(("hidden", "cell"), after, strict=True)}
+    named = zip(("hidden", "cell"), after, strict=True)
+    return outputs, {name: tensor.transpose(0, 1).float() for name, tensor in named}

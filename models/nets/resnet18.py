@@ -9,7 +9,7 @@ from typing import Any, Final
 import torch
 from torch import Tensor
 
-from models.nets.frozen import FrozenWeights
+from models.nets.frozen import FrozenWeights, without_models
 from ucon.core.errors import DataError
 from ucon.core.rng import derived_seed
 
@@ -55,9 +55,13 @@ class FrozenResNet18:
     @torch.no_grad()
     def maps(self, rgb: Tensor) -> Tensor:
         """Frames (N, H, W, 3) uint8 to maps (N, 512, 7, 7) float16, on the frames' device."""
-        if len(rgb) > 1 or rgb.is_cuda:
+        with torch.autocast(rgb.device.type, enabled=False):  # stored maps are the same whatever training computes in
+            if len(rgb) == 1 and not rgb.is_cuda:
+                return self._remembered(rgb)
             parts = [self._computed(part) for part in rgb.split(_CHUNK)]
             return torch.cat(parts) if parts else rgb.new_zeros((0, CHANNELS, SIDE, SIDE), dtype=torch.float16)
+
+    def _remembered(self, rgb: Tensor) -> Tensor:
         key = rgb.numpy().tobytes()
         if key not in self._known:
             self._known[key] = self._computed(rgb).clone()
@@ -70,11 +74,11 @@ class FrozenResNet18:
         images = torch.nn.functional.interpolate(images, (INPUT_PX, INPUT_PX), mode="bilinear", align_corners=False)
         mean, deviation = (images.new_tensor(values).view(3, 1, 1) for values in (_MEAN, _DEVIATION))
         images = ((images - mean) / deviation).contiguous(memory_format=torch.channels_last)
-        found: Tensor = self._on(rgb.device)(images).last_hidden_state
+        found: Tensor = self._model.to(rgb.device)(images).last_hidden_state
         return found.contiguous().half()
 
-    def _on(self, device: torch.device) -> Any:
-        return self._model.to(device)
+    def __getstate__(self) -> dict[str, Any]:
+        return without_models(self, "_model") | {"_known": OrderedDict()}
 
     @cached_property
     def _model(self) -> Any:

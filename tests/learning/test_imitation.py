@@ -168,6 +168,13 @@ def test_numbers_that_are_none_stop_it_and_are_named(learner, where):
     assert torch.equal(found.policy.state_dict()["choose.weight"], before)
 
 
+def test_half_the_bits_learn_as_well(learner):
+    found = learner(precision="bfloat16", n_episodes=3)
+    losses = [found.step()["cross_entropy"] for _ in range(20)]
+    assert losses[-1] < 0.7 * losses[0]
+    assert {value.dtype for value in found.updates.parameters.values()} == {torch.float32}
+
+
 def test_a_state_of_another_network_is_refused(learner):
     state = learner(TinyPolicy(width=16)).state_dict()
     with pytest.raises(DataError, match="state of another learner"):

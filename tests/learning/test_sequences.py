@@ -13,7 +13,7 @@ from ucon.learning.trajectories import IGNORED, Trajectory, demonstration
 from ucon.task.sets import load_episodes
 
 EPISODES = sorted(load_episodes("mini"), key=lambda episode: len(episode.solution))[:6:2]
-LOSS = SequenceLoss({"done": 5.0}, value=0.1)
+LOSS = SequenceLoss({"done": 5.0}, change=3.0, value=0.1)
 
 
 @pytest.fixture(scope="module")
@@ -84,8 +84,16 @@ def test_the_loss_is_that_of_torch_over_labels_and_steps(pairs):
     logits = torch.cat(list(logits_of(policy, pairs, 1000).values()))
     order = sorted(pairs, key=lambda pair: -len(pair[1]))
     labels = torch.from_numpy(np.concatenate([trajectory.classes for trajectory, _ in order]))
-    weights = torch.tensor([1.0] * 6 + [5.0])
-    expected = torch.nn.functional.cross_entropy(logits, labels, weights, ignore_index=IGNORED)
+    each = torch.nn.functional.cross_entropy(logits, labels, ignore_index=IGNORED, reduction="none")
+    before = [None, *labels.tolist()[:-1]]
+    starts = {sum(len(t.actions) for t, _ in order[:k]) for k in range(len(order))}
+    weight = torch.tensor(
+        [
+            (0.0 if label == IGNORED else 5.0 if label == 6 else 1.0) * (3.0 if k in starts or label != last else 1.0)
+            for k, (label, last) in enumerate(zip(labels.tolist(), before, strict=True))
+        ]
+    )
+    expected = (each * weight).sum() / weight.sum()
     figures = LOSS.figures(sums)
     assert figures["cross_entropy"] == pytest.approx(float(expected), rel=1e-4)
     assert figures["loss"] == pytest.approx(float(total.detach()), rel=1e-4)

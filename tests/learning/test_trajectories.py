@@ -1,5 +1,11 @@
 """Trajectories as data, their replays, and what memory and workers must not change."""
 
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -125,3 +131,33 @@ def test_a_policy_that_reads_no_habits_is_shown_an_episode_once():
     batch = [demonstration(EPISODES[0], level) for level in ("none", "gt", "full")]
     list(Feeder(policy, ENV)([batch]))
     assert policy.asked == 1
+
+
+def test_changes_are_against_what_was_done():
+    strayed = Trajectory(EPISODES[0], "gt", "0020", "0.00")
+    assert strayed.changes.tolist() == [True, True, False, True]
+
+
+def waiting(episodes):
+    """A learner with a worker, which waits to be killed."""
+    feeder = Feeder(TinyPolicy(), ENV, workers=1)
+    print(next(feeder([[demonstration(episodes[0], "none")]] * 9))[0][1].rewards.sum(), flush=True)  # noqa: T201
+    time.sleep(600)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+def test_workers_end_with_their_learner(number):
+    """Nothing is left running, whatever ends it."""
+    code = "from tests.learning.test_trajectories import *; waiting(EPISODES) if __name__ == '__main__' else None"
+    learner = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    assert learner.stdout is not None
+    assert float(learner.stdout.readline()) > 9
+    children = subprocess.run(["pgrep", "-P", str(learner.pid)], capture_output=True, text=True).stdout.split()
+    assert children
+    learner.send_signal(number)
+    learner.wait(60)
+    until = time.monotonic() + 30
+    while (left := [pid for pid in children if Path(f"/proc/{pid}/stat").exists()]) and time.monotonic() < until:
+        time.sleep(0.1)
+    assert not left

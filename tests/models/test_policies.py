@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from functools import cache
 from typing import Any
 
@@ -90,6 +91,17 @@ def test_steps_together_are_steps_one_by_one(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", POLICIES)
+def test_in_bfloat16_it_says_nearly_the_same_in_float32(name: str) -> None:
+    frames, context = sequence(name)
+    wanted = run(name, frames, context)
+    with torch.autocast("cpu", torch.bfloat16):
+        found = run(name, frames, context)
+    kinds = {t.dtype for t in (found.logits, found.value, *found.state.values())}
+    assert kinds == {torch.float32}
+    assert (found.logits - wanted.logits).abs().max() < 0.1 * wanted.logits.abs().max()
+
+
+@pytest.mark.parametrize("name", POLICIES)
 def test_episodes_of_a_batch_know_nothing_of_each_other(name: str) -> None:
     frames, context = sequence(name)
     together = run(name, frames, context)
@@ -167,6 +179,18 @@ def test_weights_in_fp16_say_nearly_the_same(name: str, tmp_path: Any) -> None:
 def test_an_environment_without_images_is_refused(name: str) -> None:
     with pytest.raises(ConfigError, match=r"give env\.observe=pixels"):
         policy(name).frame({"last_action": 7}, {})
+
+
+@pytest.mark.parametrize("name", POLICIES)
+def test_a_copy_for_another_process_takes_no_frozen_network_along(name: str) -> None:
+    frames, context = sequence(name)
+    wanted = run(name, frames, context)
+    weights = sum(t.numel() * t.element_size() for t in policy(name).state_dict().values())
+    sent = pickle.dumps(policy(name))
+    assert len(sent) < weights + 1e6
+    copy = pickle.loads(sent)
+    with torch.inference_mode():
+        assert torch.equal(copy(frames, context, copy.initial_state(2)).logits, wanted.logits)
 
 
 def test_augmentation_is_of_training_and_alike_for_an_episode() -> None:

@@ -117,6 +117,10 @@ def test_draws_are_a_function_of_seed_episode_and_step() -> None:
     alone(busy, 2)
     assert alone(busy, 1, slot=3) == first[0]
     assert alone(remembering(), 1) != first[0]
+    undecided = remembering(sample=True)
+    nn.init.zeros_(undecided.policy.head.weight)  # type: ignore[arg-type]
+    nn.init.zeros_(undecided.policy.head.bias)  # type: ignore[arg-type]
+    assert len(set(alone(undecided, 1))) > 3  # every step draws anew
 
 
 def test_draws_follow_the_probabilities() -> None:

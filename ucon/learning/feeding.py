@@ -9,6 +9,9 @@ from __future__ import annotations
 
 import copy
 import multiprocessing
+import os
+import signal
+import threading
 import zlib
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -112,12 +115,20 @@ class Feeder:
 
 
 def _begin(policy: Any, make_env: Callable[[], Any]) -> None:
-    """Give this worker its replayer."""
+    """Give this worker its replayer. It leaves Ctrl-C to the learner, and ends when the learner is killed."""
     import torch
 
     torch.set_num_threads(1)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     global _replayer
     _replayer = Replayer(policy, make_env)
+
+
+def _end_with_parent() -> None:
+    if (parent := multiprocessing.parent_process()) is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _work(trajectory: Trajectory) -> Replay:

@@ -37,6 +37,8 @@ class Chunk:
     """(T, B) float32"""
     present: Tensor
     """(T, B) bool: steps that were played."""
+    changes: Tensor
+    """(T, B) bool: the label is another action than the one before it."""
 
 
 class Batch:
@@ -57,6 +59,7 @@ class Batch:
         names = chosen[0][1].context
         self.context = {n: torch.from_numpy(np.stack([r.context[n] for _, r in chosen])).to(device) for n in names}
         self.labels = [torch.from_numpy(trajectory.classes).to(device) for trajectory, _ in chosen]
+        self.changes = [torch.from_numpy(trajectory.changes).to(device) for trajectory, _ in chosen]
         self.returns = [torch.from_numpy(returns(replay.rewards, discount)).to(device) for _, replay in chosen]
 
     def augment(self, policy: ActionPolicy, seed: int) -> None:
@@ -76,7 +79,8 @@ class Batch:
             labels = pad_sequence([one[piece] for one in self.labels[:n]], padding_value=IGNORED)
             present = pad_sequence([torch.ones_like(one[piece], dtype=torch.bool) for one in self.labels[:n]])
             values = pad_sequence([one[piece] for one in self.returns[:n]])
-            yield Chunk(frames, {name: t[:n] for name, t in self.context.items()}, labels, values, present)
+            changes = pad_sequence([one[piece] for one in self.changes[:n]])
+            yield Chunk(frames, {name: t[:n] for name, t in self.context.items()}, labels, values, present, changes)
 
 
 def cut(state: Named, episodes: int) -> dict[str, Tensor]:

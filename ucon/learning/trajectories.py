@@ -51,6 +51,11 @@ class Trajectory:
         return np.array([IGNORED if digit == NO_LABEL else int(digit) for digit in self.labels], np.int64)
 
     @property
+    def changes(self) -> NDArray[np.bool_]:
+        """(T,) where the label is another action than the one before it, which is where something is decided."""
+        return np.array([a != b for a, b in zip(self.labels, NO_LABEL + self.actions, strict=False)])
+
+    @property
     def n_labels(self) -> int:
         """How many of its steps are labelled."""
         return len(self.labels) - self.labels.count(NO_LABEL)
