@@ -24,6 +24,7 @@ from torchrl.collectors import Collector, MultiSyncCollector
 from ucon.core.errors import ConfigError, brief
 from ucon.learning.actor import rollout_actor
 from ucon.learning.rollout_env import rollout_env
+from ucon.learning.workers import begin_worker
 from ucon.task.episode import Episode
 
 MakeEnv = Callable[[], Any]
@@ -76,8 +77,14 @@ class InWorkers:
     def collector(self, make: Callable[[], Any], actor: nn.Module, steps: int) -> Any:
         """See :class:`Collecting`."""
         frames = steps * self.workers
-        made = [make] * self.workers
+        made = [functools.partial(_in_worker, make, os.getpid())] * self.workers
         return MultiSyncCollector(made, actor, frames_per_batch=frames, cat_results="stack", **_OPTIONS)
+
+
+def _in_worker(make: Callable[[], Any], trainer: int) -> Any:
+    if os.getpid() != trainer:  # TorchRL may make one where the trainer is
+        begin_worker()
+    return make()
 
 
 #: Of every collector. What is seen next is what is seen in the next row; storing it once halves the memory.

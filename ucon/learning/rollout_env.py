@@ -6,8 +6,6 @@ experience of a step of training depends on the weights, the seed and the step a
 
 from __future__ import annotations
 
-import multiprocessing
-import signal
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, cast
 
@@ -91,13 +89,7 @@ class PolicyEnv(EnvBase):
 def rollout_env(
     policy: nn.Module, make_env: Callable[[], Any], episodes: Sequence[Episode], levels: Sequence[str]
 ) -> TransformedEnv:
-    """An environment with the policy's recurrent state in it: fresh at each reset, marked by ``is_init``.
-
-    Made in a worker, it leaves Ctrl-C to the trainer, which ends the step in hand first.
-    """
-    if multiprocessing.parent_process() is not None:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-        torch.set_num_threads(1)
+    """An environment with the policy's recurrent state in it: fresh at each reset, marked by ``is_init``."""
     made = TransformedEnv(PolicyEnv(policy, make_env(), episodes, levels), Compose(InitTracker()))
     if (primer := state_primer(policy)) is not None:
         made.append_transform(primer)
