@@ -19,7 +19,6 @@ LOGGED = {
     "objective": "loss_objective",
     "value_loss": "loss_critic",
     "entropy": "entropy",
-    "kl": "kl_approx",
     "clipped": "clip_fraction",
 }
 
@@ -65,7 +64,18 @@ class PPOLoss:
         said = TensorDict({"new_logits": logits, "new_value": value[:, None]}, played.shape)
         found = self._loss(played.to(logits.device).update(said))
         loss = found["loss_objective"] + found["loss_critic"] + found["loss_entropy"]
-        return loss, {name: float(found[key].detach()) for name, key in LOGGED.items()}
+        figures = {name: float(found[key].detach()) for name, key in LOGGED.items()}
+        return loss, figures | {"kl": self._kl(played, logits.detach())}
+
+    @staticmethod
+    def _kl(played: TensorDictBase, logits: Tensor) -> float:
+        """How far the policy is from the one that played: r - 1 - log r, never negative (Schulman, 2020).
+
+        TorchRL's estimate, -log r, has the same mean and far more noise.
+        """
+        now = logits.log_softmax(-1).gather(1, played["action"].to(logits.device)[:, None])[:, 0]
+        log_ratio = now - played["action_log_prob"].to(logits.device)
+        return float((log_ratio.exp() - 1 - log_ratio).mean())
 
 
 def inference_mode_but_memory(policy: nn.Module) -> None:
