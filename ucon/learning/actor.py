@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import torch
 from tensordict import TensorDictBase
@@ -11,6 +11,7 @@ from torch import nn
 from torch.distributions import Categorical
 
 from ucon.core.errors import DataError
+from ucon.learning.policy import ActionPolicy
 from ucon.learning.rollout_env import STATE
 
 
@@ -24,7 +25,7 @@ class StepActor(TensorDictModuleBase):
     def __init__(self, policy: nn.Module) -> None:
         super().__init__()
         self.policy: Any = policy
-        self.names = tuple(self.policy.initial_state(1))
+        self.names = tuple(cast(ActionPolicy, policy).initial_state(1))
         self.in_keys = ["frames", "context", *((STATE, name) for name in self.names)]
         self.out_keys = ["logits", "state_value", *(("next", STATE, name) for name in self.names)]
 
