@@ -5,6 +5,7 @@ Every collection begins with fresh episodes and seeds: it depends on the weights
 
 from __future__ import annotations
 
+import atexit
 import copy
 import functools
 import os
@@ -131,6 +132,7 @@ class Rollouts:
         if self._batches is None:
             self._collector = self._collecting.collector(self._make, self._actor, self.shape[1])
             self._batches = iter(self._collector)
+            atexit.register(self.close)  # before Python waits for processes that nobody ended
         self._playing.load_state_dict(self._policy.state_dict())
         self._collector.update_policy_weights_()
         self._collector.set_seed(seed % (1 << 31))
@@ -140,5 +142,6 @@ class Rollouts:
     def close(self) -> None:
         """End the workers."""
         if self._collector is not None:
+            atexit.unregister(self.close)
             self._collector.shutdown()
             self._collector = self._batches = None
