@@ -23,7 +23,7 @@ MANDATORY = {("habits", "official"): "habits.path=somewhere", ("habits", "folder
 
 
 #: Groups that belong to ``train.yaml`` alone.
-TRAINING = {"learner"}
+TRAINING = {"learner", "collector"}
 
 
 def composed(*overrides: str, root: str = "eval") -> dict:

@@ -9,12 +9,13 @@ import pytest
 
 from tests.learning.test_imitation import files
 from tests.learning.tiny_policy import TinyPolicy, tiny_dagger, tiny_imitation, training_file
+from tests.learning.tiny_ppo import tiny_ppo
 from ucon.core.rng import stream
 from ucon.learning.checkpoints import LATEST
 from ucon.learning.run import METRICS, Plan, TrainingRun
 
 STEPS = 24
-MADE = {"imitation": tiny_imitation, "dagger": tiny_dagger}
+MADE = {"imitation": tiny_imitation, "dagger": tiny_dagger, "ppo": tiny_ppo}
 
 
 def train(kind, episodes, folder):
@@ -56,13 +57,15 @@ def visible(folder):
     ("kind", "kills"),
     [
         ("imitation", 3),
+        ("ppo", 3),
         pytest.param("imitation", 20, marks=pytest.mark.slow),
         pytest.param("dagger", 20, marks=pytest.mark.slow),
+        pytest.param("ppo", 20, marks=pytest.mark.slow),
     ],
 )
 def test_a_run_that_is_killed_at_random_ends_in_the_same_bytes(tmp_path, kind, kills):
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["tests.learning.tiny_policy", "ucon.learning.run", "torch._dynamo"])
+    context.set_forkserver_preload(["tests.learning.tiny_ppo", "ucon.learning.run", "torch._dynamo"])
     episodes = training_file(tmp_path)
 
     def start(folder):

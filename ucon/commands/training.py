@@ -76,7 +76,7 @@ def _check_agent(cfg: DictConfig) -> None:
         if learns:
             raise ConfigError(f"agent has no value; {name} trains the policy of an agent, give for example agent=vtn")
     elif not learns:
-        raise ConfigError(f"agent with {name}, which trains no policy; give learner=imitation or learner=dagger")
+        raise ConfigError(f"agent with {name}, which trains no policy; give learner=imitation, dagger or ppo")
     elif not isinstance(OmegaConf.select(cfg, "agent.policy"), DictConfig):
         target = str(cfg.agent.get("_target_", "")).rsplit(".", 1)[-1]
         raise ConfigError(f"{target} has no policy that could be trained; choose an agent that has one, such as vtn")

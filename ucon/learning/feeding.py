@@ -9,9 +9,6 @@ from __future__ import annotations
 
 import copy
 import multiprocessing
-import os
-import signal
-import threading
 import zlib
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -21,6 +18,7 @@ from typing import TYPE_CHECKING, Any, Final, cast
 import numpy as np
 
 from ucon.learning.trajectories import Replay, Replayer, Trajectory
+from ucon.learning.workers import begin_worker
 
 if TYPE_CHECKING:
     from torch import nn
@@ -115,20 +113,10 @@ class Feeder:
 
 
 def _begin(policy: Any, make_env: Callable[[], Any]) -> None:
-    """Give this worker its replayer. It leaves Ctrl-C to the learner, and ends when the learner is killed."""
-    import torch
-
-    torch.set_num_threads(1)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    """Give this worker its replayer."""
+    begin_worker()
     global _replayer
     _replayer = Replayer(policy, make_env)
-
-
-def _end_with_parent() -> None:
-    if (parent := multiprocessing.parent_process()) is not None:
-        parent.join()
-        os._exit(1)
 
 
 def _work(trajectory: Trajectory) -> Replay:

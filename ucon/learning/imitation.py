@@ -24,6 +24,7 @@ from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import entry_parts
 from ucon.learning.feeding import Feeder
 from ucon.learning.learner import Card, Figures, State
+from ucon.learning.options import check, check_parts
 from ucon.learning.playing import Players
 from ucon.learning.policy import ActionPolicy
 from ucon.learning.saved import network_files
@@ -93,12 +94,12 @@ class ImitationLearner:
     ) -> None:
         if not isinstance(policy, nn.Module):
             raise ConfigError("agent has no policy that can be trained; choose one that has, such as agent=vtn")
-        _check("above 0 and whole", lambda x: x > 0, (int,), steps=steps, batch=batch, chunk=chunk)
-        _check("at least 0 and whole", lambda x: x >= 0, (int,), warm_up=warm_up, workers=workers)
-        _check("above 0", lambda x: 0 < x < 1e9, lr=lr, clip=clip)
-        _check("at least 0", lambda x: 0 <= x < 1e9, decay=decay, memory_gb=memory_gb)
-        _check("at least 0 and below 1", lambda x: 0 <= x < 1, average=average)
-        _check("a whole number", lambda x: True, (int,), seed=seed)
+        check("above 0 and whole", lambda x: x > 0, (int,), steps=steps, batch=batch, chunk=chunk)
+        check("at least 0 and whole", lambda x: x >= 0, (int,), warm_up=warm_up, workers=workers)
+        check("above 0", lambda x: 0 < x < 1e9, lr=lr, clip=clip)
+        check("at least 0", lambda x: 0 <= x < 1e9, decay=decay, memory_gb=memory_gb)
+        check("at least 0 and below 1", lambda x: 0 <= x < 1, average=average)
+        check("a whole number", lambda x: True, (int,), seed=seed)
         if precision not in PRECISIONS:
             raise ConfigError(unknown_name("precision", str(precision), PRECISIONS))
         self.device = torch_device(device, "learner.device")
@@ -112,7 +113,7 @@ class ImitationLearner:
         self.levels = tuple(levels) if self.act.uses_habits else ("none",)
         self.episodes = spaced(load_episodes(episodes), n_episodes, "learner.n_episodes")
         self.dataset = env().unwrapped.source.dataset
-        _check_parts(self.episodes, entry_parts(self.dataset))
+        check_parts(self.episodes, entry_parts(self.dataset))
         self.feeder = Feeder(policy, env, workers=workers, memory_bytes=int(memory_gb * (1 << 30)))
         self.policy.to(self.device)
         self.updates = Updates(policy, lr=lr, clip=clip, steps=steps, warm_up=warm_up, decay=decay, average=average)
@@ -246,20 +247,3 @@ class ImitationLearner:
         if self._ordered[0] != epoch:
             self._ordered = (epoch, stream(self.seed, "order", epoch).permutation(len(self.episodes)))
         return self._ordered[1]
-
-
-def _check(wanted: str, holds: Callable[[Any], bool], kinds: Sequence[type] = (int, float), **values: object) -> None:
-    """Refuse options that are not ``wanted``; configurations are not typed, so a value may be anything."""
-    for name, value in values.items():
-        if type(value) not in kinds or not holds(value):
-            raise ConfigError(f"learner.{name}={brief(value)}: must be {wanted}")
-
-
-def _check_parts(episodes: Sequence[Episode], parts: Mapping[str, str]) -> None:
-    """Refuse episodes whose people are not all of the ``train`` part."""
-    for episode in episodes:
-        if odd := next((name for name in episode.entries if parts.get(name) != "train"), None):
-            raise ConfigError(
-                f"learner.episodes: {episode.id} uses entry {odd} of the {parts.get(odd, 'unknown')} part, which must "
-                "not be learned from; give learner.episodes=train"
-            )

@@ -11,6 +11,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError, EpisodeError
+from ucon.envs.knowledge import HabitSource
 from ucon.envs.ucon_env import Obs, UcONEnv
 from ucon.envs.waypoint.searcher import Searcher
 from ucon.envs.waypoint.text_tokens import TextTokens
@@ -104,6 +105,11 @@ class UcONSearchEnv(gym.Env[Obs, int]):
         self._searcher: Searcher | None = None
         self.action_space = spaces.Discrete(self._sizes.views)  # type: ignore[assignment]  # it draws NumPy integers
         self.observation_space = observation_space(self._sizes, self._text)
+
+    @property
+    def source(self) -> HabitSource:
+        """Gives every episode its habits."""
+        return self.env.source
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Obs, dict[str, Any]]:
         """Start an episode, as ``UcON-v0`` does, and play until there is something to choose."""
