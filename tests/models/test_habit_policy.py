@@ -19,6 +19,7 @@ from ucon.core.files import write_atomic, write_manifest
 from ucon.envs.ucon_env import UcONEnv
 from ucon.envs.waypoint.search_env import UcONSearchEnv
 from ucon.envs.waypoint.text_tokens import TextTokens, name_table
+from ucon.language.encoder import one_thread
 from ucon.learning.saved import network_files
 
 
@@ -98,7 +99,7 @@ def test_gradients_reach_all_that_is_learned() -> None:
 def test_it_is_small_and_quick() -> None:
     policy, tokens = HabitPolicy().eval(), some_tokens(1)
     assert sum(p.numel() for p in policy.parameters()) <= 5e6
-    with torch.inference_mode():
+    with torch.inference_mode(), one_thread():
         policy(tokens)
         begun = time.process_time()
         for _ in range(10):
