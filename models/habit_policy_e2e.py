@@ -85,10 +85,6 @@ class HabitPolicyE2E(PolicyModule):
             seed: of the weights.
         """
         super().__init__()
-        if reader is None:
-            from ucon.retrieval.reader import default_reader
-
-            reader = default_reader()
         self._reader = reader
         self._arguments = {"image_px": image_px, "width": width, "hidden": hidden}
         self._arguments |= {"rgb": rgb, "plan": plan, "attend": attend, "scores": scores}
@@ -100,7 +96,7 @@ class HabitPolicyE2E(PolicyModule):
 
     def _build(self, width: int, hidden: int) -> None:
         self.eye = Eye(self._image_px, 2 * width)
-        self.things = ThingsInView(width, tuple(self._reader.known), DIM)
+        self.things = ThingsInView(width, tuple(self.reader.known), DIM)
         self.memory = FloorMemory()
         self.places = PlacesToGo(len(SUMMARY_FEATURES) + 2)
         facts = N_CUES + _N_STATUS + 4
@@ -117,7 +113,11 @@ class HabitPolicyE2E(PolicyModule):
     @property
     def reader(self) -> Reader:
         """Of the habits."""
-        return self._reader
+        if self._reader is not None:
+            return self._reader
+        from ucon.retrieval.reader import default_reader  # one per process, so a copy takes none along
+
+        return default_reader()
 
     @property
     def arguments(self) -> Mapping[str, Any]:
@@ -138,12 +138,12 @@ class HabitPolicyE2E(PolicyModule):
 
     def context(self, info: Mapping[str, Any]) -> Arrays:
         """See :func:`models.nets.read_habits.read_habits`."""
-        arrays = read_habits(self._reader, info, scores=self._scores)
+        arrays = read_habits(self.reader, info, scores=self._scores)
         if not self._attend:
             arrays["habit_features"] = np.zeros_like(arrays["habit_features"])
         number, advised = words().number, np.zeros(len(words().number) + 1, np.float16)
         if self._advisor is not None:
-            known = [name for name in self._reader.known if name in number]
+            known = [name for name in self.reader.known if name in number]
             p = self._advisor.advice(info, known)
             advised[[number[name] for name in known]] = p / p.max()
         return arrays | {"advice": advised}

@@ -96,7 +96,8 @@ def test_in_bfloat16_it_says_nearly_the_same_in_float32(name: str) -> None:
     wanted = run(name, frames, context)
     with torch.autocast("cpu", torch.bfloat16):
         found = run(name, frames, context)
-    kinds = {t.dtype for t in (found.logits, found.value, *found.state.values())}
+    said = (found.logits, found.value, *found.state.values())
+    kinds = {t.dtype for t in said if t.is_floating_point()}
     assert kinds == {torch.float32}
     assert (found.logits - wanted.logits).abs().max() < 0.1 * wanted.logits.abs().max()
 
@@ -187,7 +188,7 @@ def test_a_copy_for_another_process_takes_no_frozen_network_along(name: str) -> 
     wanted = run(name, frames, context)
     weights = sum(t.numel() * t.element_size() for t in policy(name).state_dict().values())
     sent = pickle.dumps(policy(name))
-    assert len(sent) < weights + 1e6
+    assert len(sent) < weights + 2e6  # tables of names go along
     copy = pickle.loads(sent)
     with torch.inference_mode():
         assert torch.equal(copy(frames, context, copy.initial_state(2)).logits, wanted.logits)
@@ -208,7 +209,7 @@ def test_augmentation_is_of_training_and_alike_for_an_episode() -> None:
 
 
 @pytest.mark.parametrize("name", POLICIES)
-def test_the_agent_reads_no_habits(name: str) -> None:
+def test_the_agent_says_whether_it_reads_habits(name: str) -> None:
     agent, env = built(name)
-    assert agent.uses_habits is False  # type: ignore[attr-defined]
+    assert agent.uses_habits is name.startswith("habit_policy")  # type: ignore[attr-defined]
     env.close()
