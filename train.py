@@ -1,6 +1,9 @@
-"""Train what agents learn: so far the habit retriever.
+"""Train what agents learn: the habit retriever, the belief head, and policies over the seven actions.
 
     python train.py learner=retriever
+    python train.py learner=belief
+    python train.py agent=vtn learner=imitation
+    python train.py agent=vtn learner=dagger
     python train.py learner=retriever habits=official habits.path=FILE
     python train.py resume=runs/train/RUN
 

@@ -23,7 +23,7 @@ MANDATORY = {("habits", "official"): "habits.path=somewhere", ("habits", "folder
 
 
 #: Groups that belong to ``train.yaml`` alone.
-TRAINING = {"learner"}
+TRAINING = {"learner", "collector"}
 
 
 def composed(*overrides: str, root: str = "eval") -> dict:
@@ -32,13 +32,35 @@ def composed(*overrides: str, root: str = "eval") -> dict:
     return OmegaConf.to_container(config, resolve=True, throw_on_missing=True)
 
 
+#: Learners of an agent's policy.
+OF_POLICIES = [
+    n for g, n in OPTIONS if g == "learner" and "${agent.policy}" in (CONFIGS / g / f"{n}.yaml").read_text()
+] + ["dagger"]
+
+
 @pytest.mark.parametrize(("group", "name"), [(g, n) for g, n in OPTIONS if g in TRAINING | {"habits"}])
 def test_every_option_of_training_composes(group, name):
-    extra = MANDATORY.get((group, name))
-    config = composed(f"{group}={name}", *([extra] if extra else []), root="train")
+    extra = [MANDATORY.get((group, name)), "agent=vtn" if group == "learner" and name in OF_POLICIES else None]
+    config = composed(f"{group}={name}", *(word for word in extra if word), root="train")
     assert config["training"]["steps"] >= 1
     assert config["learner"]["_target_"].startswith("ucon.learning.")
     assert callable(get_class(config["learner"]["_target_"]))
+
+
+def with_a_policy():
+    """Agents that have one: each can be trained."""
+    return [n for g, n in OPTIONS if g == "agent" and "policy" in composed(f"agent={n}")["agent"]]
+
+
+@pytest.mark.parametrize("name", with_a_policy())
+@pytest.mark.parametrize("learner", OF_POLICIES)
+def test_every_policy_can_be_given_to_every_learner_of_policies(name, learner):
+    config = composed(f"agent={name}", f"learner={learner}", root="train")
+    assert config["learner"]["policy"] == config["agent"]["policy"]
+    assert config["learner"]["env"]["config"]["observe"] == "pixels"
+    assert config["learner"]["episodes"] == "train"
+    env = Factory(config["learner"]["env"]["config"])
+    assert env().observation_space["rgb"].shape == (128, 128, 3)
 
 
 @pytest.mark.parametrize(("group", "name"), [(g, n) for g, n in OPTIONS if g not in TRAINING])
@@ -184,14 +206,20 @@ def test_every_file_says_what_it_is():
 TABLE_1 = [name for group, name in OPTIONS if group == "experiment" and name.startswith("table1_")]
 
 
+def method_of(config: dict) -> str:
+    """The module of the network that an agent plays, else of the agent."""
+    target = config["agent"].get("policy", config["agent"])["_target_"]
+    return target.split(".")[-2]
+
+
 @pytest.mark.parametrize("name", TABLE_1)
 def test_a_row_of_table_1_says_in_one_line_what_it_lacks(name, monkeypatch, tmp_path):
-    """Rows with a language model play the test episodes; without weights or key they stop at once."""
+    """All rows play the test episodes; without weights or key they stop at once."""
     monkeypatch.setattr("huggingface_hub.constants.HF_HUB_CACHE", str(tmp_path))
     monkeypatch.delenv("OPENAI_API_KEY", raising=False)
     config = composed(f"experiment={name}")
     assert config["episodes"] == "test"
-    assert name.startswith(f"table1_{config['agent']['_target_'].split('.')[2]}")
+    assert name.startswith(f"table1_{method_of(config)}")
     with pytest.raises(UconError) as error:
         Factory(config["agent"])().check()
     assert "\n" not in str(error.value)
@@ -205,11 +233,15 @@ def test_rows_of_large_models_load_one_copy(name):
     large |= config["detector"]["_target_"].endswith("YoloWorldDetector")
     assert (config["workers"] == 1) == large
     text = (CONFIGS / "experiment" / f"{name}.yaml").read_text()
+    if "policy" in config["agent"]:  # reads no habits
+        assert f"experiment={name} agent.checkpoint=" in text
+        assert config["habit_level"]["name"] == "none"
+        return
     assert f"experiment={name} habit_level=none," in text
     assert ("habit_level=none,full," in text) == (name != "table1_l3mvn_roberta_gt")  # the paper ran no full there
 
 
 def test_table_1_is_whole():
-    """Rows of the paper by method: LGX three, PixelNav two, L3MVN one. VTN and ZSON ask no language model."""
+    """Rows of the paper by method."""
     methods = [name.split("_")[1] for name in TABLE_1]
-    assert (methods.count("lgx"), methods.count("pixelnav"), methods.count("l3mvn")) == (3, 2, 1)
+    assert {m: methods.count(m) for m in methods} == {"lgx": 3, "pixelnav": 2, "l3mvn": 1, "vtn": 1, "zson": 1}

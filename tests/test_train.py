@@ -38,6 +38,10 @@ def test_mistakes_end_in_one_line(tmp_path):
     assert "threads=0: expected a whole number" in error_line(train("threads=0", f"out={tmp_path}/run"))
     assert "unknown option 'training.foo'" in error_line(train("+training.foo=1", f"out={tmp_path}/run"))
     assert "learner.seed=abc: must be a whole" in error_line(train("seed=abc", f"out={tmp_path}/run"))
+    assert "give for example agent=vtn" in error_line(train("learner=imitation", f"out={tmp_path}/run"))
+    assert "no policy that could be trained" in error_line(train("agent=frontier", "learner=imitation"))
+    assert "trains no policy; give learner=imitation" in error_line(train("agent=vtn", "learner=retriever"))
+    assert "torch sees no such GPU" in error_line(train("agent=vtn", "learner=dagger", "learner.device=cuda:9"))
     (tmp_path / "config.yaml").write_text("learner: [")
     assert "not YAML" in error_line(train(f"resume={tmp_path}"))
     assert not (tmp_path / "run").exists()
@@ -90,6 +94,23 @@ def test_impossible_numbers_of_threads(threads):
     with pytest.raises(ConfigError, match=r"threads=.*expected a whole number from 1"):
         use_threads(threads)
     assert torch.get_num_threads() == before
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("learner", ["imitation", "dagger"])
+def test_a_policy_is_trained_and_then_played(tmp_path, learner):
+    run, small = tmp_path / "run", ("learner.n_episodes=2", "learner.batch=2", "training.steps=2", "progress=false")
+    validation = [f"learner.validation.{x}" for x in ("n_demonstrations=2", "n_play=0", "choose=loss")]
+    rollouts = ["learner.rollouts.episodes=2", "learner.rollouts.max_steps=20"] if learner == "dagger" else []
+    result = train("agent=vtn", f"learner={learner}", *small, *validation, *rollouts, f"out={run}")
+    assert result.returncode == 0, result.stderr[-2000:]
+    lines = [json.loads(line) for line in (run / "metrics.jsonl").read_text().splitlines()]
+    assert lines[-1]["val/loss"] > 0
+    assert "different labelled frames" in (run / "MODEL_CARD.md").read_text()
+    command = [sys.executable, "eval.py", "agent=vtn", f"agent.checkpoint={run}", "limit=1", f"out={tmp_path}/eval"]
+    played = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=600)
+    assert played.returncode == 0, played.stderr[-2000:]
+    assert json.loads((tmp_path / "eval" / "summary.json").read_text())["n"] == 1
 
 
 @pytest.mark.slow

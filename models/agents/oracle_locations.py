@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from models.agents.base import Info
-from models.agents.belief import BeliefAgent, Locations
+from models.agents.belief import BeliefAgent
 from ucon.core.errors import ConfigError
 from ucon.habits.types import RELATIONS
+from ucon.perception.belief import Locations
 
 
 def true_locations(info: Info) -> Locations:

@@ -8,7 +8,9 @@ import pytest
 
 from tests.learning.tiny import Line
 from ucon.core.errors import ConfigError, DataError
-from ucon.learning.checkpoints import CheckpointError
+from ucon.core.files import write_atomic
+from ucon.learning import checkpoints
+from ucon.learning.checkpoints import BEST, LATEST, CheckpointError
 from ucon.learning.run import CARD, METRICS, SUMMARY, Interrupted, Plan, TrainingRun
 
 PLAN = Plan(steps=23, validate_every=5, save_every=3, keep=2)
@@ -81,6 +83,28 @@ def test_a_killed_process_loses_only_what_it_does_again(whole, tmp_path):
     again = TrainingRun(tmp_path / "run", Line(), PLAN, {"config": "x"})
     again.resume()
     assert again.step == 12
+    again.run()
+    assert files(tmp_path / "run") == files(whole)
+
+
+@pytest.mark.parametrize("pointer", [LATEST, BEST])
+def test_a_process_killed_before_a_pointer_to_the_best_is_moved_ends_in_the_same(whole, tmp_path, monkeypatch, pointer):
+    at = int(json.loads((whole / SUMMARY).read_text())["best"]["step"])
+
+    class KilledError(Exception):
+        pass
+
+    def write(path, content):
+        if path.name == pointer and content.startswith(f"step_{at:08d}"):
+            raise KilledError
+        write_atomic(path, content)
+
+    monkeypatch.setattr(checkpoints, "write_atomic", write)
+    with pytest.raises(KilledError):
+        begun(tmp_path / "run").run()
+    monkeypatch.undo()
+    again = TrainingRun(tmp_path / "run", Line(), PLAN, {"config": "x"})
+    again.resume()
     again.run()
     assert files(tmp_path / "run") == files(whole)
 

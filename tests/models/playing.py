@@ -17,7 +17,6 @@ from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
 
 CONFIGS = Path(__file__).resolve().parents[2] / "configs"
-AGENTS = sorted(path.stem for path in (CONFIGS / "agent").glob("*.yaml"))
 
 
 def config_of(agent: str, *overrides: str) -> dict[str, Any]:
@@ -42,6 +41,12 @@ def built(name: str, level: str = "retrieval") -> tuple[Agent, UcONEnv]:
     return Factory(config["agent"])(), Factory(config["env"] | {"width_px": 128, "height_px": 128})()
 
 
+_CONFIGURED = sorted(path.stem for path in (CONFIGS / "agent").glob("*.yaml"))
+#: Networks without shipped weights. They play for a few steps only: many take a tenth of a second each.
+_UNTRAINED = [name for name in _CONFIGURED if config_of(name)["agent"].get("checkpoint", "") is None]
+#: Those of them that are over the seven actions.
+POLICIES = [name for name in _UNTRAINED if config_of(name)["agent"]["_target_"].endswith(".PolicyAgent")]
+AGENTS = [name for name in _CONFIGURED if name not in _UNTRAINED]
 #: What may be played by an agent that knows no secrets.
 HONEST = [name for name in AGENTS if not config_of(name)["env"]["privileged"]]
 

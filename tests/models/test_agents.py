@@ -11,7 +11,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "perception"))
 from toy import ToyEnv, two_rooms  # (the path above)
 
 from models.agents.base import Agent
-from models.agents.belief import BeliefAgent, Locations
+from models.agents.belief import BeliefAgent
 from models.agents.frontier import FrontierAgent
 from models.agents.oracle import OracleAgent
 from models.agents.oracle_locations import OracleLocationsAgent, true_locations
@@ -19,6 +19,7 @@ from models.agents.random import RandomAgent
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.habits import book
+from ucon.perception.belief import Locations
 from ucon.retrieval.context import ContextHabits
 from ucon.task.sets import load_episodes
 

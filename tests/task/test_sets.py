@@ -25,7 +25,7 @@ from ucon.task.rules import PAPER, RELEASED_CODE, RULES
 from ucon.task.sets import episode_sets, load_episodes, set_name
 
 RELEASE = Path(__file__).resolve().parents[2] / "../shared/official_release/task"
-SIZES = {"mini": 25, "val": 200, "test": 250, "test_large": 500}
+SIZES = {"mini": 25, "val": 200, "test": 250, "test_large": 500, "train": 2000}
 """Episodes in each cell."""
 FAST = ("mini", "mini.released_code")
 SETS = [name if name in FAST else pytest.param(name, marks=pytest.mark.slow) for name in episode_sets()]

@@ -1,4 +1,7 @@
-"""``python -m ucon episodes make SET`` and ``episodes verify SET``: the fixed evaluation sets."""
+"""``python -m ucon episodes make SET`` and ``episodes verify SET``: the fixed sets.
+
+What was made so far stands in a file beside the set's (``.part``): the same command goes on after an interruption.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     maker = actions.add_parser("make", help="sample, check and write a set")
-    maker.add_argument("name", metavar="SET", help="mini, val, test, test_large, or official (with --habits PATH)")
+    maker.add_argument("name", metavar="SET", help="mini, train, val, test, test_large, official (with --habits PATH)")
     maker.add_argument("--task", default="paper", help="rules that the episodes are made under: paper, released_code")
     maker.add_argument(
         "--context", action="store_true", help="episodes state day, season and occasion, and follow them"
@@ -43,6 +46,7 @@ def run(args: argparse.Namespace) -> int:
 def _make(args: argparse.Namespace) -> int:
     from ucon.commands.wiring import load_dataset
     from ucon.core.errors import ConfigError
+    from ucon.core.files import require_writable
     from ucon.task.make import make_episodes
     from ucon.task.plan import OFFICIAL, set_orders
     from ucon.task.sets import save_episodes, set_name, set_path
@@ -54,13 +58,22 @@ def _make(args: argparse.Namespace) -> int:
     dataset = load_dataset(args.habits)
     name = set_name(args.name, args.task, context=args.context)
     orders = list(set_orders(args.name, dataset, args.task, context=args.context))[: args.limit]
-    with _bar(f"making {name}", len(orders)) as progress:
-        custom = dataset if args.habits else None
-        episodes = make_episodes(
-            orders, custom, task=args.task, context=args.context, workers=args.workers, progress=progress
-        )
     path = args.out or set_path(name)
+    journal = path.with_name(f"{path.name}.part")
+    require_writable(journal)
+    custom = dataset if args.habits else None
+    with _bar(f"making {name}", len(orders)) as progress:
+        episodes = make_episodes(
+            orders,
+            custom,
+            task=args.task,
+            context=args.context,
+            workers=args.workers,
+            progress=progress,
+            journal=journal,
+        )
     save_episodes(episodes, path)
+    journal.unlink()
     sys.stderr.write(f"{len(episodes)} episodes written to {path} ({path.stat().st_size / 1024:.0f} KB)\n")
     return _report(path, episodes)
 

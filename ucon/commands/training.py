@@ -41,6 +41,7 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
     if not cfg.resume:
         if cfg.learner is None:
             raise ConfigError("learner has no value; give learner=retriever")
+        _check_agent(cfg)
         config: Any = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)
         if not config.get("out"):
             raise ConfigError("out has no value; give out=FOLDER")
@@ -59,6 +60,26 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
         raise ConfigError(f"resume={cfg.resume}: no run there (no config.yaml); give the folder of a run") from None
     config = _stored(folder / "config.yaml", raw)
     return ChosenRun({**config, "progress": cfg.progress, "wandb": cfg.wandb}, folder, checkpoint)
+
+
+def _check_agent(cfg: DictConfig) -> None:
+    """Refuse a learner of policies without an agent that has one, and an agent with a learner of something else.
+
+    Raises:
+        ConfigError: naming what to give.
+    """
+    from omegaconf import DictConfig, OmegaConf
+
+    learns = "policy" in cfg.learner
+    name = str(cfg.learner.get("_target_", "")).rsplit(".", 1)[-1]
+    if cfg.get("agent") is None:
+        if learns:
+            raise ConfigError(f"agent has no value; {name} trains the policy of an agent, give for example agent=vtn")
+    elif not learns:
+        raise ConfigError(f"agent with {name}, which trains no policy; give learner=imitation, dagger or ppo")
+    elif not isinstance(OmegaConf.select(cfg, "agent.policy"), DictConfig):
+        target = str(cfg.agent.get("_target_", "")).rsplit(".", 1)[-1]
+        raise ConfigError(f"{target} has no policy that could be trained; choose an agent that has one, such as vtn")
 
 
 def _stored(path: Path, raw: bytes) -> dict[str, Any]:

@@ -128,9 +128,13 @@ class UcONEnv(gym.Env[Obs, int]):
         return self._knowledge.table
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Obs, dict[str, Any]]:
-        """Start an episode: ``options["episode"]`` (an Episode, an id or an index), else one drawn by the seed."""
+        """Start an episode: ``options["episode"]`` (an Episode, an id or an index), else one drawn by the seed.
+
+        ``options["habit_level"]`` is the level of this episode alone, where it is to be another one.
+        """
         super().reset(seed=seed)
         self.episode = self._choose(options or {})
+        level = self.source.check_level((options or {}).get("habit_level", self.habit_level))
         house = load_house(self.episode.scene)
         check_home(self.episode, house)
         self._enter(house)
@@ -139,7 +143,7 @@ class UcONEnv(gym.Env[Obs, int]):
         target = house.n_instances + self.episode.target
         self.search = Search(self._world, self._renderer, target, pose, self.rules)
         self._frame = StartFrame(start)
-        self._knowledge = self.source.knowledge(self.episode, self.habit_level)
+        self._knowledge = self.source.knowledge(self.episode, level)
         self._give_habits()
         self._target_embedding = self._knowledge.target_embedding.astype(np.float32)
         if self._detector is not None:
@@ -154,7 +158,7 @@ class UcONEnv(gym.Env[Obs, int]):
             "episode": self.episode.id,
             "task": self.rules.name,
             "context": self.episode.context and self.episode.context.sentence(),
-            "habit_level": self.habit_level,
+            "habit_level": level,
             "habits": self._knowledge.texts,
             "habit_rows": tuple(self._knowledge.rows.tolist()),
         }

@@ -4,8 +4,9 @@
     checkpoints/latest        the name of the newest
     checkpoints/best          the name of the one that validated best
 
-A checkpoint is written under a temporary name and renamed, ``latest`` is moved after that: whenever a run is killed,
-``latest`` names a whole checkpoint. What was altered since, cut off, or belongs to another run is refused.
+A checkpoint is written under a temporary name and renamed, ``best`` and then ``latest`` are moved after that: whenever
+a run is killed, ``latest`` names a whole checkpoint. What was altered since, cut off, or belongs to another run is
+refused.
 """
 
 from __future__ import annotations
@@ -53,9 +54,9 @@ class Checkpoints:
         except BaseException:
             shutil.rmtree(temporary, ignore_errors=True)
             raise
-        write_atomic(self.folder / LATEST, name + "\n")
-        if best:
+        if best:  # before `latest`: who goes on from there does not validate it anew
             write_atomic(self.folder / BEST, name + "\n")
+        write_atomic(self.folder / LATEST, name + "\n")
         self._drop_old()
         return self.folder / name
 

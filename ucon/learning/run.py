@@ -154,7 +154,7 @@ class TrainingRun:
         self._log({f"val/{name}": value for name, value in found.items()})
         better = not self.best or found[SCORE] > self.best[SCORE]
         if better:
-            self.best = {"step": self.step, **found}
+            self.best = dict(sorted({"step": self.step, **found}.items()))  # as a checkpoint gives it back
         self._save(best=better)
         return {f"val/{name}": value for name, value in found.items()}
 

@@ -66,6 +66,50 @@ class Costs:
     """Turning on the spot after a look, for one more heading; less than a view's overhead."""
 
 
+@dataclass(frozen=True, eq=False)
+class Valued:
+    """What n nodes, looked from with 4 headings and the pitches of ``PITCHES_DEG``, would show and cost."""
+
+    nodes: NDArray[np.int32]
+    """(n, 2)."""
+    looks: NDArray[np.float64]
+    """(n, 4, 4) mass that looking would show."""
+    space: NDArray[np.float64]
+    """(n, 4, 4) the part of ``looks`` in space not explored, or seen from afar only."""
+    opens: NDArray[np.float64]
+    """(n, 4, 4) mass behind the doors that Open would open."""
+    steps: NDArray[np.float64]
+    """(n, 4) actions to get there, the pitch left aside; UNREACHED where there is no way."""
+    moves: NDArray[np.int32]
+    """(n, 4) those that are moves."""
+    cost: NDArray[np.float64]
+    """(n, 4, 4) weighted; infinite where there is no way."""
+    look_score: NDArray[np.float64]
+    both_score: NDArray[np.float64]
+    score: NDArray[np.float64]
+    """(n, 4, 4) gain over cost of looking, of opening as well, of the better."""
+    kept_at: tuple[int, int, int]
+    """Where the view on its way is, -1 where there is none."""
+
+    def at(self, n: int, h: int, p: int) -> Choice:
+        """The choice of one view, and of opening there if that pays."""
+        view = View(int(self.nodes[n, 0]), int(self.nodes[n, 1]), h, kernels.PITCHES_DEG[p])
+        opening = bool(self.opens[n, h, p] > 0 and self.both_score[n, h, p] >= self.look_score[n, h, p])
+        gain = self.looks[n, h, p] + (self.opens[n, h, p] if opening else 0.0)
+        return Choice(view, opening, float(gain), float(self.score[n, h, p]))
+
+    @property
+    def best(self) -> Choice:
+        """The view of the highest score."""
+        n, h, p = np.unravel_index(int(self.score.argmax()), self.score.shape)
+        return self.at(int(n), int(h), int(p))
+
+    @property
+    def kept(self) -> Choice | None:
+        """The view on its way, by the same measure."""
+        return self.at(*self.kept_at) if self.kept_at[0] >= 0 else None
+
+
 class Viewpoints:
     """Values views on the map of one episode."""
 
@@ -85,14 +129,28 @@ class Viewpoints:
         closed: NDArray[np.int64],
         keep: View | None = None,
     ) -> tuple[Choice | None, Choice | None]:
-        """The best view, and the value of ``keep`` (a view on its way) by the same measure.
+        """The best view, and the value of ``keep`` (a view on its way) by the same measure."""
+        found = self.value(known, planner, places, expected, closed, keep)
+        return (None, None) if found is None else (found.best, found.kept)
 
-        ``closed``: tracks of closed containers. The planner must be up to date.
+    def value(
+        self,
+        known: SemanticMap,
+        planner: Planner,
+        places: Places,
+        expected: Expectation,
+        closed: NDArray[np.int64],
+        keep: View | None = None,
+    ) -> Valued | None:
+        """What every view would show and cost, None where no view can be reached.
+
+        ``closed``: tracks of closed containers; ``keep``: a view on its way, which is valued whatever the others are.
+        The planner must be up to date.
         """
         nodes = self._nodes(known, planner, keep)
         if not len(nodes):
-            return None, None
-        looks, opens = self._gains(nodes, known, places, expected, closed)
+            return None
+        looks, space, opens = self._gains(nodes, known, places, expected, closed)
         steps = planner.steps[nodes[:, 0], nodes[:, 1]].astype(float)  # (n, 4)
         moves = planner.moves[nodes[:, 0], nodes[:, 1]]
         pitch = np.abs(np.array(kernels.PITCHES_DEG) - known.view.pitch_deg) / 30.0
@@ -103,19 +161,11 @@ class Viewpoints:
         look_score = np.maximum(looks / cost, self._around(looks, cost))
         both_score = (looks + opens) / (cost + self.costs.open)
         score = np.maximum(look_score, np.where(opens > 0, both_score, 0.0))
-
-        def at(n: int, h: int, p: int) -> Choice:
-            view = View(int(nodes[n, 0]), int(nodes[n, 1]), h, kernels.PITCHES_DEG[p])
-            opening = bool(opens[n, h, p] > 0 and both_score[n, h, p] >= look_score[n, h, p])
-            gain = looks[n, h, p] + (opens[n, h, p] if opening else 0.0)
-            return Choice(view, opening, float(gain), float(score[n, h, p]))
-
-        best = at(*(int(k) for k in np.unravel_index(int(score.argmax()), score.shape)))
-        kept = None
+        kept = (-1, 0, 0)
         if keep is not None and keep.pitch_deg in kernels.PITCHES_DEG and self._index[keep.i, keep.j] >= 0:
-            kept = at(int(self._index[keep.i, keep.j]), keep.heading, kernels.PITCHES_DEG.index(keep.pitch_deg))
+            kept = (int(self._index[keep.i, keep.j]), keep.heading, kernels.PITCHES_DEG.index(keep.pitch_deg))
         self._index[nodes[:, 0], nodes[:, 1]] = -1
-        return best, kept
+        return Valued(nodes, looks, space, opens, steps, moves, cost, look_score, both_score, score, kept)
 
     def elsewhere(self, known: SemanticMap, planner: Planner) -> Choice | None:
         """The nearest node not stood on yet, explored or beside what was explored: where nothing promises more."""
@@ -155,15 +205,16 @@ class Viewpoints:
         places: Places,
         expected: Expectation,
         closed: NDArray[np.int64],
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Mass that looking, and that opening, would show: two arrays (n, 4, 4)."""
-        space = np.zeros((len(nodes), 4))
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Mass that looking would show, the part of it in space, and what opening would: three arrays (n, 4, 4)."""
+        ways = np.zeros((len(nodes), 4))
         interest = self._even if expected.interest is None else expected.interest
         cells = (known.explored, known.height, known.near, self.stale, interest)
         reach = (self.costs.space_cells, self.reach_m)
         per_m2 = (self.costs.space * expected.unknown_per_m2, expected.near_per_m2)
-        kernels.space_gain(nodes, cells, reach, per_m2, space)
-        looks = space[:, :, None] * np.array([0.3, 0.95, 1.0, 0.6])
+        kernels.space_gain(nodes, cells, reach, per_m2, ways)
+        space = ways[:, :, None] * np.array([0.3, 0.95, 1.0, 0.6])
+        looks = space.copy()
         opens = np.zeros_like(looks)
         weight = self.weights(places, expected, closed)
         worth = (weight > 1e-9) & (places.unseen > SEEN)
@@ -178,7 +229,7 @@ class Viewpoints:
                 self._index, known.box[closed], inside, open_reach_m(known), known.body.camera_m, known.height,
                 known.walls, HALF, opens,
             )  # fmt: skip
-        return looks, opens
+        return looks, space, opens
 
     def weights(self, places: Places, expected: Expectation, closed: NDArray[np.int64]) -> NDArray[np.float64]:
         """Mass of every place that looking alone can show (not what is behind closed doors), (n,)."""

@@ -37,6 +37,8 @@ from ucon.retrieval.weights import WEIGHTS, Weights, pack_names
 Arrays = dict[str, NDArray]
 MIN_COUNT, MAX_GRAMS = 5, 48
 N_CLUTTER = 40
+HALF = frozenset({"dense", "gate_habit", "gate_target"})
+"""What is kept in fp16."""
 
 
 def fit_prior(data: HabitDataset, pairs: PairReader, anchors: Sequence[str], l2: float = 1e-4) -> Arrays:
@@ -85,8 +87,8 @@ def fit_evidence(data: HabitDataset, pairs: PairReader, anchors: Sequence[str], 
         known = [number[gram] for gram in found if gram in number][:MAX_GRAMS]
         ids[i, : len(known)] = torch.tensor(known, dtype=torch.long)
     vectors = torch.tensor(np.asarray(dataset_vectors(data, pairs.encoder)[rows], np.float32))
-    features = torch.tensor(_batched_features(pairs, [data.texts[r] for r in rows], anchors))
-    spoken, relation = _labels(data, rows, anchors)
+    features = torch.tensor(batched_features(pairs, [data.texts[r] for r in rows], anchors))
+    spoken, relation = spoken_labels(data, rows, anchors)
     n = len(anchors)
     bow = torch.nn.Embedding(len(vocabulary) + 1, n + 5, padding_idx=0)
     dense, pair = torch.nn.Linear(vectors.shape[1], n + 5), torch.nn.Linear(features.shape[2], 1, bias=False)
@@ -121,11 +123,12 @@ def fit_evidence(data: HabitDataset, pairs: PairReader, anchors: Sequence[str], 
     }
 
 
-def _batched_features(pairs: PairReader, texts: Sequence[str], names: Sequence[str]) -> NDArray[np.float32]:
+def batched_features(pairs: PairReader, texts: Sequence[str], names: Sequence[str]) -> NDArray[np.float32]:
+    """Pair features (n, C, 6) of many texts."""
     return np.concatenate([pairs.features(texts[i : i + 1000], names) for i in range(0, len(texts), 1000)])
 
 
-def _labels(data: HabitDataset, rows: NDArray, anchors: Sequence[str]) -> tuple[torch.Tensor, torch.Tensor]:
+def spoken_labels(data: HabitDataset, rows: NDArray, anchors: Sequence[str]) -> tuple[torch.Tensor, torch.Tensor]:
     """Distribution over anchors and "no place", (R, A + 1), and over relations, (R, 4), zero without a place."""
     spoken, relation = torch.zeros(len(rows), len(anchors) + 1), torch.zeros(len(rows), len(RELATIONS))
     for i, row in enumerate(rows):
@@ -253,6 +256,13 @@ def _say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)  # noqa: T201
 
 
+def stored(name: str, value: NDArray) -> NDArray:
+    """An array as it is kept: the large matrices in fp16, the rest in float32 (names as they are)."""
+    if name in HALF:
+        return value.astype(np.float16)
+    return value.astype(np.float32) if value.dtype == np.float64 else value
+
+
 def main() -> None:
     """Fit all parts and write them."""
     torch.set_num_threads(1)
@@ -261,9 +271,9 @@ def main() -> None:
     arrays: Arrays = {"anchors": pack_names(anchors), **fit_prior(data, pairs, anchors)}
     arrays |= fit_evidence(data, pairs, anchors)
     arrays |= fit_gate(data, pairs)
-    arrays = {k: v.astype(np.float16) if k in {"dense", "gate_habit", "gate_target"} else v for k, v in arrays.items()}
+    arrays = {name: value.astype(np.float16) if name in HALF else value for name, value in arrays.items()}
     arrays |= fit_mix(data, arrays, pairs)
-    packed = {k: v.astype(np.float32) if v.dtype == np.float64 else v for k, v in arrays.items()}
+    packed = {name: stored(name, value) for name, value in arrays.items()}
     buffer = io.BytesIO()
     np.savez_compressed(buffer, **packed)  # type: ignore[arg-type]
     write_atomic(WEIGHTS, buffer.getvalue())

@@ -24,15 +24,19 @@ def gate_features(target: str, texts: Sequence[str], pairs: PairReader) -> tuple
     """Features (H, 9) of each habit for a target, without the learned likeness, and sentence vectors (H, dim)."""
     vectors = pairs.encoder.encode_half(texts).astype(np.float64)
     query = pairs.encoder.encode_half([query_text(target)])[0].astype(np.float64)
-    cosine = np.round(vectors @ query, DECIMALS)
+    lexical = pairs.features(texts, [target])[:, 0].astype(np.float64)
+    return set_features(lexical, np.round(vectors @ query, DECIMALS), vectors), vectors
+
+
+def set_features(lexical: Array, cosine: Array, vectors: Array) -> Array:
+    """Features (H, 9) from pair features with the target (H, 6), cosines with the query (H,) and vectors (H, dim)."""
     relative = (cosine - cosine.mean()) / (cosine.std() + 1e-6) / 3
     top = np.argsort(-cosine, kind="stable")[:NEAREST]
     like = np.round(vectors @ vectors[top].T, DECIMALS)
     like[top, np.arange(len(top))] = 0
-    others = len(top) - np.isin(np.arange(len(texts)), top)
-    lexical = pairs.features(texts, [target])[:, 0].astype(np.float64)
+    others = len(top) - np.isin(np.arange(len(cosine)), top)
     columns = [lexical, cosine[:, None], relative[:, None], (like.sum(axis=1) / np.maximum(others, 1))[:, None]]
-    return np.concatenate(columns, axis=1), vectors
+    return np.concatenate(columns, axis=1)
 
 
 def relevance(target: str, texts: Sequence[str], pairs: PairReader, weights: Weights) -> Array:
@@ -41,6 +45,15 @@ def relevance(target: str, texts: Sequence[str], pairs: PairReader, weights: Wei
         return np.zeros(0)
     features, vectors = gate_features(target, texts, pairs)
     name = pairs.encoder.encode_half([phrase(target)])[0].astype(np.float64)
+    return sigmoid(gate_inputs(features, vectors, name, weights)[:, -1])
+
+
+def gate_inputs(features: Array, vectors: Array, name: Array, weights: Weights) -> Array:
+    """(H, 11): features (H, 9), learned likeness, and the logit of relevance.
+
+    ``vectors`` (H, dim) and ``name`` (dim,) are those of the sentences and of the target's name.
+    """
     likeness = np.round((vectors @ weights["gate_habit"]) @ (name @ weights["gate_target"]), DECIMALS)
     x = np.concatenate([features, likeness[:, None]], axis=1)
-    return sigmoid(two_layers(x, weights["gate_hidden"], weights["gate_hidden_bias"], weights["gate_out"]))
+    logit = two_layers(x, weights["gate_hidden"], weights["gate_hidden_bias"], weights["gate_out"])
+    return np.concatenate([x, logit[:, None]], axis=1)

@@ -52,6 +52,8 @@ class Reading:
         gate = np.ones(len(texts)) if trusted else relevance(target, texts, reader.pairs, reader.weights)
         self.relevance: Array = gate
         """(H,): how much each habit is taken to be about the target."""
+        self.telling: Array = gate * self._evidence.place
+        """(H,): how much each habit is taken to say where the target is."""
         self.context = (float(trusted and len(texts) > 0), float(np.log1p((gate * self._evidence.place).sum())))
         self.known_features = reader.mix_features(
             reader.prior(target), gate[:, None] * self._evidence.anchor, np.ones(len(reader.known)), self.context

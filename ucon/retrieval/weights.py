@@ -71,9 +71,9 @@ def _names(packed: NDArray) -> list[str]:
     return packed.tobytes().decode().split("\n")
 
 
-def load_weights(path: Path) -> Weights:
-    """Weights of a file that its folder's manifest lists."""
-    return Weights(*load_arrays(path))
+def load_weights(path: Path, required: Sequence[str] = REQUIRED) -> Weights:
+    """Weights of a file that its folder's manifest lists; ``required`` arrays must be there."""
+    return Weights(*load_arrays(path), required=required)
 
 
 def load_arrays(path: Path) -> tuple[dict[str, NDArray], str]:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import multiprocessing
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import nullcontext
+from pathlib import Path
 
 from ucon.core.errors import EpisodeError, UconError
+from ucon.core.files import canonical_json, write_atomic
 from ucon.habits.book import book
 from ucon.habits.types import HabitDataset
 from ucon.sim.cache import load_house
@@ -30,31 +34,59 @@ def make_episodes(
     context: bool = False,
     workers: int = 2,
     progress: Callable[[int, int], None] | None = None,
+    journal: Path | None = None,
 ) -> list[Episode]:
     """Sample every order, in order, under the rules ``task``, their context stated or not; by default of the book.
+
+    ``journal`` is a file in which episodes are noted as they are made: what an interrupted call noted is not made anew.
 
     Raises:
         EpisodeError: an order that no seed satisfies.
     """
-    done: list[Episode] = []
     begin = (dataset, task, context)
+    done = [] if journal is None else _noted(journal, orders, (dataset or book()).sha256)
+    left = orders[len(done) :]
     if workers <= 1:
         _begin(*begin)
-        results = map(_sample, orders)
-        return _collect(results, done, len(orders), progress)
+        return _collect(map(_sample, left), done, len(orders), progress, journal)
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=spawn, initializer=_begin, initargs=begin) as pool:
-        return _collect(pool.map(_sample, orders, chunksize=4), done, len(orders), progress)
+        return _collect(pool.map(_sample, left, chunksize=4), done, len(orders), progress, journal)
 
 
 def _collect(
-    results: Iterable[Episode], done: list[Episode], total: int, progress: Callable[[int, int], None] | None
+    results: Iterable[Episode],
+    done: list[Episode],
+    total: int,
+    progress: Callable[[int, int], None] | None,
+    journal: Path | None,
 ) -> list[Episode]:
-    for episode in results:
-        done.append(episode)
-        if progress:
-            progress(len(done), total)
+    with journal.open("a", encoding="utf-8") if journal else nullcontext() as notes:
+        for episode in results:
+            done.append(episode)
+            if notes:
+                notes.write(canonical_json(episode.to_json()) + "\n")
+                notes.flush()
+            if progress:
+                progress(len(done), total)
     return done
+
+
+def _noted(journal: Path, orders: Sequence[Order], habits_hash: str) -> list[Episode]:
+    """The episodes of the first orders that a journal holds; what does not belong to them is cut off."""
+    found: list[Episode] = []
+    text = journal.read_text(encoding="utf-8") if journal.is_file() else ""
+    for order, line in zip(orders, text[: text.rfind("\n") + 1].splitlines(), strict=False):
+        try:
+            episode = Episode.from_json(json.loads(line))
+        except (ValueError, EpisodeError):
+            break
+        same = (episode.id, episode.seed % RETRY_SEED_STEP, episode.habits_hash) == (order.id, order.seed, habits_hash)
+        if not same or load_house(episode.scene).spec.hash != episode.home_hash:
+            break
+        found.append(episode)
+    write_atomic(journal, "".join(canonical_json(episode.to_json()) + "\n" for episode in found))
+    return found
 
 
 def _begin(dataset: HabitDataset | None, task: str, context: bool) -> None:

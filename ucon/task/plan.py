@@ -1,9 +1,12 @@
-"""The fixed evaluation sets: which home, seed and target categories every episode of a named set has.
+"""The fixed sets: which home, seed and target categories every episode of a named set has.
 
 ``test``: 250 episodes in each of seen / unseen category x seen / unseen scene, all people new; ``val`` 400 and ``mini``
 50 on homes and categories of their own. ``test_large``: 2,000 more episodes like those of ``test``, for differences too
 small for 1,000. Seen scenes are the canonical layouts of the 20 official training scenes;
 unseen ones are the two official test scenes and generated homes from a reserved range of seeds.
+
+``train``: 4,000 episodes to learn from, in 800 homes that no other set knows (other furnishings of the seen scenes, and
+generated homes), with targets and people of the ``train`` part alone.
 """
 
 from __future__ import annotations
@@ -24,6 +27,9 @@ from ucon.task.sets import set_name
 TEST_SETS = {"test": (250, 20), "test_large": (500, 40)}
 #: First seed of the generated homes kept for testing; validation homes start 10,000 below.
 RESERVED_SEED = 900_000
+TRAIN = "train"
+#: Episodes in each of its two cells, other furnishings of each seen scene, generated homes, and their first seed.
+N_TRAIN, N_VARIANTS, N_GENERATED, TRAIN_SEED = 2000, 20, 400, 100_000
 OFFICIAL, N_OFFICIAL = "official", 2000
 #: Targets of every second round of official episodes: (scene, category) pairs from which nothing is ever learned.
 LEARNED, HELD_OUT = "official/learned", "official/held_out"
@@ -70,13 +76,19 @@ def set_cells(name: str) -> tuple[Cell, ...]:
             for s, scenes in (("seen", seen), ("unseen", unseen))
         ]
         return tuple(Cell(label, split, "test", scenes, count) for label, split, scenes in pairs)  # type: ignore[arg-type]
+    if name == TRAIN:
+        variants = tuple(f"{scene}~{number}" for number in range(1, N_VARIANTS + 1) for scene in seen)
+        return (
+            Cell("train_category/variant_scene", "train", "train", variants, N_TRAIN),
+            Cell("train_category/generated_scene", "train", "train", generated(TRAIN_SEED, N_GENERATED), N_TRAIN),
+        )
     if name in ("val", "mini"):
         count = 200 if name == "val" else 25
         return (
             Cell("val_category/seen_scene", "val", "val", seen, count),
             Cell("val_category/val_scene", "val", "val", generated(RESERVED_SEED - 10_000, 20), count),
         )
-    raise ConfigError(unknown_name("episode set to make", name, (*TEST_SETS, "val", "mini", OFFICIAL)))
+    raise ConfigError(unknown_name("episode set to make", name, (*TEST_SETS, "val", "mini", TRAIN, OFFICIAL)))
 
 
 def generated(first_seed: int, count: int) -> tuple[str, ...]:

@@ -134,7 +134,7 @@ class Solver:
         holder = self.world.arrangement.objects[self.target - self.world.house.n_instances].holder
         return holder if holder >= 0 and self.world.openable[holder] else -1
 
-    def _near_nodes(self, instance: int) -> list[tuple[int, int]]:
+    def near_nodes(self, instance: int) -> list[tuple[int, int]]:
         """Free nodes within reach of an instance's box, nearest first."""
         grid, box = self.world.house.grid, self.world.boxes[instance : instance + 1]
         reach = self.rules.near_m + GRID_M
@@ -149,7 +149,7 @@ class Solver:
                     found.append((float(np.hypot(*(xy - center))), i, j))
         return [(i, j) for _, i, j in sorted(found)]
 
-    def _facing(self, node: tuple[int, int], instance: int) -> Iterator[Pose]:
+    def facing(self, node: tuple[int, int], instance: int) -> Iterator[Pose]:
         """Poses at a node whose 90 degree view can contain part of the instance's box, the level ones first."""
         x, y = self.world.house.grid.xy(node)
         box = self.world.boxes[instance]
@@ -161,7 +161,8 @@ class Solver:
                 if _box_in_view(xs, ys, (zs[0] - z, zs[1] - z), ahead, pitch):
                     yield Pose(*node, heading, height, pitch)
 
-    def _counts(self, pose: Pose) -> NDArray[np.int32]:
+    def counts(self, pose: Pose) -> NDArray[np.int32]:
+        """Pixels of every instance in the canonical view of a pose, (n,)."""
         x, y = self.world.house.grid.xy((pose.i, pose.j))
         z = self.rules.camera_heights_m[pose.height]
         return self.eyes.visible(float(x), float(y), z, pose.heading, pose.pitch_deg)
@@ -175,9 +176,9 @@ class Solver:
 
     def _successes(self) -> Iterator[Pose]:
         """One successful pose a node as things stand, the nearest nodes first."""
-        for node in self._near_nodes(self.target):
-            for pose in self._facing(node, self.target):
-                if self._counts(pose)[self.target] >= self.rules.done_min_pixels:
+        for node in self.near_nodes(self.target):
+            for pose in self.facing(node, self.target):
+                if self.counts(pose)[self.target] >= self.rules.done_min_pixels:
                     yield pose
                     break
 
@@ -185,12 +186,12 @@ class Solver:
         """Sets of containers that one Open opens, ``holder`` among them, with the poses where it does."""
         sets: dict[tuple[int, ...], dict[tuple[int, int], Pose]] = {}
         openable = np.flatnonzero(self.world.openable)
-        for node in self._near_nodes(holder):
+        for node in self.near_nodes(holder):
             near = openable[self.rules.near(self.world.house.grid.xy(node), self.world.boxes[openable])]
             for pose in self._opening_poses(node, holder):
                 opened = near
                 if self.rules.open_needs_sight:
-                    opened = near[self._counts(pose)[near] >= self.rules.open_min_pixels]
+                    opened = near[self.counts(pose)[near] >= self.rules.open_min_pixels]
                 if holder in opened:
                     sets.setdefault(tuple(int(k) for k in opened), {}).setdefault(node, pose)
         ranked = sorted(sets.items(), key=lambda item: (len(item[0]), -len(item[1]), item[0]))
@@ -198,7 +199,7 @@ class Solver:
 
     def _opening_poses(self, node: tuple[int, int], holder: int) -> Iterator[Pose]:
         """Poses at a node from which Open may work on a container: any at all where it needs no sight."""
-        yield from self._facing(node, holder)
+        yield from self.facing(node, holder)
         if not self.rules.open_needs_sight:
             yield Pose(*node, heading=0)
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
+from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, unknown_name
 from ucon.core.weight_files import FETCHED, fingerprint, local_folder, missing_parts
 from ucon.language.encoder import quiet
@@ -48,17 +49,7 @@ class LocalWeights:
         Raises:
             ConfigError: there is no such device here.
         """
-        import torch
-
-        if self._device == "auto":
-            return "cuda" if torch.cuda.is_available() else "cpu"
-        try:
-            kind = torch.device(self._device)
-        except RuntimeError:
-            raise ConfigError(f"device '{self._device}': expected cpu, cuda, cuda:NUMBER or auto") from None
-        if kind.type == "cuda" and (kind.index or 0) >= torch.cuda.device_count():
-            raise ConfigError(f"device '{self._device}': torch sees no such GPU here; give language.device=cpu")
-        return self._device
+        return torch_device(self._device, "language.device")
 
     def check(self) -> None:
         """Whether files, device and number format are there; reads no weights.

@@ -1,0 +1,176 @@
+"""``habit_policy``: belief, map and walking are arithmetic; where to look next is learned."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from models.agents.base import Info, Observation, slots_of
+from ucon.core.device import torch_device
+from ucon.core.errors import ConfigError, DataError
+from ucon.core.files import sha256_bytes, sha256_file
+from ucon.core.rng import stream
+from ucon.envs.waypoint.searcher import Searcher
+from ucon.envs.waypoint.text_tokens import TextTokens, name_table
+from ucon.envs.waypoint.tokens import Sizes, TokenReader, Tokens
+from ucon.learning.saved import WEIGHTS, load_network, model_folder
+from ucon.perception.reading import Locate, ReadHabits, expecting
+from ucon.task.actions import Action
+
+if TYPE_CHECKING:
+    from models.habit_policy import HabitPolicy
+
+#: In place of a checkpoint: play the weights that training would begin with.
+UNTRAINED: Final = "untrained"
+#: Logits are compared in steps of this: their last bits depend on what is computed beside them.
+_STEP: Final = 1e-4
+
+
+@dataclass
+class _Search:
+    """One slot's episode."""
+
+    episode: str
+    searcher: Searcher
+    reader: TokenReader
+    said: dict[str, Any]
+
+
+class HabitPolicyAgent:
+    """Scores views by the habit policy, for many slots in one forward."""
+
+    uses_habits = True
+
+    def __init__(
+        self,
+        policy: HabitPolicy,
+        checkpoint: str | None = None,
+        *,
+        locate: Locate | None = None,
+        sizes: Sizes | None = None,
+        text: TextTokens | None = None,
+        sample: bool = False,
+        seed: int = 0,
+        device: str = "cpu",
+    ) -> None:
+        """Describe the agent; weights are read when they are needed.
+
+        Args:
+            policy: the network.
+            checkpoint: folder of its weights, or a run of ``train.py``; ``untrained`` plays the policy as it is; None:
+                they are still to be trained.
+            locate: says where the target may be; by default it is read from the habits.
+            sizes: rows of the tokens, as in training.
+            text: embeds names and habits, as in training.
+            sample: draw views by the policy's probabilities; each draw is a function of seed, episode and decision.
+            seed: of the draws.
+            device: ``cpu``, ``cuda``, ``cuda:1``; ``auto`` is a GPU if there is one.
+        """
+        self.policy = policy
+        self.checkpoint = None if checkpoint is None else str(checkpoint)
+        self._locate, self._sizes, self._text = locate or ReadHabits(), sizes or Sizes(), text or TextTokens()
+        self._sample, self._seed, self._device = sample, seed, device
+        self._ready = False
+        self._searches: dict[int, _Search] = {}
+
+    @property
+    def name(self) -> str:
+        """The architecture, and whether nobody trained it."""
+        return self.policy.architecture + (f" ({UNTRAINED})" if self.checkpoint == UNTRAINED else "")
+
+    def check(self) -> None:
+        """Fail in one line where weights or the device are missing, or weights do not fit.
+
+        Raises:
+            ConfigError: no such device, or no weights were named.
+            DataError: no weights there, damaged ones, or those of another network.
+        """
+        torch_device(self._device, "agent.device")
+        self._load()
+
+    def fingerprint(self) -> str | None:
+        """Which weights these are, see :mod:`ucon.evaluation.weights`."""
+        if self.checkpoint == UNTRAINED:
+            return ""
+        folder = None if self.checkpoint is None else model_folder(self.checkpoint)
+        if folder is None or not (folder / WEIGHTS).is_file():
+            return None
+        return sha256_bytes(sha256_file(folder / WEIGHTS).encode())
+
+    def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
+        """See :class:`models.agents.base.Agent`."""
+        self._prepare()
+        for slot, info in zip(slots_of(infos, slots), infos, strict=True):
+            locations = self._locate(info)
+            searcher = Searcher(info, expecting(info, self._locate, locations=locations))
+            reader = TokenReader(searcher, info, self._sizes)
+            said = self._text.read(info, locations)
+            self._searches[slot] = _Search(str(info.get("episode", "")), searcher, reader, said)
+
+    def act(
+        self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
+    ) -> list[int]:
+        """See :class:`models.agents.base.Agent`."""
+        numbers = list(slots_of(infos, slots))
+        actions: dict[int, Action | None] = {}
+        due: dict[int, Tokens] = {}
+        for slot, observation, info in zip(numbers, observations, infos, strict=True):
+            search = self._searches[slot]
+            actions[slot] = search.searcher.look(observation, info)
+            if actions[slot] is None:
+                tokens = search.reader.read(search.searcher.decision())
+                if len(tokens.choices) > 1:
+                    due[slot] = tokens
+                else:
+                    actions[slot] = search.searcher.choose(next(iter(tokens.choices), None))
+        for slot, row in zip(due, self._chosen(due), strict=True):
+            actions[slot] = self._searches[slot].searcher.choose(due[slot].choices[row])
+        return [int(actions[slot]) for slot in numbers]  # type: ignore[arg-type]
+
+    def _chosen(self, due: dict[int, Tokens]) -> list[int]:
+        """Rows of the views that are chosen in the slots where a choice is due."""
+        import torch
+
+        if not due:
+            return []
+        rows = [{**tokens.arrays, **self._searches[slot].said} for slot, tokens in due.items()]
+        batch = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+        names = self._names[batch.pop("thing_rows")]
+        tensors = {name: torch.from_numpy(array).float().to(self._device) for name, array in batch.items()}
+        with torch.inference_mode():
+            scores = self.policy(tensors | {"thing_names": torch.from_numpy(names).to(self._device)})
+        logits = np.rint(scores.logits.double().cpu().numpy() / _STEP) * _STEP
+        return [self._choose(row, self._searches[slot]) for slot, row in zip(due, logits, strict=True)]
+
+    def _choose(self, logits: np.ndarray[Any, np.dtype[np.float64]], search: _Search) -> int:
+        if np.isnan(logits).any():
+            step = search.searcher.map.step
+            raise DataError(f"agent {self.name}: scores that are no numbers at step {step}; train it anew")
+        if not self._sample:
+            return int(logits.argmax())
+        heat = np.exp(logits - logits.max())
+        draw = stream(self._seed, self.policy.architecture, search.episode, search.searcher.decisions)
+        return int(draw.choice(len(heat), p=heat / heat.sum()))
+
+    @cached_property
+    def _names(self) -> np.ndarray[Any, np.dtype[np.float32]]:
+        return name_table(self._text.encoder)
+
+    def _prepare(self) -> None:
+        if not self._ready:
+            self._load()
+            self._device = torch_device(self._device, "agent.device")
+            self.policy.to(self._device).eval()
+            self._ready = True
+
+    def _load(self) -> None:
+        if self.checkpoint == UNTRAINED:
+            return
+        how = "train it with `python train.py agent=habit_policy` and give agent.checkpoint=RUN"
+        if self.checkpoint is None:
+            raise ConfigError(f"agent {self.name}: no trained weights; {how}, or agent.checkpoint={UNTRAINED}")
+        load_network(self.checkpoint, self.policy, how=how)

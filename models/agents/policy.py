@@ -1,0 +1,172 @@
+"""Any policy over the seven actions as an agent: many environments in one forward, a recurrent state for each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.agents.base import Info, Observation, slots_of
+from ucon.core.device import torch_device
+from ucon.core.errors import ConfigError, DataError
+from ucon.core.files import sha256_bytes, sha256_file
+from ucon.core.rng import stream
+from ucon.learning.saved import WEIGHTS, load_network, model_folder
+
+if TYPE_CHECKING:
+    from models.nets.policy import PolicyModule
+    from ucon.learning.policy import Arrays, Tensors
+
+#: In place of a checkpoint: play the weights that training would begin with.
+UNTRAINED: Final = "untrained"
+#: Logits are compared in steps of this: their last bits depend on what is computed beside them.
+_STEP: Final = 1e-4
+
+
+@dataclass
+class _Episode:
+    """What a slot remembers of its episode."""
+
+    name: str
+    context: Tensors
+    """Tensors (...), without a batch axis."""
+    state: Tensors
+    """Tensors (...), without a batch axis."""
+    steps: int = 0
+
+
+class PolicyAgent:
+    """Plays a policy: the action of the highest logit, or one drawn by them.
+
+    Records are the same bytes with ``batch=1``, whatever the workers. In a larger batch sums may differ in their last
+    bits, and with them an action where two are as good as equal.
+    """
+
+    def __init__(
+        self,
+        policy: PolicyModule,
+        checkpoint: str | None = None,
+        *,
+        sample: bool = False,
+        seed: int = 0,
+        device: str = "cpu",
+    ) -> None:
+        """Describe the agent; weights are read when they are needed.
+
+        Args:
+            policy: the network.
+            checkpoint: folder of its weights, or a run of ``train.py``; ``untrained`` plays the policy as it is; None:
+                they are still to be trained.
+            sample: draw actions by the policy's probabilities instead of taking the best; each draw is a function of
+                seed, episode and step.
+            seed: of the draws.
+            device: ``cpu``, ``cuda``, ``cuda:1``; ``auto`` is a GPU if there is one.
+        """
+        self.policy = policy
+        self.checkpoint = None if checkpoint is None else str(checkpoint)
+        self._sample, self._seed, self._device = sample, seed, device
+        self._ready = False
+        self._episodes: dict[int, _Episode] = {}
+
+    @property
+    def name(self) -> str:
+        """The architecture, and whether nobody trained it."""
+        untrained = f" ({UNTRAINED})" if self.checkpoint == UNTRAINED else ""
+        return self.policy.architecture + untrained
+
+    @property
+    def uses_habits(self) -> bool:
+        """Whether the policy reads them."""
+        return self.policy.uses_habits
+
+    def check(self) -> None:
+        """Fail in one line where weights or the device are missing, or weights do not fit.
+
+        Raises:
+            ConfigError: no such device.
+            DataError: no weights, damaged ones, or those of another network.
+        """
+        torch_device(self._device, "agent.device")
+        self.policy.check()
+        self._load()
+
+    def fingerprint(self) -> str | None:
+        """Which weights these are, see :mod:`ucon.evaluation.weights`."""
+        frozen, folder = self.policy.fingerprint(), None
+        if self.checkpoint == UNTRAINED:
+            return frozen
+        if self.checkpoint is not None:
+            folder = model_folder(self.checkpoint)
+        if frozen is None or folder is None or not (folder / WEIGHTS).is_file():
+            return None
+        return sha256_bytes(f"{sha256_file(folder / WEIGHTS)} {frozen}".encode())
+
+    def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
+        """See :class:`models.agents.base.Agent`."""
+        self._prepare()
+        for slot, info in zip(slots_of(infos, slots), infos, strict=True):
+            state = {name: tensor[0] for name, tensor in self.policy.initial_state(1).items()}
+            context = self._tensors(self.policy.context(info))
+            self._episodes[slot] = _Episode(str(info.get("episode", "")), context, state)
+
+    def act(
+        self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
+    ) -> list[int]:
+        """See :class:`models.agents.base.Agent`."""
+        import torch
+
+        playing = [self._episodes[slot] for slot in slots_of(infos, slots)]
+        frames = [self._tensors(self.policy.frame(o, i)) for o, i in zip(observations, infos, strict=True)]
+        with torch.inference_mode():
+            stacked = {name: tensor[None] for name, tensor in _stacked(frames).items()}  # (1, B, ...)
+            context, state = _stacked([e.context for e in playing]), _stacked([e.state for e in playing])
+            outputs = self.policy(stacked, context, state)
+            logits = np.rint(outputs.logits[0].double().cpu().numpy() / _STEP) * _STEP  # (B, 7)
+        actions = []
+        for row, (episode, values) in enumerate(zip(playing, logits, strict=True)):
+            actions.append(self._choose(values, episode))
+            episode.state = {name: tensor[row] for name, tensor in outputs.state.items()}
+            episode.steps += 1
+        return actions
+
+    def _choose(self, logits: NDArray[np.float64], episode: _Episode) -> int:
+        if not np.isfinite(logits).all():
+            raise DataError(f"agent {self.name}: logits that are no numbers at step {episode.steps}; train it anew")
+        if not self._sample:
+            return int(logits.argmax())
+        heat = np.exp(logits - logits.max())
+        draw = stream(self._seed, self.policy.architecture, episode.name, episode.steps)
+        return int(draw.choice(len(heat), p=heat / heat.sum()))
+
+    def _tensors(self, arrays: Arrays) -> Tensors:
+        import torch
+
+        device = self.policy.device
+        return {name: torch.tensor(np.asarray(array)).to(device) for name, array in arrays.items()}
+
+    def _prepare(self) -> None:
+        if self._ready:
+            return
+        self._load()
+        self.policy.to(torch_device(self._device, "agent.device")).eval()
+        self._ready = True
+
+    def _load(self) -> None:
+        if self.checkpoint == UNTRAINED:
+            return
+        name = self.policy.architecture
+        how = f"train it with `python train.py agent={name} learner=imitation` and give agent.checkpoint=RUN"
+        if self.checkpoint is None:
+            raise ConfigError(f"agent {name}: no trained weights; {how}, or agent.checkpoint={UNTRAINED}")
+        load_network(self.checkpoint, self.policy, how=how)
+
+
+def _stacked(parts: Sequence[Tensors]) -> dict[str, Any]:
+    """B mappings of tensors (...) to one of tensors (B, ...)."""
+    import torch
+
+    names: Mapping[str, Any] = parts[0]
+    return {name: torch.stack([part[name] for part in parts]) for name in names}

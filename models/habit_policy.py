@@ -1,0 +1,106 @@
+"""The habit policy: a transformer over what is known of the home and what its people do, scoring where to look next.
+
+Tokens are candidate views, things (closed containers among them), frontiers, habits and the agent's own state
+(:mod:`ucon.envs.waypoint.tokens`). Belief and evidence are arithmetic (:mod:`ucon.perception.belief`): what was
+looked at in vain is in the numbers that tokens carry. The score of a view starts as its expected gain over its cost,
+which is how ``belief`` chooses; what the network adds to it is learned.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, Final, NamedTuple
+
+import torch
+from torch import Tensor, nn
+
+from models.nets.token_transformer import TokenTransformer
+from ucon.envs.waypoint.searcher import LOYALTY
+from ucon.envs.waypoint.tokens import N_FRONTIER, N_STATE, N_THING, THING_AHEAD
+from ucon.envs.waypoint.view_tokens import AHEAD, IS_KEPT, N_VIEW
+
+#: Width of sentence and name embeddings.
+TEXT = 384
+#: How much a view is preferred for being better than another one by gain over cost, at first.
+_SHARPNESS: Final = 10.0
+#: Metres of one unit of position in tokens.
+_UNIT_M: Final = 5.0
+
+
+#: Preference for the view on its way, as :mod:`ucon.envs.waypoint.searcher` has it.
+_KEPT: Final = math.log(LOYALTY)
+
+
+class Scores(NamedTuple):
+    """Of B decisions."""
+
+    logits: Tensor
+    """(B, V) float32; -inf where there is no view."""
+    value: Tensor
+    """(B,) float32, the expected return."""
+
+
+class HabitPolicy(nn.Module):
+    """Scores candidate views."""
+
+    architecture = "habit_policy"
+
+    def __init__(self, width: int = 64, layers: int = 2, heads: int = 4, *, use_prior: bool = True) -> None:
+        """Describe the network.
+
+        Args:
+            width: of the transformer.
+            layers: its blocks.
+            heads: of their attention.
+            use_prior: start from gain over cost; without, everything is learned.
+        """
+        super().__init__()
+        self.arguments: Mapping[str, Any] = {"width": width, "layers": layers, "heads": heads, "use_prior": use_prior}
+        self.view, self.thing = nn.Linear(N_VIEW, width), nn.Linear(N_THING, width)
+        self.frontier, self.state = nn.Linear(N_FRONTIER, width), nn.Linear(N_STATE, width)
+        self.name = nn.Linear(TEXT, width, bias=False)
+        self.habit, self.relevance = nn.Linear(TEXT, width), nn.Linear(1, width, bias=False)
+        self.body = TokenTransformer(width, layers, heads, 2 * width)
+        self.score = nn.Sequential(nn.Linear(2 * width, width), nn.GELU(), nn.Linear(width, 1))
+        self.worth = nn.Sequential(nn.Linear(width, width), nn.GELU(), nn.Linear(width, 1))
+        self.sharpness = nn.Parameter(torch.tensor(_SHARPNESS).log())
+        for head in (self.score[-1], self.worth[-1]):
+            nn.init.zeros_(head.weight)
+            nn.init.zeros_(head.bias)
+
+    def forward(self, tokens: Mapping[str, Tensor]) -> Scores:
+        """Score B decisions.
+
+        Args:
+            tokens: what ``UcONSearch-v0`` observes, as float32 tensors with a batch dimension, with ``thing_names``
+                (B, T, 384), the embeddings of their names, in place of ``thing_rows``.
+        """
+        own = self.state(tokens["state"]) + self.name(tokens["target"])
+        habits = self.habit(tokens["habits"]) + self.relevance(tokens["habits_relevance"][..., None])
+        things = self.thing(tokens["things"]) + self.name(tokens["thing_names"])
+        x = torch.cat([own[:, None], self.view(tokens["views"]), things, self.frontier(tokens["frontiers"]), habits], 1)
+        x = self.body(x, *_positions(tokens))
+        own, seen = x[:, :1], x[:, 1 : 1 + tokens["views"].shape[1]]
+        logits = self.score(torch.cat([seen, own.expand_as(seen)], -1))[..., 0]
+        if self.use_prior:
+            logits = logits + self.sharpness.exp() * (tokens["prior"] + _KEPT * tokens["views"][..., IS_KEPT])
+        logits = logits.masked_fill(tokens["action_mask"] == 0, float("-inf"))
+        return Scores(logits, self.worth(own[:, 0])[..., 0])
+
+    @property
+    def use_prior(self) -> bool:
+        """Whether scores start from gain over cost."""
+        return bool(self.arguments["use_prior"])
+
+
+def _positions(tokens: Mapping[str, Tensor]) -> tuple[Tensor, Tensor, Tensor]:
+    """Of state, views, things, frontiers and habits: metres (B, N, 2), which have a position, and which are there."""
+    zero = torch.zeros_like(tokens["state"][:, None, :2])
+    nowhere = torch.zeros_like(tokens["habits"][..., :2])
+    xy = [zero, tokens["views"][..., AHEAD], tokens["things"][..., THING_AHEAD], tokens["frontiers"][..., :2], nowhere]
+    masks = [tokens[name] for name in ("action_mask", "things_mask", "frontiers_mask", "habits_mask")]
+    there = torch.cat([torch.ones_like(masks[0][:, :1]), *masks], 1) > 0
+    placed = torch.ones_like(there)
+    placed[:, placed.shape[1] - masks[-1].shape[1] :] = False
+    return _UNIT_M * torch.cat(xy, 1), placed, there

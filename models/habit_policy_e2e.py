@@ -1,0 +1,291 @@
+"""The end-to-end habit policy: frames, detections and habits in, one of the seven actions out.
+
+An RGB-D encoder, detections as tokens that attend to the habits, a belief over anchors, a map memory and an LSTM. The
+map is a neural map: fixed rules write it into the recurrent state, convolutions read it. A mixture over places to go
+(:mod:`models.nets.places_to_go`) turns it into action preferences by shortest ways over what was seen; nothing of the
+home that the agent has not seen enters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from models.nets.advice import Advisor
+from models.nets.clip_eye import ClipEye
+from models.nets.directions import from_here, target_at, turned
+from models.nets.ego_view import N_THINGS, THING_FEATURES, ego_view
+from models.nets.eye import Eye, small_image
+from models.nets.floor_memory import CHANNELS, N_TRACKS, REACH, FloorMemory, Step, Window
+from models.nets.places_to_go import PlacesToGo, Ways
+from models.nets.policy import N_ACTIONS, PolicyModule, lstm_state, run_lstm
+from models.nets.read_habits import SUMMARY_FEATURES, Reader, read_habits, words
+from models.nets.things_in_view import N_CUES, Seen, ThingsInView
+from ucon.core.errors import ConfigError
+from ucon.core.rng import derived_seed
+from ucon.language.encoder import DIM
+from ucon.learning.policy import Arrays, Outputs, Tensors
+
+_MAX_STEPS = 300.0
+_N_LOOKS = 5
+#: Where, ahead, right, left and here stand in the map around the agent, by its heading: (4 headings, 4, 2).
+_BESIDE = np.array([[(c, s), (s, -c), (-s, c), (0, 0)] for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1))])
+_N_STATUS = _N_LOOKS + 8 + 2 + 5 + 8 + len(SUMMARY_FEATURES)
+
+
+class Inside(NamedTuple):
+    """What the network thought on the way, for T steps of B episodes: see :mod:`models.nets.reasons`."""
+
+    seen: Seen
+    ways: Ways
+    """Of T * B agents."""
+
+
+class HabitPolicyE2E(PolicyModule):
+    """See the module."""
+
+    architecture = "habit_policy_e2e"
+    uses_habits = True
+
+    openable: Tensor
+    beside: Tensor
+
+    def __init__(
+        self,
+        reader: Reader | None = None,
+        *,
+        image_px: int = 64,
+        width: int = 64,
+        hidden: int = 256,
+        rgb: bool = True,
+        plan: bool = True,
+        attend: bool = True,
+        scores: bool = False,
+        advisor: Advisor | None = None,
+        clip: ClipEye | None = None,
+        seed: int = 0,
+    ) -> None:
+        """Build it with random weights.
+
+        Args:
+            reader: reads the habits; the shipped one by default.
+            image_px: side of the image that the visual encoder sees; divides the camera's, a multiple of 16.
+            width: of tokens.
+            hidden: of the LSTM.
+            rgb: False blanks the image (ablation).
+            plan: False takes away the places to go (ablation).
+            attend: False takes away the habits' vectors, leaving the belief (ablation).
+            scores: retrieval scores as a feature of habits.
+            advisor: a language model's choice among the anchors as a feature of things.
+            clip: a frozen image encoder beside the learned one.
+            seed: of the weights.
+        """
+        super().__init__()
+        self._reader = reader
+        self._arguments = {"image_px": image_px, "width": width, "hidden": hidden}
+        self._arguments |= {"rgb": rgb, "plan": plan, "attend": attend, "scores": scores}
+        self._advisor, self._clip = advisor, clip
+        self._rgb, self._plan, self._attend, self._scores, self._image_px = rgb, plan, attend, scores, image_px
+        with torch.random.fork_rng(devices=[]):
+            torch.manual_seed(derived_seed(seed, self.architecture))
+            self._build(width, hidden)
+
+    def _build(self, width: int, hidden: int) -> None:
+        self.eye = Eye(self._image_px, 2 * width)
+        self.things = ThingsInView(width, tuple(self.reader.known), DIM)
+        self.memory = FloorMemory()
+        self.places = PlacesToGo(len(SUMMARY_FEATURES) + 2)
+        facts = N_CUES + _N_STATUS + 4
+        looks = 2 * width + (0 if self._clip is None else self._clip.dim)
+        self.join = nn.Sequential(nn.Linear(looks + 3 * width + facts, hidden), nn.ReLU())
+        self.lstm = nn.LSTM(hidden, hidden)
+        last = nn.Linear(hidden, N_ACTIONS)
+        nn.init.normal_(last.weight, std=0.01)  # at first the places to go decide
+        self.choose = nn.Sequential(nn.Linear(hidden + facts, hidden), nn.ReLU(), last)
+        self.plan_weight = nn.Parameter(torch.tensor([1.0, 1.0, 1.0, 0.2, 0.2, 0.2, 0.2]))
+        self.judge = nn.Sequential(nn.Linear(hidden + facts, hidden // 2), nn.ReLU(), nn.Linear(hidden // 2, 1))
+        self.register_buffer("beside", torch.from_numpy(_BESIDE), persistent=False)
+
+    @property
+    def reader(self) -> Reader:
+        """Of the habits."""
+        if self._reader is not None:
+            return self._reader
+        from ucon.retrieval.reader import default_reader  # one per process, so a copy takes none along
+
+        return default_reader()
+
+    @property
+    def arguments(self) -> Mapping[str, Any]:
+        """See :class:`ucon.learning.policy.ActionPolicy`."""
+        named = {"advisor": self._advisor, "clip": self._clip}
+        return self._arguments | {name: None if part is None else part.name for name, part in named.items()}
+
+    def check(self) -> None:
+        """See :class:`models.nets.policy.PolicyModule`."""
+        for part in (self._advisor, self._clip):
+            if part is not None:
+                part.check()
+
+    def fingerprint(self) -> str | None:
+        """See :class:`models.nets.policy.PolicyModule`."""
+        parts = [part.fingerprint() for part in (self._advisor, self._clip) if part is not None]
+        return None if None in parts else " ".join(part for part in parts if part)
+
+    def context(self, info: Mapping[str, Any]) -> Arrays:
+        """See :func:`models.nets.read_habits.read_habits`."""
+        arrays = read_habits(self.reader, info, scores=self._scores)
+        if not self._attend:
+            arrays["habit_features"] = np.zeros_like(arrays["habit_features"])
+        number, advised = words().number, np.zeros(len(words().number) + 1, np.float16)
+        if self._advisor is not None:
+            known = [name for name in self.reader.known if name in number]
+            p = self._advisor.advice(info, known)
+            advised[[number[name] for name in known]] = p / p.max()
+        return arrays | {"advice": advised}
+
+    def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:
+        """Image, patch of floor, things and status of one step; about 20 KB."""
+        if "rgb" not in observation or "depth" not in observation:
+            raise ConfigError(f"agent {self.architecture}: observations without images; give env.observe=pixels")
+        if "detections" not in info:
+            raise ConfigError(
+                f"agent {self.architecture}: no detections; give the environment a detector, as detector=gt"
+            )
+        x, y, yaw, pitch = (float(v) for v in observation["pose"])
+        depth = observation["depth"].reshape(observation["depth"].shape[:2])
+        view = ego_view(depth, pitch, float(info["camera_m"]), info, str(info["target"]))
+        number = words().number
+        ids = np.full(N_THINGS, -1, np.int16)
+        ids[: len(view.names)] = [number.get(name, len(number)) for name in view.names]
+        look = int(np.clip(round(np.degrees(pitch) / 30), -2, 2))
+        pose = [round(x / 0.25), round(y / 0.25), round(yaw / (np.pi / 2)) % 4, look]
+        status = [int(observation["step"]), int(observation["collision"]), int(observation["last_action"])]
+        whole = {} if self._clip is None else {"rgb": observation["rgb"]}
+        return whole | {
+            "image": small_image(observation["rgb"], depth, self._image_px),
+            "pose": np.array(pose, np.int16),
+            "status": np.array(status, np.int16),
+            "patch": view.patch,
+            "look": view.look,
+            "thing_ids": ids,
+            "thing_tracks": view.tracks,
+            "things": view.things,
+            "pair_cell": view.pair_cell,
+            "pair_row": view.pair_row,
+        }
+
+    def features(self, frames: Tensors) -> Tensors:
+        """With CLIP: ``clip`` (..., dim) float16 in place of ``rgb``."""
+        if self._clip is None or "clip" in frames:
+            return frames
+        rgb = frames["rgb"]
+        vectors = self._clip.vectors(rgb.reshape(-1, *rgb.shape[-3:])).unflatten(0, rgb.shape[:-3])
+        return {name: tensor for name, tensor in frames.items() if name != "rgb"} | {"clip": vectors}
+
+    def augment(self, frames: Tensors, generator: torch.Generator) -> Tensors:
+        """The map's axes are those of the start, which always looks along the first: turn them at random."""
+        quarters = torch.randint(4, (frames["pose"].shape[1],), generator=generator).to(frames["pose"].device)
+        return {**frames, "pose": turned(frames["pose"], quarters)}
+
+    def initial_state(self, batch: int) -> Tensors:
+        """Empty maps, nothing opened, no target seen, zeros of the LSTM."""
+        device = self.device
+        return {
+            **self.memory.initial_state(batch, device),
+            **lstm_state(batch, self.lstm),
+            "opened": torch.zeros(batch, N_TRACKS, dtype=torch.bool, device=device),
+            "target_at": torch.zeros(batch, 4, device=device),
+        }
+
+    def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
+        """See :class:`ucon.learning.policy.ActionPolicy`."""
+        return self.think(frames, context, state)[0]
+
+    def think(self, frames: Tensors, context: Tensors, state: Tensors) -> tuple[Outputs, Inside]:
+        """The outputs, and what led to them."""
+        frames, given = self.features(frames), dict(context)
+        things, mass = frames["things"].float(), self._masses(frames["thing_ids"], given)
+        new, opened, windows, remembered = self._remember(frames, things, mass, given, state)
+        status = self._status(frames, given, windows, remembered)
+        image = frames["image"].flatten(0, 1)
+        sight = self.eye(image if self._rgb else torch.zeros_like(image)).unflatten(0, frames["pose"].shape[:2])
+        if "clip" in frames:
+            sight = torch.cat([sight, frames["clip"].float()], -1)
+        seen = self.things(frames["thing_ids"].long(), things, opened, mass, given)
+        ways, log_p = self._ways(frames, windows, status)
+        facts = torch.cat([seen.cues, status, log_p / 4], -1)
+        joined = self.join(torch.cat([sight, seen.summary, facts], -1))
+        hidden, memory = run_lstm(self.lstm, joined, state)
+        thought = torch.cat([hidden, facts], -1)
+        planned = torch.cat([log_p[..., :3], log_p[..., 3:].expand(*log_p.shape[:-1], 4)], -1)
+        logits = self.choose(thought) + self.plan_weight * planned
+        value = self.judge(thought).squeeze(-1)
+        return Outputs(logits.float(), value.float(), {**new, **memory}), Inside(seen, ways)
+
+    def _masses(self, ids: Tensor, context: dict[str, Tensor]) -> Tensor:
+        """Belief (T, B, N, 4) that the target is on, beside, in or shut in a thing, relative to the best category."""
+        belief = nn.functional.pad(context["belief"].float(), (0, 0, 0, 1))  # (B, n + 1, 4)
+        best = belief.sum(-1).amax(-1)[:, None, None].clamp(min=1e-6)
+        row = ids.clamp(min=0).long()
+        episode = torch.arange(len(belief), device=row.device)[None, :, None]
+        p = (belief / best)[episode, row] * (ids >= 0)[..., None]
+        ontop, inside, under, beside = p.unbind(-1)
+        shut = self.things.openable[row]
+        return torch.stack([ontop, under + beside, inside * ~shut, inside * shut], -1)
+
+    @torch.no_grad()
+    def _remember(
+        self, frames: Tensors, things: Tensor, mass: Tensor, context: dict[str, Tensor], state: Tensors
+    ) -> tuple[dict[str, Tensor], Tensor, list[Window], Tensor]:
+        """Write T frames into the memory, step by step; what it was at each of them."""
+        new = {name: state[name].clone() for name in ("cells", "what", "opened", "target_at")}
+        just, opened, windows, remembered = things[..., THING_FEATURES.index("just_opened")] > 0.5, [], [], []
+        for t, ids in enumerate(frames["thing_ids"]):
+            tracks, is_target = frames["thing_tracks"][t].long(), ids == context["target"][:, None]
+            known = (tracks >= 0) & (tracks < N_TRACKS)
+            batch, row = (just[t] & known).nonzero(as_tuple=True)
+            new["opened"][batch, tracks[batch, row]] = True
+            opened.append(new["opened"].gather(1, tracks.clamp(0, N_TRACKS - 1)) & known)
+            pose = frames["pose"][t].long()
+            new["target_at"] = target_at(new["target_at"], is_target[:, 0] & (ids[:, 0] >= 0), things[t, :, 0], pose)
+            rows = frames["pair_row"][t].clamp(min=0).long()
+            marks = torch.stack([just[t] | opened[-1], is_target], 1).float()
+            masses = torch.cat([mass[t].transpose(1, 2), marks], 1)  # (B, 6, N)
+            pair_mass = masses.gather(2, rows[:, None].expand(-1, 6, -1))
+            category = ids.long().gather(1, rows)
+            collision = frames["status"][t, :, 1] > 0
+            patch, look = frames["patch"][t], frames["look"][t]
+            self.memory.write(new, Step(pose, collision, patch, look, frames["pair_cell"][t], pair_mass, category))
+            windows.append(self.memory.read(new, pose))
+            remembered.append(from_here(new["target_at"], pose))
+        return new, torch.stack(opened), windows, torch.stack(remembered)
+
+    def _status(self, frames: Tensors, context: dict[str, Tensor], windows: list[Window], remembered: Tensor) -> Tensor:
+        """Numbers (T, B, _N_STATUS): pose, last action, collision, step, remembered target, ways beside, belief."""
+        pose, status = frames["pose"].long(), frames["status"].long()
+        look = nn.functional.one_hot(pose[..., 3] + 2, _N_LOOKS)
+        last = nn.functional.one_hot(status[..., 2], 8)
+        step = status[..., :2] / torch.tensor([_MAX_STEPS, 1.0], device=pose.device)
+        at = REACH + self.beside[pose[..., 2]]  # (T, B, 4, 2)
+        batch = torch.arange(pose.shape[1], device=pose.device)[:, None]
+        visits, free = [], []
+        for t, window in enumerate(windows):
+            i, j = at[t].unbind(-1)
+            visits.append(window.cells[batch, CHANNELS.index("visited"), i, j] / 255.0)
+            free.append(window.free[batch, i, j])
+        beside = torch.cat([torch.stack(visits), torch.stack(free).float()], -1)
+        summary = context["summary"].float().expand(len(pose), -1, -1)
+        return torch.cat([look, last, step, remembered, beside, summary], -1)
+
+    def _ways(self, frames: Tensors, windows: list[Window], status: Tensor) -> tuple[Ways, Tensor]:
+        joined = Window(torch.cat([w.cells for w in windows]), torch.cat([w.free for w in windows]))
+        step, found = status[..., _N_LOOKS + 8, None], status[..., _N_LOOKS + 10, None]
+        given = torch.cat([status[..., -len(SUMMARY_FEATURES) :], step, found], -1).flatten(0, 1)
+        ways = self.places(joined, frames["pose"][..., 2].flatten(), given)
+        log_p = ways.log_p.unflatten(0, status.shape[:2])
+        return ways, log_p if self._plan else torch.zeros_like(log_p)

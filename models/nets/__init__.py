@@ -1,0 +1,1 @@
+"""Networks of the learned policies: blocks that they share."""

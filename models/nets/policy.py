@@ -1,0 +1,81 @@
+"""What policies over the seven actions have in common: defaults of :class:`ucon.learning.policy.ActionPolicy`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import torch
+from torch import Tensor, nn
+
+from ucon.learning.policy import Arrays, Outputs, Tensors
+
+N_ACTIONS = 7
+
+
+class PolicyModule(nn.Module):
+    """A network that reads no habits, has nothing frozen and asks for no augmentation, until a subclass says else.
+
+    Frozen networks are no submodules of it: parameters, gradients and saved weights are those that are learned.
+    """
+
+    architecture = ""
+    uses_habits = False
+
+    @property
+    def arguments(self) -> Mapping[str, Any]:
+        """See :class:`ucon.learning.policy.ActionPolicy`."""
+        return {}
+
+    @property
+    def device(self) -> torch.device:
+        """Where its weights are."""
+        return next(self.parameters()).device
+
+    def check(self) -> None:
+        """Fail in one line where frozen weights that it names are missing; reads none."""
+
+    def fingerprint(self) -> str | None:
+        """Which frozen weights lie here, see :mod:`ucon.evaluation.weights`: "" without any, None where missing."""
+        return ""
+
+    def context(self, info: Mapping[str, Any]) -> Arrays:
+        """See :class:`ucon.learning.policy.ActionPolicy`."""
+        raise NotImplementedError
+
+    def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:
+        """See :class:`ucon.learning.policy.ActionPolicy`."""
+        raise NotImplementedError
+
+    def features(self, frames: Tensors) -> Tensors:
+        """See :class:`ucon.learning.policy.ActionPolicy`."""
+        return frames
+
+    def augment(self, frames: Tensors, generator: torch.Generator) -> Tensors:
+        """See :class:`ucon.learning.policy.ActionPolicy`."""
+        return frames
+
+    def initial_state(self, batch: int) -> Tensors:
+        """See :class:`ucon.learning.policy.ActionPolicy`."""
+        return {}
+
+    def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
+        """See :class:`ucon.learning.policy.ActionPolicy`."""
+        raise NotImplementedError
+
+
+def lstm_state(batch: int, lstm: nn.LSTM) -> dict[str, Tensor]:
+    """Zeros (B, layers, hidden) of an LSTM, as :class:`ucon.learning.policy.ActionPolicy` carries them."""
+    zeros = torch.zeros(batch, lstm.num_layers, lstm.hidden_size, device=lstm.weight_hh_l0.device)
+    return {"hidden": zeros, "cell": zeros.clone()}
+
+
+def run_lstm(lstm: nn.LSTM, inputs: Tensor, state: Tensors) -> tuple[Tensor, dict[str, Tensor]]:
+    """T steps: ``inputs`` (T, B, in) and a state (B, layers, hidden) to outputs (T, B, hidden) and the state after.
+
+    The state is float32 whatever autocast computes in.
+    """
+    before = tuple(state[name].transpose(0, 1).contiguous() for name in ("hidden", "cell"))
+    outputs, after = lstm(inputs, before)
+    named = zip(("hidden", "cell"), after, strict=True)
+    return outputs, {name: tensor.transpose(0, 1).float() for name, tensor in named}

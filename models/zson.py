@@ -1,0 +1,132 @@
+"""ZSON: zero-shot object navigation with multimodal goal embeddings (Majumdar et al., NeurIPS 2022).
+
+Kept: all sizes and the order of the layers, running mean and variance of the colours, augmentation, initialisation as
+in Habitat's baselines. Different here, because the task is: seven actions, and training by imitation with the goal as
+text, where ZSON learned image goals by reinforcement over 500 M frames; the encoder starts from random weights, where
+ZSON's came from self-supervision (OVRL). The goal is CLIP's text vector where its weights lie here, then the LSTM
+reads 1568 numbers as in the paper; by default it is the shipped sentence encoder's, with 928. Habits are not read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import torch
+from torch import nn
+
+from models.nets.augment import color_jitter, random_shift
+from models.nets.goals import ClipGoal, SentenceGoal
+from models.nets.group_norm_resnet import GroupNormResNet50, RunningMeanAndVar
+from models.nets.policy import N_ACTIONS, PolicyModule, lstm_state, run_lstm
+from ucon.core.errors import ConfigError
+from ucon.core.rng import derived_seed
+from ucon.learning.policy import Arrays, Outputs, Tensors
+
+#: Side of a frame: the encoder's last map is 4 x 4, and its 2048 numbers are read as a whole.
+FRAME_PX = 128
+_VISUAL, _ACTION_WIDTH, _HIDDEN = 512, 32, 512
+_JITTER, _SHIFT_PX = 0.3, 4
+
+
+class ZSON(PolicyModule):
+    """About 14 M parameters; a frame, the goal and the last action through a 2-layer LSTM."""
+
+    architecture = "zson"
+
+    def __init__(self, goal: SentenceGoal | ClipGoal | None = None, *, augmented: bool = True, seed: int = 0) -> None:
+        """Build it with random weights.
+
+        Args:
+            goal: makes the goal's vector of the target's name; None: :class:`SentenceGoal`.
+            augmented: whether training shows changed colours and shifted frames.
+            seed: of the weights.
+        """
+        super().__init__()
+        self._goal, self._augmented = goal or SentenceGoal(), augmented
+        self.normalise, self.encoder = RunningMeanAndVar(), GroupNormResNet50()
+        self.compression = nn.Sequential(
+            nn.Conv2d(self.encoder.channels, 128, 3, padding=1, bias=False), nn.GroupNorm(1, 128), nn.ReLU()
+        )
+        self.visual = nn.Sequential(
+            nn.Flatten(), nn.Linear(128 * (FRAME_PX // 32) ** 2, 256), nn.ReLU(), nn.Linear(256, _VISUAL)
+        )
+        self.last_action = nn.Embedding(N_ACTIONS + 1, _ACTION_WIDTH)
+        self.lstm = nn.LSTM(_VISUAL + self._goal.dim + _ACTION_WIDTH, _HIDDEN, num_layers=2)
+        self.actor, self.critic = nn.Linear(_HIDDEN, N_ACTIONS), nn.Linear(_HIDDEN, 1)
+        with torch.random.fork_rng(devices=[]):
+            torch.manual_seed(derived_seed(seed, self.architecture))
+            self._initialise()
+
+    @property
+    def arguments(self) -> Mapping[str, Any]:
+        """See :class:`ucon.learning.policy.ActionPolicy`."""
+        return {"goal": self._goal.name, "goal_dim": self._goal.dim}
+
+    def check(self) -> None:
+        """See :class:`models.nets.policy.PolicyModule`."""
+        self._goal.check()
+
+    def fingerprint(self) -> str | None:
+        """See :class:`models.nets.policy.PolicyModule`."""
+        return self._goal.fingerprint()
+
+    def context(self, info: Mapping[str, Any]) -> Arrays:
+        """``goal`` (D,) float32, of length 1. Any vector of the same space may stand for it, such as an image's."""
+        return {"goal": self._goal.encode(str(info["target"]))}
+
+    def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:
+        """``rgb`` (128, 128, 3) uint8 and ``last_action`` () int64: 0 at the start, else the action + 1.
+
+        Raises:
+            ConfigError: no images, or of another size.
+        """
+        rgb = observation.get("rgb")
+        if rgb is None or rgb.shape != (FRAME_PX, FRAME_PX, 3):
+            size = f"env.width_px={FRAME_PX} env.height_px={FRAME_PX}"
+            raise ConfigError(
+                f"agent zson: observations without images of {FRAME_PX} pixels; give env.observe=pixels {size}"
+            )
+        last = int(observation["last_action"])
+        return {"rgb": rgb, "last_action": np.array((last + 1) % (N_ACTIONS + 1), np.int64)}
+
+    def augment(self, frames: Tensors, generator: torch.Generator) -> Tensors:
+        """Colours at 0.3 and a shift of up to 4 pixels, as :mod:`models.nets.augment` says; ``rgb`` stays uint8."""
+        if not self._augmented:
+            return frames
+        images = frames["rgb"].permute(0, 1, 4, 2, 3).float() / 255
+        images = random_shift(color_jitter(images, _JITTER, generator), _SHIFT_PX, generator)
+        return {**frames, "rgb": (images * 255).round().to(torch.uint8).permute(0, 1, 3, 4, 2)}
+
+    def initial_state(self, batch: int) -> Tensors:
+        """LSTM ``hidden`` and ``cell`` (B, 2, 512): zeros."""
+        return lstm_state(batch, self.lstm)
+
+    def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
+        """See :class:`ucon.learning.policy.ActionPolicy`."""
+        steps, batch = frames["rgb"].shape[:2]
+        images = frames["rgb"].flatten(0, 1).permute(0, 3, 1, 2).float() / 255
+        seen = self.visual(self.compression(self.encoder(self.normalise(images))))  # (T * B, 512)
+        goal = context["goal"].float().expand(steps, batch, -1)
+        parts = [seen.unflatten(0, (steps, batch)), goal, self.last_action(frames["last_action"].long())]
+        hidden, state = run_lstm(self.lstm, torch.cat(parts, -1), state)
+        return Outputs(self.actor(hidden).float(), self.critic(hidden)[..., 0].float(), state)
+
+    def _initialise(self) -> None:
+        """Habitat's rules: Kaiming for what sees, orthogonal for what remembers and decides, no bias."""
+        relu_gain = nn.init.calculate_gain("relu")
+        for module in [*self.encoder.modules(), *self.compression.modules(), *self.visual.modules()]:
+            if isinstance(module, nn.Conv2d | nn.Linear):
+                nn.init.kaiming_normal_(module.weight, relu_gain)
+                if module.bias is not None:
+                    nn.init.zeros_(module.bias)
+            elif isinstance(module, nn.GroupNorm):
+                nn.init.ones_(module.weight)
+                nn.init.zeros_(module.bias)
+        for name, weights in self.lstm.named_parameters():
+            nn.init.zeros_(weights) if "bias" in name else nn.init.orthogonal_(weights)
+        nn.init.normal_(self.last_action.weight)
+        for head, gain in ((self.actor, 0.01), (self.critic, 1.0)):
+            nn.init.orthogonal_(head.weight, gain)
+            nn.init.zeros_(head.bias)

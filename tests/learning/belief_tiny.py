@@ -1,0 +1,27 @@
+"""A belief learner on a piece of the habit book, read by the fitted reader: quick to make."""
+
+from functools import partial
+
+from models.nets.belief_head import BeliefHead
+from tests.learning.tiny import some_habits
+from ucon.language.pairs import default_pair_reader
+from ucon.learning.belief import BeliefLearner
+from ucon.learning.belief_data import Draw
+from ucon.retrieval.household import FittedParts
+from ucon.retrieval.weights import default_weights
+
+
+def plain_parts() -> FittedParts:
+    return FittedParts(default_weights(), default_pair_reader())
+
+
+def small_head(**options):
+    return BeliefHead(**{"width": 16, "heads": 2, "channels": 2, "hidden": 8, **options})
+
+
+def tiny_belief(**options) -> BeliefLearner:
+    parts = plain_parts()
+    standard = {"steps": 6, "n_kbs": 1, "households": 1, "draw": Draw(targets=4, clutter=5), "warm_up": 2}
+    pieces = [(some_habits(12), parts), (some_habits(17), parts)]
+    head = partial(small_head, **options.pop("head", {}))
+    return BeliefLearner(head, some_habits(6), parts=parts, readers=pieces, **{**standard, **options})

@@ -1,0 +1,158 @@
+"""Training of the belief head on a piece of the book, and what it may learn from."""
+
+import json
+
+import numpy as np
+import pytest
+import torch
+
+from tests.learning.belief_tiny import plain_parts, tiny_belief
+from ucon.core.errors import ConfigError, DataError
+from ucon.core.rng import stream
+from ucon.habits import book
+from ucon.habits.splits import entry_parts
+from ucon.learning.belief import CONFIG, WEIGHTS
+from ucon.learning.belief_data import Draw, Draws, sample
+from ucon.learning.belief_loss import losses
+from ucon.learning.crossfit import fold_categories
+from ucon.learning.run import METRICS, Plan, TrainingRun
+from ucon.retrieval.levels import FIXED_LEVELS
+from ucon.retrieval.sampling import sampled_kb
+
+
+def test_learns():
+    learner = tiny_belief(steps=60, households=2)
+    before = learner.validate()["score"]
+    for _ in range(40):
+        learner.step()
+    assert learner.validate()["score"] > before + 0.1
+
+
+def test_a_resumed_run_is_bit_identical(tmp_path):
+    plan = Plan(steps=6, validate_every=3, save_every=2)
+    whole = TrainingRun(tmp_path / "whole", tiny_belief(), plan, {})
+    whole.start("")
+    whole.run()
+    parts = TrainingRun(tmp_path / "parts", tiny_belief(), plan, {})
+    parts.start("")
+    for _ in range(4):
+        parts._one_step(lambda step, figures: None)
+    again = TrainingRun(tmp_path / "parts", tiny_belief(), plan, {})
+    again.resume()
+    assert again.step == 4
+    again.run()
+    for name in (METRICS, f"model/{WEIGHTS}", f"model/{CONFIG}", "MODEL_CARD.md"):
+        assert (tmp_path / "whole" / name).read_bytes() == (tmp_path / "parts" / name).read_bytes()
+    for name, value in whole.learner.state_dict().tensors.items():
+        assert torch.equal(value, again.learner.state_dict().tensors[name])
+
+
+@pytest.mark.parametrize("switch", ["pairs", "evidence", "gate", "sentences", "prior"])
+def test_ablations_can_be_resumed(switch):
+    learner = tiny_belief(head={switch: False})
+    learner.step()
+    again = tiny_belief(head={switch: False})
+    again.load_state_dict(learner.state_dict())
+    assert again.step() == learner.step()
+
+
+def test_state_of_another_head_is_refused():
+    with pytest.raises(DataError, match="names or shapes differ"):
+        tiny_belief().load_state_dict(tiny_belief(head={"width": 8}).state_dict())
+
+
+@pytest.mark.parametrize("option", [{"steps": 0}, {"households": 1.5}, {"n_kbs": True}])
+def test_counts_of_the_wrong_kind_are_refused(option):
+    with pytest.raises(ConfigError, match="above 0 and whole"):
+        tiny_belief(**option)
+
+
+@pytest.mark.parametrize("option", [{"swap": 1.5}, {"levels": (0, 0, 0, 0)}, {"targets": 0}, {"dropped": "half"}])
+def test_draws_out_of_range_are_refused(option):
+    with pytest.raises(ConfigError, match=r"draw\."):
+        Draw(**option)
+
+
+def test_only_training_entries_teach():
+    learner = tiny_belief()
+    learner._draws = [(book(), learner._draws[0][1])]
+    parts = entry_parts(book())
+    seen = set()
+    for number in range(60):
+        kb = sampled_kb(book(), "train", number, "category")
+        seen |= {parts[e.id] for entries in kb.entries.values() for e in entries}
+    assert seen == {"train"}
+    kinds = {parts[book().entry_of(int(row)).id] for row in kb.rows}
+    assert kinds == {"train"}
+
+
+def test_folds_share_the_train_categories_out():
+    groups = fold_categories(book(), 3)
+    names = [name for group in groups for name in group]
+    assert len(names) == len(set(names)) > 300
+    assert max(map(len, groups)) - min(map(len, groups)) <= 1
+    with pytest.raises(ConfigError, match="expected 2 to"):
+        fold_categories(book(), 1)
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    """Many draws of one knowledge base, each augmentation always on."""
+    always = {"remove": 1, "hide": 1, "drop": 1, "mute": 1}
+    kb = sampled_kb(book(), "train", 3, "task")
+    quiet = Draw(swap=0, **dict.fromkeys(always, 0))
+    kinds = {"plain": quiet, **{k: Draw(**{**vars(quiet), k: 1}) for k in ("swap", *always)}}
+    return kb, {name: Draws(plain_parts(), draw)(kb, stream(1, "draw")) for name, draw in kinds.items()}
+
+
+def test_truth_adds_up(drawn):
+    _, found = drawn
+    for one in found.values():
+        assert np.allclose(one.truth.anchor.sum(1), 1, atol=1e-5)
+        assert (one.truth.weight[~one.inputs.given] == 0).all()
+    for name in ("plain", "swap", "drop", "mute", "hide"):
+        assert (found[name].truth.anchor[:, -1] == 0).all(), "all anchors are candidates"
+    assert found["remove"].truth.anchor[:, -1].sum() > 0
+
+
+def test_relations_are_part_of_the_anchors(drawn):
+    one = drawn[1]["plain"]
+    assert np.allclose(one.truth.relation.sum(2), one.truth.anchor[:, :-1], atol=1e-5)
+
+
+def test_swapped_names_keep_what_is_said_with_the_place(drawn):
+    """Same draw, names exchanged: pair inputs and truth stay, names and common sense move together."""
+    plain, swap = drawn[1]["plain"], drawn[1]["swap"]
+    assert np.array_equal(plain.inputs.pair, swap.inputs.pair)
+    assert np.array_equal(plain.truth.anchor, swap.truth.anchor)
+    moved = np.flatnonzero((plain.inputs.name != swap.inputs.name).any(1))
+    assert len(moved) > 10
+    for c in moved:
+        origin = np.flatnonzero((plain.inputs.name == swap.inputs.name[c]).all(1))[0]
+        assert np.array_equal(swap.inputs.prior[:, c], plain.inputs.prior[:, origin])
+        assert np.array_equal(swap.inputs.relation_prior[c], plain.inputs.relation_prior[origin])
+    assert not swap.inputs.sentence.any(), "the vectors still speak the old names"
+    assert (swap.truth.relation[:, moved] == 0).all()
+
+
+def test_levels_give_what_they_say(drawn):
+    kb, _ = drawn
+    target = next(iter(kb.entries))
+    one = sample(kb, plain_parts(), book().anchors, [target] * 4, FIXED_LEVELS)
+    none, full, gt, retrieval = one.inputs.given.sum(1)
+    assert (none, full, retrieval) == (0, len(kb), 20)
+    assert gt == len(kb.rows_about(target))
+    assert list(one.inputs.trusted) == [False, False, True, False]
+
+
+def test_losses_are_finite_at_every_level(drawn):
+    learner = tiny_belief()
+    for one in drawn[1].values():
+        found = losses(learner.head(one.inputs), one.truth)
+        assert all(torch.isfinite(value) for value in found.values())
+
+
+def test_product_says_how_to_build_it():
+    files = tiny_belief().product()
+    assert json.loads(files[CONFIG])["head"]["width"] == 16
+    assert set(files) == {WEIGHTS, CONFIG}

@@ -1,0 +1,115 @@
+"""DAgger: what is collected, who plays, and that it can be stopped anywhere."""
+
+import functools
+
+import pytest
+
+from tests.learning.test_imitation import files
+from tests.learning.tiny_policy import ENV, TinyPolicy, tiny_dagger
+from ucon.core.errors import ConfigError, DataError
+from ucon.learning.dagger import Rollouts
+from ucon.learning.run import Plan, TrainingRun
+from ucon.task.actions import Action
+from ucon.task.expert import Expert
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("episodes")
+
+
+@pytest.fixture
+def learner(folder):
+    return functools.partial(tiny_dagger, folder)
+
+
+def test_the_first_collection_is_the_expert_s(learner):
+    found = learner(rollouts={"max_steps": 60})
+    figures = found.step()
+    assert len(found.collected) == figures["collected"] == 4
+    for one in found.collected:
+        assert one.actions == one.labels
+        moves = one.actions.count(str(int(Action.MOVE_AHEAD)))
+        assert moves * 0.25 == one.episode.shortest_path_m
+        assert len(one.actions) <= len(one.episode.solution)
+    assert figures["labels"] == sum(len(one.actions) for one in found.collected)
+
+
+def test_later_ones_stray_and_every_step_is_labelled_by_the_expert(learner):
+    found = learner(rollouts={"mixture": 0.3})
+    for _ in range(7):
+        found.step()
+    assert len(found.collected) == 12
+    strayed = [one for one in found.collected[4:] if one.actions != one.labels]
+    assert len(strayed) >= 6
+    env, done = ENV(), str(int(Action.DONE))
+    for one in found.collected:
+        env.reset(options={"episode": one.episode})
+        expert = Expert(one.episode)
+        for digit, label in zip(one.actions, one.labels, strict=True):
+            assert str(int(expert.action(env.search))) == label
+            env.step(int(digit))
+        assert done not in one.actions[:-1]
+        assert one.actions[-1:] != done or one.labels[-1:] == done, "a Done that fails was carried out"
+    shares = [sum(a == b for a, b in zip(one.actions, one.labels, strict=True)) / len(one.labels) for one in strayed]
+    assert min(shares) > 0, "the expert has a share in the actions"
+
+
+def test_the_collections_take_episodes_and_levels_in_turn(learner):
+    found = learner()
+    for _ in range(4):
+        found.step()
+    names = [one.episode.id for one in found.collected]
+    assert sorted(names[:6]) == sorted(e.id for e in found.episodes)
+    assert {one.level for one in found.collected} == {"none", "retrieval"}
+
+
+@pytest.mark.parametrize("at", [2, 3, 5])
+def test_a_run_that_is_killed_goes_on_to_the_same_bytes(learner, tmp_path, at):
+    """Before a collection, in the middle between two, and just after one."""
+
+    class KilledError(Exception):
+        pass
+
+    def kill(step, figures):
+        if step == at and "loss" in figures:
+            raise KilledError
+
+    plan = Plan(steps=7, validate_every=7, save_every=1, keep=2)
+
+    def made():
+        return learner(TinyPolicy(dropout=0.1), steps=7, average=0.5)
+
+    whole = TrainingRun(tmp_path / "whole", made(), plan, {})
+    whole.start("a: 1\n")
+    whole.run()
+    parts = TrainingRun(tmp_path / "parts", made(), plan, {})
+    parts.start("a: 1\n")
+    with pytest.raises(KilledError):
+        parts.run(kill)
+    again = TrainingRun(tmp_path / "parts", made(), plan, {})
+    again.resume()
+    again.run()
+    assert files(tmp_path / "parts") == files(tmp_path / "whole")
+
+
+def test_a_state_with_other_episodes_is_refused(learner):
+    found = learner()
+    found.step()
+    state = found.state_dict()
+    state.values["collected"][0][0] = "elsewhere"
+    with pytest.raises(DataError, match="trajectory of other episodes"):
+        learner().load_state_dict(state)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"episodes": 0}, r"rollouts\.episodes=0: must be a whole number from 1"),
+        ({"mixture": 1.5}, r"rollouts\.mixture=1\.5: must be from 0 to 1"),
+        ({"per_iteration": 2.5}, r"rollouts\.per_iteration=2\.5"),
+    ],
+)
+def test_rollouts_that_make_no_sense(options, message):
+    with pytest.raises(ConfigError, match=message):
+        Rollouts(**options)

@@ -1,0 +1,224 @@
+"""Imitation of stored solutions: it learns, it can be stopped anywhere, and it refuses what makes no sense."""
+
+import functools
+import itertools
+import json
+
+import pytest
+import torch
+
+from models.nets.policy import PolicyModule
+from tests.learning.tiny_policy import TinyPolicy, tiny_imitation, training_file
+from ucon.core.errors import ConfigError, DataError
+from ucon.learning.run import METRICS, Plan, TrainingRun
+from ucon.learning.saved import load_network
+from ucon.learning.sequence_loss import SequenceLoss
+from ucon.learning.updates import DivergedError
+from ucon.learning.validation import Validation
+from ucon.task.sets import load_episodes
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("episodes")
+
+
+@pytest.fixture
+def learner(folder):
+    return functools.partial(tiny_imitation, folder)
+
+
+def test_it_learns_three_episodes_by_heart(folder, learner):
+    """All labels in the end, where the commonest one is right in four of five."""
+    found = learner(n_episodes=3, levels=("none",), steps=250, chunk=10, lr=1e-2, loss=SequenceLoss({"done": 2.0}))
+    labels = "".join(episode.solution for episode in found.episodes)
+    prior = max(labels.count(digit) for digit in set(labels)) / len(labels)
+    figures = [found.step() for _ in range(250)]
+    assert figures[0]["accuracy"] < prior
+    assert figures[-1]["accuracy"] > 0.97 > prior + 0.1
+    assert figures[-1]["cross_entropy"] < 0.2
+    assert figures[-1]["value_loss"] < 0.1 * figures[0]["value_loss"]
+    with found.updates.averaged():
+        played = found.validation.__class__(training_file(folder), 3, 3, "none", 40, 3).played(found.players, 0)
+    assert played["success_rate"] >= 1 / 3, "what was learned by heart is not what is played"
+
+
+def test_budgets_are_counted(learner):
+    found = learner(n_episodes=4, batch=3)
+    total = sum(len(episode.solution) for episode in found.episodes)
+    steps = [found.step() for _ in range(4)]
+    batches = itertools.islice(learner(n_episodes=4, batch=3).batches(), 4)
+    seen = [sum(len(t.actions) for t in batch) for batch in batches]
+    assert [s["frames"] for s in steps] == [sum(seen[: k + 1]) for k in range(4)]
+    assert [s["labels"] for s in steps] == [min(s["frames"], total) for s in steps]
+    assert steps[2]["labels"] == total
+
+
+def test_batches_mix_levels_and_visit_every_episode(learner):
+    found = learner(levels=("none", "full", "gt"), batch=3)
+    batches = list(itertools.islice(found.batches(), 6))
+    assert all({t.level for t in batch} == {"none", "full", "gt"} for batch in batches)
+    names = [t.episode.id for batch in batches for t in batch]
+    assert sorted(names[:6]) == sorted(names[6:12]) == sorted(e.id for e in found.episodes)
+    assert names[:6] != names[6:12]
+    assert len({(t.episode.id, t.level) for batch in batches for t in batch}) > 6
+
+
+def files(folder):
+    found = {p.relative_to(folder).as_posix(): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+    found["summary.json"] = {k: v for k, v in json.loads(found["summary.json"]).items() if k != "seconds"}
+    return found
+
+
+@pytest.mark.parametrize("at", [1, 5])
+def test_a_run_that_is_killed_goes_on_to_the_same_bytes(learner, tmp_path, at):
+    """Dropout, moving average, the order of episodes and what is kept in memory included."""
+
+    def made():
+        return learner(TinyPolicy(dropout=0.2), steps=7, average=0.9)
+
+    class KilledError(Exception):
+        pass
+
+    def kill(step, figures):
+        if step == at and "loss" in figures:
+            raise KilledError
+
+    plan = Plan(steps=7, validate_every=3, save_every=1, keep=2)
+    whole = TrainingRun(tmp_path / "whole", made(), plan, {})
+    whole.start("a: 1\n")
+    whole.run()
+    parts = TrainingRun(tmp_path / "parts", made(), plan, {})
+    parts.start("a: 1\n")
+    with pytest.raises(KilledError):
+        parts.run(kill)
+    again = TrainingRun(tmp_path / "parts", made(), plan, {})
+    again.resume()
+    assert again.step in (at - 1, at)
+    again.run()
+    assert files(tmp_path / "parts") == files(tmp_path / "whole")
+    assert len((tmp_path / "whole" / METRICS).read_text().splitlines()) == 7 + 4
+
+
+def test_validating_changes_nothing(learner):
+    plain, watched = (learner(TinyPolicy(dropout=0.2), average=0.5) for _ in range(2))
+    first = watched.validate()
+    assert first == watched.validate()
+    assert [plain.step() for _ in range(2)] == [watched.step() for _ in range(2)]
+    watched.validate()
+    assert plain.step() == watched.step()
+
+
+def test_the_score_is_the_figure_that_was_chosen_and_the_loss_decides_among_equals(learner):
+    found = learner(validation={"choose": "spl"}).validate()
+    assert found["spl"] == 0
+    assert -1e-3 < found["score"] < 0
+    worse = {**found, "loss": found["loss"] + 1}
+    assert Validation(choose="spl", n_play=1).score(worse)["score"] < found["score"]
+    assert Validation(choose="loss", n_play=0).score({"loss": 2.0})["score"] == pytest.approx(-2.0, abs=1e-4)
+
+
+def test_the_product_is_the_average_and_is_loaded_again(learner, tmp_path):
+    found = learner(average=0.9)
+    for _ in range(3):
+        found.step()
+    run = TrainingRun(tmp_path / "run", found, Plan(steps=4, validate_every=4), {})
+    run.start("")
+    run.run()
+    policy = TinyPolicy(seed=9)
+    load_network(str(tmp_path / "run"), policy)
+    with found.updates.averaged():
+        expected = {name: value.half().float() for name, value in found.policy.state_dict().items()}
+    assert all(torch.equal(value, expected[name]) for name, value in policy.state_dict().items())
+    card = (tmp_path / "run" / "MODEL_CARD.md").read_text()
+    assert "different labelled frames" in card
+
+
+class Broken(TinyPolicy):
+    """Has a number that is none in a place of one's choice."""
+
+    def __init__(self, where):
+        super().__init__()
+        self.where = where
+        if where == "gradient of worth.weight":
+            self.worth.weight.register_hook(lambda gradient: gradient / 0)
+
+    def frame(self, observation, info):
+        frame = super().frame(observation, info)
+        return {**frame, "depth": frame["depth"] + float("nan")} if self.where == "frames depth" else frame
+
+    def forward(self, frames, context, state):
+        out = super().forward(frames, context, state)
+        if self.where == "value":
+            return out._replace(value=out.value / 0)
+        return out
+
+
+@pytest.mark.parametrize("where", ["frames depth", "value", "gradient of worth.weight", "parameter see.0.weight"])
+def test_numbers_that_are_none_stop_it_and_are_named(learner, where):
+    found = learner(Broken(where))
+    if where.startswith("parameter"):
+        with torch.no_grad():
+            found.policy.see[0].weight[0, 0, 0, 0] = float("inf")
+    before = found.state_dict().tensors["module/choose.weight"].clone()
+    with pytest.raises(DivergedError) as caught:
+        found.step()
+    assert str(caught.value).startswith(f"step 1: {where}")
+    assert "\n" not in str(caught.value)
+    assert torch.equal(found.policy.state_dict()["choose.weight"], before)
+
+
+def test_half_the_bits_learn_as_well(learner):
+    found = learner(precision="bfloat16", n_episodes=3)
+    losses = [found.step()["cross_entropy"] for _ in range(20)]
+    assert losses[-1] < 0.7 * losses[0]
+    assert {value.dtype for value in found.updates.parameters.values()} == {torch.float32}
+
+
+def test_a_state_of_another_network_is_refused(learner):
+    state = learner(TinyPolicy(width=16)).state_dict()
+    with pytest.raises(DataError, match="state of another learner"):
+        learner().load_state_dict(state)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"policy": 3}, "no policy that can be trained"),
+        ({"steps": 0}, r"learner\.steps=0: must be above 0"),
+        ({"lr": "fast"}, r"learner\.lr=fast: must be above 0"),
+        ({"average": 1.0}, r"learner\.average=1\.0: must be at least 0 and below 1"),
+        ({"precision": "float8"}, "unknown precision 'float8'"),
+        ({"device": "cuda:7"}, r"learner\.device=cuda:7: torch sees no such GPU"),
+        ({"levels": "full"}, r"learner\.levels=full: expected a list"),
+        ({"levels": ["ful"]}, "unknown habit level 'ful'"),
+        ({"n_episodes": 99}, r"learner\.n_episodes=99: expected a whole number from 1 to 6"),
+        ({"episodes": "nowhere"}, "unknown episode set or file 'nowhere'"),
+        ({"episodes": "val"}, r"of the (val|test) part, which must not be learned from"),
+        ({"episodes": "mini"}, r"of the (val|test) part, which must not be learned from"),
+        ({"validation": {"choose": "sr"}}, r"unknown figure of learner\.validation\.choose 'sr'"),
+        ({"validation": {"n_play": 0}}, "nothing is played; choose loss or accuracy"),
+        ({"validation": {"slots": 0}}, r"validation\.slots=0: must be a whole number from 1"),
+    ],
+)
+def test_options_that_make_no_sense(learner, options, message):
+    with pytest.raises(ConfigError if options.get("episodes") != "nowhere" else Exception, match=message) as caught:
+        learner(**options)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_policy_without_habits_has_one_level(learner):
+    class Blind(TinyPolicy):
+        uses_habits = False
+
+    assert learner(Blind()).levels == ("none",)
+    assert isinstance(Blind(), PolicyModule)
+
+
+def test_the_training_set_is_of_the_train_part():
+    """Its people are checked with all sets; its homes must be none that anything is measured in."""
+    homes = {episode.scene for episode in load_episodes("train")}
+    measured = {episode.scene for name in ("mini", "val", "test", "test_large") for episode in load_episodes(name)}
+    assert len(homes) == 800
+    assert not homes & measured
+    assert sum("~" in home for home in homes) == 400

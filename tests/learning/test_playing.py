@@ -1,0 +1,71 @@
+"""A policy plays several episodes at once: each as if it were alone."""
+
+import numpy as np
+import pytest
+import torch
+
+from tests.learning.tiny_policy import ENV, TinyPolicy
+from ucon.learning.playing import Job, Players, PolicyChooser
+from ucon.task.sets import load_episodes
+
+EPISODES = load_episodes("mini")[:4]
+
+
+def noisy_policy():
+    """A random policy whose choices hang on all that it saw."""
+    policy = TinyPolicy(seed=3)
+    with torch.no_grad():
+        policy.choose.weight.mul_(8)
+        policy.memory.weight_hh_l0.mul_(3)
+    return policy
+
+
+JOBS = [Job(episode, level) for episode, level in zip(EPISODES, ("none", "gt", "full", "none"), strict=True)]
+
+
+def played(jobs, slots, sample=False, policy=None):
+    players = Players(policy or noisy_policy(), ENV, slots, max_steps=15)
+    found = players.play(jobs, PolicyChooser(sample, 5, "test"))
+    players.close()
+    return [one.actions for one in found]
+
+
+def test_every_episode_is_played_as_if_it_were_alone():
+    """A recurrent state that leaks between slots, or from one episode to the next in a slot, would show."""
+    alone = [played([job], 1)[0] for job in JOBS]
+    assert len(set(alone)) > 1
+    assert played(JOBS, 1) == alone
+    assert played(JOBS, 3) == alone
+    assert played(JOBS[::-1], 3) == alone[::-1]
+
+
+def test_the_recurrent_state_matters_to_this_policy():
+    class Forgetful(TinyPolicy):
+        def forward(self, frames, context, state):
+            return super().forward(frames, context, self.initial_state(frames["did"].shape[1]))
+
+    forgetful = Forgetful()
+    forgetful.load_state_dict(noisy_policy().state_dict())
+    assert played(JOBS, 1, policy=forgetful) != played(JOBS, 1)
+
+
+def test_draws_are_a_function_of_seed_and_step():
+    assert played(JOBS, 3, sample=True) == played(JOBS, 2, sample=True)
+    assert played(JOBS, 3, sample=True) != played(JOBS, 3)
+    draws = [PolicyChooser(True, 0, "a").choose(1, step, np.log([0.7, 0.2, 0.1])) for step in range(600)]
+    assert np.bincount(draws) / 600 == pytest.approx([0.7, 0.2, 0.1], abs=0.06)
+
+
+def test_what_is_measured_is_what_the_environment_says():
+    class Replaying(PolicyChooser):
+        def begin(self, number, job, env):
+            self.solution = job.episode.solution
+
+        def choose(self, number, step, logits):
+            return int(self.solution[step])
+
+    short = min(load_episodes("mini"), key=lambda episode: len(episode.solution))
+    (one,) = Players(TinyPolicy(), ENV, 1, 300).play([Job(short, "none")], Replaying(False, 0))
+    assert (one.success, one.spl, one.actions) == (True, 1.0, short.solution)
+    (cut,) = Players(TinyPolicy(), ENV, 1, len(short.solution) - 1).play([Job(short, "none")], Replaying(False, 0))
+    assert (cut.success, cut.spl, len(cut.actions)) == (False, 0.0, len(short.solution) - 1)

@@ -1,0 +1,30 @@
+"""Small real learners by PPO: of the tiny policy over the seven actions, and of a narrow habit policy."""
+
+import functools
+
+import torch
+
+from models.habit_policy import HabitPolicy
+from tests.learning.tiny_policy import ENV, TinyPolicy, training_file
+from ucon.envs.waypoint.search_env import UcONSearchEnv
+from ucon.learning.collecting import InProcess
+from ucon.learning.ppo import PPOLearner
+from ucon.learning.ppo_loss import PPOLoss
+from ucon.learning.validation import Validation
+
+SEARCH = functools.partial(UcONSearchEnv, "mini")
+LEVELS = ("none", "retrieval")
+
+
+def narrow_habit_policy(seed=0):
+    torch.manual_seed(seed)
+    return HabitPolicy(width=16, layers=1, heads=2)
+
+
+def tiny_ppo(folder, policy=None, **options):
+    """Sixty steps of the environment are learned from at once."""
+    validation = {"episodes": "mini", "n_play": 2, "max_steps": 8, "slots": 2} | options.pop("validation", {})
+    standard = {"steps": 20, "frames": 60, "minibatch": 24, "chunk": 8, "lr": 5e-3, "discount": 0.95}
+    standard |= {"episodes": options.pop("episodes", None) or training_file(folder), "levels": LEVELS}
+    standard |= {"env": ENV, "search": SEARCH, "collector": InProcess(), "loss": PPOLoss()}
+    return PPOLearner(policy=policy or TinyPolicy(), validation=Validation(**validation), **standard | options)

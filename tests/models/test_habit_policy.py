@@ -1,0 +1,166 @@
+"""The habit policy: what its network may and may not depend on, and that untrained it searches as ``belief`` does."""
+
+from __future__ import annotations
+
+import time
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+from torch import Tensor
+
+from models.agents.belief import BeliefAgent
+from models.agents.habit_policy import UNTRAINED, HabitPolicyAgent
+from models.habit_policy import HabitPolicy
+from ucon.core.errors import ConfigError, DataError
+from ucon.core.files import write_atomic, write_manifest
+from ucon.envs.ucon_env import UcONEnv
+from ucon.envs.waypoint.search_env import UcONSearchEnv
+from ucon.envs.waypoint.text_tokens import TextTokens, name_table
+from ucon.language.encoder import one_thread
+from ucon.learning.saved import network_files
+
+
+@cache
+def names() -> np.ndarray[Any, Any]:
+    return name_table(TextTokens().encoder)
+
+
+def some_tokens(batch: int = 3) -> dict[str, Tensor]:
+    """The first decisions of some episodes."""
+    env, seen = UcONSearchEnv("mini", habit_level="retrieval"), []
+    for number in range(batch):
+        obs, _ = env.reset(options={"episode": number})
+        for _ in range(3):
+            obs, _, over, _, _ = env.step(0)
+            assert not over
+        seen.append(obs | {"thing_names": names()[obs["thing_rows"]]})
+    return {
+        name: torch.tensor(np.stack([obs[name] for obs in seen])).float() for name in seen[0] if name != "thing_rows"
+    }
+
+
+def random_policy(**options: Any) -> HabitPolicy:
+    """One whose outputs are not the prior alone."""
+    torch.manual_seed(0)
+    policy = HabitPolicy(**options).eval()
+    with torch.no_grad():
+        for parameter in policy.parameters():
+            parameter.add_(0.1 * torch.randn_like(parameter))
+    return policy
+
+
+@torch.no_grad()
+def test_the_order_of_tokens_does_not_matter() -> None:
+    policy, tokens = random_policy(), some_tokens()
+    before = policy(tokens)
+    for kind, names in {
+        "views": ("views", "prior", "action_mask"),
+        "things": ("things", "thing_names", "things_mask"),
+        "frontiers": ("frontiers", "frontiers_mask"),
+        "habits": ("habits", "habits_relevance", "habits_mask"),
+    }.items():
+        order = torch.randperm(tokens[names[0]].shape[1])
+        after = policy(tokens | {name: tokens[name][:, order] for name in names})
+        expected = before.logits[:, order] if kind == "views" else before.logits
+        torch.testing.assert_close(after.logits, expected, rtol=1e-4, atol=1e-4)
+        torch.testing.assert_close(after.value, before.value, rtol=1e-4, atol=1e-4)
+
+
+@torch.no_grad()
+def test_what_is_not_there_changes_nothing() -> None:
+    policy, tokens = random_policy(), some_tokens()
+    before, changed = policy(tokens), dict(tokens)
+    for name, mask in (("things", "things_mask"), ("frontiers", "frontiers_mask"), ("views", "action_mask")):
+        changed[name] = torch.where(tokens[mask][..., None] > 0, tokens[name], torch.tensor(7.0))
+    after = policy(changed)
+    torch.testing.assert_close(after.logits, before.logits, rtol=1e-4, atol=1e-4)
+    assert (before.logits == float("-inf")).equal(tokens["action_mask"] == 0)
+
+
+@torch.no_grad()
+@pytest.mark.parametrize("name", ["views", "things", "thing_names", "frontiers", "habits", "state", "target"])
+def test_everything_that_is_there_matters(name: str) -> None:
+    policy, tokens = random_policy(), some_tokens()
+    changed = policy(tokens | {name: tokens[name] + 0.5})
+    seen = tokens["action_mask"] > 0
+    assert (changed.logits - policy(tokens).logits)[seen].abs().max() > 1e-4
+
+
+def test_gradients_reach_all_that_is_learned() -> None:
+    policy, tokens = random_policy(), some_tokens()
+    scores = policy(tokens)
+    (scores.logits[tokens["action_mask"] > 0].square().sum() + scores.value.sum()).backward()
+    assert [name for name, p in policy.named_parameters() if p.grad is None or not p.grad.any()] == []
+
+
+def test_it_is_small_and_quick() -> None:
+    policy, tokens = HabitPolicy().eval(), some_tokens(1)
+    assert sum(p.numel() for p in policy.parameters()) <= 5e6
+    with torch.inference_mode(), one_thread():
+        policy(tokens)
+        begun = time.process_time()
+        for _ in range(10):
+            policy(tokens)
+    assert (time.process_time() - begun) / 10 < 0.030
+
+
+def play(agent: Any, number: int, level: str = "retrieval") -> list[int]:
+    env = UcONEnv("mini", observe="symbolic", detector=True, habit_level=level)
+    obs, info = env.reset(options={"episode": number})
+    agent.reset([info])
+    actions, over = [], False
+    while not over:
+        actions.append(agent.act([obs], [info])[0])
+        obs, _, terminated, truncated, info = env.step(actions[-1])
+        over = terminated or truncated
+    return actions
+
+
+def test_untrained_it_searches_as_belief_does() -> None:
+    """The views offered leave some out that are much alike; in most episodes nothing comes of it."""
+    alike = [play(HabitPolicyAgent(HabitPolicy(), UNTRAINED), k) == play(BeliefAgent(), k) for k in range(6)]
+    assert sum(alike) >= 4
+
+
+def test_slots_do_not_disturb_each_other() -> None:
+    agent, alone = HabitPolicyAgent(random_policy(), UNTRAINED), HabitPolicyAgent(random_policy(), UNTRAINED)
+    envs = [UcONEnv("mini", observe="symbolic", detector=True) for _ in range(2)]
+    seen = [env.reset(options={"episode": k}) for k, env in enumerate(envs)]
+    agent.reset([info for _, info in seen])
+    alone.reset([seen[1][1]])
+    for _ in range(40):
+        actions = agent.act([obs for obs, _ in seen], [info for _, info in seen])
+        assert actions[1] == alone.act([seen[1][0]], [seen[1][1]])[0]
+        stepped = [env.step(action) for env, action in zip(envs, actions, strict=True)]
+        if any(step[2] or step[3] for step in stepped):
+            break
+        seen = [(step[0], step[4]) for step in stepped]
+
+
+def test_draws_are_a_function_of_seed_episode_and_decision() -> None:
+    def drawn(seed: int) -> list[int]:
+        return play(HabitPolicyAgent(HabitPolicy(), UNTRAINED, sample=True, seed=seed), 0)
+
+    assert drawn(1) == drawn(1) != drawn(2)
+
+
+def test_weights_are_saved_and_loaded(tmp_path: Any) -> None:
+    policy = random_policy()
+    files = network_files(policy)
+    for name, content in files.items():
+        write_atomic(tmp_path / name, content)
+    write_manifest(tmp_path, files)
+    agent = HabitPolicyAgent(HabitPolicy(), str(tmp_path))
+    agent.check()
+    assert agent.fingerprint()
+    assert play(agent, 1) == play(HabitPolicyAgent(policy, UNTRAINED), 1)
+    with pytest.raises(DataError, match="weights made with width=64, the agent has width=32"):
+        HabitPolicyAgent(HabitPolicy(width=32), str(tmp_path)).check()
+
+
+def test_without_weights_it_says_how_to_get_them() -> None:
+    with pytest.raises(ConfigError, match=r"no trained weights; train it with `python train.py agent=habit_policy`"):
+        HabitPolicyAgent(HabitPolicy()).check()

@@ -1,0 +1,259 @@
+"""The end-to-end habit policy: shapes, memory, habits, limits."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+import torch
+
+from models.habit_policy_e2e import HabitPolicyE2E
+from models.nets.ego_view import ASIDE, BEHIND, BLOCKED, EXPLORED, FLOOR, N_PAIRS, N_THINGS
+from models.nets.floor_memory import CHANNELS, HALF, SIZE
+from models.nets.reasons import reasons
+from models.nets.shortest_ways import FAR, STAY, shortest_ways
+from ucon.core.errors import ConfigError
+from ucon.envs.ucon_env import UcONEnv
+from ucon.perception.semantic_map import SemanticMap
+from ucon.task.actions import Action
+
+LEVELS = ("none", "full", "gt", "retrieval")
+WALK = (0, 0, 2, 0, 0, 4, 1, 0, 0, 3, 1, 0, 0, 5, 0, 1)
+
+
+@pytest.fixture(scope="module")
+def policy() -> HabitPolicyE2E:
+    torch.manual_seed(0)
+    made = HabitPolicyE2E().eval()
+    with torch.no_grad():  # as if trained a little: the last layer begins at zero
+        torch.nn.init.normal_(made.choose[-1].weight, std=0.1)
+    return made
+
+
+@pytest.fixture(scope="module")
+def walks() -> dict[str, tuple[dict, list[tuple[dict, dict]]]]:
+    """Info at reset and (observation, info) of each step, at each level."""
+    out = {}
+    for level in LEVELS:
+        env = UcONEnv("mini", habit_level=level, detector=True)
+        obs, first = env.reset(options={"episode": 1})
+        steps = [(obs, first)]
+        for action in WALK:
+            obs, _, _, _, info = env.step(action)
+            steps.append((obs, info))
+        env.close()
+        out[level] = (first, steps)
+    return out
+
+
+def tensors(arrays) -> dict[str, torch.Tensor]:
+    return {name: torch.as_tensor(np.array(array)) for name, array in arrays.items()}
+
+
+def episode(policy, walk) -> tuple[dict[str, torch.Tensor], dict[str, torch.Tensor]]:
+    """Frames (T, 1, ...) and context (1, ...)."""
+    frames = [tensors(policy.frame(o, i)) for o, i in walk[1]]
+    stacked = {name: torch.stack([f[name] for f in frames])[:, None] for name in frames[0]}
+    return stacked, {name: t[None] for name, t in tensors(policy.context(walk[0])).items()}
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_every_level_gives_logits_and_the_same_shapes(policy, walks, level):
+    frames, context = episode(policy, walks[level])
+    reference = episode(policy, walks["none"])
+    assert {k: v.shape for k, v in frames.items()} == {k: v.shape for k, v in reference[0].items()}
+    assert {k: (v.shape, v.dtype) for k, v in context.items()} == {
+        k: (v.shape, v.dtype) for k, v in reference[1].items()
+    }
+    out = policy(frames, context, policy.initial_state(1))
+    assert out.logits.shape == (len(WALK) + 1, 1, 7)
+    assert out.value.shape == (len(WALK) + 1, 1)
+    assert torch.isfinite(out.logits).all()
+
+
+def test_frames_do_not_depend_on_the_habits(policy, walks):
+    ours, others = (episode(policy, walks[level])[0] for level in ("none", "gt"))
+    assert all(torch.equal(ours[name], others[name]) for name in ours)
+
+
+def test_t_steps_are_t_single_steps(policy, walks):
+    frames, context = episode(policy, walks["retrieval"])
+    with torch.no_grad():
+        whole = policy(frames, context, policy.initial_state(1))
+        state, logits = policy.initial_state(1), []
+        for t in range(len(frames["pose"])):
+            out = policy({name: frame[t : t + 1] for name, frame in frames.items()}, context, state)
+            state = out.state
+            logits.append(out.logits)
+    assert torch.allclose(torch.cat(logits), whole.logits, atol=1e-4)
+    assert state.keys() == whole.state.keys() == policy.initial_state(1).keys()
+    assert all(torch.equal(state[name], whole.state[name]) for name in ("cells", "what", "opened"))
+
+
+def test_a_batch_is_its_parts_and_leaves_the_given_state_alone(policy, walks):
+    parts = [episode(policy, walks[level]) for level in ("none", "gt")]
+    frames = {name: torch.cat([p[0][name] for p in parts], 1) for name in parts[0][0]}
+    context = {name: torch.cat([p[1][name] for p in parts]) for name in parts[0][1]}
+    state = policy.initial_state(2)
+    with torch.no_grad():
+        both = policy(frames, context, state).logits
+        alone = torch.cat([policy(*part, policy.initial_state(1)).logits for part in parts], 1)
+    assert torch.allclose(both, alone, atol=1e-4)
+    assert all(torch.equal(tensor, policy.initial_state(2)[name]) for name, tensor in state.items())
+
+
+def test_memory_matters(policy, walks):
+    frames, context = episode(policy, walks["gt"])
+    last = {name: frame[-1:] for name, frame in frames.items()}
+    with torch.no_grad():
+        kept = policy({name: frame[:-1] for name, frame in frames.items()}, context, policy.initial_state(1)).state
+        assert not torch.allclose(
+            policy(last, context, kept).logits, policy(last, context, policy.initial_state(1)).logits, atol=1e-3
+        )
+
+
+def test_habits_change_what_it_does(policy, walks):
+    with torch.no_grad():
+        logits = {k: policy(*episode(policy, walks[k]), policy.initial_state(1)).logits for k in LEVELS}
+    assert float((logits["none"] - logits["retrieval"]).abs().max()) > 1e-3
+    assert float((logits["gt"] - logits["full"]).abs().max()) > 1e-3
+
+
+@pytest.mark.parametrize("level", ["full", "gt"])
+def test_the_order_of_habits_does_not(policy, walks, level):
+    first, steps = walks[level]
+    mixed = {**first, "habits": tuple(np.random.default_rng(0).permutation(first["habits"]).tolist())}
+    ours, others = (tensors(policy.context(info)) for info in (first, mixed))
+    for name in ours:
+        assert torch.allclose(ours[name].float(), others[name].float(), atol=2e-3), name
+    assert len(steps) == len(WALK) + 1
+
+
+def test_gradients_reach_every_parameter(walks):
+    torch.manual_seed(0)
+    policy = HabitPolicyE2E()
+    torch.nn.init.normal_(policy.choose[-1].weight, std=0.1)
+    frames, context = episode(policy, walks["retrieval"])
+    out = policy(frames, context, policy.initial_state(1))
+    (torch.logsumexp(out.logits * torch.arange(7), -1).sum() + out.value.square().sum()).backward()
+    missing = [n for n, p in policy.named_parameters() if p.grad is None or not bool(p.grad.abs().sum() > 0)]
+    assert not missing
+
+
+def test_it_is_small_and_fast(policy, walks):
+    assert sum(p.numel() for p in policy.parameters()) <= 8_000_000
+    frames, context = episode(policy, walks["full"])
+    state, spent = policy.initial_state(1), []
+    with torch.inference_mode():
+        for t, (obs, info) in enumerate(walks["full"][1]):
+            start = time.process_time()
+            policy.frame(obs, info)
+            state = policy({n: f[t : t + 1] for n, f in frames.items()}, context, state).state
+            spent.append(time.process_time() - start)
+    assert float(np.median(spent)) <= 0.030
+
+
+@pytest.mark.parametrize("switch", ["rgb", "plan", "attend"])
+def test_ablations_play(walks, switch):
+    policy = HabitPolicyE2E(**{switch: False})
+    assert torch.isfinite(policy(*episode(policy, walks["gt"]), policy.initial_state(1)).logits).all()
+    assert policy.arguments[switch] is False
+
+
+def test_needs_pixels(policy, walks):
+    obs, info = walks["none"][1][0]
+    with pytest.raises(ConfigError, match=r"env\.observe=pixels"):
+        policy.frame({k: v for k, v in obs.items() if k != "rgb"}, info)
+
+
+def test_memory_agrees_with_the_semantic_map(policy, walks):
+    """Two independent programs put the same frames into a map."""
+    frames, context = episode(policy, walks["none"])
+    state = policy(frames, context, policy.initial_state(1)).state
+    cells = state["cells"][0].view(-1, SIZE, SIZE)
+    known = SemanticMap()
+    for obs, info in walks["none"][1]:
+        known.update(obs, info)
+    near = slice(HALF - 15, HALF + 16)
+    for channel, truth in (("floor", known.floor), ("explored", known.explored), ("blocked", known.blocked)):
+        ours, theirs = cells[CHANNELS.index(channel)].numpy()[near, near] > 0, truth[near, near] > 0
+        agree = (ours & theirs).sum() / max((ours | theirs).sum(), 1)
+        assert agree > 0.75, (channel, agree)
+    visited = cells[CHANNELS.index("visited")].numpy() > 0
+    assert np.array_equal(visited, known.visited > 0)
+
+
+def test_patch_is_the_frame_alone(policy, walks):
+    obs, info = walks["none"][1][3]
+    frame = policy.frame(obs, info)
+    again = policy.frame(obs, info)
+    assert all(np.array_equal(frame[name], again[name]) for name in frame)
+    flags = frame["patch"]
+    assert flags[BEHIND + 2, ASIDE] & (EXPLORED | FLOOR | BLOCKED)
+    assert frame["thing_ids"].shape == (N_THINGS,)
+    assert frame["pair_cell"].shape == (N_PAIRS,)
+    assert sum(array.nbytes for array in frame.values()) < 25_000
+
+
+def test_augmentation_turns_the_map_and_nothing_else(policy, walks):
+    frames, context = episode(policy, walks["gt"])
+    seen = set()
+    for seed in range(8):
+        turned = policy.augment(frames, torch.Generator().manual_seed(seed))
+        assert all(torch.equal(turned[name], frames[name]) for name in frames if name != "pose")
+        quarters = int(turned["pose"][0, 0, 2] - frames["pose"][0, 0, 2]) % 4
+        seen.add(quarters)
+        ours, plain = (policy(f, context, policy.initial_state(1)).state["cells"] for f in (turned, frames))
+        whole = torch.rot90(plain.view(-1, SIZE, SIZE), quarters, (1, 2))
+        assert torch.equal(ours.view(-1, SIZE, SIZE), whole)
+    assert len(seen) > 1
+
+
+def test_shortest_ways_by_hand():
+    free = torch.zeros(1, 7, 7, dtype=torch.bool)
+    free[0, 3, 3:] = True  # a corridor along the second axis: heading 1
+    steps, first = shortest_ways(free, torch.tensor([0]))
+    # Heading 0 at the middle; the way along heading 1 begins with a turn to the left.
+    assert steps[0, 0, 1, 1] == 0
+    assert first[0, 0, 1, 1] == STAY
+    assert steps[0, 1, 1, 3] == 1 + 3
+    assert first[0, 1, 1, 3] == Action.ROTATE_LEFT
+    assert steps[0, 3, 1, 1] == 1
+    assert first[0, 3, 1, 1] == Action.ROTATE_RIGHT
+    assert steps[0, 0, 3, 3] == FAR
+
+
+def test_shortest_ways_against_plain_search():
+    draw = np.random.default_rng(1)
+    free = torch.as_tensor(draw.random((3, 15, 15)) > 0.3)
+    free[:, 7, 7] = True
+    steps, _ = shortest_ways(free, torch.tensor([0, 1, 3]))
+    for n, heading in enumerate((0, 1, 3)):
+        told = {(7, 7, heading): 0}
+        edge = list(told)
+        for i, j, h in edge:
+            di, dj = ((1, 0), (0, 1), (-1, 0), (0, -1))[h]
+            for new in ((i + di, j + dj, h), (i, j, (h + 1) % 4), (i, j, (h + 3) % 4)):
+                if new not in told and 0 <= new[0] < 15 and 0 <= new[1] < 15 and free[n, new[0], new[1]]:
+                    told[new] = told[i, j, h] + 1
+                    edge.append(new)
+        for h in range(4):
+            for a in range(8):
+                for b in range(8):
+                    block = [told.get((i, j, h), FAR) for i in (2 * a, 2 * a + 1) for j in (2 * b, 2 * b + 1)]
+                    assert steps[n, h, a, b] == min(block)
+
+
+def test_reasons_name_place_and_habit(policy, walks):
+    first, _ = walks["gt"]
+    frames, context = episode(policy, walks["gt"])
+    with torch.no_grad():
+        out, inside = policy.think(frames, context, policy.initial_state(1))
+    why = reasons(policy.reader, first, frames, context, out.state, inside, out.logits[-1, 0])
+    assert abs(sum(why.actions) - 1) < 1e-4
+    assert abs(float(why.goals.sum()) - 1) < 1e-3
+    assert why.habits
+    assert all(text in first["habits"] for text, _ in why.habits)
+    assert why.habits[0][0] in why.table()
+    assert why.belief[0][2] >= why.belief[-1][2]

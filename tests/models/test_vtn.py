@@ -1,0 +1,152 @@
+"""VTN has the sizes of its paper's code, and sees what the detector says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import torch
+
+from models.nets.tokens import LabelTokens, indicator, labels
+from models.nets.visual_transformer import VisualTransformer, described, position_code
+from models.vtn import VTN, VTNPretraining
+from ucon.core.errors import ConfigError, DataError
+from ucon.core.files import write_atomic, write_manifest
+from ucon.learning.saved import network_files
+from ucon.objects.catalogue import catalogue
+from ucon.perception.detections import STRUCTURE_KINDS
+
+
+def count(module: torch.nn.Module) -> int:
+    return sum(p.numel() for p in module.parameters())
+
+
+@pytest.fixture(scope="module")
+def vtn() -> VTN:
+    return VTN().eval()
+
+
+def test_sizes_are_those_of_the_paper(vtn: VTN) -> None:
+    """17.9 M parameters beside the features of categories, which stand for DETR."""
+    assert count(vtn) - count(vtn.tokens) == 17_888_833
+    assert count(vtn.tokens) == (len(labels()) + 1) * 256
+    assert vtn.lstm.input_size == 3200
+    assert (vtn.lstm.num_layers, vtn.lstm.hidden_size) == (2, 512)
+    assert count(vtn.lstm) == 9_707_520
+    visual = vtn.visual
+    assert (visual.local_embed.in_features, visual.local_embed.out_features) == (256, 249)
+    assert tuple(visual.global_embed.weight.shape) == (256, 512, 1, 1)
+    assert (len(visual.encoder.layers), len(visual.decoder)) == (6, 6)
+    assert [m.out_features for m in visual.regions if isinstance(m, torch.nn.Linear)] == [128, 64]
+    assert (vtn.actor.out_features, vtn.action_embed.in_features) == (7, 7)
+
+
+def test_a_frame_becomes_3136_numbers() -> None:
+    visual = VisualTransformer().eval()
+    with torch.inference_mode():
+        found = visual(torch.rand(2, 100, 256), torch.rand(2, 100, 7), torch.rand(2, 512, 7, 7))
+    assert found.shape == (2, 3136)
+    assert not torch.allclose(found[0], found[1])
+
+
+def test_it_starts_as_its_papers_code_does(vtn: VTN) -> None:
+    assert torch.allclose(vtn.actor.weight.norm(dim=1), torch.full((7,), 0.01))
+    assert all(torch.allclose(part.weight.norm(dim=1), torch.ones(len(part.weight))) for part in vtn.critic)
+    assert not any(bool(p.any()) for n, p in vtn.named_parameters() if "bias" in n and "norm" not in n)
+    first, second = (layer.self_attn.in_proj_weight for layer in vtn.visual.encoder.layers[:2])
+    assert not torch.equal(first, second)  # layers are copies no more
+    bound = (6 / (256 + 249)) ** 0.5
+    assert 0.99 * bound < vtn.visual.local_embed.weight.abs().max() <= bound
+
+
+def test_dropout_is_of_training_and_pretraining_has_none() -> None:
+    rates = {m.p for m in VTN().modules() if isinstance(m, torch.nn.Dropout)}
+    assert rates == {0.1}
+    assert {m.p for m in VTNPretraining().modules() if isinstance(m, torch.nn.Dropout)} == {0.0}
+    with pytest.raises(ConfigError, match=r"dropout=1\.0"):
+        VTN(dropout=1.0)
+
+
+def test_positions_are_rows_then_columns() -> None:
+    code = position_code(7, 256).view(7, 7, 256)
+    assert torch.equal(code[2, 0, :128], code[2, 6, :128])
+    assert torch.equal(code[0, 3, 128:], code[6, 3, 128:])
+    assert torch.equal(code[4, 4, :128], code[4, 4, 128:])
+    assert code[0, 0, :2].tolist() == pytest.approx([np.sin(1), np.cos(1)])
+    assert len(code.view(49, 256).unique(dim=0)) == 49
+
+
+def look(names: list[str], tracks: np.ndarray, score: list[float] | None = None) -> dict[str, torch.Tensor]:
+    pixels = [int((tracks == k).sum()) for k in range(len(names))]
+    found = SimpleNamespace(track=np.arange(len(names)), category=names, pixels=pixels, score=score)
+    arrays = LabelTokens().frame({}, {"detections": found, "tracks": tracks.astype(np.int16)})
+    return {name: torch.tensor(array) for name, array in arrays.items()}
+
+
+def test_tokens_are_the_best_of_each_label_in_order() -> None:
+    tracks = np.full((128, 128), -1)
+    tracks[0:64, 0:32], tracks[64:128, 32:128], tracks[100:104, 0:8], tracks[0:10, 64:128] = 0, 1, 2, 3
+    frame = look(["mug", "bed", "mug", "walls"], tracks)
+    numbers = sorted((labels()["bed"], labels()["mug"]))
+    assert frame["label"][:2].tolist() == numbers
+    assert not frame["label"][2:].any()
+    row = numbers.index(labels()["mug"])
+    assert frame["box"][row].tolist() == [0, 0, 0.25, 0.5]  # the larger mug
+    assert frame["box"][1 - row].tolist() == [0.25, 0.5, 1, 1]
+    assert frame["score"][:3].tolist() == [1, 1, 0]
+    surer = look(["mug", "bed", "mug", "walls"], tracks, [0.3, 0.5, 0.75, 1.0])
+    assert surer["box"][row].tolist() == [0, 100 / 128, 8 / 128, 104 / 128]
+    assert surer["score"][row] == 0.75
+
+
+def test_the_target_is_a_mark_on_its_label_and_nothing_else() -> None:
+    label = torch.tensor([[3, 5, 0, 0]] * 2, dtype=torch.int16)
+    assert indicator({"label": label}, torch.tensor([5, 0])).tolist() == [[0, 1, 0, 0], [0, 0, 0, 0]]
+    things = described(label, 44, torch.zeros(2, 4, 4), torch.ones(2, 4), torch.zeros(2, 4))
+    assert things.shape == (2, 4, 7)
+    assert things[0, :, 0].tolist() == [1.5, 2.5, 0, 0]  # the range of VTNet's 22 labels
+
+
+def test_labels_are_the_catalogue_without_the_building() -> None:
+    tokens = LabelTokens()
+    assert tokens.n_labels == len(catalogue()) - len(set(catalogue().names) & set(STRUCTURE_KINDS))
+    assert tokens.label_of("mug") > 0
+    assert tokens.label_of("walls") == tokens.label_of("no such thing") == 0
+    assert not tokens.embed.weight[0].any()
+
+
+def test_without_a_detector_it_says_so() -> None:
+    with pytest.raises(ConfigError, match="give detector=gt"):
+        LabelTokens().frame({}, {})
+
+
+def test_it_goes_on_from_pretraining(tmp_path: Path) -> None:
+    made = VTNPretraining(seed=3)
+    files = network_files(made)
+    for name, content in files.items():
+        write_atomic(tmp_path / name, content)
+    write_manifest(tmp_path, files)
+    vtn, fresh = VTN(pretrained=str(tmp_path)), VTN()
+    for part in ("visual", "tokens"):
+        wanted, found = getattr(made, part).state_dict(), getattr(vtn, part).state_dict()
+        assert all(torch.equal(found[name], tensor) for name, tensor in wanted.items())
+    assert torch.equal(vtn.lstm.weight_hh_l0, fresh.lstm.weight_hh_l0)
+    with pytest.raises(DataError, match="agent=vtn_pretraining learner=imitation"):
+        VTN(pretrained=str(tmp_path / "none"))
+
+
+def test_the_last_probabilities_are_carried(vtn: VTN) -> None:
+    frames = {
+        "map": torch.rand(1, 1, 512, 7, 7).half(),
+        "label": torch.zeros(1, 1, 100, dtype=torch.int16),
+        "score": torch.zeros(1, 1, 100),
+        "box": torch.zeros(1, 1, 100, 4),
+    }
+    context, start = {"target": torch.tensor([1])}, vtn.initial_state(1)
+    with torch.inference_mode():
+        found = vtn(frames, context, start)
+        assert torch.allclose(found.state["probabilities"], found.logits[0].softmax(-1))
+        other = vtn(frames, context, {**start, "probabilities": torch.eye(7)[:1]})
+    assert not torch.equal(other.logits, found.logits)

@@ -1,0 +1,204 @@
+"""``UcONSearch-v0``: choose which view to go for next, by tokens; what the habit policy is trained on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, SupportsFloat
+
+import gymnasium as gym
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from ucon.core.errors import ConfigError, EpisodeError
+from ucon.envs.knowledge import HabitSource
+from ucon.envs.ucon_env import Obs, UcONEnv
+from ucon.envs.waypoint.searcher import Searcher
+from ucon.envs.waypoint.text_tokens import TextTokens
+from ucon.envs.waypoint.tokens import N_FRONTIER, N_STATE, N_THING, Sizes, TokenReader, Tokens
+from ucon.envs.waypoint.view_tokens import N_VIEW
+from ucon.objects.catalogue import catalogue
+from ucon.perception.reading import Locate, ReadHabits, expecting
+from ucon.task.actions import Action
+
+#: What only the map needs of a frame.
+_FRAME = ("detections", "tracks", "opened", "depth")
+_MOST = 1e4
+
+
+@dataclass(frozen=True)
+class Returns:
+    """What an episode is worth in the end, for trainers."""
+
+    spl: float = 1.0
+    success: float = 0.0
+    speed: float = 0.5
+    """Of a success at once; falls to 0 at the last step."""
+
+    def __call__(self, metrics: dict[str, Any], max_steps: int) -> float:
+        """The worth of an episode with these ``episode_metrics``."""
+        if not metrics["success"]:
+            return 0.0
+        return self.spl * float(metrics["spl"]) + self.success + self.speed * (1.0 - int(metrics["steps"]) / max_steps)
+
+
+class UcONSearchEnv(gym.Env[Obs, int]):
+    """Search a home by choosing among views.
+
+    ### Description
+    Wraps ``UcON-v0``: a step chooses a view; the planner goes towards it and asks again after five actions, opens on
+    its way what is closed and worth it, and as soon as the target is in view walks up to it and says Done. The habits
+    are read once; what was looked at in vain lowers the belief by arithmetic. Where there is nothing to choose, it is
+    not asked. Every primitive action costs one of the 300 steps.
+
+    ### Action space
+    ``Discrete(V)``: the row of a view. Rows whose ``action_mask`` is 0 are no views; choosing one turns the agent
+    left, which costs a step, and sets ``info["invalid"]``.
+
+    ### Observation space
+    ``views``, ``prior``, ``things``, ``thing_rows``, ``things_mask``, ``frontiers``, ``frontiers_mask``, ``state``: see
+    :class:`ucon.envs.waypoint.tokens.Tokens`; ``target``, ``habits``, ``habits_relevance``, ``habits_mask``: see
+    :meth:`ucon.envs.waypoint.text_tokens.TextTokens.read`; ``action_mask`` int8 (V,), 1 where a view stands.
+
+    ### Rewards
+    0, and at the end what ``returns`` says of the episode.
+
+    ### Termination
+    That of ``UcON-v0``.
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
+
+    def __init__(
+        self,
+        episodes: Any = "mini",
+        *,
+        locate: Locate | None = None,
+        sizes: Sizes | None = None,
+        text: TextTokens | None = None,
+        returns: Returns | None = None,
+        observe: str = "symbolic",
+        detector: Any = True,
+        **options: Any,
+    ) -> None:
+        """Describe the environment.
+
+        Args:
+            episodes: see ``UcON-v0``.
+            locate: says where the target may be; by default it is read from the habits.
+            sizes: rows of the tokens.
+            text: embeds names and habits.
+            returns: what an episode is worth.
+            observe: see ``UcON-v0``.
+            detector: what is mapped; see ``UcON-v0``.
+            **options: of ``UcON-v0``.
+
+        Raises:
+            ConfigError: no detector.
+        """
+        if not detector:
+            raise ConfigError("detector=None: views are valued by what is detected; name a detector")
+        self.env = UcONEnv(episodes, observe=observe, detector=detector, **options)  # type: ignore[arg-type]
+        self.render_mode = self.env.render_mode
+        self._locate, self._sizes = locate or ReadHabits(), sizes or Sizes()
+        self._text, self._returns = text or TextTokens(), returns or Returns()
+        self._searcher: Searcher | None = None
+        self.action_space = spaces.Discrete(self._sizes.views)  # type: ignore[assignment]  # it draws NumPy integers
+        self.observation_space = observation_space(self._sizes, self._text)
+
+    @property
+    def source(self) -> HabitSource:
+        """Gives every episode its habits."""
+        return self.env.source
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Obs, dict[str, Any]]:
+        """Start an episode, as ``UcON-v0`` does, and play until there is something to choose."""
+        super().reset(seed=seed)
+        obs, info = self.env.reset(seed=seed, options=options)
+        locations = self._locate(info)
+        self._searcher = Searcher(info, expecting(info, self._locate, locations=locations))
+        self._reader = TokenReader(self._searcher, info, self._sizes)
+        self._said = self._text.read(info, locations)
+        self._last, self._over = (obs, info), (False, False)
+        self._tokens: Tokens | None = None
+        self._until_due(None)
+        return self._observed(), {**_told(info), **_told(self._last[1])}
+
+    def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
+        """Choose a view, and play until there is something to choose again or the episode ends."""
+        if self._searcher is None:
+            raise EpisodeError("step before reset: call reset() first")
+        offered = self._tokens.choices if self._tokens is not None else ()
+        invalid = not 0 <= int(action) < max(1, len(offered))
+        if not any(self._over):
+            choice = None if invalid or not offered else offered[int(action)]
+            self._until_due(self._searcher.choose(choice))
+        info = self._last[1]
+        reward = self._returns(info["episode_metrics"], self.env.unwrapped.rules.max_steps) if any(self._over) else 0.0
+        return self._observed(), reward, *self._over, _told(info) | {"invalid": invalid}
+
+    def _until_due(self, action: Action | None) -> None:
+        """Play ``action`` and what follows until a choice among two views or more is due, or the episode ends."""
+        assert self._searcher is not None
+        self._tokens = None
+        while True:
+            if action is not None:
+                obs, _, *over, info = self.env.step(int(action))
+                self._last, self._over = (obs, info), (over[0], over[1])
+                if any(over):
+                    return
+            action = self._searcher.look(*self._last)
+            if action is None:
+                self._tokens = self._reader.read(self._searcher.decision())
+                if len(self._tokens.choices) > 1:
+                    return
+                action = self._searcher.choose(next(iter(self._tokens.choices), None))
+
+    def _observed(self) -> Obs:
+        if self._tokens is None:  # the end: nothing is due
+            blank = {name: np.zeros(space.shape, space.dtype) for name, space in self.observation_space.items()}  # type: ignore[attr-defined]
+            blank["action_mask"][0] = 1
+            return blank | self._text_arrays()
+        return {**self._tokens.arrays, **self._text_arrays()}
+
+    def _text_arrays(self) -> Obs:
+        """Copies: whoever keeps an observation owns it."""
+        return {name: array.copy() for name, array in self._said.items()}
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """See ``UcON-v0``."""
+        return self.env.render()
+
+    def close(self) -> None:
+        """See ``UcON-v0``."""
+        self.env.close()
+
+
+def observation_space(sizes: Sizes, text: TextTokens) -> spaces.Dict:
+    """The space of what a policy over tokens is given."""
+
+    def box(*shape: int) -> spaces.Box:
+        return spaces.Box(-_MOST, _MOST, shape, np.float32)
+
+    d, habits = text.encoder.dim, text.n_habits
+    return spaces.Dict(
+        {
+            "views": box(sizes.views, N_VIEW),
+            "prior": box(sizes.views),
+            "action_mask": spaces.MultiBinary(sizes.views),
+            "things": box(sizes.things, N_THING),
+            "thing_rows": spaces.Box(-1, len(catalogue().names) - 1, (sizes.things,), np.int32),
+            "things_mask": spaces.MultiBinary(sizes.things),
+            "frontiers": box(sizes.frontiers, N_FRONTIER),
+            "frontiers_mask": spaces.MultiBinary(sizes.frontiers),
+            "state": box(N_STATE),
+            "target": box(d),
+            "habits": box(habits, d),
+            "habits_relevance": box(habits),
+            "habits_mask": spaces.MultiBinary(habits),
+        }
+    )
+
+
+def _told(info: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in info.items() if name not in _FRAME}

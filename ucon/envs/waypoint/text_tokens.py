@@ -1,0 +1,52 @@
+"""What a policy over tokens reads of an episode's text: the target's name, and the habits that tell most about it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.envs.waypoint.features import category_rows
+from ucon.language.store import StoredEncoder, default_encoder
+from ucon.perception.belief import Locations
+from ucon.retrieval.base import phrase
+
+
+class TextTokens:
+    """Embeds names and habits; what it has embedded the encoder remembers."""
+
+    def __init__(self, encoder: StoredEncoder | None = None, n_habits: int = 8) -> None:
+        """``n_habits``: rows for habits; those that tell most come first."""
+        self._encoder, self.n_habits = encoder, n_habits
+
+    @property
+    def encoder(self) -> StoredEncoder:
+        """By default the embedded one, loaded when it is first needed."""
+        if self._encoder is None:
+            self._encoder = default_encoder()
+        return self._encoder
+
+    def read(self, info: Mapping[str, Any], locations: Locations) -> dict[str, NDArray[Any]]:
+        """Arrays of an episode, from the info of its reset and what was read of its habits.
+
+        Returns:
+            ``target`` (D,) and ``habits`` (P, D) float32 embeddings, ``habits_relevance`` (P,) float32 in [0, 1] and
+            ``habits_mask`` (P,) int8.
+        """
+        target = self.encoder.encode_half([phrase(str(info["target"]))])[0].astype(np.float32)
+        habits = np.zeros((self.n_habits, len(target)), np.float32)
+        relevance, mask = np.zeros(self.n_habits, np.float32), np.zeros(self.n_habits, np.int8)
+        texts, telling = list(info["habits"]), locations.relevance
+        if texts and telling is not None:
+            top = np.argsort(-telling, kind="stable")[: self.n_habits]
+            habits[: len(top)] = self.encoder.encode_half([texts[k] for k in top])
+            relevance[: len(top)], mask[: len(top)] = telling[top], 1
+        return {"target": target, "habits": habits, "habits_relevance": relevance, "habits_mask": mask}
+
+
+def name_table(encoder: StoredEncoder) -> NDArray[np.float32]:
+    """(n + 1, D) embeddings of the catalogue's names, what ``thing_rows`` numbers; row -1, the last, is zero."""
+    names = encoder.encode_half([phrase(name) for name in category_rows()]).astype(np.float32)
+    return np.vstack([names, np.zeros((1, names.shape[1]), np.float32)])

@@ -1,0 +1,268 @@
+"""Teaches the belief head where things are kept: from households of the train part, at all habit levels together.
+
+The parts that read sentences for it were fitted on train text as well, so each household is read by parts that were
+fitted on other categories (:mod:`ucon.learning.crossfit`); in use, and on the val part that chooses, it stands on
+the shipped ones. Steps depend on seed and number alone, so a resumed run repeats an uninterrupted one.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import torch
+from safetensors.torch import save
+from torch import Tensor, nn
+
+from ucon.core.errors import ConfigError, DataError, brief
+from ucon.core.rng import derived_seed, stream
+from ucon.habits.knowledge import MODES
+from ucon.habits.splits import Split, entry_parts
+from ucon.habits.types import HabitDataset
+from ucon.language.pairs import default_pair_reader
+from ucon.learning.average import MovingAverage
+from ucon.learning.belief_data import Draw, Draws, Sample, sample
+from ucon.learning.belief_loss import losses
+from ucon.learning.crossfit import ReadEvidence, folds
+from ucon.learning.learner import Card, Figures, State
+from ucon.learning.retriever import schedule
+from ucon.retrieval.household import FittedParts, default_parts
+from ucon.retrieval.levels import FIXED_LEVELS
+from ucon.retrieval.sampling import sampled_kb
+from ucon.retrieval.scores import best_of, calibration_error, scores
+
+WEIGHTS = "belief_head.safetensors"
+CONFIG = "config.json"
+#: Seeds of the knowledge bases that choose, and of those that the temperature is fitted on.
+_CHOOSE, _CALIBRATE = 0, 5_000
+
+
+class BeliefLearner:
+    """See the module.
+
+    Args:
+        head: makes the network (:class:`models.nets.belief_head.BeliefHead`), which reads
+            :class:`~ucon.retrieval.head_inputs.HeadInputs`.
+        dataset: habits; only entries of its ``train`` part teach, those of ``val`` choose and calibrate.
+        steps: length of the schedule.
+        draw: how households are drawn.
+        households: of one step.
+        lr: highest learning rate of AdamW.
+        warm_up: steps until it is reached.
+        decay: weight decay.
+        relation, relevance: weights of these losses beside that of the anchors.
+        average: decay of the moving average of the parameters, which is what is chosen and kept.
+        n_folds: of the parts that read the train text.
+        used_folds: so many of them are learned from (each takes minutes to fit); all by default.
+        n_kbs: knowledge bases of one validation.
+        seed: of the start and of what is drawn.
+        parts: what reads the val part, and what the head will stand on; the shipped ones by default.
+        readers: what reads the train part, by pieces of it; fitted by folds where not given.
+
+    Raises:
+        ConfigError: a value out of its range.
+    """
+
+    def __init__(
+        self,
+        head: Callable[[], nn.Module],
+        dataset: HabitDataset,
+        steps: int,
+        draw: Draw | None = None,
+        households: int = 2,
+        lr: float = 2e-3,
+        warm_up: int = 50,
+        decay: float = 0.02,
+        relation: float = 0.3,
+        relevance: float = 0.5,
+        average: float = 0.99,
+        n_folds: int = 2,
+        used_folds: int | None = None,
+        n_kbs: int = 8,
+        seed: int = 0,
+        parts: FittedParts | None = None,
+        readers: Sequence[tuple[HabitDataset, FittedParts]] | None = None,
+    ) -> None:
+        for name, value in {"steps": steps, "households": households, "warm_up": warm_up, "n_kbs": n_kbs}.items():
+            if type(value) is not int or value < 1:
+                raise ConfigError(f"learner.{name}={brief(value)}: must be above 0 and whole")
+        self.dataset, self.steps, self.seed, self.n_kbs = dataset, steps, seed, n_kbs
+        self.households, self.lr, self.warm_up = households, lr, warm_up
+        self.weights = {"anchor": 1.0, "relation": relation, "relevance": relevance}
+        torch.manual_seed(derived_seed(seed, "belief head"))
+        self.head = head()
+        draw = draw or Draw()
+        self._draws = [
+            (data, Draws(fitted, draw)) for data, fitted in readers or fold_readers(dataset, n_folds, used_folds)
+        ]
+        self._parts = parts or default_parts()
+        self.parameters = dict(self.head.named_parameters())
+        self._optimiser = torch.optim.AdamW(self.parameters.values(), lr=lr, weight_decay=decay)
+        self._average = MovingAverage(self.parameters, average)
+        self._done = 0
+
+    @property
+    def identity(self) -> Mapping[str, str]:
+        """Hashes of the habits and of the fitted parts."""
+        return {"habits": self.dataset.sha256, "parts": self._parts.sha256}
+
+    def training_sample(self, number: int) -> Sample:
+        """Household number ``number``: entries of the ``train`` part, of one fold's categories."""
+        data, draws = self._draws[number % len(self._draws)]
+        rng = stream(self.seed, "belief", number)
+        kb = sampled_kb(data, "train", derived_seed(self.seed, "kb", number), draws.mode(rng))
+        return draws(kb, rng)
+
+    def step(self) -> Figures:
+        """One update from some households."""
+        self.head.train()
+        torch.manual_seed(derived_seed(self.seed, "dropout", self._done))
+        self._optimiser.zero_grad()
+        total = dict.fromkeys(("loss", *self.weights), 0.0)
+        for k in range(self.households):
+            one = self.training_sample(self._done * self.households + k)
+            found = losses(self.head(one.inputs), one.truth)
+            loss = sum((self.weights[name] * value for name, value in found.items()), torch.zeros(()))
+            (loss / self.households).backward()  # type: ignore[no-untyped-call]
+            for name, value in {"loss": loss, **found}.items():
+                total[name] += float(value.detach()) / self.households
+        for value in self.parameters.values():
+            if value.grad is None:  # switched off by an ablation; it has moments all the same, so states are alike
+                value.grad = torch.zeros_like(value)
+        rate = self.lr * schedule(self._done, self.steps, self.warm_up)
+        for group in self._optimiser.param_groups:
+            group["lr"] = rate
+        norm = torch.nn.utils.clip_grad_norm_(self.parameters.values(), 1.0)
+        self._optimiser.step()
+        self._average.update(self._done)
+        self._done += 1
+        return {**total, "gradient": float(norm), "rate": rate}
+
+    @cached_property
+    def validation(self) -> list[Sample]:
+        """The same for every run and seed, so that runs can be compared."""
+        return self._samples("val", _CHOOSE, self.n_kbs)
+
+    def _samples(self, part: Split, first: int, count: int) -> list[Sample]:
+        """All targets of ``count`` knowledge bases, at all levels."""
+        found = []
+        for number in range(count):
+            kb = sampled_kb(self.dataset, part, first + number, MODES[1 - number % 2])
+            targets = [target for target in kb.entries for _ in FIXED_LEVELS]
+            found.append(sample(kb, self._parts, self._parts.known, targets, FIXED_LEVELS * len(kb.entries)))
+        return found
+
+    def validate(self) -> Figures:
+        """Figures of the average on the ``val`` part; the best state is chosen by ``score``, minus the mean NLL."""
+        with self._average.in_place():
+            found = self._figures(self.validation)
+        nll = [found[f"{level}/nll"] for level in FIXED_LEVELS]
+        return found | {"score": -round(float(np.mean(nll)), 6)}
+
+    def _figures(self, samples: list[Sample]) -> Figures:
+        """By level: the figures of :func:`~ucon.retrieval.scores.scores`, and the calibration error."""
+        rows: dict[str, list[dict[str, float]]] = {str(level): [] for level in FIXED_LEVELS}
+        best: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {str(level): [] for level in FIXED_LEVELS}
+        for one in samples:
+            p, relation = self._predict(one)
+            for t, level in enumerate(one.levels):
+                rows[level].append(scores(p[t], relation[t], one.truth.relation[t]))
+                best[level].append(best_of(p[t], one.truth.anchor[t, :-1]))
+        out: Figures = {}
+        for name_of, found in rows.items():
+            out |= {f"{name_of}/{name}": round(float(np.mean([row[name] for row in found])), 4) for name in found[0]}
+            stated, true = (np.concatenate(values) for values in zip(*best[name_of], strict=True))
+            out[f"{name_of}/ece"] = round(calibration_error(stated, true), 4)
+        return out
+
+    def _predict(self, one: Sample) -> tuple[np.ndarray, np.ndarray]:
+        """P (T, C) and p(relation | anchor) (T, C, 4)."""
+        self.head.eval()
+        with torch.no_grad():
+            outputs = self.head(one.inputs)
+        return outputs.log_p.exp().numpy()[:, :-1], outputs.relation.softmax(-1).numpy()
+
+    def state_dict(self) -> State:
+        """Parameters, their average, moments of the optimiser, number of steps."""
+        tensors = {f"head/{name}": value.detach() for name, value in self.parameters.items()}
+        tensors |= {f"average/{name}": value for name, value in self._average.values.items()}
+        for name, value in self.parameters.items():
+            moments = self._optimiser.state.get(value, {})
+            tensors |= {f"{kind}/{name}": moments[kind] for kind in ("exp_avg", "exp_avg_sq") if kind in moments}
+        return State(tensors, {"done": self._done})
+
+    def load_state_dict(self, state: State) -> None:
+        """Go on after ``done`` steps."""
+        done = int(state.values["done"])
+        kinds = ("head", "average", *(("exp_avg", "exp_avg_sq") if done else ()))
+        shapes = {f"{kind}/{name}": value.shape for kind in kinds for name, value in self.parameters.items()}
+        if {name: value.shape for name, value in state.tensors.items()} != shapes:
+            raise DataError("state of another learner: names or shapes differ; resume with the run's own configuration")
+        with torch.no_grad():
+            for name, value in self.parameters.items():
+                value.copy_(state.tensors[f"head/{name}"])
+                self._average.values[name].copy_(state.tensors[f"average/{name}"])
+                if done:
+                    moments = {kind: state.tensors[f"{kind}/{name}"].clone() for kind in kinds[2:]}
+                    self._optimiser.state[value] = {"step": torch.tensor(float(done)), **moments}
+        self._done = done
+
+    def product(self) -> Mapping[str, bytes]:
+        """Weights in fp16 with a fitted temperature, and the options that the head is built with."""
+        half = {name: value.half().contiguous() for name, value in self._average.values.items()}
+        half["temperature"] = torch.tensor(self._temperature())
+        options: dict[str, Any] = {"head": self.head.options, "parts": self.identity["parts"]}
+        return {WEIGHTS: save(half), CONFIG: (json.dumps(options, indent=1, sort_keys=True) + "\n").encode()}
+
+    def _temperature(self) -> float:
+        """By which the average's scores are divided: the likeliest on other households of the ``val`` part."""
+        samples = self._samples("val", _CALIBRATE, self.n_kbs)
+        with self._average.in_place(), torch.no_grad():
+            self.head.eval()
+            scores = [self.head(one.inputs) for one in samples]
+        grid = np.geomspace(0.6, 1.8, 61)
+
+        def nll(temperature: float) -> float:
+            values = [
+                -(torch.from_numpy(one.truth.anchor) * _cooled(score, temperature)).sum(1)
+                for one, score in zip(samples, scores, strict=True)
+            ]
+            return float(torch.cat(values).mean())
+
+        return float(min(grid, key=nll))
+
+    def card(self) -> Card:
+        """What it is and what for."""
+        parts = entry_parts(self.dataset)
+        chosen = sum(part == "val" for part in parts.values())
+        taught = sum(parts.get(e.id) == "train" for data, _ in self._draws for e in data.entries)
+        size = sum(value.numel() for value in self.parameters.values())
+        return Card(
+            "Belief head: where a thing may be, by what the habits say",
+            f"A network of {size:,} parameters (fp16). It reads sentence vectors (all-MiniLM-L6-v2, Apache-2.0), pair "
+            "features and what the fitted anchor reader says of each sentence, and gives p(anchor), p(relation | "
+            "anchor), the relevance of every habit and the mass of what was not seen.\n\n"
+            f"Trained on {taught} `train` entries of `{self.dataset.name}` (read by parts that were fitted on other "
+            f"categories), chosen and calibrated on its {chosen} `val` entries; `test` entries were not read. "
+            "One set of weights for all habit levels.\n\n"
+            "It reads English sentences about where people keep things. Its probabilities are those of the habit "
+            "book's households: elsewhere they are too sure.",
+        )
+
+
+def fold_readers(dataset: HabitDataset, count: int, used: int | None) -> list[tuple[HabitDataset, FittedParts]]:
+    """The folds of a dataset, each with parts that were fitted on the others."""
+    pairs = default_pair_reader()
+    return [
+        (fold.dataset, FittedParts(fold.weights, pairs, ReadEvidence.of(fold, pairs)))
+        for fold in folds(dataset, pairs, count, used)
+    ]
+
+
+def _cooled(outputs: Any, temperature: float) -> Tensor:
+    """Log p (T, C + 1) at a temperature."""
+    logits = torch.cat([outputs.anchor, outputs.unseen[:, None]], 1)
+    return (logits / temperature).log_softmax(1).clamp_min(-30.0)

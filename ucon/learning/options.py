@@ -1,0 +1,26 @@
+"""Options of learners that no type checks: configurations may hold anything."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from ucon.core.errors import ConfigError, brief
+from ucon.task.episode import Episode
+
+
+def check(wanted: str, holds: Callable[[Any], bool], kinds: Sequence[type] = (int, float), **values: object) -> None:
+    """Refuse options that are not ``wanted``; configurations are not typed, so a value may be anything."""
+    for name, value in values.items():
+        if type(value) not in kinds or not holds(value):
+            raise ConfigError(f"learner.{name}={brief(value)}: must be {wanted}")
+
+
+def check_parts(episodes: Sequence[Episode], parts: Mapping[str, str]) -> None:
+    """Refuse episodes whose people are not all of the ``train`` part."""
+    for episode in episodes:
+        if odd := next((name for name in episode.entries if parts.get(name) != "train"), None):
+            raise ConfigError(
+                f"learner.episodes: {episode.id} uses entry {odd} of the {parts.get(odd, 'unknown')} part, which must "
+                "not be learned from; give learner.episodes=train"
+            )

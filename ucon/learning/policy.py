@@ -1,0 +1,80 @@
+"""What training and evaluation ask of a policy over the seven actions: arrays in, logits and a value out.
+
+A policy turns what it is given into arrays of fixed shape once an episode (:meth:`ActionPolicy.context`) and once a
+step (:meth:`ActionPolicy.frame`); demonstrations store these. All memory is in the recurrent state, which the caller
+keeps: whoever plays, imitates or collects rollouts hands it back at the next step, and a fresh one at each reset.
+
+The three stages from what is seen to what is learned from, each of which may be left out by who has no use for it:
+``frame`` (arrays of one step, on the CPU) -> ``features`` (what frozen networks make of many frames, to be computed
+once and stored) -> ``augment`` (changed at random for a step of training) -> the policy itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from torch import Generator, Tensor
+
+Arrays = Mapping[str, NDArray[np.generic]]
+Tensors = Mapping[str, "Tensor"]
+
+
+class Outputs(NamedTuple):
+    """Of T steps of B episodes."""
+
+    logits: Tensor
+    """(T, B, 7) float32, one for each action."""
+    value: Tensor
+    """(T, B) float32, the expected return."""
+    state: Tensors
+    """After the last step; tensors (B, ...)."""
+
+
+class ActionPolicy(Protocol):
+    """A torch module (``models.nets.policy.PolicyModule``) with memory that chooses among the seven actions."""
+
+    architecture: str
+    """Name of the network: its weights fit no other, see :mod:`ucon.learning.saved`. Also its name in tables."""
+    uses_habits: bool
+    """Whether the habit level matters to it."""
+
+    @property
+    def arguments(self) -> Mapping[str, Any]:
+        """Plain values that say which version of the architecture this is, frozen networks by hash."""
+        ...
+
+    def context(self, info: Mapping[str, Any]) -> Arrays:
+        """What stays the same for an episode, from the ``info`` of its reset: arrays of the same shapes each time."""
+        ...
+
+    def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:
+        """What one step shows: arrays of the same shapes each time. Depends on nothing that was seen before."""
+        ...
+
+    def features(self, frames: Tensors) -> Tensors:
+        """What the policy's frozen networks make of frames (..., *shape), without gradients; what they read is gone.
+
+        Calling the policy with frames or with their features is the same. Features of features are themselves; so are
+        frames where nothing is frozen.
+        """
+        ...
+
+    def augment(self, frames: Tensors, generator: Generator) -> Tensors:
+        """Frames (T, B, ...) as training may show them: changed at random, the T steps of an episode alike.
+
+        ``generator`` is one of the CPU. Where a policy asks for no augmentation, frames come back as they are.
+        """
+        ...
+
+    def initial_state(self, batch: int) -> Tensors:
+        """The recurrent state at the start of ``batch`` episodes: tensors (B, ...); none of a policy without memory."""
+        ...
+
+    def __call__(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
+        """Read T steps of B episodes: ``frames`` (T, B, ...), ``context`` (B, ...), ``state`` before the first step."""
+        ...

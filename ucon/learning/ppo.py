@@ -1,0 +1,235 @@
+"""``learner=ppo``: a policy plays and learns from what came of it (PPO), by TorchRL's collectors, advantages and loss.
+
+One step is one collection and a few passes over it. The policy is one over the seven actions, or a network that scores
+views, such as the hybrid habit policy. Each collection begins with fresh episodes, drawn with the seed and the number
+of the step, so the state between steps is that of the network and its optimiser alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from typing import Any, cast
+
+import torch
+from torch import Tensor, nn
+
+from ucon.core.device import torch_device
+from ucon.core.errors import ConfigError, brief, unknown_name
+from ucon.core.files import sha256_bytes
+from ucon.core.rng import derived_seed, stream
+from ucon.habits.splits import entry_parts
+from ucon.learning.collecting import Collecting, Rollouts
+from ucon.learning.experience import Experience, Sequences
+from ucon.learning.imitation import PRECISIONS
+from ucon.learning.learner import Card, Figures, State
+from ucon.learning.options import check, check_parts
+from ucon.learning.playing import Players
+from ucon.learning.policy import ActionPolicy
+from ucon.learning.ppo_loss import PPOLoss, finite, inference_mode_but_memory, total
+from ucon.learning.run import SCORE
+from ucon.learning.saved import network_files
+from ucon.learning.updates import DivergedError, Updates, require_finite
+from ucon.learning.validation import Validation, spaced
+from ucon.learning.view_policy import ViewPolicy
+from ucon.retrieval.levels import check_level
+from ucon.task.sets import load_episodes
+
+
+class PPOLearner:
+    """See the module.
+
+    Args:
+        policy: an :class:`ucon.learning.policy.ActionPolicy` that is a module, or a network that scores views; begins
+            with the weights that it has.
+        env: makes an environment of ``UcON-v0``; sent to workers.
+        search: makes one of ``UcONSearch-v0``, for networks that score views.
+        collector: who plays.
+        loss: what is learned from a minibatch.
+        validation: how states are compared: by ``success_rate`` or ``spl`` of what is played.
+        steps: length of the run, and of the schedule of the learning rate.
+        frames: steps of the environment that one collection is learned from.
+        episodes: a named set or a file, of the ``train`` part alone.
+        n_episodes: so many of them, evenly spaced; None: all.
+        levels: habit levels that every collection mixes. One is enough for a policy that reads none.
+        epochs: passes over a collection.
+        minibatch: steps of the environment of one update.
+        chunk: steps through which gradients flow in a policy with memory.
+        discount: of rewards, a step.
+        trace: of the advantages (lambda).
+        kl_stop: no further pass where the policy has moved so far from the one that played.
+        lr, warm_up, clip, decay, average: see :class:`ucon.learning.updates.Updates`; one step is a collection.
+        anneal: let the learning rate fall by half a cosine to a tenth; else it stays.
+        seed: of episodes, actions and order.
+        device: ``cpu``, ``cuda``, or ``auto``: a GPU if there is one. Playing is done on the CPU.
+        precision: ``float32``, or ``bfloat16`` for the passes of the network (the loss stays in float32).
+        half: leave the policy in float16.
+
+    Raises:
+        ConfigError: a value of the wrong type or outside its range, or episodes that must not be learned from.
+    """
+
+    def __init__(
+        self,
+        policy: nn.Module,
+        env: Callable[[], Any],
+        search: Callable[[], Any],
+        collector: Collecting,
+        loss: PPOLoss,
+        validation: Validation,
+        steps: int,
+        frames: int = 9000,
+        episodes: str = "train",
+        n_episodes: int | None = None,
+        levels: Sequence[str] = ("none", "retrieval", "full", "gt"),
+        epochs: int = 2,
+        minibatch: int = 512,
+        chunk: int = 32,
+        discount: float = 1.0,
+        trace: float = 0.97,
+        kl_stop: float = 0.03,
+        lr: float = 5e-4,
+        warm_up: int = 0,
+        clip: float = 0.5,
+        decay: float = 0.0,
+        average: float = 0.0,
+        anneal: bool = False,
+        seed: int = 0,
+        device: str = "cpu",
+        precision: str = "float32",
+        half: bool = False,
+    ) -> None:
+        if not isinstance(policy, nn.Module):
+            raise ConfigError("agent has no policy that can be trained; choose one that has, like agent=habit_policy")
+        whole = {"steps": steps, "frames": frames, "epochs": epochs, "minibatch": minibatch, "chunk": chunk}
+        check("above 0 and whole", lambda x: x > 0, (int,), **whole)
+        check("at least 0 and whole", lambda x: x >= 0, (int,), warm_up=warm_up)
+        check("above 0", lambda x: 0 < x < 1e9, lr=lr, clip=clip, kl_stop=kl_stop)
+        check("from 0 to 1", lambda x: 0 <= x <= 1, discount=discount, trace=trace)
+        check("at least 0", lambda x: 0 <= x < 1e9, decay=decay)
+        check("at least 0 and below 1", lambda x: 0 <= x < 1, average=average)
+        check("a whole number", lambda x: True, (int,), seed=seed)
+        if precision not in PRECISIONS:
+            raise ConfigError(unknown_name("precision", str(precision), PRECISIONS))
+        if isinstance(levels, str) or not levels:
+            raise ConfigError(f"learner.levels={brief(levels)}: expected a list of at least one habit level")
+        for level in levels:
+            check_level(str(level))
+        if validation.choose not in ("success_rate", "spl"):
+            raise ConfigError(f"learner.validation.choose={validation.choose}: expected success_rate or spl")
+        self.device = torch_device(device, "learner.device")
+        views = not hasattr(policy, "frame")
+        self.policy: nn.Module = ViewPolicy(policy) if views else policy
+        self.act, self.network = cast(ActionPolicy, self.policy), policy
+        self.make_env = search if views else env
+        self.levels = tuple(levels) if self.act.uses_habits else ("none",)
+        self.episodes = spaced(load_episodes(episodes), n_episodes, "learner.n_episodes")
+        self.dataset = self.make_env().unwrapped.source.dataset
+        check_parts(self.episodes, entry_parts(self.dataset))
+        self.loss, self.validation, self.seed, self.half = loss, validation, seed, half
+        self.epochs, self.minibatch, self.kl_stop = epochs, minibatch, kl_stop
+        self.discount, self.trace = discount, trace
+        self.chunk = chunk if self.act.initial_state(1) else 1
+        each = -(-frames // collector.rows) + 1  # the last one is not learned from
+        self.rollouts = Rollouts(self.policy, self.make_env, self.episodes, self.levels, collector, each)
+        self.policy.to(self.device)
+        schedule = {"steps": steps if anneal else 0, "warm_up": warm_up}
+        self.updates = Updates(self.policy, lr=lr, clip=clip, decay=decay, average=average, **schedule)
+        self._precision, self.done, self.frames = PRECISIONS[precision], 0, 0
+
+    @property
+    def identity(self) -> Mapping[str, str]:
+        """Hashes of the episodes, of the habits and of frozen weights."""
+        of_episodes = [f"{e.id} {e.home_hash} {e.solution}" for e in (*self.episodes, *self.validation.all)]
+        frozen = getattr(self.policy, "fingerprint", str)()
+        hashes = {"habits": self.dataset.sha256, "episodes": sha256_bytes("\n".join(of_episodes).encode())}
+        return hashes | ({"frozen": frozen} if frozen else {})
+
+    def step(self) -> Figures:
+        """One collection, and what is learned from it.
+
+        Raises:
+            DivergedError: a loss or gradient that is not finite.
+        """
+        batch = self.rollouts.collect(derived_seed(self.seed, "collect", self.done))
+        experience = Experience(batch, self.discount, self.trace, self.chunk)
+        inference_mode_but_memory(self.policy)
+        learned: list[Mapping[str, float]] = []
+        passes = 0
+        for epoch in range(self.epochs):
+            draw = stream(self.seed, "minibatches", self.done, epoch)
+            first = len(learned)
+            learned += [self._update(part) for part in experience.minibatches(self.minibatch, draw)]
+            passes += 1
+            if total(learned[first:])["kl"] > self.kl_stop:
+                break
+        self.done += 1
+        self.frames += len(experience)
+        figures = experience.figures() | total(learned)
+        return figures | {"passes": float(passes), "frames": float(self.frames)}
+
+    def _update(self, part: Sequences) -> Mapping[str, float]:
+        """One step of the optimiser."""
+        device = self.device
+        frames, context, state = (_moved(tensors, device) for tensors in (part.frames, part.context, part.state))
+        kind = torch.device(device).type
+        with torch.autocast(kind, self._precision, enabled=self._precision != torch.float32):
+            outputs = self.act(frames, context, state)
+        there = part.there.to(device)
+        logits, value = outputs.logits.float()[there], outputs.value.float()[there]
+        loss, figures = self.loss(part.played, logits, value)
+        if not finite(loss):
+            self._diverged(frames, {"logits": logits.nan_to_num(neginf=0.0), "value": value}, part)
+        self.updates.begin()
+        loss.backward()  # type: ignore[no-untyped-call]
+        return {"loss": float(loss.detach()), **figures, **self.updates.take(self.done)}
+
+    def _diverged(self, frames: Mapping[str, Tensor], outputs: Mapping[str, Tensor], part: Sequences) -> None:
+        """Name the first tensor on the way to the loss that is not finite."""
+        groups = {"frames": frames, "parameter": self.updates.parameters, "": outputs, "played": part.played}
+        for kind, tensors in groups.items():
+            require_finite({f"{kind} {name}".strip(): tensor for name, tensor in tensors.items()}, self.done)
+        raise DivergedError(f"step {self.done + 1}: the loss is not finite; go on with a smaller learner.lr")
+
+    def validate(self) -> Figures:
+        """SR and SPL of the policy, or of its average, on validation episodes."""
+        with self.updates.averaged():
+            self.policy.eval()
+            found = self.validation.played(self.players, self.seed)
+        return found | {SCORE: found[self.validation.choose]}
+
+    @cached_property
+    def players(self) -> Players:
+        """Those who play validation episodes."""
+        return Players(self.policy, self.make_env, self.validation.slots, self.validation.max_steps)
+
+    def state_dict(self) -> State:
+        """Network, its average, moments of the optimiser, counters."""
+        return State(self.updates.tensors(), {"done": self.done, "frames": self.frames})
+
+    def load_state_dict(self, state: State) -> None:
+        """Go on after ``done`` steps."""
+        self.done, self.frames = int(state.values["done"]), int(state.values["frames"])
+        self.updates.load(state.tensors, self.done)
+
+    def product(self) -> Mapping[str, bytes]:
+        """The network, as the agent that plays it loads it."""
+        with self.updates.averaged():
+            return network_files(cast(Any, self.network), half=self.half)
+
+    def card(self) -> Card:
+        """What it is and what for."""
+        size = sum(value.numel() for value in self.updates.parameters.values())
+        name = self.act.architecture
+        return Card(
+            f"Policy {name}, by proximal policy optimisation",
+            f"`{name}`, {size:,} trained parameters. Learned from {self.frames:,} steps of its own in "
+            f"{len(self.episodes)} episodes of the `train` part; habit levels {', '.join(self.levels)}. Validation "
+            "episodes chose the state; `test` was not touched.\n\n"
+            f"Use: `python eval.py agent={name} agent.checkpoint=RUN`.\n\n"
+            "It learned in simulated homes what a success is worth there; in homes unlike these it was not measured.",
+        )
+
+
+def _moved(tensors: Mapping[str, Tensor], device: str) -> dict[str, Tensor]:
+    return {name: tensor.to(device) for name, tensor in tensors.items()}

@@ -1,0 +1,133 @@
+"""Updates of a network: Adam with clipped gradients, a moving average, a stop where numbers are none, and its state."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+
+import torch
+from torch import Tensor, nn
+
+from ucon.core.errors import DataError, UconError
+from ucon.learning.average import MovingAverage
+from ucon.learning.learner import Figures
+
+_MOMENTS = ("exp_avg", "exp_avg_sq", "step")
+
+
+class DivergedError(UconError):
+    """Training met numbers that are not finite."""
+
+
+class Updates:
+    """Changes the parameters of a module, one gradient after the other.
+
+    Args:
+        module: its parameters that ask for gradients are learned.
+        lr: highest learning rate of Adam.
+        clip: norm to which gradients are cut.
+        steps: length of the schedule: a rise over ``warm_up`` steps, then half a cosine down to a tenth; 0 holds it.
+        warm_up: steps until the highest rate is reached.
+        decay: weight decay (decoupled).
+        average: share of the moving average that one step keeps; 0 follows the parameters.
+    """
+
+    def __init__(
+        self,
+        module: nn.Module,
+        *,
+        lr: float,
+        clip: float,
+        steps: int = 0,
+        warm_up: int = 0,
+        decay: float = 0.0,
+        average: float = 0.0,
+    ) -> None:
+        self.module, self.lr, self.clip, self.steps, self.warm_up = module, lr, clip, steps, warm_up
+        self.parameters = {name: value for name, value in module.named_parameters() if value.requires_grad}
+        self._optimiser = torch.optim.AdamW(self.parameters.values(), lr=lr, weight_decay=decay)
+        self._average = MovingAverage(self.parameters, average)
+
+    def begin(self) -> None:
+        """Forget the gradient of the last step."""
+        self._optimiser.zero_grad(set_to_none=True)
+
+    def take(self, step: int) -> Figures:
+        """Step number ``step``, from 0, along the gradient that was collected.
+
+        Raises:
+            DivergedError: a gradient that is not finite; names the first of them.
+        """
+        rate = self._rate(step)
+        for group in self._optimiser.param_groups:
+            group["lr"] = rate
+        gradients = {f"gradient of {n}": p.grad for n, p in self.parameters.items() if p.grad is not None}
+        norm = torch.nn.utils.get_total_norm(gradients.values())
+        if not bool(torch.isfinite(norm)):  # before clipping, which would spread it to all of them
+            require_finite(gradients, step)
+        torch.nn.utils.clip_grads_with_norm_(self.parameters.values(), self.clip, norm)
+        self._optimiser.step()
+        self._average.update(step)
+        return {"gradient": float(norm), "rate": rate}
+
+    @contextmanager
+    def averaged(self) -> Iterator[None]:
+        """The module holds the average inside."""
+        with self._average.in_place():
+            yield
+
+    def tensors(self) -> dict[str, Tensor]:
+        """Everything that decides how it goes on but the number of steps."""
+        found = {f"module/{name}": value.detach() for name, value in self.module.state_dict().items()}
+        found |= {f"average/{name}": value for name, value in self._average.values.items()}
+        for name, value in self.parameters.items():
+            moments = self._optimiser.state.get(value, {})
+            found |= {f"{kind}/{name}": moments[kind] for kind in _MOMENTS if kind in moments}
+        return found
+
+    def load(self, tensors: Mapping[str, Tensor], done: int) -> None:
+        """Go on from :meth:`tensors` after ``done`` steps.
+
+        Raises:
+            DataError: tensors of another network.
+        """
+        shapes = {f"module/{name}": value.shape for name, value in self.module.state_dict().items()}
+        shapes |= {f"average/{name}": value.shape for name, value in self.parameters.items()}
+        for kind in _MOMENTS if done else ():  # a parameter that had no gradient yet has none
+            had = [name for name in self.parameters if f"{kind}/{name}" in tensors]
+            shapes |= {f"{kind}/{n}": torch.Size() if kind == "step" else self.parameters[n].shape for n in had}
+        if {name: value.shape for name, value in tensors.items()} != shapes:
+            raise DataError("state of another learner: names or shapes differ; resume with the run's own configuration")
+        own = {name.removeprefix("module/"): t for name, t in tensors.items() if name.startswith("module/")}
+        self.module.load_state_dict(own)
+        self._optimiser.state.clear()
+        for name, value in self.parameters.items():
+            self._average.values[name].copy_(tensors[f"average/{name}"])
+            if f"step/{name}" in tensors:
+                moments = {kind: tensors[f"{kind}/{name}"].clone().to(value.device) for kind in _MOMENTS[:2]}
+                self._optimiser.state[value] = {"step": tensors[f"step/{name}"].clone(), **moments}
+
+    def _rate(self, step: int) -> float:
+        if step < self.warm_up:
+            return self.lr * (step + 1) / self.warm_up
+        if not self.steps:
+            return self.lr
+        done = min(1.0, (step - self.warm_up) / max(1, self.steps - self.warm_up))
+        share = 0.5 * (1 + math.cos(math.pi * done))
+        return self.lr * (0.1 + 0.9 * share)
+
+
+def require_finite(tensors: Mapping[str, Tensor], step: int) -> None:
+    """Refuse numbers that are none.
+
+    Raises:
+        DivergedError: names the first tensor with one.
+    """
+    for name, value in tensors.items():
+        if value.is_floating_point() and not bool(torch.isfinite(value).all()):
+            bad = int((~torch.isfinite(value)).sum())
+            raise DivergedError(
+                f"step {step + 1}: {name} is not finite ({bad} of {value.numel()}); "
+                "go on from an earlier checkpoint with a smaller learner.lr"
+            )
