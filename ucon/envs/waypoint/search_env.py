@@ -134,7 +134,8 @@ class UcONSearchEnv(gym.Env[Obs, int]):
             choice = None if invalid or not offered else offered[int(action)]
             self._until_due(self._searcher.choose(choice))
         info = self._last[1]
-        reward = self._returns(info["episode_metrics"], cast(UcONEnv, self.env.unwrapped).rules.max_steps) if any(self._over) else 0.0
+        rules = cast(UcONEnv, self.env.unwrapped).rules
+        reward = self._returns(info["episode_metrics"], rules.max_steps) if any(self._over) else 0.0
         return self._observed(), reward, *self._over, _told(info) | {"invalid": invalid}
 
     def _until_due(self, action: Action | None) -> None:
