@@ -41,7 +41,7 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
     if not cfg.resume:
         if cfg.learner is None:
             raise ConfigError("learner has no value; give learner=retriever")
-        _check_agent(cfg)
+        _check_agent(cfg, overrides)
         config: Any = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)
         if not config.get("out"):
             raise ConfigError("out has no value; give out=FOLDER")
@@ -62,21 +62,18 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
     return ChosenRun({**config, "progress": cfg.progress, "wandb": cfg.wandb}, folder, checkpoint)
 
 
-def _check_agent(cfg: DictConfig) -> None:
-    """Refuse a learner of policies without an agent that has one, and an agent with a learner of something else.
+def _check_agent(cfg: DictConfig, overrides: Sequence[str]) -> None:
+    """Refuse a learner of policies without an agent that has one, and a named agent with a learner of something else.
 
     Raises:
         ConfigError: naming what to give.
     """
     from omegaconf import DictConfig, OmegaConf
 
-    learns = "policy" in cfg.learner
     name = str(cfg.learner.get("_target_", "")).rsplit(".", 1)[-1]
-    if cfg.get("agent") is None:
-        if learns:
-            raise ConfigError(f"agent has no value; {name} trains the policy of an agent, give for example agent=vtn")
-    elif not learns:
-        raise ConfigError(f"agent with {name}, which trains no policy; give learner=imitation, dagger or ppo")
+    if "policy" not in cfg.learner:
+        if any(word.startswith("agent") for word in overrides):
+            raise ConfigError(f"agent with {name}, which trains no policy; give learner=imitation, dagger or ppo")
     elif not isinstance(OmegaConf.select(cfg, "agent.policy"), DictConfig):
         target = str(cfg.agent.get("_target_", "")).rsplit(".", 1)[-1]
         raise ConfigError(f"{target} has no policy that could be trained; choose an agent that has one, such as vtn")
