@@ -39,7 +39,7 @@ def test_mistakes_end_in_one_line(tmp_path):
     assert "unknown option 'training.foo'" in error_line(train("+training.foo=1", f"out={tmp_path}/run"))
     assert "learner.seed=abc: must be a whole" in error_line(train("seed=abc", f"out={tmp_path}/run"))
     assert "scores views, and stored solutions name actions" in error_line(train("learner=imitation"))
-    assert "an agent that is trained: habit_policy, " in error_line(train("agent=frontier"))
+    assert "or one that has: habit_policy, " in error_line(train("agent=frontier"))
     assert "no policy that could be trained" in error_line(train("agent=frontier", "learner=imitation"))
     assert "trains no policy; give learner=imitation" in error_line(train("agent=vtn", "learner=retriever"))
     assert "torch sees no such GPU" in error_line(train("agent=vtn", "learner=dagger", "learner.device=cuda:9"))

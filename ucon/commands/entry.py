@@ -58,11 +58,10 @@ def explain(error: BaseException, configs: Path, config_name: str) -> str:
         return f"cannot read '{override}': {text.splitlines()[0]}; expected name=value, quoted where it has brackets"
     if found := re.search(r"Could not find '([^']+)/([^'/]+)'", text):
         group, name = found.groups()
+        names = sorted(p.stem for p in (configs / group).glob("*.yaml"))
         if group == "learner/of":
-            return f"agent={name} has no learner of its own; give learner=..., or an agent that is trained: " + ", ".join(
-                sorted(p.stem for p in (configs / group).glob("*.yaml"))
-            )
-        return unknown_name(group, name, [p.stem for p in (configs / group).glob("*.yaml")])
+            return f"agent={name} has no learner of its own; give learner=..., or one that has: {', '.join(names)}"
+        return unknown_name(group, name, names)
     if found := re.search(r"Could not (?:override|append to|find a match for) '([^'@]+)'", text):
         return unknown_name("option", found[1], _options(configs, config_name))
     if found := re.search(r"Key '([^']+)' (?:is not in struct|not in)[\s\S]*full_key: (\S+)", text):
