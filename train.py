@@ -14,6 +14,7 @@ SIGTERM save and end; ``resume=`` goes on to the same bytes that an uninterrupte
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +26,8 @@ from omegaconf import DictConfig, OmegaConf
 from ucon.commands.entry import one_line_errors, run_entry
 from ucon.commands.training import chosen_run, run_identity, use_threads
 from ucon.commands.wiring import Factory
-from ucon.learning.progress import training_progress, wandb_log
-from ucon.learning.run import Interrupted, Plan, TrainingRun
+from ucon.learning.progress import tensorboard_log, training_progress, wandb_log
+from ucon.learning.run import Interrupted, OnFigures, Plan, TrainingRun
 
 
 @hydra.main(version_base="1.3", config_path="configs", config_name="train")
@@ -54,14 +55,23 @@ def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None =
     try:
         with (
             wandb_log(config["wandb"], chosen.folder, config) as log,
+            tensorboard_log(bool(config["tensorboard"]), chosen.folder) as write,
             training_progress(label, run.plan.steps, run.step, visible=config["progress"]) as show,
         ):
-            summary = run.run(lambda step, figures: (show(step, figures), log(step, figures))[0])
+            summary = run.run(_each(show, log, write))
     except Interrupted as stop:
         print(f"stopped after step {stop.step}, saved; go on with resume={chosen.folder}", file=sys.stderr)
         sys.exit(128 + stop.number)
     figures = "  ".join(f"{name} {value:g}" for name, value in summary["best"].items())
     print(f"best validation: {figures}\n{summary['seconds']:.1f} s; model and card in {chosen.folder}")
+
+
+def _each(*sinks: OnFigures) -> OnFigures:
+    def tell(step: int, figures: Mapping[str, float]) -> None:
+        for sink in sinks:
+            sink(step, figures)
+
+    return tell
 
 
 if __name__ == "__main__":

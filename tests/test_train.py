@@ -7,9 +7,11 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 import torch
 from omegaconf import OmegaConf
+from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
 from ucon.commands.training import chosen_run, use_threads
 from ucon.core.errors import ConfigError, DataError
@@ -49,7 +51,8 @@ def test_mistakes_end_in_one_line(tmp_path):
 
 
 def resumed(path):
-    return chosen_run(OmegaConf.create({"resume": str(path), "progress": False, "wandb": False}), [], None)
+    watched = {"progress": False, "wandb": False, "tensorboard": False}
+    return chosen_run(OmegaConf.create({"resume": str(path), **watched}), [], None)
 
 
 WHOLE = "learner: {_target_: a.B}\ntraining: {steps: 3}\nthreads: 1\n"
@@ -117,10 +120,14 @@ def test_a_policy_is_trained_and_then_played(tmp_path, learner):
 @pytest.mark.slow
 def test_sigterm_saves_and_resume_gives_the_same_bytes(tmp_path):
     whole, parts = tmp_path / "whole", tmp_path / "parts"
-    result = train(*SMALL, "training.steps=4", f"out={whole}")
+    result = train(*SMALL, "training.steps=4", f"out={whole}", "tensorboard=true")
     assert result.returncode == 0, result.stderr[-2000:]
     assert "best validation" in result.stdout
     assert {"config.yaml", "metrics.jsonl", "MODEL_CARD.md", "summary.json"} <= {p.name for p in whole.iterdir()}
+    written = EventAccumulator(str(whole / "tensorboard")).Reload()
+    logged = [json.loads(line) for line in (whole / "metrics.jsonl").read_text().splitlines()]
+    losses = [(line["step"], np.float32(line["loss"])) for line in logged if "loss" in line]
+    assert [(event.step, event.value) for event in written.Scalars("loss")] == losses
     command = [sys.executable, "train.py", *SMALL, "training.steps=4", f"out={parts}"]
     process = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True)
     metrics = parts / "metrics.jsonl"

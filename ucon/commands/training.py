@@ -18,7 +18,7 @@ _REMEDY = "restore it, or start the run anew"
 #: More threads than any machine has; torch fails on far larger numbers.
 _MOST_THREADS = 1024
 #: Options that say where and how a run is watched, not what is learned.
-NEUTRAL_OPTIONS = ("out", "resume", "progress", "wandb")
+NEUTRAL_OPTIONS = ("out", "resume", "progress", "wandb", "tensorboard")
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,8 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
     except OSError:
         raise ConfigError(f"resume={cfg.resume}: no run there (no config.yaml); give the folder of a run") from None
     config = _stored(folder / "config.yaml", raw)
-    return ChosenRun({**config, "progress": cfg.progress, "wandb": cfg.wandb}, folder, checkpoint)
+    watched = {name: cfg[name] for name in ("progress", "wandb", "tensorboard")}
+    return ChosenRun({**config, **watched}, folder, checkpoint)
 
 
 def _check_agent(cfg: DictConfig, overrides: Sequence[str]) -> None:

@@ -1,4 +1,4 @@
-"""What one sees of a training run: a progress bar, and Weights & Biases where it is asked for."""
+"""What one sees of a training run: a progress bar; Weights & Biases or TensorBoard where they are asked for."""
 
 from __future__ import annotations
 
@@ -71,3 +71,23 @@ def _wandb_run(mode: str, folder: Path, config: Mapping[str, Any]) -> Any:
     except (wandb.errors.Error, OSError) as error:
         print(f"warning: wandb={mode}: {error}; logging offline to {folder / 'wandb'}", file=sys.stderr)  # noqa: T201
         return wandb.init(mode="offline", **common)  # type: ignore[arg-type]
+
+
+@contextmanager
+def tensorboard_log(wanted: bool, folder: Path) -> Iterator[OnFigures]:
+    """Also write for TensorBoard, to ``tensorboard/`` in the run's folder; nothing is imported unless asked for."""
+    if not wanted:
+        yield lambda step, figures: None
+        return
+    try:
+        from torch.utils.tensorboard import SummaryWriter
+    except ImportError:
+        needed = "the package is not installed; `pip install tensorboard` or tensorboard=false"
+        raise ConfigError(f"tensorboard=true: {needed}") from None
+    with SummaryWriter(str(folder / "tensorboard")) as writer:  # type: ignore[no-untyped-call]
+
+        def write(step: int, figures: Mapping[str, float]) -> None:
+            for name, value in figures.items():
+                writer.add_scalar(name, value, step)  # type: ignore[no-untyped-call]
+
+        yield write
