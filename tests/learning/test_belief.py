@@ -1,18 +1,23 @@
 """Training of the belief head on a piece of the book, and what it may learn from."""
 
 import json
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 import torch
 
-from tests.learning.belief_tiny import plain_parts, tiny_belief
+from tests.learning.belief_tiny import plain_parts, small_head, tiny_belief
+from tests.learning.tiny import some_habits
 from ucon.core.errors import ConfigError, DataError
 from ucon.core.rng import stream
 from ucon.habits import book
 from ucon.habits.splits import entry_parts
-from ucon.learning.belief import CONFIG, WEIGHTS
+from ucon.habits.types import HabitDataset
+from ucon.learning.belief import CONFIG, WEIGHTS, BeliefLearner
 from ucon.learning.belief_data import Draw, Draws, sample
+from ucon.learning.belief_homes import KnowledgeBases
 from ucon.learning.belief_loss import losses
 from ucon.learning.crossfit import fold_categories
 from ucon.learning.run import METRICS, Plan, TrainingRun
@@ -73,17 +78,37 @@ def test_draws_out_of_range_are_refused(option):
         Draw(**option)
 
 
-def test_only_training_entries_teach():
-    learner = tiny_belief()
-    learner._draws = [(book(), learner._draws[0][1])]
-    parts = entry_parts(book())
-    seen = set()
-    for number in range(60):
-        kb = sampled_kb(book(), "train", number, "category")
-        seen |= {parts[e.id] for entries in kb.entries.values() for e in entries}
-    assert seen == {"train"}
-    kinds = {parts[book().entry_of(int(row)).id] for row in kb.rows}
-    assert kinds == {"train"}
+def in_two_homes() -> HabitDataset:
+    """One entry a category of the book in either of two homes, which do not say what their habits support."""
+    data, entries = some_habits(3), []
+    for number, name in enumerate(data.categories):
+        home = f"home_{number % 2}"
+        entries.append(replace(data.entries_of(name)[0], scene=home))
+    return HabitDataset("homes", tuple(entries), labelled=False)
+
+
+@pytest.mark.parametrize("dataset", [book(), in_two_homes()], ids=["book", "homes"])
+def test_only_training_entries_teach_and_others_are_asked_about_alone(dataset):
+    bases, parts = KnowledgeBases(dataset, plain_parts().known), entry_parts(dataset)
+    for number in range(40):
+        kb = bases.drawn("train", number, "category")
+        assert {parts[dataset.entry_of(int(row)).id] for row in kb.rows} == {"train"}
+    for kb in bases.several("val", 0, 4):
+        asked = bases.targets(kb, "val")
+        assert asked
+        assert {parts[entry.id] for name in asked for entry in kb.entries[name]} == {"val"}
+        named = {place.anchor for name in asked for entry in kb.entries[name] for place in entry.placements}
+        assert named <= set(bases.candidates(kb))
+
+
+def test_habits_of_homes_are_read_by_the_shipped_parts(monkeypatch):
+    """Nothing was fitted on them, so there is nothing to hold out."""
+    monkeypatch.setattr("ucon.learning.belief.fold_readers", None)
+    learner = BeliefLearner(partial(small_head), in_two_homes(), 4, parts=plain_parts(), households=1, n_kbs=2)
+    before = learner.validate()["score"]
+    assert learner.step()["loss"] > 0
+    assert learner.validate()["score"] != before
+    assert "of `homes`" in learner.card().text
 
 
 def test_folds_share_the_train_categories_out():

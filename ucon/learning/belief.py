@@ -1,8 +1,9 @@
 """Teaches the belief head where things are kept: from households of the train part, at all habit levels together.
 
-The parts that read sentences for it were fitted on train text as well, so each household is read by parts that were
-fitted on other categories (:mod:`ucon.learning.crossfit`); in use, and on the val part that chooses, it stands on
-the shipped ones. Steps depend on seed and number alone, so a resumed run repeats an uninterrupted one.
+The parts that read sentences for it were fitted on the habit book's train text as well, so each of its households is
+read by parts that were fitted on other categories (:mod:`ucon.learning.crossfit`). In use, on the val part that
+chooses, and on habits that do not say what they support, which nothing was fitted on, it stands on the shipped ones.
+Steps depend on seed and number alone, so a resumed run repeats an uninterrupted one.
 """
 
 from __future__ import annotations
@@ -19,19 +20,18 @@ from torch import Tensor, nn
 
 from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.rng import derived_seed, stream
-from ucon.habits.knowledge import MODES
 from ucon.habits.splits import Split, entry_parts
 from ucon.habits.types import HabitDataset
 from ucon.language.pairs import default_pair_reader
 from ucon.learning.average import MovingAverage
 from ucon.learning.belief_data import Draw, Draws, Sample, sample
+from ucon.learning.belief_homes import KnowledgeBases
 from ucon.learning.belief_loss import losses
 from ucon.learning.crossfit import ReadEvidence, folds
 from ucon.learning.learner import Card, Figures, State
 from ucon.learning.retriever import schedule
 from ucon.retrieval.household import FittedParts, default_parts
 from ucon.retrieval.levels import FIXED_LEVELS
-from ucon.retrieval.sampling import sampled_kb
 from ucon.retrieval.scores import best_of, calibration_error, scores
 
 WEIGHTS = "belief_head.safetensors"
@@ -95,10 +95,12 @@ class BeliefLearner:
         torch.manual_seed(derived_seed(seed, "belief head"))
         self.head = head()
         draw = draw or Draw()
-        self._draws = [
-            (data, Draws(fitted, draw)) for data, fitted in readers or fold_readers(dataset, n_folds, used_folds)
-        ]
         self._parts = parts or default_parts()
+        if readers is None:
+            unread = not dataset.labelled
+            readers = [(dataset, self._parts)] if unread else fold_readers(dataset, n_folds, used_folds)
+        self._draws = [(KnowledgeBases(data, fitted.known), Draws(fitted, draw)) for data, fitted in readers]
+        self._chosen_by = KnowledgeBases(dataset, self._parts.known)
         self.parameters = dict(self.head.named_parameters())
         self._optimiser = torch.optim.AdamW(self.parameters.values(), lr=lr, weight_decay=decay)
         self._average = MovingAverage(self.parameters, average)
@@ -111,10 +113,10 @@ class BeliefLearner:
 
     def training_sample(self, number: int) -> Sample:
         """Household number ``number``: entries of the ``train`` part, of one fold's categories."""
-        data, draws = self._draws[number % len(self._draws)]
+        bases, draws = self._draws[number % len(self._draws)]
         rng = stream(self.seed, "belief", number)
-        kb = sampled_kb(data, "train", derived_seed(self.seed, "kb", number), draws.mode(rng))
-        return draws(kb, rng)
+        kb = bases.drawn("train", derived_seed(self.seed, "kb", number), draws.mode(rng))
+        return draws(kb, rng, bases.candidates(kb))
 
     def step(self) -> Figures:
         """One update from some households."""
@@ -149,10 +151,10 @@ class BeliefLearner:
     def _samples(self, part: Split, first: int, count: int) -> list[Sample]:
         """All targets of ``count`` knowledge bases, at all levels."""
         found = []
-        for number in range(count):
-            kb = sampled_kb(self.dataset, part, first + number, MODES[1 - number % 2])
-            targets = [target for target in kb.entries for _ in FIXED_LEVELS]
-            found.append(sample(kb, self._parts, self._parts.known, targets, FIXED_LEVELS * len(kb.entries)))
+        for kb in self._chosen_by.several(part, first, count):
+            asked = self._chosen_by.targets(kb, part)
+            targets = [target for target in asked for _ in FIXED_LEVELS]
+            found.append(sample(kb, self._parts, self._chosen_by.candidates(kb), targets, FIXED_LEVELS * len(asked)))
         return found
 
     def validate(self) -> Figures:
@@ -238,15 +240,15 @@ class BeliefLearner:
         """What it is and what for."""
         parts = entry_parts(self.dataset)
         chosen = sum(part == "val" for part in parts.values())
-        taught = sum(parts.get(e.id) == "train" for data, _ in self._draws for e in data.entries)
+        taught = sum(parts.get(e.id) == "train" for bases, _ in self._draws for e in bases.dataset.entries)
         size = sum(value.numel() for value in self.parameters.values())
         return Card(
             "Belief head: where a thing may be, by what the habits say",
             f"A network of {size:,} parameters (fp16). It reads sentence vectors (all-MiniLM-L6-v2, Apache-2.0), pair "
             "features and what the fitted anchor reader says of each sentence, and gives p(anchor), p(relation | "
             "anchor), the relevance of every habit and the mass of what was not seen.\n\n"
-            f"Trained on {taught} `train` entries of `{self.dataset.name}` (read by parts that were fitted on other "
-            f"categories), chosen and calibrated on its {chosen} `val` entries; `test` entries were not read. "
+            f"Trained on {taught} `train` entries of `{self.dataset.name}` (read by parts that were not fitted on "
+            f"them), chosen and calibrated on its {chosen} `val` entries; `test` entries were not read. "
             "One set of weights for all habit levels.\n\n"
             "It reads English sentences about where people keep things. Its probabilities are those of the habit "
             "book's households: elsewhere they are too sure.",

@@ -144,20 +144,25 @@ class Draws:
     def __init__(self, parts: FittedParts, draw: Draw, others: Sequence[str] | None = None) -> None:
         """``others``: names that are no anchors; by default the rest of the catalogue."""
         self.parts, self.draw = parts, draw
-        self.others = [n for n in (catalogue().names if others is None else others) if n not in parts.number]
+        self.others = list(catalogue().names if others is None else others)
+        self._clutter: dict[frozenset[str], list[str]] = {}
 
     def mode(self, rng: np.random.Generator) -> Mode:
         """One entry a category, or all."""
         return "task" if rng.random() < self.draw.task_share else "category"
 
-    def __call__(self, kb: KnowledgeBase, rng: np.random.Generator) -> Sample:
-        """One augmented sample of a knowledge base; ``rng`` decides all."""
+    def __call__(self, kb: KnowledgeBase, rng: np.random.Generator, anchors: Sequence[str] | None = None) -> Sample:
+        """One augmented sample of a knowledge base, asked about ``anchors`` (by default those that the parts know).
+
+        ``rng`` decides all.
+        """
         draw = self.draw
         share = np.asarray(draw.levels) / sum(draw.levels)
         targets = [str(t) for t in rng.permutation(list(kb.entries))[: draw.targets]]
         levels = [FIXED_LEVELS[i] for i in rng.choice(len(FIXED_LEVELS), size=len(targets), p=share)]
-        clutter = [str(n) for n in rng.choice(self.others, size=min(draw.clutter, len(self.others)), replace=False)]
-        known = [*self.parts.known]
+        known = [*(self.parts.known if anchors is None else anchors)]
+        others = self._others(frozenset(known))
+        clutter = [str(n) for n in rng.choice(others, size=min(draw.clutter, len(others)), replace=False)]
         if rng.random() < draw.remove:
             known = [name for name in known if rng.random() >= draw.removed]
         candidates = Candidates.of([*known, *clutter], self.parts)
@@ -177,6 +182,11 @@ class Draws:
         if rng.random() < draw.swap:
             return swapped(chosen, candidates, targets, draw.swapped, rng)
         return muted(chosen) if rng.random() < draw.mute else chosen
+
+    def _others(self, anchors: frozenset[str]) -> list[str]:
+        if anchors not in self._clutter:
+            self._clutter[anchors] = [name for name in self.others if name not in anchors]
+        return self._clutter[anchors]
 
 
 def muted(one: Sample) -> Sample:
