@@ -22,9 +22,10 @@ from ucon.core.errors import DataError
 from ucon.core.files import read_verified
 from ucon.habits.types import RELATIONS
 from ucon.language.encoder import one_thread
-from ucon.learning.belief import CONFIG, WEIGHTS
+from ucon.learning.belief import CONFIG, PRIOR, WEIGHTS
 from ucon.learning.run import MODEL
-from ucon.retrieval.household import Candidates, FittedParts, Household, default_parts
+from ucon.retrieval.anchor_prior import AnchorPrior
+from ucon.retrieval.household import Candidates, FittedParts, Household, default_parts, parts_with
 from ucon.retrieval.reader import AnchorBelief
 from ucon.retrieval.weights import Array, sigmoid, softmax
 
@@ -116,8 +117,11 @@ class HeadReader:
             DataError: see :func:`load_head`; or it was trained on other fitted parts than the shipped ones.
         """
         path = _model_folder(SHIPPED if folder is None else Path(folder))
-        head, parts = load_head(path), default_parts()
-        if json.loads(read_verified(path / CONFIG)).get("parts") != parts.sha256:
+        head, described = load_head(path), json.loads(read_verified(path / CONFIG))
+        parts = default_parts()
+        if isinstance(names := described.get("anchors"), list):
+            parts = parts_with(AnchorPrior.from_bytes(read_verified(path / PRIOR), names, str(path / PRIOR)))
+        if described.get("parts") != parts.sha256:
             raise DataError(f"{path}: trained on other fitted parts than are shipped; train it again (learner=belief)")
         return cls(head, parts)
 

@@ -2,7 +2,8 @@
 
 The parts that read sentences for it were fitted on the habit book's train text as well, so each of its households is
 read by parts that were fitted on other categories (:mod:`ucon.learning.crossfit`). In use, on the val part that
-chooses, and on habits that do not say what they support, which nothing was fitted on, it stands on the shipped ones.
+chooses, and on other datasets, it stands on the shipped ones. A dataset that is bound to scenes brings its own common
+sense, by the scenes that are not being read.
 Steps depend on seed and number alone, so a resumed run repeats an uninterrupted one.
 """
 
@@ -25,17 +26,20 @@ from ucon.habits.types import HabitDataset
 from ucon.language.pairs import default_pair_reader
 from ucon.learning.average import MovingAverage
 from ucon.learning.belief_data import Draw, Draws, Sample, sample
-from ucon.learning.belief_homes import KnowledgeBases
+from ucon.learning.belief_homes import KnowledgeBases, scene_folds
 from ucon.learning.belief_loss import losses
 from ucon.learning.crossfit import ReadEvidence, folds
+from ucon.learning.fit_own_prior import fit_own_prior
 from ucon.learning.learner import Card, Figures, State
 from ucon.learning.retriever import schedule
-from ucon.retrieval.household import FittedParts, default_parts
+from ucon.retrieval.household import FittedParts, default_parts, parts_with
 from ucon.retrieval.levels import FIXED_LEVELS
 from ucon.retrieval.scores import best_of, calibration_error, scores
 
 WEIGHTS = "belief_head.safetensors"
 CONFIG = "config.json"
+#: The common sense of a dataset that has its own.
+PRIOR = "prior.npz"
 #: Seeds of the knowledge bases that choose, and of those that the temperature is fitted on.
 _CHOOSE, _CALIBRATE = 0, 5_000
 
@@ -95,10 +99,9 @@ class BeliefLearner:
         torch.manual_seed(derived_seed(seed, "belief head"))
         self.head = head()
         draw = draw or Draw()
-        self._parts = parts or default_parts()
         if readers is None:
-            unread = not dataset.labelled
-            readers = [(dataset, self._parts)] if unread else fold_readers(dataset, n_folds, used_folds)
+            readers = scene_readers(dataset) if dataset.scenes else fold_readers(dataset, n_folds, used_folds)
+        self._parts = parts or (own_parts(dataset) if dataset.scenes else default_parts())
         self._draws = [(KnowledgeBases(data, fitted.known), Draws(fitted, draw)) for data, fitted in readers]
         self._chosen_by = KnowledgeBases(dataset, self._parts.known)
         self.parameters = dict(self.head.named_parameters())
@@ -217,7 +220,10 @@ class BeliefLearner:
         half = {name: value.half().contiguous() for name, value in self._average.values.items()}
         half["temperature"] = torch.tensor(self._temperature())
         options: dict[str, Any] = {"head": self.head.options, "parts": self.identity["parts"]}
-        return {WEIGHTS: save(half), CONFIG: (json.dumps(options, indent=1, sort_keys=True) + "\n").encode()}
+        files = {WEIGHTS: save(half)}
+        if (prior := self._parts.own_prior) is not None:
+            options["anchors"], files[PRIOR] = list(prior.names), prior.to_bytes()
+        return {**files, CONFIG: (json.dumps(options, indent=1, sort_keys=True) + "\n").encode()}
 
     def _temperature(self) -> float:
         """By which the average's scores are divided: the likeliest on other households of the ``val`` part."""
@@ -262,6 +268,19 @@ def fold_readers(dataset: HabitDataset, count: int, used: int | None) -> list[tu
         (fold.dataset, FittedParts(fold.weights, pairs, ReadEvidence.of(fold, pairs)))
         for fold in folds(dataset, pairs, count, used)
     ]
+
+
+def own_parts(dataset: HabitDataset) -> FittedParts:
+    """The shipped parts with the common sense of all train entries."""
+    parts = entry_parts(dataset)
+    entries = [entry for entry in dataset.entries if parts[entry.id] == "train"]
+    return parts_with(fit_own_prior(entries, default_pair_reader()))
+
+
+def scene_readers(dataset: HabitDataset, count: int = 4) -> list[tuple[HabitDataset, FittedParts]]:
+    """Pieces of a dataset by scene, each read with the common sense of the others."""
+    pairs = default_pair_reader()
+    return [(piece, parts_with(fit_own_prior(others, pairs))) for piece, others in scene_folds(dataset, count)]
 
 
 def _cooled(outputs: Any, temperature: float) -> Tensor:

@@ -166,6 +166,7 @@ class Draws:
         if rng.random() < draw.remove:
             known = [name for name in known if rng.random() >= draw.removed]
         candidates = Candidates.of([*known, *clutter], self.parts)
+        usual = candidates.known
         if rng.random() < draw.hide:
             met = candidates.known & (rng.random(len(candidates.names)) >= draw.hidden)
             even = np.where(met[:, None], candidates.relation_prior, 1 / len(RELATIONS))
@@ -176,7 +177,8 @@ class Draws:
         trusted = np.asarray([level == "gt" for level in levels])
         given &= ~lose
         inputs = household.inputs(targets, candidates, given, trusted)
-        inputs = replace(inputs, prior=np.where(candidates.known, inputs.prior, np.float32(UNKNOWN_PRIOR)))
+        forgotten = usual & ~candidates.known
+        inputs = replace(inputs, prior=np.where(forgotten, np.float32(UNKNOWN_PRIOR), inputs.prior))
         truth = truth_of(kb, targets, candidates, given, trusted)
         chosen = Sample(inputs, truth, tuple(levels))
         if rng.random() < draw.swap:

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ucon.core.rng import stream
 from ucon.habits.knowledge import MODES, KnowledgeBase, Mode
 from ucon.habits.splits import Split, entry_parts
-from ucon.habits.types import HabitDataset
+from ucon.habits.types import Entry, HabitDataset
+from ucon.retrieval.anchor_prior import scene_anchors
 from ucon.retrieval.sampling import part_kb, sampled_kb
 
 
@@ -21,10 +23,7 @@ class KnowledgeBases:
     def __init__(self, dataset: HabitDataset, known: Sequence[str]) -> None:
         """``known``: anchors that are candidates everywhere where the dataset is bound to no scenes."""
         self.dataset, self._known, self._part_of = dataset, tuple(known), entry_parts(dataset)
-        self._anchors: dict[str, set[str]] = {}
-        for entry in dataset.entries if dataset.scenes else ():
-            if self._part_of[entry.id] == "train":
-                self._anchors.setdefault(entry.scene or "", set()).update(place.anchor for place in entry.placements)
+        self._anchors = scene_anchors(e for e in dataset.entries if self._part_of[e.id] == "train")
 
     def drawn(self, part: Split, seed: int, mode: Mode) -> KnowledgeBase:
         """A knowledge base with entries of a part."""
@@ -45,3 +44,15 @@ class KnowledgeBases:
         entries = [entry for entries in kb.entries.values() for entry in entries]
         named = {place.anchor for entry in entries for place in entry.placements}
         return tuple(sorted(named | self._anchors.get(entries[0].scene or "", set())))
+
+
+def scene_folds(dataset: HabitDataset, count: int) -> list[tuple[HabitDataset, list[Entry]]]:
+    """Pieces of a dataset by scene, each with the train entries of the other pieces' scenes."""
+    parts, order = entry_parts(dataset), stream(0, "scene folds", dataset.name).permutation(len(dataset.scenes))
+    out = []
+    for k in range(min(count, len(order))):
+        own = {dataset.scenes[i] for i in order[k::count]}
+        piece = tuple(e for e in dataset.entries if e.scene in own)
+        others = [e for e in dataset.entries if e.scene not in own and parts[e.id] == "train"]
+        out.append((HabitDataset(dataset.name, piece, dataset.labelled), others))
+    return out

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ucon.core.files import sha256_bytes
 from ucon.habits.types import RELATIONS
 from ucon.language.pairs import PairReader, default_pair_reader
+from ucon.retrieval.anchor_prior import AnchorPrior
 from ucon.retrieval.base import phrase, query_text
 from ucon.retrieval.evidence import Evidence, EvidenceReader
 from ucon.retrieval.gate import DECIMALS, gate_inputs, set_features
@@ -35,9 +36,15 @@ from ucon.retrieval.weights import Array, Weights, default_weights, softmax
 class FittedParts:
     """The fitted parts of the anchor reader: evidence, gate, common sense. Remembers what it has read by text."""
 
-    def __init__(self, weights: Weights, pairs: PairReader, evidence: EvidenceReader | None = None) -> None:
-        """``evidence``: says what sentences speak for; default: by the weights."""
-        self.weights, self.pairs = weights, pairs
+    def __init__(
+        self,
+        weights: Weights,
+        pairs: PairReader,
+        evidence: EvidenceReader | None = None,
+        own_prior: AnchorPrior | None = None,
+    ) -> None:
+        """``evidence``: says what sentences speak for, else the weights do; ``own_prior``: a dataset's common sense."""
+        self.weights, self.pairs, self.own_prior = weights, pairs, own_prior
         self.evidence = evidence or EvidenceReader(weights, pairs)
         self.known = weights.anchors
         self.number = {name: i for i, name in enumerate(self.known)}
@@ -54,6 +61,8 @@ class FittedParts:
     def prior(self, targets: Sequence[str], names: Sequence[str]) -> Array:
         """Log p(anchor | target) (T, C): common sense, one value for all names that it does not know."""
         vectors = self.vectors([phrase(target) for target in targets])
+        if self.own_prior is not None:
+            return self.own_prior.log_p(vectors, names, UNKNOWN_PRIOR)
         logits = np.round(vectors @ self.weights["prior_dense"] + self.weights["prior_bias"], DECIMALS)
         known = np.log(softmax(logits))
         out = np.full((len(targets), len(names)), UNKNOWN_PRIOR)
@@ -174,5 +183,10 @@ class Household:
 @cache
 def default_parts() -> FittedParts:
     """The shipped parts, one set per process."""
+    return parts_with(None)
+
+
+def parts_with(own_prior: AnchorPrior | None) -> FittedParts:
+    """The shipped parts, with the common sense of a dataset in place of the habit book's."""
     weights, pairs = default_weights(), default_pair_reader()
-    return FittedParts(weights, pairs, TunedEvidence(weights, pairs, book_table()))
+    return FittedParts(weights, pairs, TunedEvidence(weights, pairs, book_table()), own_prior)
