@@ -21,11 +21,11 @@ from ucon.habits.book import book
 from ucon.habits.knowledge import MODES, KnowledgeBase
 from ucon.habits.official import official
 from ucon.habits.splits import entry_parts
-from ucon.habits.types import Entry, HabitDataset
+from ucon.habits.types import HabitDataset
 from ucon.objects.catalogue import catalogue
 from ucon.retrieval.dense import DenseRetriever
 from ucon.retrieval.reader import AnchorReader
-from ucon.retrieval.sampling import part_kb, sampled_kb
+from ucon.retrieval.sampling import entry_kb, sampled_kb
 
 #: Seeds of measurements start here; those of training and of choosing lie elsewhere.
 FIRST_SEED = 10_000
@@ -38,19 +38,19 @@ def on_the_book(reader: Reader, part: str, mode: str, n_kbs: int, whole: bool = 
     return measure_beliefs(kbs, reader, DenseRetriever(whole=whole), lambda _: data.anchors)
 
 
-def on_the_release(reader: Reader, folder: Path, part: str, n_kbs: int) -> dict[str, Measured]:
-    """Held-out (scene, category) pairs of the release; its ``scene_obj.json`` says what stands in a scene."""
+def on_the_release(reader: Reader, folder: Path, part: str) -> dict[str, Measured]:
+    """Every entry of the held-out (scene, category) pairs of the release, once.
+
+    Its ``scene_obj.json`` says what stands in a scene.
+    """
     data = official(folder, catalogue().names)[0]
     parts, standing = entry_parts(data), scene_categories(folder, data)
-    kbs = [part_kb(data, part, FIRST_SEED + number) for number in range(n_kbs)]  # type: ignore[arg-type]
-
-    def held(entry: Entry) -> bool:
-        return parts[entry.id] == part
+    kbs = [entry_kb(data, entry, FIRST_SEED) for entry in data.entries if parts[entry.id] == part]
 
     def candidates(kb: KnowledgeBase) -> Sequence[str]:
         return standing[next(iter(kb.entries.values()))[0].scene or ""]
 
-    return measure_beliefs(kbs, reader, DenseRetriever(whole=False), candidates, held)
+    return measure_beliefs(kbs, reader, DenseRetriever(whole=False), candidates, lambda entry: parts[entry.id] == part)
 
 
 def scene_categories(folder: Path, data: HabitDataset) -> dict[str, list[str]]:
@@ -97,14 +97,14 @@ def main(words: Sequence[str] | None = None) -> None:
     parser.add_argument("--official", metavar="FOLDER", help="the official release; default: the habit book")
     parser.add_argument("--part", choices=("val", "test"), default="test")
     parser.add_argument("--mode", choices=MODES, action="append", help="of the book's knowledge bases; default: both")
-    parser.add_argument("--kbs", type=int, default=20, help="knowledge bases")
+    parser.add_argument("--kbs", type=int, default=20, help="knowledge bases of the book")
     parser.add_argument("--json", action="store_true", help="print JSON")
     args = parser.parse_args(words)
     if args.kbs < 1:
         raise ConfigError(f"--kbs {args.kbs}: expected a number of knowledge bases from 1 up")
     reader: Reader = AnchorReader() if args.fitted else HeadReader.load(args.run)
     if args.official:
-        runs = {"official": partial(on_the_release, reader, Path(args.official), args.part, args.kbs)}
+        runs = {"official": partial(on_the_release, reader, Path(args.official), args.part)}
     else:
         runs = {mode: partial(on_the_book, reader, args.part, mode, args.kbs) for mode in args.mode or MODES}
     found = {name: run() for name, run in runs.items()}

@@ -156,8 +156,8 @@ def test_workers_end_with_their_learner(number):
     children = subprocess.run(["pgrep", "-P", str(learner.pid)], capture_output=True, text=True).stdout.split()
     assert children
     learner.send_signal(number)
-    learner.wait(60)
-    until = time.monotonic() + 30
+    learner.wait(180)
+    until = time.monotonic() + 120
     while (left := [pid for pid in children if Path(f"/proc/{pid}/stat").exists()]) and time.monotonic() < until:
         time.sleep(0.1)
     assert not left

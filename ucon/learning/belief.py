@@ -102,7 +102,9 @@ class BeliefLearner:
         if readers is None:
             readers = scene_readers(dataset) if dataset.scenes else fold_readers(dataset, n_folds, used_folds)
         self._parts = parts or (own_parts(dataset) if dataset.scenes else default_parts())
-        self._draws = [(KnowledgeBases(data, fitted.known), Draws(fitted, draw)) for data, fitted in readers]
+        # What stands in a scene and is no place there is a place elsewhere more often than not.
+        others = dataset.anchors if dataset.scenes else None
+        self._draws = [(KnowledgeBases(data, fitted.known), Draws(fitted, draw, others)) for data, fitted in readers]
         self._chosen_by = KnowledgeBases(dataset, self._parts.known)
         self.parameters = dict(self.head.named_parameters())
         self._optimiser = torch.optim.AdamW(self.parameters.values(), lr=lr, weight_decay=decay)

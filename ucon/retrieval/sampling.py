@@ -51,6 +51,15 @@ def part_kb(data: HabitDataset, part: Split, seed: int, k: int = 20) -> Knowledg
     return KnowledgeBase.build(data, drawn, seed, "task")
 
 
+def entry_kb(data: HabitDataset, entry: Entry, seed: int, k: int = 20) -> KnowledgeBase:
+    """Knowledge base about an entry that is bound to a scene: the others are training entries from there."""
+    parts = entry_parts(data)
+    others = [e for e in data.entries if e.scene == entry.scene and parts[e.id] == "train"]
+    names = _drawn(stream(seed, "entry_kb", entry.id), {e.category for e in others} - {entry.category}, k - 1)
+    drawn = {name: [e for e in others if e.category == name] for name in names}
+    return KnowledgeBase.build(data, drawn | {entry.category: [entry]}, seed, "task")
+
+
 def _drawn(rng: np.random.Generator, names: Collection[str], k: int) -> list[str]:
     return [str(name) for name in rng.choice(sorted(names), size=min(k, len(names)), replace=False)] if names else []
 
