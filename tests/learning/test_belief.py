@@ -11,6 +11,7 @@ import torch
 from tests.learning.belief_tiny import plain_parts, small_head, tiny_belief
 from tests.learning.tiny import some_habits
 from ucon.core.errors import ConfigError, DataError
+from ucon.core.files import write_manifest
 from ucon.core.rng import stream
 from ucon.habits import book
 from ucon.habits.splits import entry_parts
@@ -66,6 +67,20 @@ def test_state_of_another_head_is_refused():
         tiny_belief().load_state_dict(tiny_belief(head={"width": 8}).state_dict())
 
 
+def test_it_may_begin_with_another_head(tmp_path):
+    taught = tiny_belief()
+    taught.step()
+    for name, content in taught.product().items():
+        (tmp_path / name).write_bytes(content)
+    write_manifest(tmp_path, [WEIGHTS, CONFIG])
+    again = tiny_belief(initial=str(tmp_path), seed=7)
+    for name, value in again.parameters.items():
+        assert torch.allclose(value, taught._average.values[name], atol=2e-3), name
+    assert float(again.head.temperature) == 1
+    with pytest.raises(DataError, match="no head like this one"):
+        tiny_belief(initial=str(tmp_path), head={"width": 8})
+
+
 @pytest.mark.parametrize("option", [{"steps": 0}, {"households": 1.5}, {"n_kbs": True}])
 def test_counts_of_the_wrong_kind_are_refused(option):
     with pytest.raises(ConfigError, match="above 0 and whole"):
@@ -103,7 +118,7 @@ def test_only_training_entries_teach_and_others_are_asked_about_alone(dataset):
 
 def test_habits_of_homes_are_read_by_the_shipped_parts(monkeypatch):
     """Nothing was fitted on them, so there is nothing to hold out."""
-    monkeypatch.setattr("ucon.learning.belief.fold_readers", None)
+    monkeypatch.setattr("ucon.learning.belief_readers.fold_readers", None)
     learner = BeliefLearner(partial(small_head), in_two_homes(), 4, parts=plain_parts(), households=1, n_kbs=2)
     before = learner.validate()["score"]
     assert learner.step()["loss"] > 0

@@ -12,27 +12,29 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import torch
-from safetensors.torch import save
+from safetensors import SafetensorError
+from safetensors.torch import load, save
 from torch import Tensor, nn
 
 from ucon.core.errors import ConfigError, DataError, brief
+from ucon.core.files import read_verified
 from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import Split, entry_parts
 from ucon.habits.types import HabitDataset
-from ucon.language.pairs import default_pair_reader
 from ucon.learning.average import MovingAverage
 from ucon.learning.belief_data import Draw, Draws, Sample, sample
-from ucon.learning.belief_homes import KnowledgeBases, scene_folds
+from ucon.learning.belief_homes import KnowledgeBases
 from ucon.learning.belief_loss import losses
-from ucon.learning.crossfit import ReadEvidence, folds
-from ucon.learning.fit_own_prior import fit_own_prior
+from ucon.learning.belief_readers import parts_of, readers_of
 from ucon.learning.learner import Card, Figures, State
 from ucon.learning.retriever import schedule
-from ucon.retrieval.household import FittedParts, default_parts, parts_with
+from ucon.learning.run import MODEL
+from ucon.retrieval.household import FittedParts
 from ucon.retrieval.levels import FIXED_LEVELS
 from ucon.retrieval.scores import best_of, calibration_error, scores
 
@@ -63,11 +65,13 @@ class BeliefLearner:
         used_folds: so many of them are learned from (each takes minutes to fit); all by default.
         n_kbs: knowledge bases of one validation.
         seed: of the start and of what is drawn.
+        initial: folder of a head of the same options, whose weights it begins with; None: random ones.
         parts: what reads the val part, and what the head will stand on; the shipped ones by default.
         readers: what reads the train part, by pieces of it; fitted by folds where not given.
 
     Raises:
         ConfigError: a value out of its range.
+        DataError: no head in ``initial``, a damaged one, or one of another shape.
     """
 
     def __init__(
@@ -87,6 +91,7 @@ class BeliefLearner:
         used_folds: int | None = None,
         n_kbs: int = 8,
         seed: int = 0,
+        initial: str | None = None,
         parts: FittedParts | None = None,
         readers: Sequence[tuple[HabitDataset, FittedParts]] | None = None,
     ) -> None:
@@ -99,9 +104,10 @@ class BeliefLearner:
         torch.manual_seed(derived_seed(seed, "belief head"))
         self.head = head()
         draw = draw or Draw()
-        if readers is None:
-            readers = scene_readers(dataset) if dataset.scenes else fold_readers(dataset, n_folds, used_folds)
-        self._parts = parts or (own_parts(dataset) if dataset.scenes else default_parts())
+        if initial is not None:
+            _begin_with(self.head, Path(initial))
+        readers = readers_of(dataset, n_folds, used_folds) if readers is None else readers
+        self._parts = parts or parts_of(dataset)
         # What stands in a scene and is no place there is a place elsewhere more often than not.
         others = dataset.anchors if dataset.scenes else None
         self._draws = [(KnowledgeBases(data, fitted.known), Draws(fitted, draw, others)) for data, fitted in readers]
@@ -263,26 +269,14 @@ class BeliefLearner:
         )
 
 
-def fold_readers(dataset: HabitDataset, count: int, used: int | None) -> list[tuple[HabitDataset, FittedParts]]:
-    """The folds of a dataset, each with parts that were fitted on the others."""
-    pairs = default_pair_reader()
-    return [
-        (fold.dataset, FittedParts(fold.weights, pairs, ReadEvidence.of(fold, pairs)))
-        for fold in folds(dataset, pairs, count, used)
-    ]
-
-
-def own_parts(dataset: HabitDataset) -> FittedParts:
-    """The shipped parts with the common sense of all train entries."""
-    parts = entry_parts(dataset)
-    entries = [entry for entry in dataset.entries if parts[entry.id] == "train"]
-    return parts_with(fit_own_prior(entries, default_pair_reader()))
-
-
-def scene_readers(dataset: HabitDataset, count: int = 4) -> list[tuple[HabitDataset, FittedParts]]:
-    """Pieces of a dataset by scene, each read with the common sense of the others."""
-    pairs = default_pair_reader()
-    return [(piece, parts_with(fit_own_prior(others, pairs))) for piece, others in scene_folds(dataset, count)]
+def _begin_with(head: nn.Module, folder: Path) -> None:
+    """Give a head the weights of another one, without its temperature."""
+    path = (folder / MODEL if (folder / MODEL).is_dir() else folder) / WEIGHTS
+    try:
+        tensors = {name: value.float() for name, value in load(read_verified(path)).items()}
+        head.load_state_dict(tensors | {"temperature": torch.ones(())})
+    except (SafetensorError, RuntimeError) as error:
+        raise DataError(f"{path}: no head like this one ({str(error).splitlines()[0][:120]})") from None
 
 
 def _cooled(outputs: Any, temperature: float) -> Tensor:
