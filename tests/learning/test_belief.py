@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import torch
 
+from models.nets.head_reader import HeadReader
 from tests.learning.belief_tiny import plain_parts, small_head, tiny_belief
 from tests.learning.tiny import some_habits
 from ucon.core.errors import ConfigError, DataError
@@ -16,14 +17,14 @@ from ucon.core.rng import stream
 from ucon.habits import book
 from ucon.habits.splits import entry_parts
 from ucon.habits.types import HabitDataset
-from ucon.learning.belief import CONFIG, WEIGHTS, BeliefLearner
+from ucon.learning.belief import CONFIG, PRIOR, WEIGHTS, BeliefLearner
 from ucon.learning.belief_data import Draw, Draws, sample
 from ucon.learning.belief_homes import KnowledgeBases
 from ucon.learning.belief_loss import losses
 from ucon.learning.crossfit import fold_categories
 from ucon.learning.run import METRICS, Plan, TrainingRun
 from ucon.retrieval.levels import FIXED_LEVELS
-from ucon.retrieval.sampling import sampled_kb
+from ucon.retrieval.sampling import entry_kb, sampled_kb
 
 
 def test_learns():
@@ -65,6 +66,34 @@ def test_ablations_can_be_resumed(switch):
 def test_state_of_another_head_is_refused():
     with pytest.raises(DataError, match="names or shapes differ"):
         tiny_belief().load_state_dict(tiny_belief(head={"width": 8}).state_dict())
+
+
+def test_a_head_of_homes_keeps_their_common_sense(tmp_path):
+    learner = BeliefLearner(partial(small_head), in_two_homes(), 4, households=1, n_kbs=2)
+    files = learner.product()
+    for name, content in files.items():
+        (tmp_path / name).write_bytes(content)
+    write_manifest(tmp_path, list(files))
+    prior, fitted = HeadReader.load(tmp_path).parts.own_prior, learner._parts.own_prior
+    assert prior.names == fitted.names
+    assert np.allclose(prior.dense, fitted.dense, atol=1e-2)
+    vector = learner._parts.vectors(["mug"])
+    assert prior.log_p(vector, [prior.names[0], "no such thing"], -9.0)[0, 1] == -9
+    (tmp_path / PRIOR).write_bytes(b"PK no archive")
+    write_manifest(tmp_path, list(files))
+    with pytest.raises(DataError, match="no anchor prior"):
+        HeadReader.load(tmp_path)
+
+
+def test_an_entry_is_asked_about_among_training_entries_of_its_home():
+    data = in_two_homes()
+    parts = entry_parts(data)
+    entry = next(e for e in data.entries if parts[e.id] == "test")
+    kb = entry_kb(data, entry, 0, k=5)
+    assert len(kb.entries) == 5
+    others = [e for name, entries in kb.entries.items() for e in entries if name != entry.category]
+    assert list(kb.entries[entry.category]) == [entry]
+    assert {(parts[e.id], e.scene) for e in others} == {("train", entry.scene)}
 
 
 def test_it_may_begin_with_another_head(tmp_path):

@@ -7,6 +7,7 @@ its own: softmax regression on the target's sentence vector, among the anchors t
 from __future__ import annotations
 
 import io
+import zipfile
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -51,7 +52,7 @@ class AnchorPrior:
         try:
             with np.load(io.BytesIO(raw), allow_pickle=False) as file:
                 dense, bias = (file[name].astype(np.float64) for name in ("dense", "bias"))
-        except (ValueError, KeyError, OSError, EOFError) as error:
+        except (ValueError, KeyError, OSError, EOFError, zipfile.BadZipFile) as error:
             raise DataError(f"{where}: no anchor prior ({str(error)[:80]}); train the head again") from None
         if dense.ndim != 2 or bias.shape != (len(names),) or dense.shape[1:] != bias.shape:
             raise DataError(f"{where}: {dense.shape} for {len(names)} anchors; train the head again")
