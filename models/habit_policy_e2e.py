@@ -3,7 +3,7 @@
 An RGB-D encoder, detections as tokens that attend to the habits, a belief over anchors, a map memory and an LSTM. The
 map is a neural map: fixed rules write it into the recurrent state, convolutions read it. A mixture over places to go
 (:mod:`models.nets.places_to_go`) turns it into action preferences by shortest ways over what was seen; nothing of the
-home that the agent has not seen enters.
+home that the agent has not seen enters. Done is held back where no target is seen nearby.
 """
 
 from __future__ import annotations
@@ -29,9 +29,12 @@ from ucon.core.errors import ConfigError
 from ucon.core.rng import derived_seed
 from ucon.language.encoder import DIM
 from ucon.learning.policy import Arrays, Outputs, Tensors
+from ucon.task.actions import Action
 
 _MAX_STEPS = 300.0
 _N_LOOKS = 5
+#: Taken off the logit of Done where the target is not near: as good as impossible, and the loss stays finite.
+_NEVER = 10.0
 #: Where, ahead, right, left and here stand in the map around the agent, by its heading: (4 headings, 4, 2).
 _BESIDE = np.array([[(c, s), (s, -c), (-s, c), (0, 0)] for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1))])
 _N_STATUS = _N_LOOKS + 8 + 2 + 5 + 8 + len(SUMMARY_FEATURES)
@@ -224,6 +227,7 @@ class HabitPolicyE2E(PolicyModule):
         thought = torch.cat([hidden, facts], -1)
         planned = torch.cat([log_p[..., :3], log_p[..., 3:].expand(*log_p.shape[:-1], 4)], -1)
         logits = self.choose(thought) + self.plan_weight * planned
+        logits[..., Action.DONE] -= _NEVER * ~seen.near
         value = self.judge(thought).squeeze(-1)
         return Outputs(logits.float(), value.float(), {**new, **memory}), Inside(seen, ways)
 

@@ -17,6 +17,8 @@ from models.nets.read_habits import HABIT_FEATURES, STATIC_FEATURES, words
 REACH_M = 0.98
 """A thing whose seen part is so near can be opened or taken, horizontally; the task says 1 m from its box."""
 N_CUES = 10
+TAKE_M = 1.2
+"""A target whose seen part is farther off is out of reach; of 160 stored solutions 5 % end a little farther off."""
 _SCALE = {"ahead_m": 0.25, "left_m": 0.25, "up_m": 0.5, "nearest_m": 0.25, "pixels": 0.25}
 _FLOOR = 0.02
 
@@ -32,6 +34,8 @@ class Seen(NamedTuple):
     """(T, B, N, K) of each thing to each habit."""
     focus: Tensor
     """(T, B, N) of the agent to each thing."""
+    near: Tensor
+    """(T, B) bool: the target may be in reach."""
 
 
 class ThingsInView(nn.Module):
@@ -105,7 +109,8 @@ class ThingsInView(nn.Module):
         largest = (tokens * there[..., None]).amax(-2)
         told = (focus[..., None] * self._value(attention, context)).sum(-2)
         summary = torch.cat([pooled, largest, told], -1)
-        return Seen(summary, _cues(is_target, reach, closed, things, mass), attention, focus)
+        near = (is_target & (things[..., THING_FEATURES.index("nearest_m")] <= TAKE_M)).any(-1)
+        return Seen(summary, _cues(is_target, reach, closed, things, mass), attention, focus, near)
 
     def _names(self, row: Tensor) -> Tensor:
         """Projected names of categories; whatever is less work goes first."""

@@ -17,6 +17,7 @@ from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.perception.semantic_map import SemanticMap
 from ucon.task.actions import Action
+from ucon.task.sets import load_episodes
 
 LEVELS = ("none", "full", "gt", "retrieval")
 WALK = (0, 0, 2, 0, 0, 4, 1, 0, 0, 3, 1, 0, 0, 5, 0, 1)
@@ -70,6 +71,25 @@ def test_every_level_gives_logits_and_the_same_shapes(policy, walks, level):
     assert out.logits.shape == (len(WALK) + 1, 1, 7)
     assert out.value.shape == (len(WALK) + 1, 1)
     assert torch.isfinite(out.logits).all()
+
+
+def test_done_is_held_back_until_the_target_is_near(policy):
+    """On the way of a stored solution: nowhere else, and not at its end."""
+    episode_ = load_episodes("mini")[1]
+    env = UcONEnv([episode_], habit_level="none", detector=True)
+    obs, first = env.reset(options={"episode": episode_})
+    steps, in_view = [(obs, first)], [episode_.target_category in first["detections"].category]
+    for action in map(int, episode_.solution[:-1]):
+        obs, _, _, _, info = env.step(action)
+        steps.append((obs, info))
+        in_view.append(episode_.target_category in info["detections"].category)
+    frames, context = episode(policy, (first, steps))
+    with torch.no_grad():
+        done = policy(frames, context, policy.initial_state(1)).logits[:, 0, Action.DONE]
+    held = (done < -5).tolist()
+    assert not held[-1]
+    assert all(held[t] for t, seen in enumerate(in_view) if not seen)
+    assert 0 < sum(in_view) < len(in_view)
 
 
 def test_frames_do_not_depend_on_the_habits(policy, walks):
