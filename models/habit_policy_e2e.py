@@ -23,12 +23,13 @@ from models.nets.eye import Eye, small_image
 from models.nets.floor_memory import CHANNELS, N_TRACKS, REACH, FloorMemory, Step, Window
 from models.nets.places_to_go import PlacesToGo, Ways
 from models.nets.policy import N_ACTIONS, PolicyModule, lstm_state, run_lstm
-from models.nets.read_habits import SUMMARY_FEATURES, Reader, read_habits, words
+from models.nets.read_habits import SUMMARY_FEATURES, read_habits, words
 from models.nets.things_in_view import N_CUES, Seen, ThingsInView
 from ucon.core.errors import ConfigError
 from ucon.core.rng import derived_seed
 from ucon.language.encoder import DIM
 from ucon.learning.policy import Arrays, Outputs, Tensors
+from ucon.retrieval.reading import Reader
 from ucon.task.actions import Action
 
 _MAX_STEPS = 300.0

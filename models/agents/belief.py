@@ -7,12 +7,19 @@ it would have shown the target; a flat tail makes the search fall back to covera
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Any, Final
+
 from models.agents.base import Controller, ControllerAgent, Info
 from models.agents.search import SearchController
+from ucon.core.errors import ConfigError
 from ucon.perception.belief import BeliefWeights
 from ucon.perception.coverage import CoverageWeights
 from ucon.perception.reading import Locate, ReadHabits, expecting
 from ucon.perception.viewpoints import Costs
+
+#: Of a home that is known: nothing is left unexplored, and what was not met is not there.
+KNOWN_HOME: Final = BeliefWeights(hidden=0.0, exists=0.0, home_m2=0.0, least_m2=0.01, least_share=0.0)
 
 
 class BeliefAgent(ControllerAgent):
@@ -26,15 +33,45 @@ class BeliefAgent(ControllerAgent):
         weights: BeliefWeights | None = None,
         coverage: CoverageWeights | None = None,
         costs: Costs | None = None,
+        *,
+        tour: bool = False,
     ) -> None:
-        """``locate``: gives the distribution over places; by default it is read from the habits."""
+        """Describe the agent.
+
+        Args:
+            locate: gives the distribution over places; by default it is read from the habits.
+            weights: how belief becomes expected mass.
+            coverage: what is expected without any belief.
+            costs: of moves, turns and looks.
+            tour: it knows the home, as one who walked through it before the target was put there: privileged, to
+                measure what knowing the map is worth.
+        """
         super().__init__()
         self._locate = locate or ReadHabits()
-        self._weights = weights or BeliefWeights()
+        self._weights = weights or (KNOWN_HOME if tour else BeliefWeights())
         self._coverage = coverage or CoverageWeights()
         self._costs = costs or Costs()
+        self._tour = tour
+        if tour:
+            self.name = f"{self.name} (knows the home)"
 
     def start(self, info: Info) -> Controller:
         """See :class:`models.agents.base.ControllerAgent`."""
         believing = expecting(info, self._locate, self._coverage, self._weights)
-        return SearchController(info, believing, self._costs)
+        controller = SearchController(info, believing, self._costs)
+        if self._tour:
+            controller.searcher.map.tour(tour_of(info))
+        return controller
+
+
+def tour_of(info: Info) -> Iterable[tuple[dict[str, Any], dict[str, Any]]]:
+    """Frames of a walk through the home.
+
+    Raises:
+        ConfigError: the environment tells nobody.
+    """
+    try:
+        frames: Iterable[tuple[dict[str, Any], dict[str, Any]]] = info["privileged"]["tour"]()
+    except KeyError:
+        raise ConfigError("agent.tour=true needs the home: make the environment with privileged=True") from None
+    return frames

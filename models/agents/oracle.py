@@ -22,7 +22,6 @@ class OracleAgent(ControllerAgent):
 
     name = "oracle"
     uses_habits = False
-    needs_privileged = True
 
     def start(self, info: Info) -> Controller:
         """See :class:`models.agents.base.ControllerAgent`."""

@@ -31,8 +31,7 @@ class OracleLocationsAgent(BeliefAgent):
 
     name = "oracle_locations"
     uses_habits = False
-    needs_privileged = True
 
-    def __init__(self) -> None:
-        """It has nothing to read."""
-        super().__init__(true_locations)
+    def __init__(self, *, tour: bool = False) -> None:
+        """It has nothing to read. ``tour``: it knows the map as well."""
+        super().__init__(true_locations, tour=tour)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from ucon.language.store import StoredEncoder, default_encoder
 from ucon.objects.catalogue import catalogue
 from ucon.perception.places import affordance
 from ucon.retrieval.base import phrase, query_text
+from ucon.retrieval.reading import Read, Reader
 
 N_HABITS = 24
 """Habits that are kept: those that speak most for some place of the target."""
@@ -28,50 +29,6 @@ where asked for, its retrieval score."""
 SUMMARY_FEATURES = ("most", "entropy", "amount", "some", "trusted", "size_m", "height_m")
 STATIC_FEATURES = ("openable", "inside", "ontop", "under", "furniture", "length_m", "height_m", "known")
 """Of a category, by the catalogue; ``known``: an anchor that the reader knows."""
-
-
-class Belief(Protocol):
-    """What a reading makes of candidate anchors."""
-
-    @property
-    def p(self) -> NDArray[np.float64]:
-        """(C,) probability that the target is by each."""
-        ...
-
-    @property
-    def relation(self) -> NDArray[np.float64]:
-        """(C, 4) relation to it, given that."""
-        ...
-
-
-class Read(Protocol):
-    """What a reader makes of some habits."""
-
-    @property
-    def relevance(self) -> NDArray[np.float64]:
-        """(H,) how much each habit is about the target."""
-        ...
-
-    def belief(self, candidates: Sequence[str]) -> Belief:
-        """Belief over candidate anchors."""
-        ...
-
-    def support(self, anchor: str) -> NDArray[np.float64]:
-        """(H,) how strongly each habit speaks for the target being by ``anchor``."""
-        ...
-
-
-class Reader(Protocol):
-    """Reads habits."""
-
-    @property
-    def known(self) -> Sequence[str]:
-        """Anchors that it was fitted on."""
-        ...
-
-    def read(self, target: str, texts: Sequence[str], *, trusted: bool = False) -> Read:
-        """Read the habits of an episode once."""
-        ...
 
 
 class Words(NamedTuple):

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from models.nets.ego_view import CELL_M
 from models.nets.floor_memory import HALF, REACH, SIZE
-from models.nets.read_habits import N_HABITS, Reader, kept_habits, words
+from models.nets.read_habits import N_HABITS, kept_habits, words
 from ucon.habits.types import RELATIONS
 from ucon.objects.catalogue import catalogue
 from ucon.task.actions import Action
@@ -23,6 +23,7 @@ from ucon.task.actions import Action
 if TYPE_CHECKING:
     from models.habit_policy_e2e import Inside
     from ucon.learning.policy import Tensors
+    from ucon.retrieval.reading import Reader
 
 _NEAR = 6
 """Cells around a goal in which the most believed thing is taken for the reason."""

@@ -17,6 +17,7 @@ from ucon.envs.knowledge import HabitSource
 from ucon.envs.options import check_choice, make_detector, make_renderer
 from ucon.envs.spaces import NO_ACTION, observation_space, padded
 from ucon.envs.topdown import TopDownMap
+from ucon.envs.tour import Tour
 from ucon.perception.detectors import Detector, Frame
 from ucon.perception.nav import Nav
 from ucon.sim.cache import load_house
@@ -152,6 +153,7 @@ class UcONEnv(gym.Env[Obs, int]):
         self._map: TopDownMap | None = None
         self._ledger: Ledger | None = None
         self._locations = self.source.locations(self.episode, house) if self._privileged else ()
+        self._tour = Tour(self.search, self._renderer, self._detector, self._frame, self._fov_deg)
         obs, info = self._look(opened=())
         self._ledger = Ledger(self.episode, self.search)
         info |= {
@@ -253,6 +255,7 @@ class UcONEnv(gym.Env[Obs, int]):
                 "scene": self.episode.scene,
                 "episode": self.episode,
                 "locations": self._locations,
+                "tour": self._tour,
             }
         obs["target"] = self._target_embedding.copy()
         obs["habits"], obs["habits_mask"] = self._habits.copy(), self._habits_mask.copy()

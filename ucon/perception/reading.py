@@ -11,7 +11,8 @@ from ucon.perception.belief import BeliefWeights, Believing, Locations
 from ucon.perception.coverage import CoverageWeights, Indifferent
 from ucon.perception.places import Places
 from ucon.perception.semantic_map import SemanticMap
-from ucon.retrieval.reader import AnchorReader, default_reader
+from ucon.retrieval.reader import default_reader
+from ucon.retrieval.reading import Reader
 
 Info = Mapping[str, Any]
 #: Says where the target of an episode may be, from the info at its reset.
@@ -19,9 +20,10 @@ Locate = Callable[[Info], Locations]
 
 
 class ReadHabits:
-    """Locations by the anchor reader: common sense, and what the given habits say."""
+    """Locations by a reader: common sense, and what the given habits say."""
 
-    def __init__(self, reader: AnchorReader | None = None) -> None:
+    def __init__(self, reader: Reader | None = None) -> None:
+        """``reader``: by default the fitted one that is shipped."""
         self._reader = reader
 
     def __call__(self, info: Info) -> Locations:

@@ -6,7 +6,7 @@ stand. The map covers 64 m x 64 m, more than any home; what lies outside is igno
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -118,6 +118,13 @@ class SemanticMap:
                 self.opened[int(track)] = True
         depth = frame_depth(observation, info)
         self._integrate(view, depth, detections.image)
+
+    def tour(self, frames: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]]) -> None:
+        """Learn the home before the search begins, from observations and infos of a walk through it."""
+        for observation, info in frames:
+            self.update(observation, info)
+        self.views.clear()
+        self.visited[:], self.pixels[:], self.last_seen[:] = 0, 0, -1
 
     def _register(self, detections: Detections) -> None:
         self.pixels[:] = 0

@@ -34,12 +34,15 @@ class Returns:
     success: float = 0.0
     speed: float = 0.5
     """Of a success at once; falls to 0 at the last step."""
+    contained: float = 0.0
+    """Of finding what is kept behind doors, beside the rest."""
 
     def __call__(self, metrics: dict[str, Any], max_steps: int) -> float:
         """The worth of an episode with these ``episode_metrics``."""
         if not metrics["success"]:
             return 0.0
-        return self.spl * float(metrics["spl"]) + self.success + self.speed * (1.0 - int(metrics["steps"]) / max_steps)
+        worth = self.spl * float(metrics["spl"]) + self.success + self.speed * (1.0 - int(metrics["steps"]) / max_steps)
+        return worth + (self.contained if metrics["contained"] else 0.0)
 
 
 class UcONSearchEnv(gym.Env[Obs, int]):

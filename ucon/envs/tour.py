@@ -1,0 +1,72 @@
+"""A walk through the home before an episode: what whoever knows the home has seen, but for the target.
+
+Only privileged agents are given it (``info["privileged"]["tour"]``): it tells what knowing the home is worth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Final
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.errors import ConfigError
+from ucon.envs.frame import StartFrame
+from ucon.perception.detectors import Detector, Frame
+from ucon.task.search import Pose, Search
+
+#: Nodes between two stops, along each axis: a metre.
+STRIDE: Final = 4
+#: Of a rule set's views: straight ahead, and down to the floor where cameras pitch.
+_VIEWS: Final = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Tour:
+    """Frames from all over the home of ``search``, whose doors are as they are, drawn when it is called."""
+
+    search: Search
+    renderer: Any
+    detector: Detector | None
+    frame: StartFrame
+    fov_deg: float
+
+    def __call__(self) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
+        """Observations and infos as :class:`ucon.perception.semantic_map.SemanticMap` takes them in.
+
+        Raises:
+            ConfigError: no detector.
+        """
+        if self.detector is None:
+            raise ConfigError("a tour of the home needs a detector; give the environment one, as detector=gt")
+        search, world, rules = self.search, self.search.world, self.search.rules
+        guide = Search(world, self.renderer, search.target, search.pose, rules)
+        for i, j in stops(world.free, (search.pose.i, search.pose.j)).tolist():
+            for heading in range(4):
+                for height, pitch_deg in rules.views[:_VIEWS]:
+                    guide.pose = Pose(i, j, heading, height, pitch_deg)
+                    yield self._look(guide, self.detector)
+
+    def _look(self, guide: Search, detector: Detector) -> tuple[dict[str, Any], dict[str, Any]]:
+        height, width, target = self.renderer.height, self.renderer.width, guide.target
+        depth, instance = np.empty((height, width), np.float32), np.empty((height, width), np.int16)
+        rgb = np.empty((height, width, 3), np.uint8) if detector.needs_rgb else None
+        counts = np.empty(len(guide.world.boxes), np.int32)
+        self.renderer.render(*guide.camera, rgb=rgb, depth=depth, instance=instance, counts=counts)
+        instance[instance == target], counts[target] = -1, 0
+        pose, camera_m = self.frame.pose(guide.pose), guide.camera[2]
+        found = detector.detect(Frame(depth, rgb, pose, camera_m, self.fov_deg, instance, counts))
+        info = {"camera_m": camera_m, "depth": depth, "detections": found, "tracks": found.image}
+        return {"pose": pose, "collision": 0}, info
+
+
+def stops(free: NDArray[np.bool_], start: tuple[int, int]) -> NDArray[np.int64]:
+    """(n, 2) nodes a metre apart, every one that can be reached from ``start``, rows first."""
+    _, number = cv2.connectedComponents(free.astype(np.uint8), connectivity=4)
+    reached = number == number[start]
+    grid = np.zeros_like(reached)
+    grid[start[0] % STRIDE :: STRIDE, start[1] % STRIDE :: STRIDE] = True
+    return np.argwhere(reached & grid)
