@@ -118,6 +118,16 @@ def test_a_policy_is_trained_and_then_played(tmp_path, learner):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("launcher", ["basic", "joblib", "submitit_local"])
+def test_sweeps_train_every_run(tmp_path, launcher):
+    small = (*SMALL, "training.steps=1", "learner.seed=1,2", f"out={tmp_path}")
+    result = train("-m", *small, f"hydra/launcher={launcher}")
+    assert result.returncode == 0, result.stderr[-2000:]
+    runs = [next(tmp_path.glob(f"*learner.seed={seed},*/summary.json")).parent for seed in (1, 2)]
+    assert len({(run / "model" / "retriever.safetensors").read_bytes() for run in runs}) == 2
+
+
+@pytest.mark.slow
 def test_sigterm_saves_and_resume_gives_the_same_bytes(tmp_path):
     whole, parts = tmp_path / "whole", tmp_path / "parts"
     result = train(*SMALL, "training.steps=4", f"out={whole}", "tensorboard=true")
