@@ -18,7 +18,9 @@ from ucon.perception.semantic_map import SemanticMap
 
 
 def made(**options: Any) -> UcONEnv:
-    return UcONEnv("mini", observe="symbolic", **{"privileged": True, "detector": True, "habit_level": "none"} | options)
+    return UcONEnv(
+        "mini", observe="symbolic", **{"privileged": True, "detector": True, "habit_level": "none"} | options
+    )
 
 
 def played(env: UcONEnv, agent: Agent, number: int) -> dict[str, Any]:

@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import asdict
 from itertools import combinations, permutations
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ucon.evaluation.compare import Comparison
+    from ucon.evaluation.markdown import Run
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -19,6 +25,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="compare every RUN with this one only; may be given again (default: every pair)",
     )
+    parser.add_argument(
+        "--closed",
+        nargs=2,
+        metavar=("START", "GOAL"),
+        type=Path,
+        help="say how far every RUN has come from START (frontier) to GOAL (oracle_locations), and what carries over "
+        "to unseen categories and scenes; with --markdown or --json",
+    )
     parser.add_argument("--by-scene", action="store_true", help="draw whole homes in the bootstrap (wider intervals)")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--markdown", action="store_true", help="print the tables of a results page, also by home size")
@@ -31,7 +45,9 @@ def run(args: argparse.Namespace) -> int:
     from ucon.evaluation.compare import compare_records, comparison_table
     from ucon.evaluation.markdown import markdown_page, read_runs
 
-    folders = list(dict.fromkeys([*args.runs, *args.against]))
+    if args.closed and not (args.json or args.markdown):
+        raise ConfigError("--closed is shown by --markdown and --json; give one of them")
+    folders = list(dict.fromkeys([*args.runs, *args.against, *(args.closed or ())]))
     if len(folders) < 2:
         raise ConfigError(f"compare needs at least two run folders, got {len(folders)}")
     runs = read_runs(folders)
@@ -45,13 +61,32 @@ def run(args: argparse.Namespace) -> int:
         )
         for a, b in wanted
     ]
+    way = (runs[args.closed[0]], runs[args.closed[1]]) if args.closed else None
     if args.json:
-        print(json.dumps([pair.to_json() for pair in pairs], indent=1))
+        print(json.dumps(_json(pairs, runs, way), indent=1))
     elif args.markdown:
-        print(markdown_page(list(runs.values()), pairs))
+        print(markdown_page(list(runs.values()), pairs, way))
     else:
         wide_console().print(comparison_table(pairs))
     return 0
+
+
+def _json(pairs: list[Comparison], runs: dict[Path, Run], way: tuple[Run, Run] | None) -> Any:
+    """A list of the differences; with a way, beside what every run has closed of it."""
+    from ucon.evaluation.closed import carried_over, distance_closed
+
+    differences = [pair.to_json() for pair in pairs]
+    if way is None:
+        return differences
+    start, goal = way
+    shares = {
+        str(folder): {
+            "closed": {k: asdict(v) for k, v in distance_closed(run.records, start.records, goal.records).items()},
+            "carried_over": {k: asdict(v) for k, v in carried_over(run.records, goal.records).items()},
+        }
+        for folder, run in runs.items()
+    }
+    return {"differences": differences, "from": start.label, "to": goal.label, "runs": shares}
 
 
 def print_sweep(folder: Path) -> None:

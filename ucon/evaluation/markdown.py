@@ -8,10 +8,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
+from math import isnan
 from pathlib import Path
 from typing import Any, get_args
 
 from ucon.core.errors import ConfigError, DataError
+from ucon.evaluation.closed import CELLS, DISTANCES, carried_over, distance_closed
 from ucon.evaluation.compare import Comparison
 from ucon.evaluation.folder import SUMMARY
 from ucon.evaluation.naming import level, player
@@ -75,10 +77,12 @@ def named_apart(runs: Sequence[Run]) -> None:
         raise ConfigError(f"two runs of '{twice[0]}'; give their folders different names")
 
 
-def markdown_page(runs: Sequence[Run], comparisons: Sequence[Comparison]) -> str:
-    """All tables of ``runs``, separated by empty lines."""
+def markdown_page(runs: Sequence[Run], comparisons: Sequence[Comparison], way: tuple[Run, Run] | None = None) -> str:
+    """All tables of ``runs``, separated by empty lines; ``way``: runs between which distance closed is measured."""
     named_apart(runs)
-    tables = [_runs(runs), _differences(comparisons), _causes(runs)]
+    tables = [_runs(runs, way), _differences(comparisons), _causes(runs)]
+    if way is not None:
+        tables.append(_carried(runs, way[1]))
     sizes = _sizes(runs)
     if len(sizes) > 1:
         tables.append(_groups(runs, sizes, lambda r: _size(_area_m2(r.scene))))
@@ -88,9 +92,39 @@ def markdown_page(runs: Sequence[Run], comparisons: Sequence[Comparison]) -> str
     return "\n\n".join(tables)
 
 
-def _runs(runs: Sequence[Run]) -> str:
-    head = ("agent, habits", "n", "SR % [95 %]", "SPL [95 %]", "SR 75", "SR 150", "steps", "SR contained")
-    return _table(head, [_run_row(run.label, run.records) for run in runs])
+def _runs(runs: Sequence[Run], way: tuple[Run, Run] | None) -> str:
+    head = ["agent, habits", "n", "SR % [95 %]", "SPL [95 %]", "SR 75", "SR 150", "steps", "SR contained"]
+    rows = [_run_row(run.label, run.records) for run in runs]
+    if way is not None:
+        head += [f"% closed: {name}" for name in DISTANCES]
+        rows = [row + _closed(run, *way) for row, run in zip(rows, runs, strict=True)]
+    return _table(head, rows)
+
+
+def _closed(run: Run, start: Run, goal: Run) -> tuple[str, ...]:
+    """Distance closed, in percent."""
+    if run in (start, goal):
+        return (f"{100 * (run is goal)}",) * len(DISTANCES)
+    found = distance_closed(run.records, start.records, goal.records).values()
+    return tuple(_percent(share) for share in found)
+
+
+def _carried(runs: Sequence[Run], goal: Run) -> str:
+    """SR over the goal's in seen and unseen cells."""
+    kinds = [name for name, _, _ in CELLS]
+    head = [f"% of the SR of {goal.label}"]
+    head += [f"{part} {kind}" for kind in kinds for part in ("seen", "unseen", "lost:")]
+    rows = []
+    for run in runs:
+        found = carried_over(run.records, goal.records)
+        cells = [(one.seen, one.unseen, one.lost) for one in map(found.get, kinds) if one is not None]
+        if run is not goal and len(cells) == len(kinds):
+            rows.append((run.label, *(_percent(share) for cell in cells for share in cell)))
+    return _table(head, rows)
+
+
+def _percent(share: Interval) -> str:
+    return "-" if isnan(share.mean) else f"{100 * share.mean:.0f} [{100 * share.low:.0f}, {100 * share.high:.0f}]"
 
 
 def _run_row(label: str, records: Sequence[EpisodeRecord]) -> tuple[str, ...]:
