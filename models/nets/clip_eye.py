@@ -7,7 +7,7 @@ from typing import Final
 import torch
 from torch import Tensor, nn
 
-from models.nets.frozen import FrozenWeights
+from models.nets.frozen import ClipTower
 
 _OPTION: Final = "agent.policy.clip.path"
 _MEAN, _DEVIATION = (0.48145466, 0.4578275, 0.40821073), (0.26862954, 0.26130258, 0.27577711)
@@ -15,30 +15,12 @@ _MEAN, _DEVIATION = (0.48145466, 0.4578275, 0.40821073), (0.26862954, 0.26130258
 _CHUNK: Final = 64
 
 
-class ClipEye:
+class ClipEye(ClipTower):
     """Unit vectors of frames by ``CLIPVisionModelWithProjection``: computed once a frame, stored in float16."""
 
     def __init__(self, path: str) -> None:
         """``path``: folder in Hugging Face layout (such as openai/clip-vit-base-patch32) or a name in its cache."""
-        self._weights = FrozenWeights(path, "CLIPVisionModelWithProjection", _OPTION)
-
-    @property
-    def name(self) -> str:
-        """``clip`` and the hash of its files."""
-        return f"clip {self._weights.identity}"
-
-    @property
-    def dim(self) -> int:
-        """Length of a vector."""
-        return int(self._weights.model.config.projection_dim)
-
-    def check(self) -> None:
-        """See :meth:`models.nets.frozen.FrozenWeights.check`."""
-        self._weights.check()
-
-    def fingerprint(self) -> str | None:
-        """See :meth:`models.nets.frozen.FrozenWeights.fingerprint`."""
-        return self._weights.fingerprint()
+        super().__init__(path, "CLIPVisionModelWithProjection", _OPTION)
 
     @torch.no_grad()
     def vectors(self, rgb: Tensor) -> Tensor:

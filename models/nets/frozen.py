@@ -90,6 +90,32 @@ class FrozenWeights:
         return without_models(self, "model")
 
 
+class ClipTower:
+    """One of CLIP's two towers, whose vectors have one length."""
+
+    def __init__(self, path: str, kind: str, option: str) -> None:
+        """See :class:`FrozenWeights`."""
+        self._weights = FrozenWeights(path, kind, option)
+
+    @property
+    def name(self) -> str:
+        """``clip`` and the hash of its files."""
+        return f"clip {self._weights.identity}"
+
+    @property
+    def dim(self) -> int:
+        """Length of a vector."""
+        return int(self._weights.model.config.projection_dim)
+
+    def check(self) -> None:
+        """See :meth:`models.nets.frozen.FrozenWeights.check`."""
+        self._weights.check()
+
+    def fingerprint(self) -> str | None:
+        """See :meth:`models.nets.frozen.FrozenWeights.fingerprint`."""
+        return self._weights.fingerprint()
+
+
 def without_models(holder: Any, *names: str) -> dict[str, Any]:
     """The state of an object without what it made at its first use: another process or device makes its own."""
     return {name: value for name, value in vars(holder).items() if name not in names}

@@ -9,7 +9,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from models.nets.frozen import FrozenWeights, without_models
+from models.nets.frozen import ClipTower, without_models
 from ucon.core.errors import DataError
 from ucon.core.weight_files import local_folder
 from ucon.language.encoder import quiet
@@ -47,7 +47,7 @@ class SentenceGoal:
         return np.asarray(default_encoder().encode([phrase(category)])[0], np.float32)
 
 
-class ClipGoal:
+class ClipGoal(ClipTower):
     """The bare name of the target by CLIP's text tower, of length 1.
 
     ZSON takes CLIP's ResNet-50, whose vectors have 1024 numbers: a folder with its text tower, in the layout of
@@ -56,26 +56,8 @@ class ClipGoal:
 
     def __init__(self, path: str) -> None:
         """``path``: folder in Hugging Face layout or a name in its cache."""
-        self._weights = FrozenWeights(path, "CLIPTextModelWithProjection", _OPTION)
+        super().__init__(path, "CLIPTextModelWithProjection", _OPTION)
         self._known: dict[str, NDArray[np.float32]] = {}
-
-    @property
-    def name(self) -> str:
-        """``clip`` and the hash of its files."""
-        return f"clip {self._weights.identity}"
-
-    @property
-    def dim(self) -> int:
-        """Length of a vector."""
-        return int(self._weights.model.config.projection_dim)
-
-    def check(self) -> None:
-        """See :meth:`models.nets.frozen.FrozenWeights.check`."""
-        self._weights.check()
-
-    def fingerprint(self) -> str | None:
-        """See :meth:`models.nets.frozen.FrozenWeights.fingerprint`."""
-        return self._weights.fingerprint()
 
     def encode(self, category: str) -> NDArray[np.float32]:
         """Unit vector (dim,) of a category's name."""
