@@ -10,6 +10,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol, runtime_checkable
 
+import numpy as np
+from numpy.typing import NDArray
+
 Observation = Mapping[str, Any]
 Info = Mapping[str, Any]
 
@@ -65,6 +68,11 @@ class ControllerAgent:
             self.controllers[slot].act(observation, info)
             for slot, observation, info in zip(slots_of(infos, slots), observations, infos, strict=True)
         ]
+
+    def picture(self, slot: int) -> NDArray[np.uint8] | None:
+        """For videos: what it thinks after its last action in a slot, (384, W, 3); None where it shows nothing."""
+        drawn = getattr(self.controllers[slot], "picture", None)
+        return None if drawn is None else drawn()
 
 
 def slots_of(infos: Sequence[Info], slots: Sequence[int] | None) -> Sequence[int]:

@@ -18,6 +18,7 @@ from ucon.envs.waypoint.searcher import Searcher
 from ucon.envs.waypoint.text_tokens import TextTokens, name_table
 from ucon.envs.waypoint.tokens import Sizes, TokenReader, Tokens
 from ucon.learning.saved import WEIGHTS, load_network, model_folder
+from ucon.perception.draw import Image
 from ucon.perception.reading import Locate, ReadHabits, expecting
 from ucon.task.actions import Action
 
@@ -38,6 +39,7 @@ class _Search:
     searcher: Searcher
     reader: TokenReader
     said: dict[str, Any]
+    habits: tuple[str, ...]
 
 
 class HabitPolicyAgent:
@@ -109,7 +111,9 @@ class HabitPolicyAgent:
             searcher = Searcher(info, expecting(info, self._locate, locations=locations))
             reader = TokenReader(searcher, info, self._sizes)
             said = self._text.read(info, locations)
-            self._searches[slot] = _Search(str(info.get("episode", "")), searcher, reader, said)
+            self._searches[slot] = _Search(
+                str(info.get("episode", "")), searcher, reader, said, tuple(info.get("habits", ()))
+            )
 
     def act(
         self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
@@ -130,6 +134,12 @@ class HabitPolicyAgent:
         for slot, row in zip(due, self._chosen(due), strict=True):
             actions[slot] = self._searches[slot].searcher.choose(due[slot].choices[row])
         return [int(actions[slot]) for slot in numbers]  # type: ignore[arg-type]
+
+    def picture(self, slot: int) -> Image:
+        """What it thinks; see :func:`ucon.perception.draw_search.draw_search`."""
+        from ucon.perception.draw_search import draw_search
+
+        return draw_search(self._searches[slot].searcher, self._searches[slot].habits)
 
     def _chosen(self, due: dict[int, Tokens]) -> list[int]:
         """Rows of the views that are chosen in the slots where a choice is due."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from models.agents.base import Info, Observation
 from ucon.envs.waypoint.searcher import Searcher
+from ucon.perception.draw import Image
 from ucon.perception.expecting import Expecting
 from ucon.perception.viewpoints import Costs
 
@@ -13,6 +14,7 @@ class SearchController:
 
     def __init__(self, info: Info, expecting: Expecting, costs: Costs | None = None) -> None:
         self.searcher = Searcher(info, expecting, costs)
+        self._habits: tuple[str, ...] = tuple(info.get("habits", ()))
 
     def act(self, observation: Observation, info: Info) -> int:
         """The next action."""
@@ -20,3 +22,9 @@ class SearchController:
         if action is None:
             action = self.searcher.choose(self.searcher.decision().best)
         return int(action)
+
+    def picture(self) -> Image:
+        """What it thinks; see :func:`ucon.perception.draw_search.draw_search`."""
+        from ucon.perception.draw_search import draw_search
+
+        return draw_search(self.searcher, self._habits)

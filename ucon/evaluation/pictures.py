@@ -26,7 +26,8 @@ def save_film(frames: Sequence[Frame], captions: Sequence[str], folder: Path, na
     """Write ``name.png`` (map at the end) and ``name.mp4``; where OpenCV has no video encoder, ``name.gif``.
 
     Args:
-        frames: what ``env.render()`` returned, (H, 2H, 3) uint8 each: camera left, map right.
+        frames: what ``env.render()`` returned, (H, 2H, 3) uint8 each: camera left, map right; beside it what the agent
+            thought, of the same height, where it shows that.
         captions: one line of text above each frame.
         folder: made if missing.
         name: file name without suffix.
@@ -38,7 +39,8 @@ def save_film(frames: Sequence[Frame], captions: Sequence[str], folder: Path, na
     folder.mkdir(parents=True, exist_ok=True)
     height = frames[0].shape[0]
     top_down = folder / f"{name}.png"
-    Image.fromarray(_captioned(frames[-1][:, height:], captions[-1])).save(top_down)
+    Image.fromarray(_captioned(frames[-1][:, height : 2 * height], captions[-1])).save(top_down)
+    frames = _as_wide_as_the_widest(frames)
     frames = [_captioned(frame, caption) for frame, caption in zip(frames, captions, strict=True)]
     film = folder / f"{name}.mp4"
     if not _write_mp4(frames, film, fps):
@@ -46,6 +48,16 @@ def save_film(frames: Sequence[Frame], captions: Sequence[str], folder: Path, na
         film = folder / f"{name}.gif"
         _write_gif(frames, film, fps)
     return [top_down, film]
+
+
+def _as_wide_as_the_widest(frames: Sequence[Frame]) -> list[Frame]:
+    """After its last action an agent thinks nothing more: its last thought stays."""
+    width = max(frame.shape[1] for frame in frames)
+    out: list[Frame] = []
+    for frame in frames:
+        kept = out[-1][:, frame.shape[1] :] if out else np.zeros((frame.shape[0], width, 3), np.uint8)
+        out.append(np.concatenate([frame, kept[:, : width - frame.shape[1]]], axis=1))
+    return out
 
 
 def _captioned(frame: Frame, caption: str) -> Frame:

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import gymnasium as gym
+import numpy as np
 
 from ucon.evaluation.decisions import DecisionRecord
 from ucon.evaluation.record import EpisodeRecord, EpisodeTiming
@@ -87,6 +88,11 @@ class _Slot:
         self.first_info = self.info
         self.frames = [self.env.render()] if film else None
 
+    def think(self, picture: Any) -> None:
+        """Put what the agent thinks beside the last frame."""
+        assert self.frames is not None
+        self.frames[-1] = np.concatenate([self.frames[-1], picture], axis=1)
+
     def step(self, action: int) -> bool:
         self.actions.append(int(action))
         self.observation, _, terminated, truncated, self.info = self.env.step(int(action))
@@ -111,6 +117,7 @@ def play(spec: RunSpec, jobs: Sequence[tuple[int, Episode]]) -> Iterator[Played]
             )
             still = []
             for slot, action in zip(running, actions, strict=True):
+                _draw_thoughts(slot, agent)
                 ended = slot.step(action)
                 if ended:
                     yield _played(slot, agent, spec)
@@ -120,6 +127,13 @@ def play(spec: RunSpec, jobs: Sequence[tuple[int, Episode]]) -> Iterator[Played]
     finally:
         for slot in slots:
             slot.env.close()
+
+
+def _draw_thoughts(slot: _Slot, agent: Policy) -> None:
+    """Where a film is made and the agent shows what it thinks."""
+    picture = getattr(agent, "picture", None)
+    if slot.frames is not None and picture is not None and (drawn := picture(slot.number)) is not None:
+        slot.think(drawn)
 
 
 def one_thread() -> None:

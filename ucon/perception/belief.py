@@ -7,6 +7,7 @@ fall back to coverage once the habits are spent.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +32,8 @@ class Locations:
     """(A, 4) joint probability of anchor and relation (ontop, inside, under, nextto); the rest is anywhere."""
     relevance: NDArray[np.float64] | None = None
     """(H,) how much each habit that was read is taken to say where the target is; None where none was read."""
+    support: Callable[[str], NDArray[np.float64]] | None = None
+    """(H,) how strongly each of them speaks for the target being by an anchor; None where none was read."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +60,7 @@ class Believing:
 
     def __init__(self, locations: Locations, coverage: Indifferent, weights: BeliefWeights) -> None:
         self._coverage, self._weights = coverage, weights
+        self.locations = locations
         self._mass = np.zeros((0, 4))
         self._unseen_per_m2 = 0.0
         self._interest: NDArray[np.float32] | None = None
@@ -65,7 +69,7 @@ class Believing:
     def believe(self, locations: Locations) -> None:
         """Expect by ``locations`` from now on."""
         self._row = {name: k for k, name in enumerate(locations.names)}
-        self._locations = locations
+        self.locations = locations
         self._anywhere = max(0.0, 1.0 - float(locations.p.sum()))
         self._seen = (-1, 0)
 
@@ -90,7 +94,7 @@ class Believing:
 
     def _spread(self, known: SemanticMap, explored_m2: float) -> dict[str, float]:
         """Divide every category's belief among its instances and the unexplored rest of the home; returns the rest."""
-        w, p = self._weights, self._locations.p
+        w, p = self._weights, self.locations.p
         left_m2 = max(w.least_m2, w.home_m2 - explored_m2, w.least_share * explored_m2)
         share_left = left_m2 / (left_m2 + explored_m2)
         self._mass = np.zeros((known.n_tracks, 4))

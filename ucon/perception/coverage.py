@@ -53,6 +53,9 @@ class CoverageWeights:
 class Indifferent:
     """Expects the target anywhere that has room for it."""
 
+    #: It reads nothing.
+    locations = None
+
     def __init__(self, target: str, weights: CoverageWeights) -> None:
         self._target, self._weights = target, weights
         self._mass = np.zeros((0, 4))

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from ucon.perception.places import Places
 from ucon.perception.semantic_map import SemanticMap
 from ucon.perception.viewpoints import Expectation
 
+if TYPE_CHECKING:
+    from ucon.perception.belief import Locations
+
 
 class Expecting(Protocol):
     """Says where the target may be, given what was seen."""
+
+    @property
+    def locations(self) -> Locations | None:
+        """What the habits were read to say; None for who reads nothing."""
+        ...
 
     def expect(self, known: SemanticMap, places: Places) -> Expectation:
         """Mass of tracks, unexplored space and space seen from afar."""

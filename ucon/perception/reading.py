@@ -33,7 +33,7 @@ class ReadHabits:
         trusted = info.get("habit_level") == "gt"
         reading = self._reader.read(str(info["target"]), tuple(info["habits"]), trusted=trusted)
         belief = reading.belief(self._reader.known)
-        return Locations(belief.candidates, belief.p[:, None] * belief.relation, reading.telling)
+        return Locations(belief.candidates, belief.p[:, None] * belief.relation, reading.telling, reading.support)
 
 
 def expecting(

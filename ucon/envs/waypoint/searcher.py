@@ -70,7 +70,7 @@ class Searcher:
         self.refused: dict[int, int] = {}
         self.taking = False
         self.decisions = 0
-        self._expected: Expectation | None = None
+        self.expected: Expectation | None = None
         self._decision: SearchDecision | None = None
         self._plan: deque[Action] = deque()
         self._age = 0
@@ -86,16 +86,16 @@ class Searcher:
         if track is not None:
             self.taking = True
             return self.homing.act(self.map, self.planner, track, blocked=blocked)
-        self._expected = self.expecting.expect(self.map, self.places)
-        return self._open_here(self._expected) or self._go_on(self._expected)
+        self.expected = self.expecting.expect(self.map, self.places)
+        return self._open_here(self.expected) or self._go_on(self.expected)
 
     def decision(self) -> SearchDecision:
         """What may be chosen now."""
         if self._decision is None:
-            assert self._expected is not None
+            assert self.expected is not None
             if self.expecting.reread(self.map, self.places):
-                self._expected = self.expecting.expect(self.map, self.places)
-            self._decision = self._decide(self._expected)
+                self.expected = self.expecting.expect(self.map, self.places)
+            self._decision = self._decide(self.expected)
         return self._decision
 
     def choose(self, choice: Choice | None) -> Action:

@@ -1,0 +1,87 @@
+"""The picture of what an agent thinks: where it is warm, what it says, and that videos hold it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from models.agents.belief import BeliefAgent
+from models.agents.frontier import FrontierAgent
+from ucon.envs.ucon_env import UcONEnv
+from ucon.evaluation.pictures import save_film
+from ucon.perception.belief import Locations
+from ucon.perception.draw_search import _lines, _mass_left, _wrapped, draw_search
+
+BLUE, WARM = (36, 120, 200), (226, 92, 30)
+
+
+def searching(agent: Any, steps: int) -> Any:
+    """A searcher after some steps of an episode."""
+    env = UcONEnv("mini", observe="symbolic", detector=True, habit_level="retrieval")
+    obs, info = env.reset(options={"episode": 1})
+    agent.reset([info])
+    for _ in range(steps):
+        obs, _, _, _, info = env.step(agent.act([obs], [info])[0])
+    agent.act([obs], [info])
+    return agent.controllers[0].searcher
+
+
+def near(image: np.ndarray[Any, Any], color: tuple[int, int, int]) -> int:
+    return int((np.abs(image.astype(int) - color).max(2) < 40).sum())
+
+
+def somewhere(anchor: str, habits: int = 0) -> Any:
+    """Reads that the target is by one anchor, on the word of the last habit."""
+    p = np.array([[0.0, 0.0, 0.0, 0.9]])
+    said = np.eye(habits)[-1] if habits else np.zeros(0)
+    return lambda info: Locations((anchor,), p, said, lambda name: said * (name == anchor))
+
+
+def test_it_is_warm_where_the_belief_is() -> None:
+    believing = searching(BeliefAgent(), 12)
+    anchor = believing.map.category[int(_mass_left(believing).sum(1).argmax())]
+    sure = searching(BeliefAgent(somewhere(anchor)), 12)
+    image = draw_search(sure)
+    assert image.shape == (384, 384, 3)
+    assert image.dtype == np.uint8
+    assert near(image, WARM) > 20
+    assert near(image, BLUE) > 20
+    nowhere = searching(BeliefAgent(somewhere("no such thing")), 12)
+    assert near(draw_search(nowhere), WARM) < near(image, WARM)
+
+
+def test_it_says_what_it_believes_and_which_habit_says_so() -> None:
+    searcher = searching(BeliefAgent(somewhere("no_such_thing", habits=3)), 5)
+    lines = [text for text, _ in _lines(searcher, searcher.map, _mass_left(searcher), ("a", "b", "under the lamp"), 60)]
+    assert lines[0] == "believes: by no such thing 90%"
+    assert lines[1].startswith("goes to: ")
+    assert lines[2] == '"under the lamp"'
+
+
+def test_who_reads_nothing_says_where_it_goes() -> None:
+    searcher = searching(FrontierAgent(), 5)
+    lines = _lines(searcher, searcher.map, _mass_left(searcher), (), 60)
+    assert len(lines) == 1
+    assert draw_search(searcher).shape == (384, 384, 3)
+
+
+def test_lines_are_not_too_long() -> None:
+    text = "the blue mug is put on the rack by the window after breakfast"
+    assert " ".join(_wrapped(text, 20)) == text
+    assert max(map(len, _wrapped(text, 20))) <= 20
+
+
+def test_videos_hold_thoughts_to_the_end(tmp_path: Path) -> None:
+    """The last frame has none of its own and keeps the one before."""
+    plain, thought = np.zeros((64, 128, 3), np.uint8), np.full((64, 64, 3), 200, np.uint8)
+    frames = [np.concatenate([plain, thought], 1)] * 3 + [plain]
+    _, film = save_film(frames, ["caption"] * 4, tmp_path, "film")
+    video, last = cv2.VideoCapture(str(film)), None
+    while (read := video.read())[0]:
+        last = read[1]
+    assert last is not None
+    assert last.shape[1] == 192
+    assert abs(float(last[40:, 140:].mean()) - 200) < 10
