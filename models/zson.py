@@ -73,7 +73,9 @@ class ZSON(PolicyModule):
         return self._goal.fingerprint()
 
     def context(self, info: Mapping[str, Any]) -> Arrays:
-        """``goal`` (D,) float32, of length 1. Any vector of the same space may stand for it, such as an image's."""
+        """``goal`` (D,) float32, of length 1: the target's name, or the image to be reached where one is given."""
+        if "goal_image" in info:
+            return {"goal": self._goal.encode_image(info["goal_image"])}
         return {"goal": self._goal.encode(str(info["target"]))}
 
     def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:

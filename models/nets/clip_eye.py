@@ -18,9 +18,14 @@ _CHUNK: Final = 64
 class ClipEye(ClipTower):
     """Unit vectors of frames by ``CLIPVisionModelWithProjection``: computed once a frame, stored in float16."""
 
-    def __init__(self, path: str) -> None:
-        """``path``: folder in Hugging Face layout (such as openai/clip-vit-base-patch32) or a name in its cache."""
-        super().__init__(path, "CLIPVisionModelWithProjection", _OPTION)
+    def __init__(self, path: str, option: str = _OPTION) -> None:
+        """Describe the weights.
+
+        Args:
+            path: folder in Hugging Face layout (such as openai/clip-vit-base-patch32) or a name in its cache.
+            option: what gave the path, for messages.
+        """
+        super().__init__(path, "CLIPVisionModelWithProjection", option)
 
     @torch.no_grad()
     def vectors(self, rgb: Tensor) -> Tensor:

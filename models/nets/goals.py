@@ -9,8 +9,9 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from models.nets.clip_eye import ClipEye
 from models.nets.frozen import ClipTower, without_models
-from ucon.core.errors import DataError
+from ucon.core.errors import ConfigError, DataError
 from ucon.core.weight_files import local_folder
 from ucon.language.encoder import quiet
 from ucon.language.store import default_encoder
@@ -46,6 +47,17 @@ class SentenceGoal:
         """Unit vector (384,) of a category's name."""
         return np.asarray(default_encoder().encode([phrase(category)])[0], np.float32)
 
+    def encode_image(self, rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
+        """It has none.
+
+        Raises:
+            ConfigError: always.
+        """
+        raise ConfigError(
+            "the sentence encoder knows no images, and the goal is one; give CLIP: "
+            "'agent.policy.goal={_target_:models.nets.goals.ClipGoal,path:FOLDER}'"
+        )
+
 
 class ClipGoal(ClipTower):
     """The bare name of the target by CLIP's text tower, of length 1.
@@ -66,8 +78,16 @@ class ClipGoal(ClipTower):
             self._known[text] = self._encode(text)
         return self._known[text]
 
+    def encode_image(self, rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
+        """Unit vector (dim,) of an image (H, W, 3) by the other tower of the same folder: the same space."""
+        return np.asarray(self._eye.vectors(torch.from_numpy(rgb)[None])[0].float().numpy(), np.float32)
+
+    @cached_property
+    def _eye(self) -> ClipEye:
+        return ClipEye(self._weights.path, _OPTION)
+
     def __getstate__(self) -> dict[str, Any]:
-        return without_models(self, "_tokenizer")
+        return without_models(self, "_tokenizer", "_eye")
 
     @torch.no_grad()
     def _encode(self, text: str) -> NDArray[np.float32]:

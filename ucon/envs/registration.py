@@ -13,3 +13,5 @@ def register_envs() -> None:
         gym.register(id="UcONWaypoint-v0", entry_point="ucon.envs.waypoint.env:UcONWaypointEnv")
     if "UcONSearch-v0" not in gym.registry:
         gym.register(id="UcONSearch-v0", entry_point="ucon.envs.waypoint.search_env:UcONSearchEnv")
+    if "UcONImageGoal-v0" not in gym.registry:
+        gym.register(id="UcONImageGoal-v0", entry_point="ucon.envs.image_goal:UcONImageGoalEnv")

@@ -1,0 +1,171 @@
+"""``UcONImageGoal-v0``: go to the pose whose image is given; what ZSON learns from, in our homes.
+
+Images and names share CLIP's space, so a policy that learned to reach images can be asked for names without ever
+having been told one (Majumdar et al., NeurIPS 2022, section 3).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, SupportsFloat, cast
+
+import gymnasium as gym
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.errors import ConfigError, EpisodeError
+from ucon.core.rng import stream
+from ucon.envs.knowledge import HabitSource
+from ucon.envs.ucon_env import Obs, UcONEnv
+from ucon.sim.paths import UNREACHABLE, distances, metres
+from ucon.sim.render import RasterRenderer
+from ucon.task.actions import Action
+from ucon.task.search import Pose, Search
+
+
+@dataclass(frozen=True)
+class ImageGoalReward:
+    """ZSON's: for reaching the place, for looking as the image does, and for coming closer to both."""
+
+    success: float = 5.0
+    facing: float = 5.0
+    """Beside it, for a success that looks as the image does."""
+    progress: float = 1.0
+    """Of a metre."""
+    turned: float = 1.0
+    """Of a radian towards the image's heading, near the place."""
+    step: float = -0.01
+
+
+class UcONImageGoalEnv(gym.Env[Obs, int]):
+    """Reach a place shown by an image.
+
+    ### Description
+    Homes, starts, observations and actions are those of ``UcON-v0`` with images; ``info["goal_image"]`` at reset is
+    what the camera would see at the goal: a node that can be walked to, at least ``least_m`` away, and a heading, drawn
+    by the episode's id. The episode's target and habits mean nothing here.
+
+    ### Action space, observation space
+    Those of ``UcON-v0``.
+
+    ### Rewards
+    See :class:`ImageGoalReward`.
+
+    ### Termination
+    Done, right within ``near_m`` of the goal by the way there is; 300 steps. ``info["episode_metrics"]`` has
+    ``success``, ``spl`` and ``steps``.
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
+
+    def __init__(
+        self,
+        episodes: Any = "mini",
+        *,
+        reward: ImageGoalReward | None = None,
+        near_m: float = 1.0,
+        least_m: float = 2.0,
+        observe: str = "pixels",
+        **options: Any,
+    ) -> None:
+        """Describe the environment.
+
+        Args:
+            episodes: see ``UcON-v0``.
+            reward: of a step.
+            near_m: how near to the goal Done succeeds.
+            least_m: how far the goal is at least, where the home is so large.
+            observe: ``pixels``; there is nothing to reach without images.
+            **options: of ``UcON-v0``.
+
+        Raises:
+            ConfigError: observations without images, or distances below 0.
+        """
+        if observe != "pixels":
+            raise ConfigError(f"env.observe={observe}: goals are images; give env.observe=pixels")
+        if not 0 <= near_m < 1e3 or not 0 <= least_m < 1e3:
+            raise ConfigError(f"env.near_m={near_m}, env.least_m={least_m}: expected metres from 0 up")
+        self.env = UcONEnv(episodes, observe="pixels", **options)
+        self.render_mode = self.env.render_mode
+        self.action_space, self.observation_space = self.env.action_space, self.env.observation_space
+        self._reward, self._near, self._least_m = reward or ImageGoalReward(), near_m, least_m
+        self._goal: Pose | None = None
+
+    @property
+    def source(self) -> HabitSource:
+        """Gives every episode its habits, which mean nothing here."""
+        return self.env.source
+
+    @property
+    def goal(self) -> Pose:
+        """Where the image was taken.
+
+        Raises:
+            EpisodeError: before the first reset.
+        """
+        if self._goal is None:
+            raise EpisodeError("no goal before reset: call reset() first")
+        return self._goal
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Obs, dict[str, Any]]:
+        """Start an episode, as ``UcON-v0`` does, with an image to reach."""
+        super().reset(seed=seed)
+        obs, info = self.env.reset(seed=seed, options=options)
+        self._goal = self._drawn()
+        self._field = distances(self.env.search.world.free, [(self._goal.i, self._goal.j)])
+        self._steps, self._moves, self._whole_m = 0, 0, self._to_go_m()
+        return obs, info | {"goal_image": self._image(self._goal)}
+
+    def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
+        """Carry out one action."""
+        goal, near = self.goal, self._to_go_m() <= self._near
+        before_m, before_rad = self._to_go_m(), self._to_turn_rad()
+        obs, _, done, truncated, info = self.env.step(action)
+        self._steps += 1
+        self._moves += int(action == Action.MOVE_AHEAD and not obs["collision"])
+        success = done and near
+        weights = self._reward
+        reward = weights.step + weights.progress * (before_m - self._to_go_m())
+        if near and self._to_go_m() <= self._near:
+            reward += weights.turned * (before_rad - self._to_turn_rad())
+        if success:
+            reward += weights.success + weights.facing * (self.env.search.pose.heading == goal.heading)
+        info.pop("episode_metrics", None)
+        if done or truncated:
+            walked = metres(self._moves)
+            spl = self._whole_m / max(walked, self._whole_m) if success and self._whole_m > 0 else float(success)
+            info["episode_metrics"] = {"success": success, "spl": spl, "steps": self._steps}
+        return obs, reward, done, truncated, info
+
+    def _drawn(self) -> Pose:
+        """A node that can be walked to, far enough away where there is one, and a heading."""
+        start = self.env.search.pose
+        away = distances(self.env.search.world.free, [(start.i, start.j)])
+        far = np.argwhere(away >= self._least_m / metres(1))
+        nodes = far if len(far) else np.argwhere(away != UNREACHABLE)
+        draw = stream(0, "image goal", self.env.episode.id)
+        i, j = nodes[int(draw.integers(len(nodes)))].tolist()
+        return Pose(i, j, int(draw.integers(4)), start.height, start.pitch_deg)
+
+    def _image(self, pose: Pose) -> NDArray[np.uint8]:
+        """What the camera would see at a pose, (H, W, 3)."""
+        search, eyes = self.env.search, cast(RasterRenderer, self.env.search.eyes)
+        rgb = np.empty((eyes.height, eyes.width, 3), np.uint8)
+        eyes.render(*Search(search.world, eyes, search.target, pose, search.rules).camera, rgb=rgb)
+        return rgb
+
+    def _to_go_m(self) -> float:
+        here = self.env.search.pose
+        return metres(int(self._field[here.i, here.j]))
+
+    def _to_turn_rad(self) -> float:
+        quarters = (self.env.search.pose.heading - self.goal.heading) % 4
+        return 0.5 * float(np.pi) * min(quarters, 4 - quarters)
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """See ``UcON-v0``."""
+        return self.env.render()
+
+    def close(self) -> None:
+        """See ``UcON-v0``."""
+        self.env.close()
