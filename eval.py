@@ -52,7 +52,9 @@ def evaluate_and_report(cfg: DictConfig, out: Path, *, sweep: bool) -> None:
     config: dict[str, Any] = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)  # type: ignore[assignment]
     task = config["task"]
     check_level(config["habit_level"]["name"])
-    episodes = chosen_episodes(config["episodes"], config["limit"], task["name"], context=task["context"])
+    episodes = chosen_episodes(
+        config["episodes"], config["limit"], task["name"], context=task["context"], every=config["every"]
+    )
     warn_of_other_rules(episodes, task["name"])
     agent, detector = Factory(config["agent"])(), Factory(config["env"]["detector"])()
     parts, source = parts_of(agent, detector), Factory(config["env"]["source"])()
@@ -75,11 +77,16 @@ def evaluate_and_report(cfg: DictConfig, out: Path, *, sweep: bool) -> None:
     console.print(f"{failure_line(figures)}\n{seconds:.1f} s for {len(played) - len(done)} episodes; results in {out}")
 
 
-def chosen_episodes(name: str, limit: int | None, task: str, *, context: bool) -> tuple[Episode, ...]:
-    """The first ``limit`` episodes of a set, of those made under the rules ``task``, stating their context or not."""
+def chosen_episodes(name: str, limit: int | None, task: str, *, context: bool, every: int = 1) -> tuple[Episode, ...]:
+    """Every ``every``-th episode of a set, the first ``limit`` of these.
+
+    Of the set made under the rules ``task``, stating their context or not.
+    """
+    if type(every) is not int or every < 1:
+        raise ConfigError(f"every={every}: expected a whole number from 1 up; 5 plays every fifth episode")
     if limit is not None and (not isinstance(limit, int) or limit < 1):
         raise ConfigError(f"limit={limit}: expected a number of episodes from 1 up, or null for all")
-    return load_episodes(name, task, context=context)[:limit]
+    return load_episodes(name, task, context=context)[::every][:limit]
 
 
 def warn_of_other_rules(episodes: tuple[Episode, ...], task: str) -> None:

@@ -11,7 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from eval import chosen_episodes
 from tests.language.tiny_models import save_causal
+from ucon.core.errors import ConfigError
 from ucon.evaluation.record import read_records
 
 ROOT = Path(__file__).parents[1]
@@ -106,6 +108,15 @@ def test_a_finished_run_is_printed_without_the_weights_that_made_it(tmp_path):
     assert fresh.returncode == 2
     assert "no such folder, and no model of that name" in fresh.stderr
     assert not list((tmp_path / "fresh").iterdir())
+
+
+def test_a_part_of_a_set_is_spread_over_it():
+    whole = chosen_episodes("mini", None, "paper", context=False)
+    assert chosen_episodes("mini", None, "paper", context=False, every=7) == whole[::7]
+    assert chosen_episodes("mini", 3, "paper", context=False, every=7) == whole[:21:7]
+    for nonsense in (0, -1, 1.5, "two", True):
+        with pytest.raises(ConfigError, match="every="):
+            chosen_episodes("mini", None, "paper", context=False, every=nonsense)
 
 
 def test_another_run_is_refused_its_folder(run):
