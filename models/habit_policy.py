@@ -3,7 +3,8 @@
 Tokens are candidate views, things (closed containers among them), frontiers, habits and the agent's own state
 (:mod:`ucon.envs.waypoint.tokens`). Belief and evidence are arithmetic (:mod:`ucon.perception.belief`): what was
 looked at in vain is in the numbers that tokens carry. The score of a view starts as its expected gain over its cost,
-which is how ``belief`` chooses; what the network adds to it is learned.
+which is how ``belief`` chooses. The network foretells which views lie on the way to the target, which knowing many
+homes can tell, and what they show of unexplored space counts by that; what it adds beside is learned as well.
 """
 
 from __future__ import annotations
@@ -39,6 +40,9 @@ class Scores(NamedTuple):
     """(B, V) float32; -inf where there is no view."""
     value: Tensor
     """(B,) float32, the expected return."""
+    foresight: Tensor
+    """(B, V) float32, by how much going to each view is expected to shorten the way to the target: 1 right towards it,
+    -1 straight away. Not bounded."""
 
 
 class HabitPolicy(nn.Module):
@@ -64,8 +68,10 @@ class HabitPolicy(nn.Module):
         self.body = TokenTransformer(width, layers, heads, 2 * width)
         self.score = nn.Sequential(nn.Linear(2 * width, width), nn.GELU(), nn.Linear(width, 1))
         self.worth = nn.Sequential(nn.Linear(width, width), nn.GELU(), nn.Linear(width, 1))
+        self.foresee = nn.Sequential(nn.Linear(2 * width, width), nn.GELU(), nn.Linear(width, 1))
+        self.trust = nn.Parameter(torch.zeros(()))
         self.sharpness = nn.Parameter(torch.tensor(_SHARPNESS).log())
-        for head in (self.score[-1], self.worth[-1]):
+        for head in (self.score[-1], self.worth[-1], self.foresee[-1]):
             nn.init.zeros_(head.weight)
             nn.init.zeros_(head.bias)
 
@@ -82,11 +88,21 @@ class HabitPolicy(nn.Module):
         x = torch.cat([own[:, None], self.view(tokens["views"]), things, self.frontier(tokens["frontiers"]), habits], 1)
         x = self.body(x, *_positions(tokens))
         own, seen = x[:, :1], x[:, 1 : 1 + tokens["views"].shape[1]]
-        logits = self.score(torch.cat([seen, own.expand_as(seen)], -1))[..., 0]
+        joined = torch.cat([seen, own.expand_as(seen)], -1)
+        logits, foresight = self.score(joined)[..., 0], self.foresee(joined)[..., 0]
         if self.use_prior:
-            logits = logits + self.sharpness.exp() * (tokens["prior"] + _KEPT * tokens["views"][..., IS_KEPT])
+            prior = tokens["prior"] + _KEPT * tokens["views"][..., IS_KEPT] + self._redirected(tokens, foresight)
+            logits = logits + self.sharpness.exp() * prior
         logits = logits.masked_fill(tokens["action_mask"] == 0, float("-inf"))
-        return Scores(logits, self.worth(own[:, 0])[..., 0])
+        return Scores(logits, self.worth(own[:, 0])[..., 0], foresight)
+
+    def _redirected(self, tokens: Mapping[str, Tensor], foresight: Tensor) -> Tensor:
+        """What is added to the logarithm of a gain whose part in unexplored space counts more on the way to the target.
+
+        No gradient reaches the foresight, which is told the truth and is to stay it.
+        """
+        factor = (self.trust.exp() * foresight.detach().clamp(-1, 1)).exp()
+        return (1 + tokens["unexplored"] * (factor - 1)).log()
 
     @property
     def use_prior(self) -> bool:

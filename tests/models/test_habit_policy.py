@@ -57,7 +57,7 @@ def test_the_order_of_tokens_does_not_matter() -> None:
     policy, tokens = random_policy(), some_tokens()
     before = policy(tokens)
     for kind, names in {
-        "views": ("views", "prior", "action_mask"),
+        "views": ("views", "prior", "unexplored", "action_mask"),
         "things": ("things", "thing_names", "things_mask"),
         "frontiers": ("frontiers", "frontiers_mask"),
         "habits": ("habits", "habits_relevance", "habits_mask"),
@@ -67,6 +67,8 @@ def test_the_order_of_tokens_does_not_matter() -> None:
         expected = before.logits[:, order] if kind == "views" else before.logits
         torch.testing.assert_close(after.logits, expected, rtol=1e-4, atol=1e-4)
         torch.testing.assert_close(after.value, before.value, rtol=1e-4, atol=1e-4)
+        foreseen = before.foresight[:, order] if kind == "views" else before.foresight
+        torch.testing.assert_close(after.foresight, foreseen, rtol=1e-4, atol=1e-4)
 
 
 @torch.no_grad()
@@ -92,8 +94,24 @@ def test_everything_that_is_there_matters(name: str) -> None:
 def test_gradients_reach_all_that_is_learned() -> None:
     policy, tokens = random_policy(), some_tokens()
     scores = policy(tokens)
-    (scores.logits[tokens["action_mask"] > 0].square().sum() + scores.value.sum()).backward()
+    (scores.logits[tokens["action_mask"] > 0].square().sum() + scores.value.sum()).backward(retain_graph=True)
+    untold = [name for name, p in policy.named_parameters() if p.grad is None]
+    assert {name.split(".")[0] for name in untold} == {"foresee"}  # choosing does not bend what is foretold
+    scores.foresight.square().sum().backward()
     assert [name for name, p in policy.named_parameters() if p.grad is None or not p.grad.any()] == []
+
+
+@torch.no_grad()
+def test_unexplored_space_counts_by_what_is_foretold() -> None:
+    """exp(1) times as much straight towards the target, and nothing else of a gain changes."""
+    policy, tokens = HabitPolicy().eval(), some_tokens(1)
+    seen, before = tokens["action_mask"] > 0, policy(tokens).logits
+    policy.foresee[-1].bias.fill_(1.0)
+    for share in (0.0, 0.5, 1.0):
+        told = tokens | {"unexplored": torch.full_like(tokens["unexplored"], share)}
+        gained = (policy(told).logits - before)[seen] / policy.sharpness.exp()
+        expected = np.log(1 + share * (np.e - 1))
+        torch.testing.assert_close(gained, torch.full_like(gained, expected), rtol=1e-4, atol=1e-4)
 
 
 def test_it_is_small_and_quick() -> None:

@@ -33,6 +33,8 @@ class Outputs(NamedTuple):
     """(T, B) float32, the expected return."""
     state: Tensors
     """After the last step; tensors (B, ...)."""
+    foresight: Tensor | None = None
+    """(T, B, V), what a policy over views foretells of each; see :mod:`ucon.learning.foresight`."""
 
 
 class ActionPolicy(Protocol):

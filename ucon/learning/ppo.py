@@ -21,6 +21,7 @@ from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import entry_parts
 from ucon.learning.collecting import Collecting, Rollouts
 from ucon.learning.experience import Experience, Sequences
+from ucon.learning.foresight import TO_GO, ForesightLoss
 from ucon.learning.imitation import PRECISIONS
 from ucon.learning.learner import Card, Figures, State
 from ucon.learning.options import check, check_parts
@@ -46,6 +47,7 @@ class PPOLearner:
         search: makes one of ``UcONSearch-v0``, for networks that score views.
         collector: who plays.
         loss: what is learned from a minibatch.
+        foresight: what a network that scores views is told of the way; None: nothing.
         validation: how states are compared: by ``success_rate`` or ``spl`` of what is played.
         steps: length of the run, and of the schedule of the learning rate.
         frames: steps of the environment that one collection is learned from.
@@ -88,6 +90,7 @@ class PPOLearner:
         discount: float = 1.0,
         trace: float = 0.97,
         kl_stop: float = 0.03,
+        foresight: ForesightLoss | None = None,
         lr: float = 5e-4,
         warm_up: int = 0,
         clip: float = 0.5,
@@ -127,6 +130,7 @@ class PPOLearner:
         self.dataset = self.make_env().unwrapped.source.dataset
         check_parts(self.episodes, entry_parts(self.dataset))
         self.loss, self.validation, self.seed, self.half = loss, validation, seed, half
+        self.foresight = foresight if views else None
         self.epochs, self.minibatch, self.kl_stop = epochs, minibatch, kl_stop
         self.discount, self.trace = discount, trace
         self.chunk = chunk if self.act.initial_state(1) else 1
@@ -178,6 +182,10 @@ class PPOLearner:
         there = part.there.to(device)
         logits, value = outputs.logits.float()[there], outputs.value.float()[there]
         loss, figures = self.loss(part.played, logits, value)
+        if self.foresight is not None and outputs.foresight is not None and TO_GO in frames:
+            decisions = {name: tensor[there] for name, tensor in frames.items()}
+            told, more = self.foresight(decisions, outputs.foresight.float()[there])
+            loss, figures = loss + told, {**figures, **more}
         if not finite(loss):
             self._diverged(frames, {"logits": logits.nan_to_num(neginf=0.0), "value": value}, part)
         self.updates.begin()

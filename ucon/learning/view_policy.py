@@ -25,7 +25,7 @@ class ViewPolicy(nn.Module):
     """See the module. Implements :class:`ucon.learning.policy.ActionPolicy` for ``UcONSearch-v0``.
 
     Args:
-        network: tokens to ``logits`` (B, V), -inf where there is no view, and ``value`` (B,).
+        network: tokens to ``logits`` (B, V), -inf where there is no view, ``value`` (B,) and ``foresight`` (B, V).
         text: embeds the names of things, as in the environment.
     """
 
@@ -82,4 +82,5 @@ class ViewPolicy(nn.Module):
         names: Any = self.names
         tokens["thing_names"] = names[frames["thing_rows"].flatten(0, 1).long()]  # row -1 is the last: none
         scores = self.network(tokens)
-        return Outputs(scores.logits.unflatten(0, (steps, batch)), scores.value.unflatten(0, (steps, batch)), state)
+        logits, value, foresight = (found.unflatten(0, (steps, batch)) for found in scores)
+        return Outputs(logits, value, state, foresight)

@@ -15,10 +15,12 @@ from ucon.envs.knowledge import HabitSource
 from ucon.envs.ucon_env import Obs, UcONEnv
 from ucon.envs.waypoint.searcher import Searcher
 from ucon.envs.waypoint.text_tokens import TextTokens
+from ucon.envs.waypoint.to_go import ToGo
 from ucon.envs.waypoint.tokens import N_FRONTIER, N_STATE, N_THING, Sizes, TokenReader, Tokens
 from ucon.envs.waypoint.view_tokens import N_VIEW
 from ucon.objects.catalogue import catalogue
 from ucon.perception.reading import Locate, ReadHabits, expecting
+from ucon.sim.paths import UNREACHABLE
 from ucon.task.actions import Action
 
 #: What only the map needs of a frame.
@@ -59,9 +61,13 @@ class UcONSearchEnv(gym.Env[Obs, int]):
     left, which costs a step, and sets ``info["invalid"]``.
 
     ### Observation space
-    ``views``, ``prior``, ``things``, ``thing_rows``, ``things_mask``, ``frontiers``, ``frontiers_mask``, ``state``: see
-    :class:`ucon.envs.waypoint.tokens.Tokens`; ``target``, ``habits``, ``habits_relevance``, ``habits_mask``: see
-    :meth:`ucon.envs.waypoint.text_tokens.TextTokens.read`; ``action_mask`` int8 (V,), 1 where a view stands.
+    ``views``, ``prior``, ``unexplored``, ``things``, ``thing_rows``, ``things_mask``, ``frontiers``,
+    ``frontiers_mask``, ``state``: see :class:`ucon.envs.waypoint.tokens.Tokens`; ``target``, ``habits``,
+    ``habits_relevance``, ``habits_mask``: see :meth:`ucon.envs.waypoint.text_tokens.TextTokens.read`; ``action_mask``
+    int8 (V,), 1 where a view stands.
+
+    With ``to_go=True``, for trainers: ``to_go`` float32 (V + 1,), moves from each view, and last from here, to where
+    the episode would succeed; -1 where there is no view or no way.
 
     ### Rewards
     0, and at the end what ``returns`` says of the episode.
@@ -80,6 +86,7 @@ class UcONSearchEnv(gym.Env[Obs, int]):
         sizes: Sizes | None = None,
         text: TextTokens | None = None,
         returns: Returns | None = None,
+        to_go: bool = False,
         observe: str = "symbolic",
         detector: Any = True,
         **options: Any,
@@ -92,6 +99,7 @@ class UcONSearchEnv(gym.Env[Obs, int]):
             sizes: rows of the tokens.
             text: embeds names and habits.
             returns: what an episode is worth.
+            to_go: add ``to_go`` to observations: what only a trainer may know.
             observe: see ``UcON-v0``.
             detector: what is mapped; see ``UcON-v0``.
             **options: of ``UcON-v0``.
@@ -106,8 +114,10 @@ class UcONSearchEnv(gym.Env[Obs, int]):
         self._locate, self._sizes = locate or ReadHabits(), sizes or Sizes()
         self._text, self._returns = text or TextTokens(), returns or Returns()
         self._searcher: Searcher | None = None
+        self._to_go: ToGo | None = None
+        self._tells_way = to_go
         self.action_space = spaces.Discrete(self._sizes.views)  # type: ignore[assignment]  # it draws NumPy integers
-        self.observation_space = observation_space(self._sizes, self._text)
+        self.observation_space = observation_space(self._sizes, self._text, to_go=to_go)
 
     @property
     def source(self) -> HabitSource:
@@ -122,6 +132,7 @@ class UcONSearchEnv(gym.Env[Obs, int]):
         self._searcher = Searcher(info, expecting(info, self._locate, locations=locations))
         self._reader = TokenReader(self._searcher, info, self._sizes)
         self._said = self._text.read(info, locations)
+        self._to_go = ToGo(self.env) if self._tells_way else None
         self._last, self._over = (obs, info), (False, False)
         self._tokens: Tokens | None = None
         self._until_due(None)
@@ -162,8 +173,19 @@ class UcONSearchEnv(gym.Env[Obs, int]):
         if self._tokens is None:  # the end: nothing is due
             blank = {name: np.zeros(space.shape, space.dtype) for name, space in self.observation_space.items()}  # type: ignore[attr-defined]
             blank["action_mask"][0] = 1
+            if self._to_go is not None:
+                blank["to_go"][:] = UNREACHABLE
             return blank | self._text_arrays()
-        return {**self._tokens.arrays, **self._text_arrays()}
+        return {**self._tokens.arrays, **self._text_arrays(), **self._way()}
+
+    def _way(self) -> Obs:
+        """How far it is from the views, and from here."""
+        if self._to_go is None or self._searcher is None or self._tokens is None:
+            return {}
+        views = [choice.view for choice in self._tokens.choices]
+        out = np.full(self._sizes.views + 1, UNREACHABLE, np.float32)
+        out[: len(views)], out[-1:] = self._to_go(views), self._to_go([self._searcher.map.view])
+        return {"to_go": out}
 
     def _text_arrays(self) -> Obs:
         """Copies: whoever keeps an observation owns it."""
@@ -178,8 +200,8 @@ class UcONSearchEnv(gym.Env[Obs, int]):
         self.env.close()
 
 
-def observation_space(sizes: Sizes, text: TextTokens) -> spaces.Dict:
-    """The space of what a policy over tokens is given."""
+def observation_space(sizes: Sizes, text: TextTokens, *, to_go: bool = False) -> spaces.Dict:
+    """The space of what a policy over tokens is given; ``to_go``: and its trainer."""
 
     def box(*shape: int) -> spaces.Box:
         return spaces.Box(-_MOST, _MOST, shape, np.float32)
@@ -189,6 +211,7 @@ def observation_space(sizes: Sizes, text: TextTokens) -> spaces.Dict:
         {
             "views": box(sizes.views, N_VIEW),
             "prior": box(sizes.views),
+            "unexplored": box(sizes.views),
             "action_mask": spaces.MultiBinary(sizes.views),
             "things": box(sizes.things, N_THING),
             "thing_rows": spaces.Box(-1, len(catalogue().names) - 1, (sizes.things,), np.int32),
@@ -200,6 +223,7 @@ def observation_space(sizes: Sizes, text: TextTokens) -> spaces.Dict:
             "habits": box(habits, d),
             "habits_relevance": box(habits),
             "habits_mask": spaces.MultiBinary(habits),
+            **({"to_go": box(sizes.views + 1)} if to_go else {}),
         }
     )
 

@@ -49,8 +49,8 @@ class Tokens:
     arrays: Mapping[str, NDArray[Any]]
     """``views`` (V, N_VIEW), ``things`` (T, N_THING), ``frontiers`` (F, N_FRONTIER), ``state`` (N_STATE,) float32;
     ``thing_rows`` (T,) int32 rows of the catalogue, -1 for none; ``prior`` (V,) float32, the logarithm of each view's
-    gain over cost; ``action_mask`` (of the views), ``things_mask``, ``frontiers_mask`` int8.
-    Rows past what there is are zero."""
+    gain over cost; ``unexplored`` (V,) float32, the part of that gain in space not explored; ``action_mask`` (of the
+    views), ``things_mask``, ``frontiers_mask`` int8. Rows past what there is are zero."""
     choices: tuple[Choice, ...]
     """The choice behind each row of ``views`` whose mask is 1."""
 
@@ -73,13 +73,14 @@ class TokenReader:
         weight = places.weights(decision.expected.mass)
         row = 4 * places.track + places.relation
         mass = np.asarray(np.bincount(row, weight, 4 * known.n_tracks), np.float64).reshape(-1, 4)
-        rows, prior, choices = self._views(decision, weight)
+        rows, prior, space, choices = self._views(decision, weight)
         things, numbers = self._things(mass)
         edges = self._frontiers(decision)
         sizes = self.sizes
         arrays: dict[str, NDArray[Any]] = {
             "views": _padded(rows, sizes.views, N_VIEW),
             "prior": _padded(prior[:, None], sizes.views, 1)[:, 0],
+            "unexplored": _padded(space[:, None], sizes.views, 1)[:, 0],
             "action_mask": _mask(len(choices), sizes.views),
             "things": _padded(things, sizes.things, N_THING),
             "thing_rows": np.append(numbers, np.full(sizes.things - len(numbers), -1)).astype(np.int32),
@@ -90,18 +91,21 @@ class TokenReader:
         }
         return Tokens(arrays, choices)
 
-    def _views(self, decision: SearchDecision, weight: NDArray[np.float64]) -> tuple[F32, F32, tuple[Choice, ...]]:
-        """Rows, logarithm of gain over cost, and choices of the views worth considering."""
+    def _views(self, decision: SearchDecision, weight: NDArray[np.float64]) -> tuple[F32, F32, F32, tuple[Choice, ...]]:
+        """Rows, logarithm of gain over cost, share of space, and choices of the views worth considering."""
         valued, known = decision.valued, self._searcher.map
         if valued is None:
             only = () if decision.best is None else (decision.best,)
-            return np.zeros((len(only), N_VIEW), np.float32), np.zeros(len(only), np.float32), only
+            blank = np.zeros(len(only), np.float32)
+            return np.zeros((len(only), N_VIEW), np.float32), blank, blank, only
         at = self._picked(valued)
         choices = tuple(valued.at(*view) for view in zip(*(k.tolist() for k in at), strict=True))
         score = np.array([choice.score for choice in choices])
         prior = np.log(np.maximum(score, 1e-12)).astype(np.float32)
+        gain = np.maximum([choice.gain for choice in choices], 1e-12)
+        space = np.minimum(valued.space[at] / gain, 1.0).astype(np.float32)
         around = Surroundings(known, self._searcher.places.xyz, weight)
-        return view_rows(valued, at, choices, known, around), prior, choices
+        return view_rows(valued, at, choices, known, around), prior, space, choices
 
     def _picked(self, valued: Valued) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
         """Node, heading and pitch numbers; the view that is looked from already is left out."""

@@ -19,12 +19,20 @@ _PLAIN: Final = 15
 #: Columns of metres ahead and to the left, in units of 5 m, and of whether it is the view on its way.
 AHEAD: Final = slice(10, 12)
 IS_KEPT: Final = 9
+#: Column of the moves to a view, as the root of their number in units of forty.
+_MOVES: Final = 6
+_MOVES_UNIT: Final = 40.0
 N_VIEW: Final = _PLAIN + 4 + len(PITCHES_DEG) + 2 * len(RADII_M)
 
 
 def lg(x: Any) -> Any:
     """Masses and scores span decades: their logarithm, 0 for a ten-thousandth or less, 1 for about 1."""
     return np.log10(np.maximum(x, 0.0) + 1e-4) / 4.0 + 1.0
+
+
+def moves_to(views: Any) -> Any:
+    """Moves to each view, (...), from rows (..., N_VIEW), an array or a tensor."""
+    return _MOVES_UNIT * views[..., _MOVES] ** 2
 
 
 def ego(xy: NDArray[np.float64], view: View) -> NDArray[np.float64]:
@@ -77,7 +85,7 @@ def view_rows(
     rows[:, 0] = np.log10(score / score.max(initial=1e-12))
     rows[:, 1], rows[:, 2], rows[:, 3] = lg(looks - space), lg(space), lg(opens)
     rows[:, 4], rows[:, 5] = lg(valued.looks[n, :, p].sum(1)), lg(score)
-    rows[:, 6], rows[:, 7] = np.sqrt(moves / 40.0), (steps - moves) / 4.0
+    rows[:, _MOVES], rows[:, 7] = np.sqrt(moves / _MOVES_UNIT), (steps - moves) / 4.0
     rows[:, 8] = [choice.opens for choice in choices]
     rows[:, IS_KEPT] = [kept is not None and choice.view == kept.view for choice in choices]
     rows[:, AHEAD], rows[:, 12] = ego(xy, here) / 5.0, np.hypot(xy[:, 0], xy[:, 1]) / 5.0
