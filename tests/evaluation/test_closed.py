@@ -46,6 +46,8 @@ def test_no_way_is_no_number_and_no_common_episode_an_error() -> None:
     start = played([True, False], contained=False)
     found = distance_closed(start, start, start)
     assert all(np.isnan(share.mean) for share in found.values())
+    worse = distance_closed(start, played([True, True], contained=False), start)
+    assert all(np.isnan(share.mean) for share in worse.values())  # no way leads down
     with pytest.raises(ConfigError, match="common episode"):
         distance_closed(start, [replace(r, episode=f"other {r.episode}") for r in start], start)
 
@@ -77,6 +79,12 @@ def test_what_carries_over() -> None:
         assert found[kind].lost.mean == pytest.approx(20 / 80)
         assert 0.05 < found[kind].lost.low < 0.25 < found[kind].lost.high < 0.45
     assert carried_over(cells({"val": [True]}), cells({"val": [True]})) == {}
+
+
+def test_a_goal_that_never_succeeds_gives_no_share() -> None:
+    lost = cells({"seen_category/seen_scene": [False] * 4, "unseen_category/unseen_scene": [False] * 4})
+    found = carried_over(lost, lost)
+    assert all(np.isnan(share.mean) for one in found.values() for share in (one.seen, one.unseen, one.lost))
 
 
 def test_tables_and_json_show_it(tmp_path: Any, capsys: pytest.CaptureFixture[str]) -> None:

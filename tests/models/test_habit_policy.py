@@ -21,6 +21,7 @@ from ucon.envs.waypoint.search_env import UcONSearchEnv
 from ucon.envs.waypoint.text_tokens import TextTokens, name_table
 from ucon.language.encoder import one_thread
 from ucon.learning.saved import network_files
+from ucon.learning.view_policy import ViewPolicy
 
 
 @cache
@@ -89,6 +90,18 @@ def test_everything_that_is_there_matters(name: str) -> None:
     changed = policy(tokens | {name: tokens[name] + 0.5})
     seen = tokens["action_mask"] > 0
     assert (changed.logits - policy(tokens).logits)[seen].abs().max() > 1e-4
+
+
+@torch.no_grad()
+def test_what_only_a_trainer_knows_is_not_read() -> None:
+    env = UcONSearchEnv("mini", habit_level="retrieval", to_go=True)
+    obs, _ = env.reset(options={"episode": 0})
+    policy = ViewPolicy(random_policy())
+    frames = {name: torch.as_tensor(array)[None, None] for name, array in policy.frame(obs, {}).items()}
+    told, lied = (policy({**frames, "to_go": frames["to_go"] + by}, {}, {}) for by in (0, 50))
+    assert told.logits.equal(lied.logits)
+    assert told.value.equal(lied.value)
+    assert told.foresight.equal(lied.foresight)
 
 
 def test_gradients_reach_all_that_is_learned() -> None:

@@ -81,12 +81,23 @@ def _json(pairs: list[Comparison], runs: dict[Path, Run], way: tuple[Run, Run] |
     start, goal = way
     shares = {
         str(folder): {
-            "closed": {k: asdict(v) for k, v in distance_closed(run.records, start.records, goal.records).items()},
-            "carried_over": {k: asdict(v) for k, v in carried_over(run.records, goal.records).items()},
+            "closed": {k: _told(v) for k, v in distance_closed(run.records, start.records, goal.records).items()},
+            "carried_over": {k: _told(v) for k, v in carried_over(run.records, goal.records).items()},
         }
         for folder, run in runs.items()
     }
     return {"differences": differences, "from": start.label, "to": goal.label, "runs": shares}
+
+
+def _told(shares: Any) -> Any:
+    """A dataclass of numbers as JSON has them: null for NaN, which is no JSON."""
+
+    def known(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {name: known(inner) for name, inner in value.items()}
+        return None if value != value else value
+
+    return known(asdict(shares))
 
 
 def print_sweep(folder: Path) -> None:

@@ -42,7 +42,7 @@ class Shares:
 def distance_closed(run: Records, start: Records, goal: Records) -> dict[str, Interval]:
     """Share of the way from ``start`` to ``goal`` by each of :data:`DISTANCES`; episodes are drawn jointly.
 
-    Where goal and start are the same, or no episode counts, the share is NaN.
+    Where the goal is no better than the start, or no episode counts, the share is NaN.
 
     Raises:
         ConfigError: no episode that all three have played.
@@ -69,13 +69,11 @@ def carried_over(run: Records, goal: Records) -> dict[str, Shares]:
         parts = [[(a, b) for split, a, b in pairs if cell in split.split("/")] for cell in (seen, unseen)]
         if not all(parts):
             continue
-        draws = [_draws(*np.array(part).T, "carried", cell) for part, cell in zip(parts, (seen, unseen), strict=True)]
-        shares = [sum(a for a, _ in part) / max(sum(b for _, b in part), 1e-9) for part in parts]
-        out[name] = Shares(
-            _interval(shares[0], draws[0], len(parts[0])),
-            _interval(shares[1], draws[1], len(parts[1])),
-            _interval(shares[0] - shares[1], draws[0] - draws[1], len(pairs)),
-        )
+        above, below = zip(*(np.array(part).T for part in parts), strict=True)
+        found = [_ratio(a, b, "carried", cell) for a, b, cell in zip(above, below, (seen, unseen), strict=True)]
+        draws = [_draws(a, b, "carried", cell) for a, b, cell in zip(above, below, (seen, unseen), strict=True)]
+        lost = _interval(found[0].mean - found[1].mean, draws[0] - draws[1], len(pairs))
+        out[name] = Shares(found[0], found[1], lost)
     return out
 
 
@@ -90,7 +88,7 @@ def _common(*runs: Records) -> list[list[EpisodeRecord]]:
 
 def _ratio(above: NDArray[np.float64], below: NDArray[np.float64], *what: str) -> Interval:
     """Sum over sum, with the interval of episodes drawn anew."""
-    if not len(above) or not below.sum():
+    if not len(above) or below.sum() <= 0:
         return Interval(np.nan, np.nan, np.nan, len(above))
     return _interval(float(above.sum() / below.sum()), _draws(above, below, *what), len(above))
 
@@ -104,5 +102,8 @@ def _draws(above: NDArray[np.float64], below: NDArray[np.float64], *what: str) -
 
 
 def _interval(share: float, draws: NDArray[np.float64], n: int) -> Interval:
-    low, high = np.quantile(draws[np.isfinite(draws)], (0.025, 0.975))
+    draws = draws[np.isfinite(draws)]
+    if np.isnan(share) or not len(draws):
+        return Interval(np.nan, np.nan, np.nan, n)
+    low, high = np.quantile(draws, (0.025, 0.975))
     return Interval(share, float(low), float(high), n)

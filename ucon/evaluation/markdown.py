@@ -81,8 +81,8 @@ def markdown_page(runs: Sequence[Run], comparisons: Sequence[Comparison], way: t
     """All tables of ``runs``, separated by empty lines; ``way``: runs between which distance closed is measured."""
     named_apart(runs)
     tables = [_runs(runs, way), _differences(comparisons), _causes(runs)]
-    if way is not None:
-        tables.append(_carried(runs, way[1]))
+    if way is not None and (carried := _carried(runs, way[1])):
+        tables.append(carried)
     sizes = _sizes(runs)
     if len(sizes) > 1:
         tables.append(_groups(runs, sizes, lambda r: _size(_area_m2(r.scene))))
@@ -103,14 +103,14 @@ def _runs(runs: Sequence[Run], way: tuple[Run, Run] | None) -> str:
 
 def _closed(run: Run, start: Run, goal: Run) -> tuple[str, ...]:
     """Distance closed, in percent."""
-    if run in (start, goal):
+    if run is start or run is goal:
         return (f"{100 * (run is goal)}",) * len(DISTANCES)
     found = distance_closed(run.records, start.records, goal.records).values()
     return tuple(_percent(share) for share in found)
 
 
 def _carried(runs: Sequence[Run], goal: Run) -> str:
-    """SR over the goal's in seen and unseen cells."""
+    """SR over the goal's in seen and unseen cells; "" where no run has such."""
     kinds = [name for name, _, _ in CELLS]
     head = [f"% of the SR of {goal.label}"]
     head += [f"{part} {kind}" for kind in kinds for part in ("seen", "unseen", "lost:")]
@@ -120,7 +120,7 @@ def _carried(runs: Sequence[Run], goal: Run) -> str:
         cells = [(one.seen, one.unseen, one.lost) for one in map(found.get, kinds) if one is not None]
         if run is not goal and len(cells) == len(kinds):
             rows.append((run.label, *(_percent(share) for cell in cells for share in cell)))
-    return _table(head, rows)
+    return _table(head, rows) if rows else ""
 
 
 def _percent(share: Interval) -> str:

@@ -184,7 +184,8 @@ class UcONSearchEnv(gym.Env[Obs, int]):
             return {}
         views = [choice.view for choice in self._tokens.choices]
         out = np.full(self._sizes.views + 1, UNREACHABLE, np.float32)
-        out[: len(views)], out[-1:] = self._to_go(views), self._to_go([self._searcher.map.view])
+        far = self._to_go([*views, self._searcher.map.view])
+        out[: len(views)], out[-1] = far[:-1], far[-1]
         return {"to_go": out}
 
     def _text_arrays(self) -> Obs:
