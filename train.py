@@ -26,6 +26,7 @@ from omegaconf import DictConfig, OmegaConf
 from ucon.commands.entry import one_line_errors, run_entry
 from ucon.commands.training import chosen_run, run_identity, use_threads
 from ucon.commands.wiring import Factory
+from ucon.core.memory import keep_freed_memory
 from ucon.learning.progress import tensorboard_log, training_progress, wandb_log
 from ucon.learning.run import Interrupted, OnFigures, Plan, TrainingRun
 
@@ -44,6 +45,7 @@ def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None =
     chosen = chosen_run(cfg, overrides, swept)
     config: dict[str, Any] = chosen.config
     use_threads(config["threads"])
+    keep_freed_memory()
     plan = Plan.of(config["training"])  # before the learner, which takes seconds to build
     learner = Factory(config["learner"])()
     run = TrainingRun(chosen.folder, learner, plan, run_identity(config))

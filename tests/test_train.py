@@ -110,7 +110,9 @@ def test_a_policy_is_trained_and_then_played(tmp_path, learner):
     assert result.returncode == 0, result.stderr[-2000:]
     lines = [json.loads(line) for line in (run / "metrics.jsonl").read_text().splitlines()]
     assert lines[-1]["val/loss"] > 0
-    assert "different labelled frames" in (run / "MODEL_CARD.md").read_text()
+    card = (run / "MODEL_CARD.md").read_text()
+    assert "different labelled frames" in card
+    assert "## Licence\n\nCC BY 4.0" in card
     command = [sys.executable, "eval.py", "agent=vtn", f"agent.checkpoint={run}", "limit=1", f"out={tmp_path}/eval"]
     played = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=600)
     assert played.returncode == 0, played.stderr[-2000:]

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from models.agents.base import Info, Observation, slots_of
+from models.agents.weights import Weights
 from ucon.core.device import torch_device
-from ucon.core.errors import ConfigError, DataError
-from ucon.core.files import sha256_bytes, sha256_file
+from ucon.core.errors import DataError
+from ucon.core.files import sha256_bytes
 from ucon.core.rng import stream
 from ucon.envs.waypoint.searcher import Searcher
 from ucon.envs.waypoint.text_tokens import TextTokens, name_table
 from ucon.envs.waypoint.tokens import Sizes, TokenReader, Tokens
-from ucon.learning.saved import WEIGHTS, load_network, model_folder
 from ucon.perception.draw import Image
 from ucon.perception.reading import Locate, ReadHabits, expecting
 from ucon.task.actions import Action
@@ -25,8 +25,6 @@ from ucon.task.actions import Action
 if TYPE_CHECKING:
     from models.habit_policy import HabitPolicy
 
-#: In place of a checkpoint: play the weights that training would begin with.
-UNTRAINED: Final = "untrained"
 #: Logits are compared in steps of this: their last bits depend on what is computed beside them.
 _STEP: Final = 1e-4
 
@@ -63,8 +61,8 @@ class HabitPolicyAgent:
 
         Args:
             policy: the network.
-            checkpoint: folder of its weights, or a run of ``train.py``; ``untrained`` plays the policy as it is; None:
-                they are still to be trained.
+            checkpoint: folder of its weights, or a run of ``train.py``; ``shipped``; ``untrained`` plays the policy as
+                it is; None: they are still to be trained.
             locate: says where the target may be; by default it is read from the habits.
             sizes: rows of the tokens, as in training.
             text: embeds names and habits, as in training.
@@ -73,7 +71,7 @@ class HabitPolicyAgent:
             device: ``cpu``, ``cuda``, ``cuda:1``; ``auto`` is a GPU if there is one.
         """
         self.policy = policy
-        self.checkpoint = None if checkpoint is None else str(checkpoint)
+        self._weights = Weights(policy, checkpoint)
         self._locate, self._sizes, self._text = locate or ReadHabits(), sizes or Sizes(), text or TextTokens()
         self._sample, self._seed, self._device = sample, seed, device
         self._ready = False
@@ -82,7 +80,7 @@ class HabitPolicyAgent:
     @property
     def name(self) -> str:
         """The architecture, and whether nobody trained it."""
-        return self.policy.architecture + (f" ({UNTRAINED})" if self.checkpoint == UNTRAINED else "")
+        return self._weights.name
 
     def check(self) -> None:
         """Fail in one line where weights or the device are missing, or weights do not fit.
@@ -92,16 +90,14 @@ class HabitPolicyAgent:
             DataError: no weights there, damaged ones, or those of another network.
         """
         torch_device(self._device, "agent.device")
-        self._load()
+        self._weights.load()
 
     def fingerprint(self) -> str | None:
         """Which weights these are, see :mod:`ucon.evaluation.weights`."""
-        if self.checkpoint == UNTRAINED:
-            return ""
-        folder = None if self.checkpoint is None else model_folder(self.checkpoint)
-        if folder is None or not (folder / WEIGHTS).is_file():
+        reader, own = str(getattr(self._locate, "fingerprint", str)()), self._weights.sha256()
+        if own is None:
             return None
-        return sha256_bytes(sha256_file(folder / WEIGHTS).encode())
+        return sha256_bytes(f"{own} {reader}".encode()) if own else reader
 
     def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
         """See :class:`models.agents.base.Agent`."""
@@ -172,15 +168,7 @@ class HabitPolicyAgent:
 
     def _prepare(self) -> None:
         if not self._ready:
-            self._load()
+            self._weights.load()
             self._device = torch_device(self._device, "agent.device")
             self.policy.to(self._device).eval()
             self._ready = True
-
-    def _load(self) -> None:
-        if self.checkpoint == UNTRAINED:
-            return
-        how = "train it with `python train.py agent=habit_policy` and give agent.checkpoint=RUN"
-        if self.checkpoint is None:
-            raise ConfigError(f"agent {self.name}: no trained weights; {how}, or agent.checkpoint={UNTRAINED}")
-        load_network(self.checkpoint, self.policy, how=how)

@@ -10,18 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.agents.base import Info, Observation, slots_of
+from models.agents.weights import Weights
 from ucon.core.device import torch_device
-from ucon.core.errors import ConfigError, DataError
-from ucon.core.files import sha256_bytes, sha256_file
+from ucon.core.errors import DataError
+from ucon.core.files import sha256_bytes
 from ucon.core.rng import stream
-from ucon.learning.saved import WEIGHTS, load_network, model_folder
 
 if TYPE_CHECKING:
     from models.nets.policy import PolicyModule
     from ucon.learning.policy import Arrays, Tensors
 
-#: In place of a checkpoint: play the weights that training would begin with.
-UNTRAINED: Final = "untrained"
 #: Logits are compared in steps of this: their last bits depend on what is computed beside them.
 _STEP: Final = 1e-4
 
@@ -58,15 +56,15 @@ class PolicyAgent:
 
         Args:
             policy: the network.
-            checkpoint: folder of its weights, or a run of ``train.py``; ``untrained`` plays the policy as it is; None:
-                they are still to be trained.
+            checkpoint: folder of its weights, or a run of ``train.py``; ``shipped``; ``untrained`` plays the policy as
+                it is; None: they are still to be trained.
             sample: draw actions by the policy's probabilities instead of taking the best; each draw is a function of
                 seed, episode and step.
             seed: of the draws.
             device: ``cpu``, ``cuda``, ``cuda:1``; ``auto`` is a GPU if there is one.
         """
         self.policy = policy
-        self.checkpoint = None if checkpoint is None else str(checkpoint)
+        self._weights = Weights(policy, checkpoint)
         self._sample, self._seed, self._device = sample, seed, device
         self._ready = False
         self._episodes: dict[int, _Episode] = {}
@@ -74,8 +72,7 @@ class PolicyAgent:
     @property
     def name(self) -> str:
         """The architecture, and whether nobody trained it."""
-        untrained = f" ({UNTRAINED})" if self.checkpoint == UNTRAINED else ""
-        return self.policy.architecture + untrained
+        return self._weights.name
 
     @property
     def uses_habits(self) -> bool:
@@ -91,18 +88,14 @@ class PolicyAgent:
         """
         torch_device(self._device, "agent.device")
         self.policy.check()
-        self._load()
+        self._weights.load()
 
     def fingerprint(self) -> str | None:
         """Which weights these are, see :mod:`ucon.evaluation.weights`."""
-        frozen, folder = self.policy.fingerprint(), None
-        if self.checkpoint == UNTRAINED:
-            return frozen
-        if self.checkpoint is not None:
-            folder = model_folder(self.checkpoint)
-        if frozen is None or folder is None or not (folder / WEIGHTS).is_file():
+        frozen, own = self.policy.fingerprint(), self._weights.sha256()
+        if frozen is None or own is None:
             return None
-        return sha256_bytes(f"{sha256_file(folder / WEIGHTS)} {frozen}".encode())
+        return sha256_bytes(f"{own} {frozen}".encode()) if own else frozen
 
     def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
         """See :class:`models.agents.base.Agent`."""
@@ -150,18 +143,9 @@ class PolicyAgent:
     def _prepare(self) -> None:
         if self._ready:
             return
-        self._load()
+        self._weights.load()
         self.policy.to(torch_device(self._device, "agent.device")).eval()
         self._ready = True
-
-    def _load(self) -> None:
-        if self.checkpoint == UNTRAINED:
-            return
-        name = self.policy.architecture
-        how = f"train it with `python train.py agent={name} learner=imitation` and give agent.checkpoint=RUN"
-        if self.checkpoint is None:
-            raise ConfigError(f"agent {name}: no trained weights; {how}, or agent.checkpoint={UNTRAINED}")
-        load_network(self.checkpoint, self.policy, how=how)
 
 
 def _stacked(parts: Sequence[Tensors]) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from safetensors.torch import load
 
 from models.nets.belief_head import NEVER, BeliefHead, Outputs
 from ucon.core.errors import DataError
-from ucon.core.files import read_verified
+from ucon.core.files import MANIFEST, read_verified, sha256_file
 from ucon.habits.types import RELATIONS
 from ucon.language.encoder import one_thread
 from ucon.learning.belief import CONFIG, PRIOR, WEIGHTS
@@ -99,10 +99,11 @@ class HeadReading:
 class HeadReader:
     """Reads habits by a trained head."""
 
-    def __init__(self, head: BeliefHead, parts: FittedParts | None = None) -> None:
-        """``parts``: what reads the sentences for it; the shipped ones by default."""
+    def __init__(self, head: BeliefHead, parts: FittedParts | None = None, weights: str = "") -> None:
+        """``parts``: what reads the sentences for it, the shipped ones by default; ``weights``: hash of its files."""
         self.head = head.eval()
         self.parts = parts or default_parts()
+        self._weights = weights
         self.known = self.parts.known
         self.number = self.parts.number
         self.pairs = self.parts.pairs
@@ -123,7 +124,11 @@ class HeadReader:
             parts = parts_with(AnchorPrior.from_bytes(read_verified(path / PRIOR), names, str(path / PRIOR)))
         if described.get("parts") != parts.sha256:
             raise DataError(f"{path}: trained on other fitted parts than are shipped; train it again (learner=belief)")
-        return cls(head, parts)
+        return cls(head, parts, sha256_file(path / MANIFEST))
+
+    def fingerprint(self) -> str:
+        """Which head this is, see :mod:`ucon.evaluation.weights`."""
+        return self._weights
 
     def read(self, target: str, texts: Sequence[str], *, trusted: bool = False) -> HeadReading:
         """Read habits once for an episode; see :meth:`ucon.retrieval.reader.AnchorReader.read`."""

@@ -42,10 +42,10 @@ def built(name: str, level: str = "retrieval") -> tuple[Agent, UcONEnv]:
 
 
 _CONFIGURED = sorted(path.stem for path in (CONFIGS / "agent").glob("*.yaml"))
-#: Networks without shipped weights. They play for a few steps only: many take a tenth of a second each.
+#: Networks over the seven actions. They play for a few steps only: many take a tenth of a second each.
+POLICIES = [name for name in _CONFIGURED if config_of(name)["agent"]["_target_"].endswith(".PolicyAgent")]
+#: Networks without shipped weights.
 _UNTRAINED = [name for name in _CONFIGURED if config_of(name)["agent"].get("checkpoint", "") is None]
-#: Those of them that are over the seven actions.
-POLICIES = [name for name in _UNTRAINED if config_of(name)["agent"]["_target_"].endswith(".PolicyAgent")]
 AGENTS = [name for name in _CONFIGURED if name not in _UNTRAINED]
 #: What may be played by an agent that knows no secrets.
 HONEST = [name for name in AGENTS if not config_of(name)["env"]["privileged"]]

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
+import shutil
 import time
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,8 +15,10 @@ import torch
 from torch import Tensor
 
 from models.agents.belief import BeliefAgent
-from models.agents.habit_policy import UNTRAINED, HabitPolicyAgent
+from models.agents.habit_policy import HabitPolicyAgent
+from models.agents.weights import UNTRAINED
 from models.habit_policy import HabitPolicy
+from models.nets.head_reader import SHIPPED, HeadReader
 from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import write_atomic, write_manifest
 from ucon.envs.ucon_env import UcONEnv
@@ -22,6 +27,7 @@ from ucon.envs.waypoint.text_tokens import TextTokens, name_table
 from ucon.language.encoder import one_thread
 from ucon.learning.saved import network_files
 from ucon.learning.view_policy import ViewPolicy
+from ucon.perception.reading import ReadHabits
 
 
 @cache
@@ -190,6 +196,22 @@ def test_weights_are_saved_and_loaded(tmp_path: Any) -> None:
     assert play(agent, 1) == play(HabitPolicyAgent(policy, UNTRAINED), 1)
     with pytest.raises(DataError, match="weights made with width=64, the agent has width=32"):
         HabitPolicyAgent(HabitPolicy(width=32), str(tmp_path)).check()
+
+
+def test_another_reader_is_told_in_the_fingerprint(tmp_path: Path) -> None:
+    copy = tmp_path / "head"
+    shutil.copytree(SHIPPED, copy)
+    shipped, same, fitted = HeadReader.load(), HeadReader.load(copy), None
+    described = json.loads((copy / "config.json").read_text())
+    (copy / "config.json").write_text(json.dumps(described, indent=3))
+    write_manifest(copy, sorted(entry.name for entry in copy.iterdir() if entry.name != "MANIFEST.json"))
+    other = HeadReader.load(copy)
+
+    def told(reader: HeadReader | None) -> str | None:
+        return HabitPolicyAgent(HabitPolicy(), UNTRAINED, locate=ReadHabits(reader)).fingerprint()
+
+    assert told(shipped) == told(same) != told(other)
+    assert told(fitted) == ""
 
 
 def test_without_weights_it_says_how_to_get_them() -> None:

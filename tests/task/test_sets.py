@@ -20,7 +20,7 @@ from ucon.habits import book
 from ucon.habits.splits import PARTS_USED, entry_parts
 from ucon.task import sets
 from ucon.task.make import make_episodes, verify_episode
-from ucon.task.plan import HELD_OUT, N_OFFICIAL, OFFICIAL, set_cells, set_orders
+from ucon.task.plan import HELD_OUT, N_OFFICIAL, OFFICIAL, OFFICIAL_HELD_OUT, set_cells, set_orders
 from ucon.task.rules import PAPER, RELEASED_CODE, RULES
 from ucon.task.sets import episode_sets, load_episodes, set_name
 
@@ -132,3 +132,6 @@ def test_official_targets_of_held_out_episodes_are_never_learned_from():
         assert {(order.scene, name) in kept for name in order.targets} == {order.split == HELD_OUT}, order
     assert {o.scene for o in orders} == set(dataset.scenes)
     assert sum(o.split == HELD_OUT for o in orders) >= N_OFFICIAL // 4
+    orders = list(set_orders(OFFICIAL_HELD_OUT, dataset))
+    assert len({order.id for order in orders}) == 1000
+    assert all((o.scene, name) in kept and len(o.targets) >= 3 for o in orders for name in o.targets)

@@ -22,7 +22,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     maker = actions.add_parser("make", help="sample, check and write a set")
-    maker.add_argument("name", metavar="SET", help="mini, train, val, test, test_large, official (with --habits PATH)")
+    maker.add_argument(
+        "name",
+        metavar="SET",
+        help="mini, train, val, test, test_large, official, official_held_out (with --habits PATH)",
+    )
     maker.add_argument("--task", default="paper", help="rules that the episodes are made under: paper, released_code")
     maker.add_argument(
         "--context", action="store_true", help="episodes state day, season and occasion, and follow them"
@@ -48,11 +52,11 @@ def _make(args: argparse.Namespace) -> int:
     from ucon.core.errors import ConfigError
     from ucon.core.files import require_writable
     from ucon.task.make import make_episodes
-    from ucon.task.plan import OFFICIAL, set_orders
+    from ucon.task.plan import OFFICIAL_SETS, set_orders
     from ucon.task.sets import save_episodes, set_name, set_path
 
-    # The set `official` is made of no other habits, so its own place is right; a part of it belongs elsewhere as well.
-    other = [("--habits", args.habits and args.name != OFFICIAL), ("--limit", args.limit is not None)]
+    # The sets `official` are made of no other habits, so their own place is right; a part belongs elsewhere.
+    other = [("--habits", args.habits and args.name not in OFFICIAL_SETS), ("--limit", args.limit is not None)]
     if args.out is None and (given := [option for option, value in other if value]):
         raise ConfigError(f"{given[0]} without --out: set '{args.name}' itself would be replaced; give --out FILE")
     dataset = load_dataset(args.habits)

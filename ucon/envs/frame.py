@@ -27,6 +27,11 @@ class StartFrame:
         yaw = _YAW_RAD[(pose.heading - self.start.heading) % 4]
         return np.array([c * dx + s * dy, c * dy - s * dx, yaw, np.radians(pose.pitch_deg)], np.float32)
 
+    def nodes(self, ahead: NDArray[np.int64], left: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """World nodes i and j of nodes ahead and to the left of the start."""
+        c, s = int(HEADING_COS[self.start.heading]), int(HEADING_SIN[self.start.heading])
+        return self.start.i + c * ahead - s * left, self.start.j + s * ahead + c * left
+
     def grid(self, free: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], tuple[int, int]]:
         """The free grid turned into the agent's frame, and the cell of the start node in it."""
         i, j, (nx, ny) = self.start.i, self.start.j, free.shape

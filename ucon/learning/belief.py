@@ -266,6 +266,7 @@ class BeliefLearner:
             "One set of weights for all habit levels.\n\n"
             "It reads English sentences about where people keep things. Its probabilities are those of the habit "
             "book's households: elsewhere they are too sure.",
+            self.dataset.name,
         )
 
 

@@ -216,6 +216,7 @@ class ImitationLearner:
             f"{', '.join(self.levels)}. Validation episodes chose the state; `test` was not touched.\n\n"
             f"Use: `python eval.py agent={name} agent.checkpoint=RUN`.\n\n"
             "It learned from an expert that knows where the target is; in homes unlike these it was not measured.",
+            self.dataset.name,
         )
 
     def _pass(self, batch: Batch, *, backward: bool) -> Tensor:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 if TYPE_CHECKING:
     from torch import Tensor
 
 Figures = dict[str, float]
+#: Name of the habit dataset that is shipped.
+BOOK: Final = "book"
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,18 @@ class Card:
     title: str
     text: str
     """Markdown: what was learned, from what, how to use it, and what it must not be taken for."""
+    habits: str = BOOK
+    """Name of the dataset that was learned from; its licence is that of the weights."""
+
+    @property
+    def licence(self) -> str:
+        """Under what the weights may be used, in a sentence."""
+        if self.habits == BOOK:
+            return "CC BY 4.0, as the habit book that they were learned from; the code is MIT."
+        return (
+            f"That of the habits `{self.habits}` that they were learned from. The official release of UcON states "
+            "none: weights learned from it are not to be passed on."
+        )
 
 
 class Learner(Protocol):

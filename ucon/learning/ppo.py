@@ -236,6 +236,7 @@ class PPOLearner:
             "episodes chose the state; `test` was not touched.\n\n"
             f"Use: `python eval.py agent={name} agent.checkpoint=RUN`.\n\n"
             "It learned in simulated homes what a success is worth there; in homes unlike these it was not measured.",
+            self.dataset.name,
         )
 
 

@@ -293,4 +293,5 @@ class RetrieverLearner:
             "Use: `python eval.py retriever=tuned retriever.encoder.adapter=RUN`.\n\n"
             "It ranks sentences in English about where people keep things. It is no general sentence encoder any "
             "more: similarity of other texts was not measured.",
+            self.dataset.name,
         )

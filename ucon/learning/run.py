@@ -206,7 +206,7 @@ class TrainingRun:
         files = "".join(f"- `{MODEL}/{name}`, {size:,} bytes\n" for name, size in summary["files"].items())
         return (
             f"# {card.title}\n\n{card.text}\n\n## Validation, best checkpoint\n\n| figure | value |\n|---|---|\n{rows}"
-            f"\n## Files\n\n{files}\n## Made from\n\n{hashes}"
+            f"\n## Files\n\n{files}\n## Made from\n\n{hashes}\n## Licence\n\n{card.licence}\n"
         )
 
 

@@ -7,12 +7,15 @@ import os
 import signal
 import threading
 
+from ucon.core.memory import keep_freed_memory
+
 
 def begin_worker() -> None:
     """To be called first in a worker. It leaves Ctrl-C to the learner, and ends when the learner is killed."""
     import torch
 
     torch.set_num_threads(1)
+    keep_freed_memory()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 

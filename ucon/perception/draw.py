@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import cv2
 import numpy as np
@@ -12,9 +12,20 @@ from numpy.typing import NDArray
 from ucon.perception.semantic_map import CELL_M, HALF, SemanticMap, View
 
 Image = NDArray[np.uint8]
+Pixels = Callable[[float, float], tuple[int, int]]
 
 _UNKNOWN, _FLOOR, _LOW, _TALL = (58, 62, 70), (238, 236, 230), (206, 188, 160), (134, 116, 98)
 _PATH, _AGENT, _OPENED, _TARGET = (64, 110, 190), (24, 60, 140), (226, 160, 60), (214, 60, 48)
+
+
+def pixels_of(known: SemanticMap, cell_px: int) -> Pixels:
+    """Where metres of the map's frame lie in what :func:`draw_map` draws: column and row."""
+    i0, _, _, j1 = known.extent()
+
+    def px(x: float, y: float) -> tuple[int, int]:
+        return round((x / CELL_M + HALF - i0 + 0.5) * cell_px), round((j1 - y / CELL_M - HALF - 0.5) * cell_px)
+
+    return px
 
 
 def draw_map(
@@ -39,13 +50,7 @@ def draw_map(
     image[known.height[window] > 0.05] = _LOW
     image[known.height[window] > 1.2] = _TALL
     image = np.repeat(np.repeat(image.transpose(1, 0, 2)[::-1], cell_px, 0), cell_px, 1).copy()
-
-    def px(x: float, y: float) -> tuple[int, int]:
-        return (
-            round((x / CELL_M + HALF - i0 + 0.5) * cell_px),
-            round((j1 - j0 - (y / CELL_M + HALF - j0 + 0.5)) * cell_px),
-        )
-
+    px = pixels_of(known, cell_px)
     for track in range(known.n_tracks):
         if known.kind[track] or not known.seen(track):
             continue

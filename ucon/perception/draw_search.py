@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.habits.types import RELATIONS
-from ucon.perception.draw import Image, draw_map
+from ucon.perception.draw import Image, Pixels, draw_map, pixels_of
 from ucon.perception.places import INSIDE
-from ucon.perception.semantic_map import CELL_M, HALF, SemanticMap
+from ucon.perception.semantic_map import SemanticMap
 
 if TYPE_CHECKING:
     from ucon.envs.waypoint.searcher import Searcher
@@ -52,9 +52,7 @@ def _mass_left(searcher: Searcher) -> NDArray[np.float64]:
     expected, places, n = searcher.expected, searcher.places, searcher.map.n_tracks
     if expected is None or len(expected.mass) != n:
         return np.zeros((n, len(RELATIONS)))
-    rows = len(RELATIONS) * places.track + places.relation
-    left = np.bincount(rows, places.weights(expected.mass), len(RELATIONS) * n)
-    return np.asarray(left, np.float64).reshape(n, len(RELATIONS))
+    return places.left(expected.mass)
 
 
 def _map(searcher: Searcher, mass: NDArray[np.float64], width: int, height: int) -> Image:
@@ -62,10 +60,7 @@ def _map(searcher: Searcher, mass: NDArray[np.float64], width: int, height: int)
     i0, i1, j0, j1 = known.extent()
     cell_px = int(np.clip(min(width / (i1 - i0), height / (j1 - j0)), 1, _MOST_CELL_PX))
     image = draw_map(known, target=searcher.target, cell_px=cell_px)
-
-    def px(x: float, y: float) -> tuple[int, int]:
-        return round((x / CELL_M + HALF - i0 + 0.5) * cell_px), round((j1 - y / CELL_M - HALF - 0.5) * cell_px)
-
+    px = pixels_of(known, cell_px)
     total = mass.sum(1)
     for track in np.argsort(total, kind="stable").tolist():
         if total[track] > 0.0 and known.seen(track):
@@ -80,7 +75,7 @@ def _map(searcher: Searcher, mass: NDArray[np.float64], width: int, height: int)
     return image
 
 
-def _tint(image: Image, px, box: NDArray[np.float64], share: float) -> None:  # type: ignore[no-untyped-def]
+def _tint(image: Image, px: Pixels, box: NDArray[np.float64], share: float) -> None:
     """Colour the box of a thing."""
     (x0, y0), (x1, y1) = px(box[0], box[4]), px(box[3], box[1])
     part = image[max(y0, 0) : max(y1, y0 + 2), max(x0, 0) : max(x1, x0 + 2)]

@@ -246,6 +246,11 @@ class Places:
         """Weight of every point for the mass (T, 4) of tracks and relations; (n,)."""
         return mass[self.track, self.relation] * self.share * self.unseen
 
+    def left(self, mass: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(T, 4) what is left of the mass (T, 4) of tracks and relations: what was not looked at in vain."""
+        summed = np.bincount(4 * self.track + self.relation, self.weights(mass), mass.size)
+        return np.asarray(summed, np.float64).reshape(mass.shape)
+
     def unseen_share(self, n_tracks: int) -> NDArray[np.float64]:
         """(T,) share of the places of every track that no frame has shown yet; its relations count alike."""
         row, shape = 4 * self.track + self.relation, (n_tracks, 4)

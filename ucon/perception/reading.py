@@ -26,6 +26,10 @@ class ReadHabits:
         """``reader``: by default the fitted one that is shipped."""
         self._reader = reader
 
+    def fingerprint(self) -> str:
+        """Which trained reader reads, see :mod:`ucon.evaluation.weights`; "" for the fitted one."""
+        return str(getattr(self._reader, "fingerprint", str)())
+
     def __call__(self, info: Info) -> Locations:
         """Read ``info["habits"]`` about ``info["target"]``; at level ``gt`` all of them are about it."""
         if self._reader is None:

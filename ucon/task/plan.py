@@ -33,6 +33,9 @@ N_TRAIN, N_VARIANTS, N_GENERATED, TRAIN_SEED = 2000, 20, 400, 100_000
 OFFICIAL, N_OFFICIAL = "official", 2000
 #: Targets of every second round of official episodes: (scene, category) pairs from which nothing is ever learned.
 LEARNED, HELD_OUT = "official/learned", "official/held_out"
+#: Of such pairs alone.
+OFFICIAL_HELD_OUT, N_HELD_OUT = "official_held_out", 1000
+OFFICIAL_SETS = {OFFICIAL: N_OFFICIAL, OFFICIAL_HELD_OUT: N_HELD_OUT}
 #: Fewer held-out categories in a scene are not asked for: episodes would be all alike.
 MIN_HELD_OUT = 3
 KINDS = ("house", "flat", "house", "flat", "office", "house", "flat", "restaurant", "house", "shop")
@@ -88,7 +91,7 @@ def set_cells(name: str) -> tuple[Cell, ...]:
             Cell("val_category/seen_scene", "val", "val", seen, count),
             Cell("val_category/val_scene", "val", "val", generated(RESERVED_SEED - 10_000, 20), count),
         )
-    raise ConfigError(unknown_name("episode set to make", name, (*TEST_SETS, "val", "mini", TRAIN, OFFICIAL)))
+    raise ConfigError(unknown_name("episode set to make", name, (*TEST_SETS, "val", "mini", TRAIN, *OFFICIAL_SETS)))
 
 
 def generated(first_seed: int, count: int) -> tuple[str, ...]:
@@ -100,11 +103,11 @@ def set_orders(name: str, dataset: HabitDataset, task: str = PAPER.name, *, cont
     """What to sample for every episode of a named set under the rules ``task``, scenes taken in turn.
 
     Scenes and seeds are the same under all rules, so that the sets of two rule sets differ by the rules alone.
-    ``official`` needs a dataset whose entries are bound to scenes, as those of the official release are.
+    The sets ``official`` need a dataset whose entries are bound to scenes, as those of the official release are.
     """
     label = set_name(name, task, context=context)
-    if name == OFFICIAL:
-        yield from _official_orders(dataset, label)
+    if name in OFFICIAL_SETS:
+        yield from _official_orders(name, dataset, label)
         return
     for cell in set_cells(name):
         targets = split_categories(dataset.categories, cell.category_split)
@@ -114,10 +117,10 @@ def set_orders(name: str, dataset: HabitDataset, task: str = PAPER.name, *, cont
             yield Order(f"{label}/{cell.label}/{number:03d}", scene, seed, cell.label, targets, cell.part)
 
 
-def _official_orders(dataset: HabitDataset, label: str) -> Iterator[Order]:
+def _official_orders(name: str, dataset: HabitDataset, label: str) -> Iterator[Order]:
     if not dataset.scenes:
         raise ConfigError(
-            f"episode set '{OFFICIAL}' with dataset '{dataset.name}', whose entries belong to no scene; "
+            f"episode set '{name}' with dataset '{dataset.name}', whose entries belong to no scene; "
             "give the official release: --habits PATH"
         )
     sampler, parts = EpisodeSampler(dataset), entry_parts(dataset)
@@ -128,8 +131,13 @@ def _official_orders(dataset: HabitDataset, label: str) -> Iterator[Order]:
         unseen = tuple(name for name in hosted if (scene, name) in held)
         learned = tuple(name for name in hosted if (scene, name) not in held)
         targets[scene] = {HELD_OUT: unseen if len(unseen) >= MIN_HELD_OUT else (), LEARNED: learned}
-    for number in range(N_OFFICIAL):
-        scene = dataset.scenes[number % len(dataset.scenes)]
-        kind = HELD_OUT if number // len(dataset.scenes) % 2 and targets[scene][HELD_OUT] else LEARNED
-        seed = derived_seed(0, "set", OFFICIAL, number) % (1 << 31)
+    only_held = name == OFFICIAL_HELD_OUT
+    scenes = [scene for scene in dataset.scenes if targets[scene][HELD_OUT] or not only_held]
+    if not scenes:
+        raise ConfigError(f"episode set '{name}': no scene of '{dataset.name}' has {MIN_HELD_OUT} categories held out")
+    for number in range(OFFICIAL_SETS[name]):
+        scene = scenes[number % len(scenes)]
+        odd = only_held or number // len(scenes) % 2
+        kind = HELD_OUT if odd and targets[scene][HELD_OUT] else LEARNED
+        seed = derived_seed(0, "set", name, number) % (1 << 31)
         yield Order(f"{label}/{scene}/{number:04d}", scene, seed, kind, targets[scene][kind])

@@ -69,10 +69,8 @@ class TokenReader:
 
     def read(self, decision: SearchDecision) -> Tokens:
         """The arrays of a decision that is due. Where no view promises anything there is one row, or none."""
-        known, places = self._searcher.map, self._searcher.places
-        weight = places.weights(decision.expected.mass)
-        row = 4 * places.track + places.relation
-        mass = np.asarray(np.bincount(row, weight, 4 * known.n_tracks), np.float64).reshape(-1, 4)
+        places = self._searcher.places
+        weight, mass = places.weights(decision.expected.mass), places.left(decision.expected.mass)
         rows, prior, space, choices = self._views(decision, weight)
         things, numbers = self._things(mass)
         edges = self._frontiers(decision)
