@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import torch
@@ -73,9 +74,20 @@ def lstm_state(batch: int, lstm: nn.LSTM) -> dict[str, Tensor]:
 def run_lstm(lstm: nn.LSTM, inputs: Tensor, state: Tensors) -> tuple[Tensor, dict[str, Tensor]]:
     """T steps: ``inputs`` (T, B, in) and a state (B, layers, hidden) to outputs (T, B, hidden) and the state after.
 
-    The state is float32 whatever autocast computes in.
+    The state is float32 whatever autocast computes in. A processor without bfloat16 computes in float32: oneDNN has no
+    such LSTM for it, and fails.
     """
     before = tuple(state[name].transpose(0, 1).contiguous() for name in ("hidden", "cell"))
-    outputs, after = lstm(inputs, before)
+    if inputs.device.type == "cpu" and not _has_bfloat16():
+        with torch.autocast("cpu", enabled=False):
+            outputs, after = lstm(inputs.float(), before)
+    else:
+        outputs, after = lstm(inputs, before)
     named = zip(("hidden", "cell"), after, strict=True)
     return outputs, {name: tensor.transpose(0, 1).float() for name, tensor in named}
+
+
+@cache
+def _has_bfloat16() -> bool:
+    """Whether oneDNN computes in bfloat16 on this processor."""
+    return torch.backends.mkldnn.is_available() and bool(torch.ops.mkldnn._is_mkldnn_bf16_supported())

@@ -179,7 +179,7 @@ def test_without_weights_it_says_how_to_train_them(name: str, tmp_path: Path) ->
         agent = Factory(config | {"checkpoint": checkpoint})()
         assert agent.fingerprint() is None
         for use in (agent.check, lambda made=agent: made.reset([{}])):
-            with pytest.raises(UconError, match=f"train.py agent={name} learner=imitation") as caught:
+            with pytest.raises(UconError, match=f"train.py agent={name}`") as caught:
                 use()
             assert "\n" not in str(caught.value)
 
@@ -231,7 +231,7 @@ def test_evaluation_plays_a_checkpoint_and_names_a_missing_one(tmp_path: Path) -
     missing = evaluated("agent=zson", f"out={tmp_path}/missing")
     assert missing.returncode == 2
     last = missing.stderr.strip().splitlines()[-1]
-    assert "train it with `python train.py agent=zson learner=imitation`" in last
+    assert "train it with `python train.py agent=zson`" in last
     folder = saved(tmp_path / "run" / "model", Factory(config_of("zson")["agent"]["policy"])())
     done = evaluated("experiment=table1_zson", f"agent.checkpoint={folder.parent}", f"out={tmp_path}/out")
     assert done.returncode == 0, done.stderr[-2000:]
