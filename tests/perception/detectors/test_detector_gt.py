@@ -4,6 +4,7 @@ import hashlib
 
 import numpy as np
 import pytest
+from numpy._core._multiarray_umath import __cpu_features__
 
 from models.agents.frontier import FrontierAgent
 from ucon.core.errors import ConfigError
@@ -87,6 +88,9 @@ def test_episodes_are_played_as_before_there_were_other_detectors() -> None:
     env.close()
 
 
+@pytest.mark.skipif(
+    not __cpu_features__.get("AVX512_SKX"), reason="recorded with AVX-512: NumPy's functions differ in their last bits"
+)
 def test_agents_act_as_before_there_were_other_detectors() -> None:
     env, agent, played = UcONEnv("mini", observe="symbolic", detector=True), FrontierAgent(), []
     for number in range(6):
