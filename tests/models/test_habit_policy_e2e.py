@@ -172,7 +172,7 @@ def test_it_is_small_and_fast(policy, walks):
             policy.frame(obs, info)
             state = policy({n: f[t : t + 1] for n, f in frames.items()}, context, state).state
             spent.append(time.process_time() - start)
-    assert float(np.median(spent) / slowness()) <= 0.030
+    assert min(spent) / slowness() <= 0.030
 
 
 @pytest.mark.parametrize("switch", ["rgb", "plan", "attend"])
