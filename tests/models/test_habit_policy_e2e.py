@@ -13,7 +13,6 @@ from models.nets.ego_view import ASIDE, BEHIND, BLOCKED, EXPLORED, FLOOR, N_PAIR
 from models.nets.floor_memory import CHANNELS, HALF, SIZE
 from models.nets.reasons import reasons
 from models.nets.shortest_ways import FAR, STAY, shortest_ways
-from tests.timing import slowness
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.perception.semantic_map import SemanticMap
@@ -172,7 +171,7 @@ def test_it_is_small_and_fast(policy, walks):
             policy.frame(obs, info)
             state = policy({n: f[t : t + 1] for n, f in frames.items()}, context, state).state
             spent.append(time.process_time() - start)
-    assert min(spent) / slowness() <= 0.030
+    assert float(np.median(spent)) <= 0.030
 
 
 @pytest.mark.parametrize("switch", ["rgb", "plan", "attend"])

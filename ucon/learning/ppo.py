@@ -102,8 +102,6 @@ class PPOLearner:
         precision: str = "float32",
         half: bool = False,
     ) -> None:
-        if not isinstance(policy, nn.Module):
-            raise ConfigError("agent has no policy that can be trained; choose one that has, like agent=habit_policy")
         whole = {"steps": steps, "frames": frames, "epochs": epochs, "minibatch": minibatch, "chunk": chunk}
         check("above 0 and whole", lambda x: x > 0, (int,), **whole)
         check("at least 0 and whole", lambda x: x >= 0, (int,), warm_up=warm_up)
@@ -112,14 +110,7 @@ class PPOLearner:
         check("at least 0", lambda x: 0 <= x < 1e9, decay=decay)
         check("at least 0 and below 1", lambda x: 0 <= x < 1, average=average)
         check("a whole number", lambda x: True, (int,), seed=seed)
-        if precision not in PRECISIONS:
-            raise ConfigError(unknown_name("precision", str(precision), PRECISIONS))
-        if isinstance(levels, str) or not levels:
-            raise ConfigError(f"learner.levels={brief(levels)}: expected a list of at least one habit level")
-        for level in levels:
-            check_level(str(level))
-        if validation.choose not in ("success_rate", "spl"):
-            raise ConfigError(f"learner.validation.choose={validation.choose}: expected success_rate or spl")
+        _check_parts(policy, precision, levels, validation)
         self.device = torch_device(device, "learner.device")
         views = not hasattr(policy, "frame")
         self.policy: nn.Module = ViewPolicy(policy) if views else policy
@@ -232,12 +223,25 @@ class PPOLearner:
         return Card(
             f"Policy {name}, by proximal policy optimisation",
             f"`{name}`, {size:,} trained parameters. Learned from {self.frames:,} steps of its own in "
-            f"{len(self.episodes)} episodes of the `train` part; habit levels {', '.join(self.levels)}. Validation "
-            "episodes chose the state; `test` was not touched.\n\n"
+            f"episodes drawn from {len(self.episodes)} of the `train` part; habit levels "
+            f"{', '.join(self.levels)}. Validation episodes chose the state; `test` was not touched.\n\n"
             f"Use: `python eval.py agent={name} agent.checkpoint=RUN`.\n\n"
             "It learned in simulated homes what a success is worth there; in homes unlike these it was not measured.",
             self.dataset.name,
         )
+
+
+def _check_parts(policy: object, precision: str, levels: Sequence[str], validation: Validation) -> None:
+    if not isinstance(policy, nn.Module):
+        raise ConfigError("agent has no policy that can be trained; choose one that has, like agent=habit_policy")
+    if precision not in PRECISIONS:
+        raise ConfigError(unknown_name("precision", str(precision), PRECISIONS))
+    if isinstance(levels, str) or not levels:
+        raise ConfigError(f"learner.levels={brief(levels)}: expected a list of at least one habit level")
+    for level in levels:
+        check_level(str(level))
+    if validation.choose not in ("success_rate", "spl"):
+        raise ConfigError(f"learner.validation.choose={validation.choose}: expected success_rate or spl")
 
 
 def _moved(tensors: Mapping[str, Tensor], device: str) -> dict[str, Tensor]:

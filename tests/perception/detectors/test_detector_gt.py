@@ -4,9 +4,9 @@ import hashlib
 
 import numpy as np
 import pytest
-from numpy._core._multiarray_umath import __cpu_features__
 
 from models.agents.frontier import FrontierAgent
+from tests.timing import where_it_was_set
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.perception.detectors import Frame, GtDetector
@@ -88,9 +88,7 @@ def test_episodes_are_played_as_before_there_were_other_detectors() -> None:
     env.close()
 
 
-@pytest.mark.skipif(
-    not __cpu_features__.get("AVX512_SKX"), reason="recorded with AVX-512: NumPy's functions differ in their last bits"
-)
+@where_it_was_set
 def test_agents_act_as_before_there_were_other_detectors() -> None:
     env, agent, played = UcONEnv("mini", observe="symbolic", detector=True), FrontierAgent(), []
     for number in range(6):
