@@ -34,9 +34,9 @@ from ucon.task.actions import Action
 
 _MAX_STEPS = 300.0
 _N_LOOKS = 5
-#: Taken off the logit of Done where the target is not near: impossible, and the loss stays finite. Ten were too few:
-#: training outgrew them, and 65 of 100 searches ended too early.
-_NEVER = 30.0
+#: Log odds of Done where the target is not near, whatever the network says. A number taken off its logit instead is
+#: outgrown in training, since some solutions end farther off: of 10, and of 30, nothing was left.
+_NEVER = -15.0
 #: Where, ahead, right, left and here stand in the map around the agent, by its heading: (4 headings, 4, 2).
 _BESIDE = np.array([[(c, s), (s, -c), (-s, c), (0, 0)] for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1))])
 _N_STATUS = _N_LOOKS + 8 + 2 + 5 + 8 + len(SUMMARY_FEATURES)
@@ -229,7 +229,9 @@ class HabitPolicyE2E(PolicyModule):
         thought = torch.cat([hidden, facts], -1)
         planned = torch.cat([log_p[..., :3], log_p[..., 3:].expand(*log_p.shape[:-1], 4)], -1)
         logits = self.choose(thought) + self.plan_weight * planned
-        logits[..., Action.DONE] -= _NEVER * ~seen.near
+        others = logits[..., [action for action in Action if action != Action.DONE]].logsumexp(-1)
+        done = torch.where(seen.near, logits[..., Action.DONE], others + _NEVER)
+        logits = torch.cat([logits[..., : Action.DONE], done[..., None], logits[..., Action.DONE + 1 :]], -1)
         value = self.judge(thought).squeeze(-1)
         return Outputs(logits.float(), value.float(), {**new, **memory}), Inside(seen, ways)
 

@@ -15,6 +15,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from models.nets.pooling import N_POOLS, pooled, strongest
 from ucon.retrieval.head_inputs import N_CANDIDATE, N_HABIT, N_PAIR, N_RELATIONS, N_RELEVANCE, HeadInputs
 
 DIM: Final = 384
@@ -23,7 +24,7 @@ FLOOR: Final = 0.02
 NEVER: Final = -60.0
 SENTENCE_SCALE: Final = DIM**0.5
 """Unit vectors times this have components of about 1."""
-#: Columns of the direct path beside its channels: prior, its name's share, gated sum and maximum, kinds, context.
+#: Columns of the direct path beside its channels: prior, name, gated sum and maximum, kinds, context.
 N_DIRECT: Final = 4 + N_CANDIDATE + 5
 
 
@@ -77,6 +78,8 @@ class BeliefHead(nn.Module):
         dropout: in the attention path.
         pairs, evidence, gate, sentences, prior: whether it is given pair features, what the evidence reader says,
             the fitted gate, sentence and name vectors (the attention path), common sense: switches for ablations.
+        pools: whether the direct path is also given the pair inputs themselves, pooled over the habits. For text that
+            the evidence reader was not fitted on; the habit book's is read no better by them.
     """
 
     def __init__(
@@ -92,6 +95,7 @@ class BeliefHead(nn.Module):
         gate: bool = True,
         sentences: bool = True,
         prior: bool = True,
+        pools: bool = False,
     ) -> None:
         super().__init__()
         self.options = {
@@ -106,12 +110,14 @@ class BeliefHead(nn.Module):
             "gate": gate,
             "sentences": sentences,
             "prior": prior,
+            "pools": pools,
         }
         self.pairs, self.evidence, self.gate, self.sentences, self.common = pairs, evidence, gate, sentences, prior
+        self.pools, columns = pools, N_DIRECT + N_POOLS * pools + channels
         self.relevance = Relevance(width, dropout)
         self.said = nn.Sequential(nn.Linear(N_PAIR + N_HABIT, 32), nn.GELU(), nn.Linear(32, channels))
-        self.mix = nn.Sequential(nn.Linear(N_DIRECT + channels, hidden), nn.Tanh(), nn.Linear(hidden, 1))
-        self.straight = nn.Linear(N_DIRECT + channels, 1)
+        self.mix = nn.Sequential(nn.Linear(columns, hidden), nn.Tanh(), nn.Linear(hidden, 1))
+        self.straight = nn.Linear(columns, 1)
         self.unseen = nn.Sequential(nn.Linear(5, 16), nn.Tanh(), nn.Linear(16, 1))
         self.relation = nn.Sequential(nn.Linear(2 * N_RELATIONS + 1, 16), nn.Tanh(), nn.Linear(16, N_RELATIONS))
         self.look = Look(width, heads, blocks, dropout)
@@ -128,7 +134,7 @@ class BeliefHead(nn.Module):
         relevance = self.relevance(x)
         gate = self._gate(relevance, x)  # (T, H)
         context = self._context(gate, x)  # (T, 5)
-        direct = self._direct(gate, context, x)  # (T, C, N_DIRECT + channels)
+        direct = self._direct(gate, context, x)  # (T, C, columns)
         score = (self.mix(direct) + self.straight(direct))[..., 0]
         relation = self._relation(gate, x)
         if self.sentences:
@@ -172,7 +178,7 @@ class BeliefHead(nn.Module):
         channels = functional.softplus(self.said(every) - 2.0)  # (H, C, K)
         counted = torch.einsum("th,hck->tck", gate, channels)
         total = gate @ said
-        most = _most(gate, said)
+        most = strongest(gate, said)
         alike = (functional.normalize(x.target, dim=1) @ functional.normalize(x.name, dim=1).T)[..., None]
         c = x.prior.shape[1]
         parts = [
@@ -184,6 +190,8 @@ class BeliefHead(nn.Module):
             context[:, None].expand(-1, c, -1),
             torch.log(FLOOR + counted),
         ]
+        if self.pools:
+            parts.append(pooled(gate, x.pair))
         return torch.cat(parts, -1)
 
     def _relation(self, gate: Tensor, x: Inputs) -> Tensor:
@@ -269,13 +277,6 @@ class Block(nn.Module):
         looked = torch.einsum("tnch,hne->tcne", weights, v).reshape(t, c, d)
         query = query + self.drop(self.out(looked))
         return query + self.drop(self.feed(query))
-
-
-def _most(gate: Tensor, said: Tensor) -> Tensor:
-    """(T, C) the largest gated word for each candidate; 0 without habits."""
-    if not len(said):
-        return gate.new_zeros(len(gate), said.shape[1])
-    return (gate[..., None] * said).amax(1)
 
 
 def _quiet(*layers: nn.Module) -> None:

@@ -20,9 +20,10 @@ from ucon.evaluation.beliefs import ORACLE, Measured, Reader, measure_beliefs
 from ucon.habits.book import book
 from ucon.habits.knowledge import MODES, KnowledgeBase
 from ucon.habits.official import official
+from ucon.habits.release import STANDING_FILE
 from ucon.habits.splits import entry_parts
-from ucon.habits.types import HabitDataset
 from ucon.objects.catalogue import catalogue
+from ucon.retrieval.anchor_prior import scene_anchors
 from ucon.retrieval.dense import DenseRetriever
 from ucon.retrieval.reader import AnchorReader
 from ucon.retrieval.sampling import entry_kb, sampled_kb
@@ -41,33 +42,22 @@ def on_the_book(reader: Reader, part: str, mode: str, n_kbs: int, whole: bool = 
 def on_the_release(reader: Reader, folder: Path, part: str) -> dict[str, Measured]:
     """Every entry of the held-out (scene, category) pairs of the release, once.
 
-    Its ``scene_obj.json`` says what stands in a scene.
+    Candidates are all categories that stand in the scene.
+
+    Raises:
+        DataError: its list of these is missing.
     """
     data = official(folder, catalogue().names)[0]
-    parts, standing = entry_parts(data), scene_categories(folder, data)
+    if not data.standing:
+        raise DataError(f"{folder}: no {STANDING_FILE} of these scenes, which says what may be a place")
+    parts, named = entry_parts(data), scene_anchors(data.entries)
     kbs = [entry_kb(data, entry, FIRST_SEED) for entry in data.entries if parts[entry.id] == part]
 
     def candidates(kb: KnowledgeBase) -> Sequence[str]:
-        return standing[next(iter(kb.entries.values()))[0].scene or ""]
+        scene = next(iter(kb.entries.values()))[0].scene or ""
+        return sorted(named[scene] | set(data.standing.get(scene, ())))
 
     return measure_beliefs(kbs, reader, DenseRetriever(whole=False), candidates, lambda entry: parts[entry.id] == part)
-
-
-def scene_categories(folder: Path, data: HabitDataset) -> dict[str, list[str]]:
-    """Categories that stand in each scene of the release, those that its entries speak of among them.
-
-    Raises:
-        DataError: the file is missing or is none of the release.
-    """
-    path = (folder if folder.is_dir() else folder.parent) / "scene_obj.json"
-    try:
-        listed = json.loads(path.read_text(encoding="utf-8"))
-        found = {scene: set(map(str, listed[scene])) for scene in data.scenes}
-    except (OSError, ValueError, KeyError, TypeError):
-        raise DataError(f"{path}: cannot be read; expected the release's list of categories by scene") from None
-    for entry in data.entries:
-        found[entry.scene or ""].update(place.anchor for place in entry.placements)
-    return {scene: sorted(names) for scene, names in found.items()}
 
 
 def lines(found: dict[str, Measured]) -> list[str]:

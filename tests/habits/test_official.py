@@ -51,6 +51,20 @@ def test_release_households_and_list_form():
     assert (report.scenes, report.tasks, report.habits, len(listed.entries)) == (1, 10, 93, 10)
 
 
+def test_what_stands_in_the_scenes_is_read_from_the_list_beside(tmp_path):
+    content = {"Rs_int": {"wallet": [task()]}, "Merom_0_int": {"wallet": [task()]}}
+    without, _ = read(tmp_path, content)
+    assert without.standing == {}
+    (tmp_path / "scene_obj.json").write_text(json.dumps({"Rs_int": ["sofa", "desk", "sofa"], "Other_int": []}))
+    with_list, _ = read(tmp_path, content)
+    assert with_list.standing == {"Rs_int": ("desk", "sofa")}
+    assert with_list.sha256 == without.sha256
+    for wrong in ({"Rs_int": "desk"}, {"Rs_int": [3]}, []):
+        (tmp_path / "scene_obj.json").write_text(json.dumps(wrong))
+        with pytest.raises(DataError, match=r"scene_obj\.json"):
+            read(tmp_path, content)
+
+
 def test_both_forms(tmp_path):
     by_category, _ = read(tmp_path, {"Rs_int": {"wallet": [task(), task()]}})
     listed, report = read(tmp_path, {"Rs_int": [task(), task()]})

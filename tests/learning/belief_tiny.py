@@ -7,6 +7,7 @@ from tests.learning.tiny import some_habits
 from ucon.language.pairs import default_pair_reader
 from ucon.learning.belief import BeliefLearner
 from ucon.learning.belief_data import Draw
+from ucon.learning.belief_readers import Fold
 from ucon.retrieval.household import FittedParts
 from ucon.retrieval.weights import default_weights
 
@@ -22,6 +23,6 @@ def small_head(**options):
 def tiny_belief(**options) -> BeliefLearner:
     parts = plain_parts()
     standard = {"steps": 6, "n_kbs": 1, "households": 1, "draw": Draw(targets=4, clutter=5), "warm_up": 2}
-    pieces = [(some_habits(12), parts), (some_habits(17), parts)]
+    folds = [Fold(some_habits(12), parts), Fold(some_habits(17), parts)]
     head = partial(small_head, **options.pop("head", {}))
-    return BeliefLearner(head, some_habits(6), parts=parts, readers=pieces, **{**standard, **options})
+    return BeliefLearner(head, some_habits(6), parts=parts, folds=folds, **{**standard, **options})

@@ -19,7 +19,7 @@ from ucon.habits.splits import entry_parts
 from ucon.habits.types import HabitDataset
 from ucon.learning.belief import CONFIG, PRIOR, WEIGHTS, BeliefLearner
 from ucon.learning.belief_data import Draw, Draws, sample
-from ucon.learning.belief_homes import KnowledgeBases
+from ucon.learning.belief_homes import KnowledgeBases, pair_folds
 from ucon.learning.belief_loss import losses
 from ucon.learning.crossfit import fold_categories
 from ucon.learning.run import METRICS, Plan, TrainingRun
@@ -147,12 +147,39 @@ def test_only_training_entries_teach_and_others_are_asked_about_alone(dataset):
 
 def test_habits_of_homes_are_read_by_the_shipped_parts(monkeypatch):
     """Nothing was fitted on them, so there is nothing to hold out."""
-    monkeypatch.setattr("ucon.learning.belief_readers.fold_readers", None)
+    monkeypatch.setattr("ucon.learning.belief_readers.book_folds", None)
     learner = BeliefLearner(partial(small_head), in_two_homes(), 4, parts=plain_parts(), households=1, n_kbs=2)
     before = learner.validate()["score"]
     assert learner.step()["loss"] > 0
     assert learner.validate()["score"] != before
     assert "of `homes`" in learner.card().text
+
+
+def test_pairs_are_asked_about_with_the_common_sense_of_the_others():
+    data = in_two_homes()
+    parts = entry_parts(data)
+    taught = {(e.scene, e.category) for e in data.entries if parts[e.id] == "train"}
+    folds = pair_folds(data, 4)
+    assert sorted(pair for pairs, _ in folds for pair in pairs) == sorted(taught)
+    for pairs, others in folds:
+        assert {(e.scene, e.category) for e in others} == taught - pairs
+        bases = KnowledgeBases(data, plain_parts().known)
+        kb = bases.asked("train", 5, "task", pairs)
+        targets = Draws(plain_parts(), Draw(), (), pairs)._asked(kb)
+        assert targets
+        assert {(kb.entries[name][0].scene, name) for name in targets} == pairs & {
+            (e[0].scene, name) for name, e in kb.entries.items()
+        }
+    with pytest.raises(DataError, match="too few train targets"):
+        bases.asked("train", 5, "task", frozenset({("nowhere", "mug")}))
+
+
+def test_all_that_stands_in_a_scene_may_be_a_place():
+    data = in_two_homes()
+    bases = KnowledgeBases(replace(data, standing={"home_0": ("griffin", "unicorn")}), plain_parts().known)
+    for kb in bases.several("val", 0, 4):
+        there = {"griffin", "unicorn"} <= set(bases.candidates(kb))
+        assert there == (next(iter(kb.entries.values()))[0].scene == "home_0")
 
 
 def test_folds_share_the_train_categories_out():

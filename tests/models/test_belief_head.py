@@ -25,9 +25,9 @@ def lively_head(**options):
     return head
 
 
-@pytest.fixture(scope="module")
-def head():
-    return lively_head()
+@pytest.fixture(scope="module", params=[False, True], ids=["plain", "pools"])
+def head(request):
+    return lively_head(pools=request.param)
 
 
 @pytest.fixture(scope="module")
@@ -114,7 +114,7 @@ def test_the_target_is_no_place_for_itself(head):
 
 def test_deterministic(head, inputs):
     assert torch.equal(run(head, inputs).anchor, run(head, inputs).anchor)
-    assert torch.equal(lively_head().look.score.weight, head.look.score.weight)
+    assert torch.equal(lively_head(pools=head.pools).look.score.weight, head.look.score.weight)
 
 
 @pytest.mark.parametrize("switch", ["pairs", "evidence", "gate", "sentences", "prior"])

@@ -22,6 +22,7 @@ from ucon.habits.release import (
     load_release_file,
     location_parts,
     plain,
+    standing_in,
     unpacked,
 )
 from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
@@ -101,7 +102,8 @@ def official(path: Path | str, categories: Collection[str] | None = None) -> tup
     report.scenes, report.categories = len(scenes), len({entry.category for entry in entries})
     if not entries:
         raise DataError(f"{file}: no usable task; expected scene -> category -> tasks (or scene -> tasks)")
-    return HabitDataset(f"official:{file.stem}", tuple(entries), labelled=False), report
+    standing = standing_in(file.parent, scenes)
+    return HabitDataset(f"official:{file.stem}", tuple(entries), labelled=False, standing=standing), report
 
 
 def _tasks(

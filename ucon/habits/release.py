@@ -14,9 +14,11 @@ from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any, Final
 
-from ucon.core.errors import DataError
+from ucon.core.errors import DataError, brief
 
 DEFAULT_FILE: Final = "seen_obj_seen_scene.json"
+#: Which categories stand in which scene.
+STANDING_FILE: Final = "scene_obj.json"
 ORIGIN: Final = "origin"
 _SPLITS: Final = tuple(f"{o}_obj_{s}_scene" for o in ("seen", "unseen") for s in ("seen", "unseen"))
 TASK_FILES: Final = (
@@ -61,6 +63,25 @@ def default_file(folder: Path) -> Path:
         return file
     found = ", ".join(path.relative_to(folder).as_posix() for path in task_files(folder)) or "no task file at all"
     raise DataError(f"{folder}: no {DEFAULT_FILE} in it, found {found}; give the path of one file, or use --all")
+
+
+def standing_in(folder: Path, scenes: Collection[str]) -> dict[str, tuple[str, ...]]:
+    """Categories that stand in each of ``scenes``, by the list that the release keeps beside its tasks.
+
+    Scenes that it does not name are left out; without the list it is empty.
+
+    Raises:
+        DataError: there is a list, but it cannot be read.
+    """
+    path = folder / STANDING_FILE
+    if not path.is_file():
+        return {}
+    listed, _ = load_release_file(path)
+    found = {scene: listed[scene] for scene in sorted(scenes) if scene in listed}
+    for scene, names in found.items():
+        if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+            raise DataError(f"{path}: {brief(scene)}: {kind(names)}, expected a list of categories")
+    return {scene: tuple(sorted(set(names))) for scene, names in found.items()}
 
 
 def load_release_file(file: Path) -> tuple[dict[str, Any], list[str]]:

@@ -6,8 +6,8 @@ bases and observations speak of habits by that number.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
 
@@ -69,6 +69,8 @@ class HabitDataset:
     """Whether ``supports`` is known; the official release does not say which habit speaks for which place."""
     verdicts: Verdicts = NO_VERDICTS
     """What PyBullet says about the placements. It decides what is sampled, not what is told: no part of the hash."""
+    standing: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Categories that stand in each scene, where the source says so: what a place may be. No part of the hash."""
 
     @cached_property
     def sha256(self) -> str:

@@ -3,7 +3,7 @@
 The parts that read sentences for it were fitted on the habit book's train text as well, so each of its households is
 read by parts that were fitted on other categories (:mod:`ucon.learning.crossfit`). In use, on the val part that
 chooses, and on other datasets, it stands on the shipped ones. A dataset that is bound to scenes brings its own common
-sense, by the scenes that are not being read.
+sense, by the pairs that are not being asked about.
 Steps depend on seed and number alone, so a resumed run repeats an uninterrupted one.
 """
 
@@ -30,7 +30,7 @@ from ucon.learning.average import MovingAverage
 from ucon.learning.belief_data import Draw, Draws, Sample, sample
 from ucon.learning.belief_homes import KnowledgeBases
 from ucon.learning.belief_loss import losses
-from ucon.learning.belief_readers import parts_of, readers_of
+from ucon.learning.belief_readers import Fold, folds_of, parts_of
 from ucon.learning.learner import Card, Figures, State
 from ucon.learning.retriever import schedule
 from ucon.learning.run import MODEL
@@ -67,7 +67,7 @@ class BeliefLearner:
         seed: of the start and of what is drawn.
         initial: folder of a head of the same options, whose weights it begins with; None: random ones.
         parts: what reads the val part, and what the head will stand on; the shipped ones by default.
-        readers: what reads the train part, by pieces of it; fitted by folds where not given.
+        folds: what reads the train part, by pieces of it; fitted where not given.
 
     Raises:
         ConfigError: a value out of its range.
@@ -93,7 +93,7 @@ class BeliefLearner:
         seed: int = 0,
         initial: str | None = None,
         parts: FittedParts | None = None,
-        readers: Sequence[tuple[HabitDataset, FittedParts]] | None = None,
+        folds: Sequence[Fold] | None = None,
     ) -> None:
         for name, value in {"steps": steps, "households": households, "warm_up": warm_up, "n_kbs": n_kbs}.items():
             if type(value) is not int or value < 1:
@@ -106,11 +106,13 @@ class BeliefLearner:
         draw = draw or Draw()
         if initial is not None:
             _begin_with(self.head, Path(initial))
-        readers = readers_of(dataset, n_folds, used_folds) if readers is None else readers
+        folds = folds_of(dataset, n_folds, used_folds) if folds is None else folds
         self._parts = parts or parts_of(dataset)
-        # What stands in a scene and is no place there is a place elsewhere more often than not.
-        others = dataset.anchors if dataset.scenes else None
-        self._draws = [(KnowledgeBases(data, fitted.known), Draws(fitted, draw, others)) for data, fitted in readers]
+        # Where a source says what stands in a scene, that is all there is to ask about.
+        others = () if dataset.standing else dataset.anchors if dataset.scenes else None
+        self._folds = [
+            (KnowledgeBases(f.dataset, f.parts.known), Draws(f.parts, draw, others, f.pairs), f.pairs) for f in folds
+        ]
         self._chosen_by = KnowledgeBases(dataset, self._parts.known)
         self.parameters = dict(self.head.named_parameters())
         self._optimiser = torch.optim.AdamW(self.parameters.values(), lr=lr, weight_decay=decay)
@@ -124,9 +126,9 @@ class BeliefLearner:
 
     def training_sample(self, number: int) -> Sample:
         """Household number ``number``: entries of the ``train`` part, of one fold's categories."""
-        bases, draws = self._draws[number % len(self._draws)]
+        bases, draws, pairs = self._folds[number % len(self._folds)]
         rng = stream(self.seed, "belief", number)
-        kb = bases.drawn("train", derived_seed(self.seed, "kb", number), draws.mode(rng))
+        kb = bases.asked("train", derived_seed(self.seed, "kb", number), draws.mode(rng), pairs)
         return draws(kb, rng, bases.candidates(kb))
 
     def step(self) -> Figures:
@@ -254,7 +256,8 @@ class BeliefLearner:
         """What it is and what for."""
         parts = entry_parts(self.dataset)
         chosen = sum(part == "val" for part in parts.values())
-        taught = sum(parts.get(e.id) == "train" for bases, _ in self._draws for e in bases.dataset.entries)
+        read = {e.id for bases, *_ in self._folds for e in bases.dataset.entries}
+        taught = sum(parts.get(id) == "train" for id in read)
         size = sum(value.numel() for value in self.parameters.values())
         return Card(
             "Belief head: where a thing may be, by what the habits say",

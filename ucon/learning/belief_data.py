@@ -8,7 +8,7 @@ habits may be left out.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -141,9 +141,22 @@ def sample(
 class Draws:
     """Draws samples from some entries, read by some fitted parts."""
 
-    def __init__(self, parts: FittedParts, draw: Draw, others: Sequence[str] | None = None) -> None:
-        """``others``: names that are no anchors; by default the rest of the catalogue."""
-        self.parts, self.draw = parts, draw
+    def __init__(
+        self,
+        parts: FittedParts,
+        draw: Draw,
+        others: Sequence[str] | None = None,
+        pairs: Collection[tuple[str, str]] | None = None,
+    ) -> None:
+        """Describe the draws.
+
+        Args:
+            parts: read the habits.
+            draw: what is drawn.
+            others: names that are no anchors; by default the rest of the catalogue.
+            pairs: of a scene and a target, which alone are asked about; None: all.
+        """
+        self.parts, self.draw, self.pairs = parts, draw, pairs
         self.others = list(catalogue().names if others is None else others)
         self._clutter: dict[frozenset[str], list[str]] = {}
 
@@ -158,7 +171,7 @@ class Draws:
         """
         draw = self.draw
         share = np.asarray(draw.levels) / sum(draw.levels)
-        targets = [str(t) for t in rng.permutation(list(kb.entries))[: draw.targets]]
+        targets = [str(t) for t in rng.permutation(self._asked(kb))[: draw.targets]]
         levels = [FIXED_LEVELS[i] for i in rng.choice(len(FIXED_LEVELS), size=len(targets), p=share)]
         known = [*(self.parts.known if anchors is None else anchors)]
         others = self._others(frozenset(known))
@@ -184,6 +197,11 @@ class Draws:
         if rng.random() < draw.swap:
             return swapped(chosen, candidates, targets, draw.swapped, rng)
         return muted(chosen) if rng.random() < draw.mute else chosen
+
+    def _asked(self, kb: KnowledgeBase) -> list[str]:
+        """Targets that may be asked about."""
+        pairs = self.pairs
+        return [t for t, e in kb.entries.items() if pairs is None or (e[0].scene or "", t) in pairs]
 
     def _others(self, anchors: frozenset[str]) -> list[str]:
         if anchors not in self._clutter:

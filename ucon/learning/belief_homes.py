@@ -1,20 +1,27 @@
 """Whose habits the belief head learns from: knowledge bases of a dataset, and the anchors that are asked about in them.
 
 The habit book belongs to no home: households are drawn from its entries, and all anchors that the fitted parts know
-are candidates. A dataset that is bound to scenes, as the official release is, gives one scene's habits at a time, and
-the anchors that its training entries name there.
+are candidates. A dataset that is bound to scenes, as the official release is, gives one scene's habits at a time;
+candidates are what stands in the scene, or, where nothing says so, the anchors that its training entries name there.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from typing import Final
 
-from ucon.core.rng import stream
+from ucon.core.errors import DataError
+from ucon.core.rng import derived_seed, stream
 from ucon.habits.knowledge import MODES, KnowledgeBase, Mode
 from ucon.habits.splits import Split, entry_parts
 from ucon.habits.types import Entry, HabitDataset
 from ucon.retrieval.anchor_prior import scene_anchors
 from ucon.retrieval.sampling import part_kb, sampled_kb
+
+#: A scene and a target category.
+Pair = tuple[str, str]
+#: Knowledge bases that are drawn to find one about some pairs.
+_ATTEMPTS: Final = 50
 
 
 class KnowledgeBases:
@@ -24,6 +31,8 @@ class KnowledgeBases:
         """``known``: anchors that are candidates everywhere where the dataset is bound to no scenes."""
         self.dataset, self._known, self._part_of = dataset, tuple(known), entry_parts(dataset)
         self._anchors = scene_anchors(e for e in dataset.entries if self._part_of[e.id] == "train")
+        for scene, names in dataset.standing.items():
+            self._anchors.setdefault(scene, set()).update(names)
 
     def drawn(self, part: Split, seed: int, mode: Mode) -> KnowledgeBase:
         """A knowledge base with entries of a part."""
@@ -37,6 +46,14 @@ class KnowledgeBases:
         """What may be asked for: a scene's knowledge base is filled up with entries of the train part."""
         return [name for name, entries in kb.entries.items() if all(self._part_of[e.id] == part for e in entries)]
 
+    def asked(self, part: Split, seed: int, mode: Mode, pairs: Collection[Pair] | None) -> KnowledgeBase:
+        """A knowledge base about at least one of some pairs (None: any), the first of those that ``seed`` begins."""
+        for attempt in range(_ATTEMPTS):
+            kb = self.drawn(part, derived_seed(seed, "kb", attempt), mode)
+            if pairs is None or any((e[0].scene or "", e[0].category) in pairs for e in kb.entries.values()):
+                return kb
+        raise DataError(f"{self.dataset.name}: too few {part} targets; give a larger dataset")
+
     def candidates(self, kb: KnowledgeBase) -> tuple[str, ...]:
         """Anchors that are asked about."""
         if not self.dataset.scenes:
@@ -46,13 +63,15 @@ class KnowledgeBases:
         return tuple(sorted(named | self._anchors.get(entries[0].scene or "", set())))
 
 
-def scene_folds(dataset: HabitDataset, count: int) -> list[tuple[HabitDataset, list[Entry]]]:
-    """Pieces of a dataset by scene, each with the train entries of the other pieces' scenes."""
-    parts, order = entry_parts(dataset), stream(0, "scene folds", dataset.name).permutation(len(dataset.scenes))
-    out = []
-    for k in range(min(count, len(order))):
-        own = {dataset.scenes[i] for i in order[k::count]}
-        piece = tuple(e for e in dataset.entries if e.scene in own)
-        others = [e for e in dataset.entries if e.scene not in own and parts[e.id] == "train"]
-        out.append((HabitDataset(dataset.name, piece, dataset.labelled), others))
-    return out
+def pair_folds(dataset: HabitDataset, count: int) -> list[tuple[frozenset[Pair], list[Entry]]]:
+    """Train (scene, category) pairs dealt into folds: the pairs of each, and the train entries of the others.
+
+    So what is usual is known to a pair as it will be to those held out: by the same scene's other things, and by the
+    same things of other scenes.
+    """
+    parts = entry_parts(dataset)
+    taught = [e for e in dataset.entries if parts[e.id] == "train"]
+    pairs = sorted({(e.scene or "", e.category) for e in taught})
+    order = stream(0, "pair folds", dataset.name).permutation(len(pairs))
+    folds = [frozenset(pairs[i] for i in order[k::count]) for k in range(count)]
+    return [(fold, [e for e in taught if (e.scene or "", e.category) not in fold]) for fold in folds if fold]

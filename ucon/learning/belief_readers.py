@@ -1,25 +1,35 @@
 """What reads sentences for the belief head while it learns: fitted parts that did not see what they read.
 
 The habit book's are dealt by category (:mod:`ucon.learning.crossfit`). Nothing that reads sentences was fitted on other
-datasets; one that is bound to scenes brings its own common sense, learned on the scenes that are not being read.
+datasets; one that is bound to scenes brings its own common sense, learned on the pairs that are not being asked about.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from ucon.habits.splits import entry_parts
 from ucon.habits.types import HabitDataset
 from ucon.language.pairs import default_pair_reader
-from ucon.learning.belief_homes import scene_folds
+from ucon.learning.belief_homes import Pair, pair_folds
 from ucon.learning.crossfit import ReadEvidence, folds
 from ucon.learning.fit_own_prior import fit_own_prior
 from ucon.retrieval.household import FittedParts, default_parts, parts_with
 
-Readers = list[tuple[HabitDataset, FittedParts]]
+
+@dataclass(frozen=True, eq=False)
+class Fold:
+    """Habits, and what reads them."""
+
+    dataset: HabitDataset
+    parts: FittedParts
+    pairs: frozenset[Pair] | None = None
+    """What is asked about; None: everything."""
 
 
-def readers_of(dataset: HabitDataset, n_folds: int, used_folds: int | None) -> Readers:
+def folds_of(dataset: HabitDataset, n_folds: int, used_folds: int | None) -> list[Fold]:
     """Pieces of a dataset, each with what reads it."""
-    return scene_readers(dataset) if dataset.scenes else fold_readers(dataset, n_folds, used_folds)
+    return scene_folds(dataset) if dataset.scenes else book_folds(dataset, n_folds, used_folds)
 
 
 def parts_of(dataset: HabitDataset) -> FittedParts:
@@ -27,11 +37,11 @@ def parts_of(dataset: HabitDataset) -> FittedParts:
     return own_parts(dataset) if dataset.scenes else default_parts()
 
 
-def fold_readers(dataset: HabitDataset, count: int, used: int | None) -> Readers:
+def book_folds(dataset: HabitDataset, count: int, used: int | None) -> list[Fold]:
     """The folds of a dataset, each with parts that were fitted on the others."""
     pairs = default_pair_reader()
     return [
-        (fold.dataset, FittedParts(fold.weights, pairs, ReadEvidence.of(fold, pairs)))
+        Fold(fold.dataset, FittedParts(fold.weights, pairs, ReadEvidence.of(fold, pairs)))
         for fold in folds(dataset, pairs, count, used)
     ]
 
@@ -43,7 +53,9 @@ def own_parts(dataset: HabitDataset) -> FittedParts:
     return parts_with(fit_own_prior(entries, default_pair_reader()))
 
 
-def scene_readers(dataset: HabitDataset, count: int = 4) -> Readers:
-    """Pieces of a dataset by scene, each read with the common sense of the others."""
+def scene_folds(dataset: HabitDataset, count: int = 4) -> list[Fold]:
+    """All habits, asked about some pairs at a time, with the common sense of the others."""
     pairs = default_pair_reader()
-    return [(piece, parts_with(fit_own_prior(others, pairs))) for piece, others in scene_folds(dataset, count)]
+    return [
+        Fold(dataset, parts_with(fit_own_prior(others, pairs)), asked) for asked, others in pair_folds(dataset, count)
+    ]
