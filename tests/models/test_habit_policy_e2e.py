@@ -92,6 +92,18 @@ def test_done_is_held_back_until_the_target_is_near(policy):
     assert 0 < sum(in_view) < len(in_view)
 
 
+def test_done_where_the_target_is_not_near_cannot_be_learned(policy, walks):
+    """Solutions that end a little farther off must not teach to stop anywhere: no gradient, and the same small odds."""
+    frames, context = episode(policy, walks["gt"])
+    logits = policy(frames, context, policy.initial_state(1)).logits
+    held = logits[..., Action.DONE] < logits[..., : Action.DONE].logsumexp(-1) - 14
+    assert held.any()
+    loss = -logits.log_softmax(-1)[held][:, Action.DONE]
+    assert torch.allclose(loss, torch.full_like(loss, 15.0), atol=1e-3)
+    gradients = torch.autograd.grad(loss.sum(), list(policy.parameters()), allow_unused=True)
+    assert all(g is None or g.abs().max() < 1e-3 for g in gradients)
+
+
 def test_frames_do_not_depend_on_the_habits(policy, walks):
     ours, others = (episode(policy, walks[level])[0] for level in ("none", "gt"))
     assert all(torch.equal(ours[name], others[name]) for name in ours)
