@@ -229,9 +229,9 @@ class HabitPolicyE2E(PolicyModule):
         thought = torch.cat([hidden, facts], -1)
         planned = torch.cat([log_p[..., :3], log_p[..., 3:].expand(*log_p.shape[:-1], 4)], -1)
         logits = self.choose(thought) + self.plan_weight * planned
-        others = logits[..., [action for action in Action if action != Action.DONE]].logsumexp(-1)
-        done = torch.where(seen.near, logits[..., Action.DONE], others + _NEVER)
-        logits = torch.cat([logits[..., : Action.DONE], done[..., None], logits[..., Action.DONE + 1 :]], -1)
+        others, done = logits[..., : Action.DONE], logits[..., Action.DONE]  # Done is the last
+        done = torch.where(seen.near, done, others.logsumexp(-1) + _NEVER)
+        logits = torch.cat([others, done[..., None]], -1)
         value = self.judge(thought).squeeze(-1)
         return Outputs(logits.float(), value.float(), {**new, **memory}), Inside(seen, ways)
 

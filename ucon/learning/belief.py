@@ -128,7 +128,8 @@ class BeliefLearner:
         """Household number ``number``: entries of the ``train`` part, of one fold's categories."""
         bases, draws, pairs = self._folds[number % len(self._folds)]
         rng = stream(self.seed, "belief", number)
-        kb = bases.asked("train", derived_seed(self.seed, "kb", number), draws.mode(rng), pairs)
+        seed, mode = derived_seed(self.seed, "kb", number), draws.mode(rng)
+        kb = bases.drawn("train", seed, mode) if pairs is None else bases.asked("train", seed, mode, pairs)
         return draws(kb, rng, bases.candidates(kb))
 
     def step(self) -> Figures:

@@ -46,11 +46,11 @@ class KnowledgeBases:
         """What may be asked for: a scene's knowledge base is filled up with entries of the train part."""
         return [name for name, entries in kb.entries.items() if all(self._part_of[e.id] == part for e in entries)]
 
-    def asked(self, part: Split, seed: int, mode: Mode, pairs: Collection[Pair] | None) -> KnowledgeBase:
-        """A knowledge base about at least one of some pairs (None: any), the first of those that ``seed`` begins."""
+    def asked(self, part: Split, seed: int, mode: Mode, pairs: Collection[Pair]) -> KnowledgeBase:
+        """A knowledge base about at least one of some pairs, the first of those that ``seed`` begins."""
         for attempt in range(_ATTEMPTS):
             kb = self.drawn(part, derived_seed(seed, "kb", attempt), mode)
-            if pairs is None or any((e[0].scene or "", e[0].category) in pairs for e in kb.entries.values()):
+            if any((e[0].scene or "", e[0].category) in pairs for e in kb.entries.values()):
                 return kb
         raise DataError(f"{self.dataset.name}: too few {part} targets; give a larger dataset")
 
