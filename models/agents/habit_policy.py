@@ -12,10 +12,10 @@ import numpy as np
 from models.agents.base import Info, Observation, slots_of
 from models.agents.weights import Weights
 from ucon.core.device import torch_device
-from ucon.core.errors import DataError
+from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import sha256_bytes
 from ucon.core.rng import stream
-from ucon.envs.waypoint.searcher import Searcher
+from ucon.envs.waypoint.searcher import MISS, Searcher
 from ucon.envs.waypoint.text_tokens import TextTokens, name_table
 from ucon.envs.waypoint.tokens import Sizes, TokenReader, Tokens
 from ucon.perception.draw import Image
@@ -51,6 +51,7 @@ class HabitPolicyAgent:
         checkpoint: str | None = None,
         *,
         locate: Locate | None = None,
+        miss: float = MISS,
         sizes: Sizes | None = None,
         text: TextTokens | None = None,
         sample: bool = False,
@@ -64,6 +65,7 @@ class HabitPolicyAgent:
             checkpoint: folder of its weights, or a run of ``train.py``; ``shipped``; ``untrained`` plays the policy as
                 it is; None: they are still to be trained.
             locate: says where the target may be; by default it is read from the habits.
+            miss: chance that a look at a place misses the target there; at 1 what was found empty teaches nothing.
             sizes: rows of the tokens, as in training.
             text: embeds names and habits, as in training.
             sample: draw views by the policy's probabilities; each draw is a function of seed, episode and decision.
@@ -73,6 +75,9 @@ class HabitPolicyAgent:
         self.policy = policy
         self._weights = Weights(policy, checkpoint)
         self._locate, self._sizes, self._text = locate or ReadHabits(), sizes or Sizes(), text or TextTokens()
+        if not 0.0 < miss <= 1.0:
+            raise ConfigError(f"agent.miss={miss}: expected a chance above 0, at most 1")
+        self._miss = miss
         self._sample, self._seed, self._device = sample, seed, device
         self._ready = False
         self._searches: dict[int, _Search] = {}
@@ -104,7 +109,7 @@ class HabitPolicyAgent:
         self._prepare()
         for slot, info in zip(slots_of(infos, slots), infos, strict=True):
             locations = self._locate(info)
-            searcher = Searcher(info, expecting(info, self._locate, locations=locations))
+            searcher = Searcher(info, expecting(info, self._locate, locations=locations), miss=self._miss)
             reader = TokenReader(searcher, info, self._sizes)
             said = self._text.read(info, locations)
             self._searches[slot] = _Search(

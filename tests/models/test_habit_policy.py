@@ -162,6 +162,23 @@ def test_untrained_it_searches_as_belief_does() -> None:
     assert sum(alike) >= 4
 
 
+@pytest.mark.parametrize("miss", [0.1, 1.0])
+def test_what_was_found_empty_teaches_unless_it_is_told_not_to(miss: float) -> None:
+    agent = HabitPolicyAgent(HabitPolicy(), UNTRAINED, miss=miss)
+    env = UcONEnv("mini", observe="symbolic", detector=True)
+    obs, info = env.reset(options={"episode": 0})
+    agent.reset([info])
+    agent.act([obs], [info])
+    unseen = agent._searches[0].searcher.places.unseen
+    assert len(unseen) > 0
+    assert (unseen.min() < 0.5) == (miss < 1.0)
+
+
+def test_a_chance_is_a_chance() -> None:
+    with pytest.raises(ConfigError, match=r"agent.miss=0.0: expected a chance above 0, at most 1"):
+        HabitPolicyAgent(HabitPolicy(), UNTRAINED, miss=0.0)
+
+
 def test_slots_do_not_disturb_each_other() -> None:
     agent, alone = HabitPolicyAgent(random_policy(), UNTRAINED), HabitPolicyAgent(random_policy(), UNTRAINED)
     envs = [UcONEnv("mini", observe="symbolic", detector=True) for _ in range(2)]

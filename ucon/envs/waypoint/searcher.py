@@ -31,6 +31,8 @@ Info = Mapping[str, Any]
 MOST_REFUSALS = 3
 #: The view on its way stays chosen unless another one is better by this factor.
 LOYALTY = 1.25
+#: A frame that shows a place from within sight range still misses the target with this probability.
+MISS = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,11 +53,17 @@ class Searcher:
     """One search in one home for one target."""
 
     REPLAN_STEPS = 5
-    #: A frame that shows a place from within sight range still misses the target with this probability.
-    MISS = 0.1
 
-    def __init__(self, info: Info, expecting: Expecting, costs: Costs | None = None) -> None:
-        """``info``: of the reset; ``expecting``: this episode's own."""
+    def __init__(self, info: Info, expecting: Expecting, costs: Costs | None = None, miss: float = MISS) -> None:
+        """Begin a search.
+
+        Args:
+            info: of the reset.
+            expecting: this episode's own.
+            costs: of moves, turns and looks.
+            miss: chance that a frame which shows a place from within sight range misses the target there; at 1
+                nothing is learned from what was found empty.
+        """
         self.target = str(info["target"])
         book = catalogue()
         height_m = book[self.target].size[2] if self.target in book else 0.1
@@ -66,6 +74,7 @@ class Searcher:
         self.containers = Containers()
         self.homing = Homing()
         self.expecting = expecting
+        self.miss = miss
         self.choice: Choice | None = None
         self.refused: dict[int, int] = {}
         self.taking = False
@@ -113,7 +122,7 @@ class Searcher:
         shut = np.zeros(known.n_tracks, bool)
         shut[self.closed()] = True
         active, reach = self.places.searched(shut), self.viewpoints.reach_m
-        self.places.look(known, frame_depth(observation, info), active, reach, self.MISS)
+        self.places.look(known, frame_depth(observation, info), active, reach, self.miss)
 
     def closed(self) -> NDArray[np.int64]:
         """Tracks of containers that are closed and may still open."""
