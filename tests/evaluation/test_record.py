@@ -1,4 +1,5 @@
 import json
+import lzma
 
 import pytest
 
@@ -16,6 +17,21 @@ def test_round_trip(tmp_path):
     again = read_records(tmp_path)
     assert to_lines(again) == path.read_text()
     assert [r.episode for r in again] == [r.episode for r in records]
+
+
+def test_packed_records_are_read_where_there_are_no_others(tmp_path):
+    (tmp_path / "episodes.jsonl.xz").write_bytes(lzma.compress(to_lines([record(i) for i in range(3)]).encode()))
+    assert [r.episode for r in read_records(tmp_path)] == [record(i).episode for i in range(3)]
+    (tmp_path / "episodes.jsonl").write_text(to_lines([record(7)]))
+    assert len(read_records(tmp_path)) == 1
+
+
+@pytest.mark.parametrize("damage", [lambda raw: raw[:-9], lambda raw: b"no archive", lambda raw: raw[:40] + raw[41:]])
+def test_damaged_packed_records_are_named(tmp_path, damage):
+    packed = lzma.compress(to_lines([record(i) for i in range(3)]).encode())
+    (tmp_path / "episodes.jsonl.xz").write_bytes(damage(packed))
+    with pytest.raises(DataError, match=r"episodes.jsonl.xz: not whole"):
+        read_records(tmp_path)
 
 
 def test_nothing_in_a_record_depends_on_the_clock():

@@ -6,6 +6,7 @@ Wall-clock seconds differ between runs, so they live in :class:`EpisodeTiming`, 
 from __future__ import annotations
 
 import json
+import lzma
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
@@ -16,6 +17,8 @@ from ucon.core.files import canonical_json
 
 #: Digits kept of every figure: enough for any table, few enough to hide nothing that could differ.
 _DIGITS = 6
+#: Of the records of one run, unpacked: some hundred thousand episodes.
+_MAX_BYTES = 1 << 28
 
 
 @dataclass(frozen=True)
@@ -99,15 +102,17 @@ class EpisodeTiming:
 
 
 def read_records(path: Path) -> list[EpisodeRecord]:
-    """Records of ``episodes.jsonl``, or of the run folder that holds it.
+    """Records of ``episodes.jsonl``, or of the folder that holds it: a run's, or one of ``results/`` (``.xz``).
 
     Raises:
-        DataError: the file is missing, empty, or a line is not a record; names file and line.
+        DataError: the file is missing, empty, not whole, or a line is not a record; names file and line.
     """
     file = path / "episodes.jsonl" if path.is_dir() else path
-    if not file.is_file():
+    packed = file.with_name(f"{file.name}.xz") if path.is_dir() and not file.is_file() else file
+    if not packed.is_file():
         raise DataError(f"{file}: no such file; expected a run folder of eval.py (with episodes.jsonl)")
-    records = [_parse(line, f"{file}:{number}") for number, line in enumerate(file.read_text().splitlines(), 1)]
+    text = _unpacked(packed) if packed.suffix == ".xz" else packed.read_text()
+    records = [_parse(line, f"{packed}:{number}") for number, line in enumerate(text.splitlines(), 1)]
     if not records:
         raise DataError(f"{file}: empty; expected one record a line, evaluate again")
     return records
@@ -116,6 +121,18 @@ def read_records(path: Path) -> list[EpisodeRecord]:
 def to_lines(items: Iterable[EpisodeRecord | EpisodeTiming]) -> str:
     """Text of a JSON lines file."""
     return "".join(f"{item.to_line()}\n" for item in items)
+
+
+def _unpacked(file: Path) -> str:
+    unpacker = lzma.LZMADecompressor()
+    try:
+        text = unpacker.decompress(file.read_bytes(), max_length=_MAX_BYTES).decode()
+        problem = "" if unpacker.eof else "it ends too early, or is larger than any run"
+    except (lzma.LZMAError, EOFError, UnicodeDecodeError) as error:
+        problem = str(error)
+    if problem:
+        raise DataError(f"{file}: not whole ({problem}); restore it or evaluate again")
+    return text
 
 
 def _parse(line: str, where: str) -> EpisodeRecord:
