@@ -10,6 +10,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from ucon.core.jit import F32, U8, jit
+
 FARTHEST_M = 10.0
 
 
@@ -18,14 +20,27 @@ def small_image(rgb: NDArray[np.uint8], depth: NDArray[np.float32], size: int) -
 
     ``rgb`` (H, W, 3) and ``depth`` (H, W) metres; H and W are multiples of ``size``.
     """
-    height, width = depth.shape
-    blocks = (size, height // size, size, width // size)
-    colours = rgb.reshape(*blocks, 3).mean((1, 3), dtype=np.float32)
-    near = depth.reshape(blocks).min((1, 3))
     out = np.empty((4, size, size), np.uint8)
-    out[:3] = colours.transpose(2, 0, 1)
-    out[3] = np.clip(near, 0.0, FARTHEST_M) * (255.0 / FARTHEST_M)
+    _shrink(np.ascontiguousarray(rgb), np.ascontiguousarray(depth), out)
     return out
+
+
+@jit
+def _shrink(rgb: U8, depth: F32, out: U8) -> None:
+    size = out.shape[1]
+    high, wide = depth.shape[0] // size, depth.shape[1] // size
+    for i in range(size):
+        for j in range(size):
+            red, green, blue, near = 0, 0, 0, np.float32(FARTHEST_M)
+            for v in range(i * high, (i + 1) * high):
+                for u in range(j * wide, (j + 1) * wide):
+                    red += rgb[v, u, 0]
+                    green += rgb[v, u, 1]
+                    blue += rgb[v, u, 2]
+                    near = min(near, depth[v, u])
+            count = high * wide
+            out[0, i, j], out[1, i, j], out[2, i, j] = red // count, green // count, blue // count
+            out[3, i, j] = np.uint8(max(near, np.float32(0.0)) * np.float32(255.0 / FARTHEST_M))
 
 
 class Eye(nn.Module):
