@@ -68,6 +68,8 @@ class DaggerLearner(ImitationLearner):
     title = "DAgger"
 
     def __init__(self, rollouts: Rollouts, **options: Any) -> None:
+        if options.pop("demonstrator", None) is not None:
+            raise ConfigError("learner.demonstrator: for learner=imitation; DAgger's expert corrects what is played")
         super().__init__(**options)
         self.rollouts = rollouts
         self.collected: list[Trajectory] = []

@@ -1,4 +1,4 @@
-"""``learner=imitation``: a policy over the seven actions learns to do what the stored shortest solutions do.
+"""``learner=imitation``: a policy over the seven actions learns to do what it is shown (``demonstrators``).
 
 A step is a batch of whole episodes, each at a habit level of its own. They are read in chunks: gradients end where a
 chunk begins, the recurrent state goes on (:mod:`ucon.learning.sequences`). The best state is chosen by what the policy
@@ -22,6 +22,7 @@ from ucon.core.errors import ConfigError, brief, unknown_name
 from ucon.core.files import sha256_bytes
 from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import entry_parts
+from ucon.learning.demonstrators import Demonstrator, Solutions
 from ucon.learning.feeding import Feeder
 from ucon.learning.learner import Card, Figures, State
 from ucon.learning.options import check, check_parts
@@ -30,7 +31,7 @@ from ucon.learning.policy import ActionPolicy
 from ucon.learning.saved import network_files
 from ucon.learning.sequence_loss import SequenceLoss
 from ucon.learning.sequences import Batch, Chunk, cut
-from ucon.learning.trajectories import Replay, Trajectory, demonstration
+from ucon.learning.trajectories import Replay, Trajectory
 from ucon.learning.updates import DivergedError, Updates, require_finite
 from ucon.learning.validation import Validation, spaced
 from ucon.retrieval.levels import check_level
@@ -50,6 +51,7 @@ class ImitationLearner:
         validation: how states are compared.
         steps: length of the run, and of the schedule of the learning rate.
         episodes: a named set or a file, of the ``train`` part alone.
+        demonstrator: shows what to do in them; by default their stored shortest solutions.
         n_episodes: so many of them, evenly spaced; None: all.
         levels: habit levels that a batch mixes. One is enough for a policy that reads none.
         batch: episodes of one step.
@@ -76,6 +78,7 @@ class ImitationLearner:
         validation: Validation,
         steps: int,
         episodes: str = "train",
+        demonstrator: Demonstrator | None = None,
         n_episodes: int | None = None,
         levels: Sequence[str] = ("none", "retrieval", "full", "gt"),
         batch: int = 16,
@@ -115,12 +118,13 @@ class ImitationLearner:
             check_level(str(level))
         self.levels = tuple(levels) if self.act.uses_habits else ("none",)
         self.episodes = spaced(load_episodes(episodes), n_episodes, "learner.n_episodes")
+        self.demonstrator = demonstrator or Solutions()
         self.dataset = env().unwrapped.source.dataset
         check_parts(self.episodes, entry_parts(self.dataset))
         self.feeder = Feeder(policy, env, workers=workers, memory_bytes=int(memory_gb * (1 << 30)))
         self.policy.to(self.device)
         self.updates = Updates(policy, lr=lr, clip=clip, steps=steps, warm_up=warm_up, decay=decay, average=average)
-        self._precision, self.done, self.frames = PRECISIONS[precision], 0, 0
+        self._precision, self.done, self.frames, self.labels = PRECISIONS[precision], 0, 0, 0
         self._stream: Iterator[list[tuple[Trajectory, Replay]]] | None = None
         self._ordered: tuple[int, NDArray[np.int64]] = (-1, np.empty(0, np.int64))
 
@@ -128,14 +132,14 @@ class ImitationLearner:
     def identity(self) -> Mapping[str, str]:
         """Hashes of the episodes, of the habits and of frozen weights."""
         of_episodes = [f"{e.id} {e.home_hash} {e.solution}" for e in (*self.episodes, *self.validation.all)]
-        frozen = getattr(self.policy, "fingerprint", str)()
+        frozen, shown = getattr(self.policy, "fingerprint", str)(), self.demonstrator.fingerprint()
         hashes = {"habits": self.dataset.sha256, "episodes": sha256_bytes("\n".join(of_episodes).encode())}
-        return hashes | ({"frozen": frozen} if frozen else {})
+        return hashes | {name: by for name, by in {"frozen": frozen, "demonstrator": shown}.items() if by}
 
     @property
     def n_labels(self) -> int:
         """Different labelled frames so far: an episode counts once, at whatever levels it was seen."""
-        return min(self.frames, sum(len(episode.solution) for episode in self.episodes))
+        return self.labels
 
     def assigned(self, item: int) -> tuple[Episode, str]:
         """Episode and habit level number ``item``: all episodes at random, again and again, the levels in turn."""
@@ -146,7 +150,7 @@ class ImitationLearner:
         """What the next steps learn from."""
         for step in count(self.done):
             items = range(step * self.batch, (step + 1) * self.batch)
-            yield [demonstration(*self.assigned(item)) for item in items]
+            yield [self.demonstrator(*self.assigned(item)) for item in items]
 
     def step(self) -> Figures:
         """One batch.
@@ -156,7 +160,8 @@ class ImitationLearner:
         """
         if self._stream is None:
             self._stream = self.feeder(self.batches())
-        batch = Batch(next(self._stream), self.loss.discount, self.device)
+        pairs = next(self._stream)
+        batch = Batch(pairs, self.loss.discount, self.device)
         seed = derived_seed(self.seed, "step", self.done)
         torch.manual_seed(seed)
         batch.augment(self.act, seed)
@@ -164,6 +169,7 @@ class ImitationLearner:
         self.updates.begin()
         sums = self._pass(batch, backward=True)
         figures = self.loss.figures(sums) | self.updates.take(self.done)
+        self.labels += sum(len(replay) for _, replay in pairs[: max(0, len(self.episodes) - self.done * self.batch)])
         self.done += 1
         self.frames += sum(batch.lengths)
         return figures | {"frames": float(self.frames), "labels": float(self.n_labels)}
@@ -192,11 +198,11 @@ class ImitationLearner:
 
     def state_dict(self) -> State:
         """Network, its average, moments of the optimiser, counters."""
-        return State(self.updates.tensors(), {"done": self.done, "frames": self.frames})
+        return State(self.updates.tensors(), {"done": self.done, "frames": self.frames, "labels": self.labels})
 
     def load_state_dict(self, state: State) -> None:
         """Go on after ``done`` steps."""
-        self.done, self.frames = int(state.values["done"]), int(state.values["frames"])
+        self.done, self.frames, self.labels = (int(state.values[name]) for name in ("done", "frames", "labels"))
         self.updates.load(state.tensors, self.done)
         self._stream = None
 
@@ -215,7 +221,7 @@ class ImitationLearner:
             f"{self.n_labels:,} different labelled frames, {self.frames:,} with repetitions; habit levels "
             f"{', '.join(self.levels)}. Validation episodes chose the state; `test` was not touched.\n\n"
             f"Use: `python eval.py agent={name} agent.checkpoint=RUN`.\n\n"
-            "It learned from an expert that knows where the target is; in homes unlike these it was not measured.",
+            f"It learned from {self.demonstrator.title}; in homes unlike these it was not measured.",
             self.dataset.name,
         )
 
