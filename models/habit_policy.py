@@ -17,6 +17,8 @@ import torch
 from torch import Tensor, nn
 
 from models.nets.token_transformer import TokenTransformer
+from ucon.core.errors import ConfigError
+from ucon.core.rng import derived_seed
 from ucon.envs.waypoint.searcher import LOYALTY
 from ucon.envs.waypoint.tokens import N_FRONTIER, N_STATE, N_THING, THING_AHEAD
 from ucon.envs.waypoint.view_tokens import AHEAD, IS_KEPT, N_VIEW
@@ -50,17 +52,30 @@ class HabitPolicy(nn.Module):
 
     architecture = "habit_policy"
 
-    def __init__(self, width: int = 64, layers: int = 2, heads: int = 4, *, use_prior: bool = True) -> None:
-        """Describe the network.
+    def __init__(
+        self, width: int = 64, layers: int = 2, heads: int = 4, *, use_prior: bool = True, seed: int = 0
+    ) -> None:
+        """Make the network.
 
         Args:
             width: of the transformer.
             layers: its blocks.
             heads: of their attention.
             use_prior: start from gain over cost; without, everything is learned.
+            seed: of the weights that learning begins with.
+
+        Raises:
+            ConfigError: a width that the heads cannot share.
         """
         super().__init__()
+        if width % heads:
+            raise ConfigError(f"agent.policy.width={width}: must be a multiple of heads={heads}")
         self.arguments: Mapping[str, Any] = {"width": width, "layers": layers, "heads": heads, "use_prior": use_prior}
+        with torch.random.fork_rng(devices=[]):
+            torch.manual_seed(derived_seed(seed, self.architecture))
+            self._build(width, layers, heads)
+
+    def _build(self, width: int, layers: int, heads: int) -> None:
         self.view, self.thing = nn.Linear(N_VIEW, width), nn.Linear(N_THING, width)
         self.frontier, self.state = nn.Linear(N_FRONTIER, width), nn.Linear(N_STATE, width)
         self.name = nn.Linear(TEXT, width, bias=False)

@@ -2,8 +2,6 @@
 
 import functools
 
-import torch
-
 from models.habit_policy import HabitPolicy
 from tests.learning.tiny_policy import ENV, TinyPolicy, training_file
 from ucon.envs.waypoint.search_env import UcONSearchEnv
@@ -17,8 +15,7 @@ LEVELS = ("none", "retrieval")
 
 
 def narrow_habit_policy(seed=0):
-    torch.manual_seed(seed)
-    return HabitPolicy(width=16, layers=1, heads=2)
+    return HabitPolicy(width=16, layers=1, heads=2, seed=seed)
 
 
 def tiny_ppo(folder, policy=None, **options):

@@ -149,7 +149,7 @@ def test_features_stand_for_their_frames(name: str) -> None:
     assert not any(tensor.requires_grad for tensor in features.values())
 
 
-@pytest.mark.parametrize("name", POLICIES)
+@pytest.mark.parametrize("name", [*POLICIES, "habit_policy"])
 def test_equal_seeds_are_equal_weights(name: str) -> None:
     config = config_of(name)["agent"]["policy"]
     torch.manual_seed(5)

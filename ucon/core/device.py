@@ -18,7 +18,9 @@ def torch_device(name: str, option: str = "device") -> str:
     try:
         kind = torch.device(name)
     except (RuntimeError, TypeError):
-        raise ConfigError(f"{option}={brief(name)}: expected cpu, cuda, cuda:NUMBER or auto") from None
+        kind = torch.device("meta")
+    if name != "cpu" and kind.type != "cuda":
+        raise ConfigError(f"{option}={brief(name)}: expected cpu, cuda, cuda:NUMBER or auto")
     if kind.type == "cuda" and (kind.index or 0) >= torch.cuda.device_count():
         raise ConfigError(f"{option}={name}: torch sees no such GPU here; give {option}=cpu")
     return name

@@ -25,7 +25,7 @@ class MovingAverage:
 
     @torch.no_grad()
     def update(self, step: int) -> None:
-        """Take in the parameters after step number ``step``, from 0."""
+        """Take in the parameters after update number ``step``, from 0."""
         keep = min(self.decay, (1 + step) / (10 + step))
         for name, value in self._parameters.items():
             self.values[name].lerp_(value, 1 - keep)

@@ -117,9 +117,9 @@ class Checkpoints:
     def _named(self, pointer: str) -> str:
         try:
             return (self.folder / pointer).read_text().strip()
-        except OSError:
+        except (OSError, UnicodeDecodeError):
             raise CheckpointError(
-                f"{self.folder / pointer}: missing, so no checkpoint is {pointer}; {self._others()}"
+                f"{self.folder / pointer}: missing or damaged, so no checkpoint is {pointer}; {self._others()}"
             ) from None
 
     def _others(self, bad: str = "") -> str:

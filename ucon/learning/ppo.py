@@ -60,7 +60,8 @@ class PPOLearner:
         discount: of rewards, a step.
         trace: of the advantages (lambda).
         kl_stop: no further pass where the policy has moved so far from the one that played.
-        lr, warm_up, clip, decay, average: see :class:`ucon.learning.updates.Updates`; one step is a collection.
+        lr, warm_up, clip, decay, average: see :class:`ucon.learning.updates.Updates`; one step is a collection, of
+            many updates.
         anneal: let the learning rate fall by half a cosine to a tenth; else it stays.
         seed: of episodes, actions and order.
         device: ``cpu``, ``cuda``, or ``auto``: a GPU if there is one. Playing is done on the CPU.
@@ -178,7 +179,7 @@ class PPOLearner:
             told, more = self.foresight(decisions, outputs.foresight.float()[there])
             loss, figures = loss + told, {**figures, **more}
         if not finite(loss):
-            self._diverged(frames, {"logits": logits.nan_to_num(neginf=0.0), "value": value}, part)
+            self._diverged(frames, {"logits": logits.masked_fill(logits == -torch.inf, 0.0), "value": value}, part)
         self.updates.begin()
         loss.backward()  # type: ignore[no-untyped-call]
         return {"loss": float(loss.detach()), **figures, **self.updates.take(self.done)}

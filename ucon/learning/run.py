@@ -171,7 +171,7 @@ class TrainingRun:
     def _cut_metrics(self) -> None:
         """Keep the lines up to the checkpoint; a last line that was cut off goes too."""
         path = self.folder / METRICS
-        text = path.read_text(encoding="utf-8") if path.is_file() else ""
+        text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
         kept = []
         for number, line in enumerate(text[: text.rfind("\n") + 1].splitlines(), 1):
             try:

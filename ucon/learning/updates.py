@@ -30,7 +30,7 @@ class Updates:
         steps: length of the schedule: a rise over ``warm_up`` steps, then half a cosine down to a tenth; 0 holds it.
         warm_up: steps until the highest rate is reached.
         decay: weight decay (decoupled).
-        average: share of the moving average that one step keeps; 0 follows the parameters.
+        average: share of the moving average that one update keeps; 0 follows the parameters.
     """
 
     def __init__(
@@ -48,13 +48,15 @@ class Updates:
         self.parameters = {name: value for name, value in module.named_parameters() if value.requires_grad}
         self._optimiser = torch.optim.AdamW(self.parameters.values(), lr=lr, weight_decay=decay)
         self._average = MovingAverage(self.parameters, average)
+        self.taken = 0
+        """Updates so far: a step may make many."""
 
     def begin(self) -> None:
         """Forget the gradient of the last step."""
         self._optimiser.zero_grad(set_to_none=True)
 
     def take(self, step: int) -> Figures:
-        """Step number ``step``, from 0, along the gradient that was collected.
+        """Update along the gradient that was collected, at the rate of step number ``step``, from 0.
 
         Raises:
             DivergedError: a gradient that is not finite; names the first of them.
@@ -68,7 +70,8 @@ class Updates:
             require_finite(gradients, step)
         torch.nn.utils.clip_grads_with_norm_(self.parameters.values(), self.clip, norm)
         self._optimiser.step()
-        self._average.update(step)
+        self._average.update(self.taken)
+        self.taken += 1
         return {"gradient": float(norm), "rate": rate}
 
     @contextmanager
@@ -102,6 +105,7 @@ class Updates:
         own = {name.removeprefix("module/"): t for name, t in tensors.items() if name.startswith("module/")}
         self.module.load_state_dict(own)
         self._optimiser.state.clear()
+        self.taken = max((int(value) for name, value in tensors.items() if name.startswith("step/")), default=0)
         for name, value in self.parameters.items():
             self._average.values[name].copy_(tensors[f"average/{name}"])
             if f"step/{name}" in tensors:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ucon.core.errors import ConfigError, EpisodeError
 from ucon.envs.knowledge import HabitSource
 from ucon.envs.ucon_env import Obs, UcONEnv
-from ucon.envs.waypoint.searcher import Searcher
+from ucon.envs.waypoint.searcher import MISS, Searcher
 from ucon.envs.waypoint.text_tokens import TextTokens
 from ucon.envs.waypoint.to_go import ToGo
 from ucon.envs.waypoint.tokens import N_FRONTIER, N_STATE, N_THING, Sizes, TokenReader, Tokens
@@ -83,6 +83,7 @@ class UcONSearchEnv(gym.Env[Obs, int]):
         episodes: Any = "mini",
         *,
         locate: Locate | None = None,
+        miss: float = MISS,
         sizes: Sizes | None = None,
         text: TextTokens | None = None,
         returns: Returns | None = None,
@@ -96,6 +97,7 @@ class UcONSearchEnv(gym.Env[Obs, int]):
         Args:
             episodes: see ``UcON-v0``.
             locate: says where the target may be; by default it is read from the habits.
+            miss: chance that a look at a place misses the target there.
             sizes: rows of the tokens.
             text: embeds names and habits.
             returns: what an episode is worth.
@@ -111,7 +113,7 @@ class UcONSearchEnv(gym.Env[Obs, int]):
             raise ConfigError("detector=None: views are valued by what is detected; name a detector")
         self.env = UcONEnv(episodes, observe=observe, detector=detector, **options)  # type: ignore[arg-type]
         self.render_mode = self.env.render_mode
-        self._locate, self._sizes = locate or ReadHabits(), sizes or Sizes()
+        self._locate, self._miss, self._sizes = locate or ReadHabits(), miss, sizes or Sizes()
         self._text, self._returns = text or TextTokens(), returns or Returns()
         self._searcher: Searcher | None = None
         self._to_go: ToGo | None = None
@@ -129,7 +131,7 @@ class UcONSearchEnv(gym.Env[Obs, int]):
         super().reset(seed=seed)
         obs, info = self.env.reset(seed=seed, options=options)
         locations = self._locate(info)
-        self._searcher = Searcher(info, expecting(info, self._locate, locations=locations))
+        self._searcher = Searcher(info, expecting(info, self._locate, locations=locations), miss=self._miss)
         self._reader = TokenReader(self._searcher, info, self._sizes)
         self._said = self._text.read(info, locations)
         self._to_go = ToGo(self.env) if self._tells_way else None
