@@ -101,6 +101,10 @@ class ZSON(PolicyModule):
         images = random_shift(color_jitter(images, _JITTER, generator), _SHIFT_PX, generator)
         return {**frames, "rgb": (images * 255).round().to(torch.uint8).permute(0, 1, 3, 4, 2)}
 
+    def take_in(self, frames: Tensors) -> None:
+        """Colours, to be normalised by."""
+        self.normalise.take_in(_channels_first(frames["rgb"]))
+
     def initial_state(self, batch: int) -> Tensors:
         """LSTM ``hidden`` and ``cell`` (B, 2, 512): zeros."""
         return lstm_state(batch, self.lstm)
@@ -108,7 +112,7 @@ class ZSON(PolicyModule):
     def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
         """See :class:`ucon.learning.policy.ActionPolicy`."""
         steps, batch = frames["rgb"].shape[:2]
-        images = frames["rgb"].flatten(0, 1).permute(0, 3, 1, 2).float() / 255
+        images = _channels_first(frames["rgb"].flatten(0, 1))
         seen = self.visual(self.compression(self.encoder(self.normalise(images))))  # (T * B, 512)
         goal = context["goal"].float().expand(steps, batch, -1)
         parts = [seen.unflatten(0, (steps, batch)), goal, self.last_action(frames["last_action"].long())]
@@ -132,3 +136,8 @@ class ZSON(PolicyModule):
         for head, gain in ((self.actor, 0.01), (self.critic, 1.0)):
             nn.init.orthogonal_(head.weight, gain)
             nn.init.zeros_(head.bias)
+
+
+def _channels_first(rgb: Tensor) -> Tensor:
+    """(N, H, W, 3) uint8 to (N, 3, H, W) in [0, 1]."""
+    return rgb.permute(0, 3, 1, 2).float() / 255

@@ -55,9 +55,10 @@ class GroupNormResNet50(nn.Module):
 
 
 class RunningMeanAndVar(nn.Module):
-    """Normalises each channel by what it was in all images seen while training (Habitat's layer of that name).
+    """Normalises each channel by what it was in all images that were taken in (Habitat's layer of that name).
 
-    Mean and variance are moved by each batch of training before it is normalised, and stay as they are in evaluation.
+    Habitat takes images in as it trains on them; here the learner says when (:meth:`take_in`), so that padding is left
+    out and nothing moves while probabilities are compared.
     """
 
     mean: Tensor
@@ -72,13 +73,12 @@ class RunningMeanAndVar(nn.Module):
 
     def forward(self, images: Tensor) -> Tensor:
         """Images (N, C, H, W) to the same."""
-        if self.training:
-            self._take_in(images.detach())
         deviation = self.variance.clamp(min=1e-2).sqrt()
         return (images - self.mean) / deviation
 
-    def _take_in(self, images: Tensor) -> None:
-        """The formula of Chan et al. for the variance of two sets together; a batch counts its images."""
+    @torch.no_grad()
+    def take_in(self, images: Tensor) -> None:
+        """Images (N, C, H, W), by the formula of Chan et al. for the variance of two sets together."""
         n = images.shape[0]
         mean = images.mean((0, 2, 3), keepdim=True)
         variance = ((images - mean) ** 2).mean((0, 2, 3), keepdim=True)

@@ -56,6 +56,9 @@ class PolicyModule(nn.Module):
         """See :class:`ucon.learning.policy.ActionPolicy`."""
         return frames
 
+    def take_in(self, frames: Tensors) -> None:
+        """See :class:`ucon.learning.policy.ActionPolicy`."""
+
     def initial_state(self, batch: int) -> Tensors:
         """See :class:`ucon.learning.policy.ActionPolicy`."""
         return {}

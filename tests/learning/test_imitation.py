@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from models.nets.policy import PolicyModule
-from tests.learning.tiny_policy import TinyPolicy, tiny_imitation, training_file
+from tests.learning.tiny_policy import Counting, TinyPolicy, tiny_imitation, training_file
 from ucon.core.errors import ConfigError, DataError
 from ucon.learning.run import METRICS, Plan, TrainingRun
 from ucon.learning.saved import load_network
@@ -52,6 +52,11 @@ def test_budgets_are_counted(learner):
     assert [s["frames"] for s in steps] == [sum(seen[: k + 1]) for k in range(4)]
     assert [s["labels"] for s in steps] == [min(s["frames"], total) for s in steps]
     assert steps[2]["labels"] == total
+
+
+def test_statistics_are_told_of_every_frame_and_of_no_padding(learner):
+    found = learner(Counting(), n_episodes=4, batch=3)
+    assert [found.step()["frames"] for _ in range(3)][-1] == found.policy.n_seen > 0
 
 
 def test_batches_mix_levels_and_visit_every_episode(learner):
@@ -151,10 +156,12 @@ class Broken(TinyPolicy):
         out = super().forward(frames, context, state)
         if self.where == "value":
             return out._replace(value=out.value / 0)
+        if self.where == "logits":
+            return out._replace(logits=out.logits * float("nan"))
         return out
 
 
-@pytest.mark.parametrize("where", ["frames depth", "value", "gradient of worth.weight", "parameter see.0.weight"])
+@pytest.mark.parametrize("where", ["frames depth", "value", "logits", "gradient of worth.weight", "parameter see.0.weight"])
 def test_numbers_that_are_none_stop_it_and_are_named(learner, where):
     found = learner(Broken(where))
     if where.startswith("parameter"):

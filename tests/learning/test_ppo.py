@@ -9,7 +9,7 @@ from tensordict import TensorDict
 
 from models.agents.habit_policy import HabitPolicyAgent
 from tests.learning.test_imitation import Broken, files
-from tests.learning.tiny_policy import TinyPolicy
+from tests.learning.tiny_policy import Counting, TinyPolicy
 from tests.learning.tiny_ppo import narrow_habit_policy, tiny_ppo
 from ucon.core.errors import ConfigError, DataError
 from ucon.envs.ucon_env import UcONEnv
@@ -160,13 +160,37 @@ def test_passes_end_where_the_policy_has_moved_far(learner):
     assert near["passes"] < 5
 
 
+def test_statistics_are_told_of_every_frame_and_of_no_padding(learner):
+    found = learner(Counting(), frames=50)
+    assert [found.step()["frames"] for _ in range(2)][-1] == found.policy.n_seen > 0
+
+
+def test_the_average_counts_updates(learner):
+    """Two collections make many updates, so that decays far above that of the second step differ."""
+    few, many = (learner(narrow_habit_policy(), frames=60, minibatch=4, average=decay) for decay in (0.6, 0.9))
+    for found in (few, many):
+        for _ in range(2):
+            found.step()
+        assert found.updates.taken > 20
+    values = [found.updates.tensors()["average/network.score.0.weight"] for found in (few, many)]
+    assert not torch.equal(*values)
+    own = many.updates.tensors()["module/network.score.0.weight"]
+    assert float((values[0] - own).norm()) < float((values[1] - own).norm())
+
+
+def test_equal_seeds_are_equal_runs(learner):
+    first, second, other = (narrow_habit_policy(seed) for seed in (0, 0, 1))
+    runs = [learner(policy, frames=30).step() for policy in (first, second, other)]
+    assert runs[0] == runs[1] != runs[2]
+
+
 def test_bfloat16_is_close(learner):
     exact, rough = (learner(narrow_habit_policy(), frames=25, precision=p).step() for p in ("float32", "bfloat16"))
     assert exact["loss"] != rough["loss"]
     assert exact["loss"] == pytest.approx(rough["loss"], abs=0.1)
 
 
-@pytest.mark.parametrize("where", ["value", "gradient of worth.weight"])
+@pytest.mark.parametrize("where", ["value", "logits", "gradient of worth.weight"])
 def test_numbers_that_are_none_stop_it_and_are_named(learner, where):
     policy = Broken("")
     found = learner(policy)
@@ -196,6 +220,8 @@ def test_a_state_of_another_network_is_refused(learner):
         ({"trace": 1.1}, r"learner\.trace=1\.1: must be from 0 to 1"),
         ({"precision": "float8"}, "unknown precision 'float8'"),
         ({"device": "cuda:7"}, r"learner\.device=cuda:7: torch sees no such GPU"),
+        ({"device": "mps"}, r"learner\.device=mps: expected cpu, cuda, cuda:NUMBER or auto"),
+        ({"device": "meta"}, r"learner\.device=meta: expected cpu, cuda, cuda:NUMBER or auto"),
         ({"levels": []}, r"learner\.levels=.*: expected a list"),
         ({"levels": ["ful"]}, "unknown habit level 'ful'"),
         ({"n_episodes": 0}, r"learner\.n_episodes=0: expected a whole number from 1 to 6"),

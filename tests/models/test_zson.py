@@ -53,13 +53,13 @@ def test_the_start_is_no_action() -> None:
 def test_running_statistics_are_those_of_all_images() -> None:
     layer, seen = RunningMeanAndVar(), [0.2 * images(n, 3, 6, 5, seed=n) + 0.1 * n for n in (1, 4, 2)]
     for batch in seen:
-        layer(batch)
+        layer.take_in(batch)
     together = torch.cat(seen)
     assert torch.allclose(layer.mean.flatten(), together.mean((0, 2, 3)), atol=1e-5)
     assert torch.allclose(layer.variance.flatten(), together.var((0, 2, 3), unbiased=False), atol=1e-5)
     assert int(layer.count) == 7
     before = layer.mean.clone()
-    found = layer.eval()(together)
+    found = layer.train()(together)
     assert torch.equal(layer.mean, before)
     assert torch.allclose(found.mean((0, 2, 3)), torch.zeros(3), atol=1e-4)
     assert torch.allclose(found.std((0, 2, 3)), torch.ones(3), atol=0.01)

@@ -88,6 +88,13 @@ class Experience:
             if len(part):
                 yield self.taken(part)
 
+    def seen(self, steps: int) -> Iterator[dict[str, Tensor]]:
+        """All frames that are learned from, (n, ...), at most so many at a time."""
+        for row in range(len(self.advantage)):
+            for at in range(0, self.advantage.shape[1], steps):
+                piece = slice(at, min(at + steps, self.advantage.shape[1]))
+                yield {name: tensor[row, piece] for name, tensor in self._batch["frames"].items()}
+
     def taken(self, part: NDArray[np.int64]) -> Sequences:
         """The sequences in the rows of ``part``, (B, 3)."""
         row, first, length = (torch.from_numpy(column) for column in part.T.copy())

@@ -166,6 +166,8 @@ class ImitationLearner:
         torch.manual_seed(seed)
         batch.augment(self.act, seed)
         self.policy.train()
+        for frames in batch.frames:
+            self.act.take_in(frames)
         self.updates.begin()
         sums = self._pass(batch, backward=True)
         figures = self.loss.figures(sums) | self.updates.take(self.done)

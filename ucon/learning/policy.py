@@ -73,6 +73,13 @@ class ActionPolicy(Protocol):
         """
         ...
 
+    def take_in(self, frames: Tensors) -> None:
+        """Frames (N, ...) that were seen while learning, for statistics that are no parameters.
+
+        Called between steps alone: by imitation before a batch is learned from, by PPO after a collection was.
+        """
+        ...
+
     def initial_state(self, batch: int) -> Tensors:
         """The recurrent state at the start of ``batch`` episodes: tensors (B, ...); none of a policy without memory."""
         ...

@@ -159,6 +159,8 @@ class PPOLearner:
             passes += 1
             if total(learned[first:])["kl"] > self.kl_stop:
                 break
+        for frames in experience.seen(self.minibatch):
+            self.act.take_in(_moved(frames, self.device))
         self.done += 1
         self.frames += len(experience)
         figures = experience.figures() | total(learned)
@@ -173,13 +175,16 @@ class PPOLearner:
             outputs = self.act(frames, context, state)
         there = part.there.to(device)
         logits, value = outputs.logits.float()[there], outputs.value.float()[there]
+        told = {"logits": logits.masked_fill(logits == -torch.inf, 0.0), "value": value}
+        if not all(map(finite, told.values())):  # no loss can be made of them
+            self._diverged(frames, told, part)
         loss, figures = self.loss(part.played, logits, value)
         if self.foresight is not None and outputs.foresight is not None and TO_GO in frames:
             decisions = {name: tensor[there] for name, tensor in frames.items()}
-            told, more = self.foresight(decisions, outputs.foresight.float()[there])
-            loss, figures = loss + told, {**figures, **more}
+            foretold, more = self.foresight(decisions, outputs.foresight.float()[there])
+            loss, figures = loss + foretold, {**figures, **more}
         if not finite(loss):
-            self._diverged(frames, {"logits": logits.masked_fill(logits == -torch.inf, 0.0), "value": value}, part)
+            self._diverged(frames, told, part)
         self.updates.begin()
         loss.backward()  # type: ignore[no-untyped-call]
         return {"loss": float(loss.detach()), **figures, **self.updates.take(self.done)}

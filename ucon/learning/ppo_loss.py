@@ -91,6 +91,6 @@ def total(figures: list[Mapping[str, float]]) -> dict[str, float]:
     return {name: sum(one[name] for one in figures) / len(figures) for name in figures[0]}
 
 
-def finite(loss: Tensor) -> bool:
-    """Whether a loss is a number."""
-    return bool(torch.isfinite(loss))
+def finite(tensor: Tensor) -> bool:
+    """Whether all of it are numbers."""
+    return bool(torch.isfinite(tensor).all())

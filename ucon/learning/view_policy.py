@@ -71,6 +71,9 @@ class ViewPolicy(nn.Module):
         """Nothing is changed."""
         return frames
 
+    def take_in(self, frames: Tensors) -> None:
+        """It keeps no statistics."""
+
     def initial_state(self, batch: int) -> Tensors:
         """No memory."""
         return {}
