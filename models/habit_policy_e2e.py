@@ -21,14 +21,16 @@ from models.nets.directions import from_here, target_at, turned
 from models.nets.ego_view import N_THINGS, THING_FEATURES, ego_view
 from models.nets.eye import Eye, small_image
 from models.nets.floor_memory import CHANNELS, N_TRACKS, REACH, FloorMemory, Step, Window
+from models.nets.head_reader import default_head_reader
 from models.nets.places_to_go import PlacesToGo, Ways
 from models.nets.policy import N_ACTIONS, PolicyModule, lstm_state, run_lstm
 from models.nets.read_habits import SUMMARY_FEATURES, read_habits, words
 from models.nets.things_in_view import N_CUES, Seen, ThingsInView
-from ucon.core.errors import ConfigError
+from ucon.core.errors import ConfigError, brief
 from ucon.core.rng import derived_seed
 from ucon.language.encoder import DIM
 from ucon.learning.policy import Arrays, Outputs, Tensors
+from ucon.retrieval.reader import default_reader
 from ucon.retrieval.reading import Reader
 from ucon.task.actions import Action
 
@@ -63,6 +65,7 @@ class HabitPolicyE2E(PolicyModule):
         self,
         reader: Reader | None = None,
         *,
+        head: bool = True,
         image_px: int = 64,
         width: int = 64,
         hidden: int = 256,
@@ -77,7 +80,8 @@ class HabitPolicyE2E(PolicyModule):
         """Build it with random weights.
 
         Args:
-            reader: reads the habits; the shipped one by default.
+            reader: reads the habits; by default what is shipped: the belief head, or
+            head: False, the fitted reader (ablation).
             image_px: side of the image that the visual encoder sees; divides the camera's, a multiple of 16.
             width: of tokens.
             hidden: of the LSTM.
@@ -88,9 +92,14 @@ class HabitPolicyE2E(PolicyModule):
             advisor: a language model's choice among the anchors as a feature of things.
             clip: a frozen image encoder beside the learned one.
             seed: of the weights.
+
+        Raises:
+            ConfigError: a size that does not fit.
         """
         super().__init__()
-        self._reader = reader
+        if type(image_px) is not int or image_px < 16 or image_px % 16:
+            raise ConfigError(f"agent.policy.image_px={brief(image_px)}: must be a multiple of 16, at least 16")
+        self._reader, self._head = reader, head
         self._arguments = {"image_px": image_px, "width": width, "hidden": hidden}
         self._arguments |= {"rgb": rgb, "plan": plan, "attend": attend, "scores": scores}
         self._advisor, self._clip = advisor, clip
@@ -120,9 +129,7 @@ class HabitPolicyE2E(PolicyModule):
         """Of the habits."""
         if self._reader is not None:
             return self._reader
-        from ucon.retrieval.reader import default_reader  # one per process, so a copy takes none along
-
-        return default_reader()
+        return default_head_reader() if self._head else default_reader()  # one per process: a copy takes none along
 
     @property
     def arguments(self) -> Mapping[str, Any]:
@@ -139,6 +146,7 @@ class HabitPolicyE2E(PolicyModule):
     def fingerprint(self) -> str | None:
         """See :class:`models.nets.policy.PolicyModule`."""
         parts = [part.fingerprint() for part in (self._advisor, self._clip) if part is not None]
+        parts.append(str(getattr(self.reader, "fingerprint", str)()))
         return None if None in parts else " ".join(part for part in parts if part)
 
     def context(self, info: Mapping[str, Any]) -> Arrays:
@@ -163,6 +171,9 @@ class HabitPolicyE2E(PolicyModule):
             )
         x, y, yaw, pitch = (float(v) for v in observation["pose"])
         depth = observation["depth"].reshape(observation["depth"].shape[:2])
+        if depth.shape[0] % self._image_px or depth.shape[1] % self._image_px:
+            sides = " x ".join(map(str, depth.shape))
+            raise ConfigError(f"agent.policy.image_px={self._image_px}: must divide the camera's {sides} pixels")
         view = ego_view(depth, pitch, float(info["camera_m"]), info, str(info["target"]))
         number = words().number
         ids = np.full(N_THINGS, -1, np.int16)

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import torch
-from torch import nn
+from torch import Tensor, nn
 
 from models.nets.augment import color_jitter, random_shift
 from models.nets.goals import ClipGoal, SentenceGoal

@@ -73,8 +73,11 @@ def ego_view(depth: F32, pitch_rad: float, camera_m: float, info: Mapping[str, A
     found = Detections.from_info(info)
     points, spread = _points(depth, pitch_rad, camera_m)
     patch, look, cell = _floor(points[:, ::_STRIDE, ::_STRIDE], spread[::_STRIDE, ::_STRIDE])
-    rows, names = _chosen(found, target)
-    table = np.full(int(max(found.image.max(), found.track.max(initial=0))) + 2, -1, np.int16)
+    n_tracks = int(max(found.image.max(), found.track.max(initial=0))) + 1
+    shown = np.zeros(n_tracks + 1, bool)  # the last for pixels of nothing
+    shown[found.image[np.isfinite(spread)]] = True
+    rows, names = _chosen(found, shown, target)
+    table = np.full(n_tracks + 1, -1, np.int16)
     table[found.track[rows]] = np.arange(len(rows))
     image = table[found.image]
     things = np.zeros((N_THINGS, len(THING_FEATURES)), np.float32)
@@ -158,9 +161,13 @@ def _block(flags: NDArray[np.uint8], at: NDArray[np.int64], off: F32) -> None:
         flags[near] |= BLOCKED
 
 
-def _chosen(found: Detections, target: str) -> tuple[NDArray[np.int64], tuple[str, ...]]:
-    """Rows of detections that are things: the target, then the largest."""
-    things = [k for k, name in enumerate(found.category) if name not in STRUCTURE_KINDS]
+def _chosen(found: Detections, shown: NDArray[np.bool_], target: str) -> tuple[NDArray[np.int64], tuple[str, ...]]:
+    """Rows of detections that are things and in view: the target, then the largest.
+
+    ``shown`` by track: boxes may be listed all of whose pixels others took, or that nothing can be measured of.
+    """
+    seen = shown[found.track].tolist()
+    things = [k for k, name in enumerate(found.category) if seen[k] and name not in STRUCTURE_KINDS]
     things.sort(key=lambda k: (found.category[k] != target, -int(found.pixels[k]), int(found.track[k])))
     rows = np.array(things[:N_THINGS], np.int64)
     return rows, tuple(found.category[k] for k in rows.tolist())

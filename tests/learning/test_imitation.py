@@ -161,7 +161,9 @@ class Broken(TinyPolicy):
         return out
 
 
-@pytest.mark.parametrize("where", ["frames depth", "value", "logits", "gradient of worth.weight", "parameter see.0.weight"])
+@pytest.mark.parametrize(
+    "where", ["frames depth", "value", "logits", "gradient of worth.weight", "parameter see.0.weight"]
+)
 def test_numbers_that_are_none_stop_it_and_are_named(learner, where):
     found = learner(Broken(where))
     if where.startswith("parameter"):

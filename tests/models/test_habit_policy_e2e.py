@@ -25,9 +25,14 @@ WALK = (0, 0, 2, 0, 0, 4, 1, 0, 0, 3, 1, 0, 0, 5, 0, 1)
 
 @pytest.fixture(scope="module")
 def policy() -> HabitPolicyE2E:
-    torch.manual_seed(0)
-    made = HabitPolicyE2E().eval()
-    with torch.no_grad():  # as if trained a little: the last layer begins at zero
+    return random_policy()
+
+
+def random_policy(**options) -> HabitPolicyE2E:
+    """As if trained a little: the last layer begins at zero."""
+    made = HabitPolicyE2E(**options).eval()
+    with torch.no_grad(), torch.random.fork_rng():
+        torch.manual_seed(0)
         torch.nn.init.normal_(made.choose[-1].weight, std=0.1)
     return made
 
@@ -186,11 +191,54 @@ def test_it_is_small_and_fast(policy, walks):
     assert float(np.median(spent)) <= 0.030
 
 
+@pytest.mark.parametrize("given", [True, False])
 @pytest.mark.parametrize("switch", ["rgb", "plan", "attend"])
-def test_ablations_play(walks, switch):
-    policy = HabitPolicyE2E(**{switch: False})
-    assert torch.isfinite(policy(*episode(policy, walks["gt"]), policy.initial_state(1)).logits).all()
-    assert policy.arguments[switch] is False
+def test_what_an_ablation_takes_away_matters_no_more(walks, switch, given):
+    policy = random_policy(**{switch: given})
+    assert policy.arguments[switch] is given
+    frames, context = episode(policy, walks["gt"])
+    with torch.no_grad():
+        before = policy(frames, context, policy.initial_state(1)).logits
+        if switch == "rgb":
+            frames["image"] = 255 - frames["image"]
+        elif switch == "plan":
+            policy.places.log_cost += 1.0
+        else:
+            told = {**walks["gt"][0], "habits": tuple(reversed(walks["none"][0]["habits"] or ("Nothing is said.",)))}
+            other = {name: t[None] for name, t in tensors(policy.context(told)).items()}
+            context["habit_features"] = other["habit_features"]
+        after = policy(frames, context, policy.initial_state(1)).logits
+    assert torch.isfinite(before).all()
+    assert torch.equal(before, after) is not given
+
+
+def test_without_the_head_the_fitted_reader_reads(walks):
+    ours, fitted = HabitPolicyE2E(), HabitPolicyE2E(head=False)
+    assert ours.fingerprint() != fitted.fingerprint()
+    beliefs = [policy.context(walks["gt"][0])["belief"] for policy in (ours, fitted)]
+    assert not np.array_equal(*beliefs)
+
+
+def test_what_is_covered_is_not_in_view(policy, walks):
+    """Box detectors list tracks whose pixels others took: no place can be told of them, and nearest none of 0 m."""
+    obs, info = walks["none"][1][0]
+    found = info["detections"]
+    covered = int(found.track.max()) + 1
+    listed = {
+        "track": np.append(found.track, covered),
+        "category": [*found.category, info["target"]],
+        "pixels": np.append(found.pixels, 50),
+    }
+    before, after = (policy.frame(obs, {**info, "detections": d}) for d in (found, listed))
+    assert all(np.array_equal(before[name], after[name]) for name in before)
+
+
+@pytest.mark.parametrize(
+    ("image_px", "said"), [(60, "multiple of 16"), (0, "multiple of 16"), (256, "128 x 128 pixels")]
+)
+def test_sizes_that_do_not_fit_are_named(walks, image_px, said):
+    with pytest.raises(ConfigError, match=rf"agent\.policy\.image_px={image_px}: .*{said}"):
+        HabitPolicyE2E(image_px=image_px).frame(*walks["none"][1][0])
 
 
 def test_needs_pixels(policy, walks):
@@ -277,8 +325,8 @@ def test_shortest_ways_against_plain_search():
                     assert steps[n, h, a, b] == min(block)
 
 
-def test_reasons_name_place_and_habit(policy, walks):
-    first, _ = walks["gt"]
+def test_reasons_name_place_and_habit(walks):
+    policy, (first, _) = random_policy(head=False), walks["gt"]
     frames, context = episode(policy, walks["gt"])
     with torch.no_grad():
         out, inside = policy.think(frames, context, policy.initial_state(1))

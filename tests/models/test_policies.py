@@ -116,8 +116,13 @@ def test_episodes_of_a_batch_know_nothing_of_each_other(name: str) -> None:
 def test_the_target_changes_the_answer(name: str) -> None:
     frames, context = sequence(name)
     seen = frames["label"][0, :, 0] if "label" in frames else None  # as if the first thing in view were the target
-    other = {"target": seen.long()} if seen is not None else {key: t.flip(0) for key, t in context.items()}
-    assert not torch.equal(run(name, frames, context).logits, run(name, frames, other).logits)
+    other = (
+        {"target": seen.long()}
+        if seen is not None
+        else {key: context[key].flip(0) for key in {"target", "goal"} & set(context)}
+    )
+    assert other
+    assert not torch.equal(run(name, frames, context).logits, run(name, frames, {**context, **other}).logits)
 
 
 @pytest.mark.parametrize("name", POLICIES)
