@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from models.agents.base import Info, Observation, slots_of
 from models.agents.weights import Weights
 from ucon.core.device import torch_device
-from ucon.core.errors import DataError
+from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import sha256_bytes
 from ucon.core.rng import stream
 
@@ -49,6 +49,7 @@ class PolicyAgent:
         checkpoint: str | None = None,
         *,
         sample: bool = False,
+        temperature: float = 1.0,
         seed: int = 0,
         device: str = "cpu",
     ) -> None:
@@ -60,12 +61,18 @@ class PolicyAgent:
                 it is; None: they are still to be trained.
             sample: draw actions by the policy's probabilities instead of taking the best; each draw is a function of
                 seed, episode and step.
+            temperature: logits are divided by it before a draw: below 1 the likely becomes likelier.
             seed: of the draws.
             device: ``cpu``, ``cuda``, ``cuda:1``; ``auto`` is a GPU if there is one.
+
+        Raises:
+            ConfigError: a temperature that is none.
         """
+        if type(temperature) not in (int, float) or not 0.01 <= temperature <= 100:
+            raise ConfigError(f"agent.temperature={brief(temperature)}: expected a number from 0.01 to 100")
         self.policy = policy
         self._weights = Weights(policy, checkpoint)
-        self._sample, self._seed, self._device = sample, seed, device
+        self._sample, self._temperature, self._seed, self._device = sample, float(temperature), seed, device
         self._ready = False
         self._episodes: dict[int, _Episode] = {}
 
@@ -130,7 +137,7 @@ class PolicyAgent:
             raise DataError(f"agent {self.name}: logits that are no numbers at step {episode.steps}; train it anew")
         if not self._sample:
             return int(logits.argmax())
-        heat = np.exp(logits - logits.max())
+        heat = np.exp((logits - logits.max()) / self._temperature)
         draw = stream(self._seed, self.policy.architecture, episode.name, episode.steps)
         return int(draw.choice(len(heat), p=heat / heat.sum()))
 

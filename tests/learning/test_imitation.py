@@ -10,6 +10,7 @@ import torch
 from models.nets.policy import PolicyModule
 from tests.learning.tiny_policy import Counting, TinyPolicy, tiny_imitation, training_file
 from ucon.core.errors import ConfigError, DataError
+from ucon.core.files import write_atomic, write_manifest
 from ucon.learning.run import METRICS, Plan, TrainingRun
 from ucon.learning.saved import load_network
 from ucon.learning.sequence_loss import SequenceLoss
@@ -52,6 +53,24 @@ def test_budgets_are_counted(learner):
     assert [s["frames"] for s in steps] == [sum(seen[: k + 1]) for k in range(4)]
     assert [s["labels"] for s in steps] == [min(s["frames"], total) for s in steps]
     assert steps[2]["labels"] == total
+
+
+@pytest.mark.parametrize("half", [False, True])
+def test_it_begins_with_the_weights_of_another_run(learner, tmp_path, half):
+    first = learner(steps=3, half=half)
+    for _ in range(3):
+        first.step()
+    for name, content in first.product().items():
+        write_atomic(tmp_path / name, content)
+    write_manifest(tmp_path, first.product())
+    second, plain = learner(TinyPolicy(seed=5), initial=str(tmp_path)), learner(TinyPolicy(seed=5))
+    shown = first.validation.demonstrations(first.levels)
+    assert second.measured(shown)["loss"] == pytest.approx(first.measured(shown)["loss"], abs=0.01)
+    assert plain.measured(shown)["loss"] != pytest.approx(first.measured(shown)["loss"], abs=0.1)
+    assert second.identity["initial"]
+    assert second.identity.keys() - plain.identity.keys() == {"initial"}
+    with pytest.raises(DataError, match="architecture tiny, expected other"):
+        learner(type("Other", (TinyPolicy,), {"architecture": "other"})(), initial=str(tmp_path))
 
 
 def test_statistics_are_told_of_every_frame_and_of_no_padding(learner):
@@ -205,6 +224,7 @@ def test_a_state_of_another_network_is_refused(learner):
         ({"episodes": "nowhere"}, "unknown episode set or file 'nowhere'"),
         ({"episodes": "val"}, r"of the (val|test) part, which must not be learned from"),
         ({"episodes": "mini"}, r"of the (val|test) part, which must not be learned from"),
+        ({"validation": {"episodes": "test"}}, r"of the test part, by which nothing must be chosen"),
         ({"validation": {"choose": "sr"}}, r"unknown figure of learner\.validation\.choose 'sr'"),
         ({"validation": {"n_play": 0}}, "nothing is played; choose loss or accuracy"),
         ({"validation": {"slots": 0}}, r"validation\.slots=0: must be a whole number from 1"),

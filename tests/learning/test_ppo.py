@@ -226,6 +226,7 @@ def test_a_state_of_another_network_is_refused(learner):
         ({"levels": ["ful"]}, "unknown habit level 'ful'"),
         ({"n_episodes": 0}, r"learner\.n_episodes=0: expected a whole number from 1 to 6"),
         ({"episodes": "mini"}, r"of the (val|test) part, which must not be learned from"),
+        ({"validation": {"episodes": "test"}}, r"of the test part, by which nothing must be chosen"),
         ({"validation": {"choose": "loss"}}, r"learner\.validation\.choose=loss: expected success_rate or spl"),
         ({"policy": narrow_habit_policy(), "search": UcONEnv}, "expected the environment UcONSearch"),
     ],

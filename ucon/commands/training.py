@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import canonical_json, sha256_bytes
@@ -63,6 +63,15 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
     return ChosenRun({**config, **watched}, folder, checkpoint)
 
 
+#: Options of agents that say how weights are played, and what says the like of training.
+_OF_PLAYING: Final = {
+    "agent.checkpoint": "learner.initial=FOLDER, the weights that training begins with",
+    "agent.device": "learner.device",
+    "agent.sample": "learner.validation.sample, how validation episodes are played",
+    "agent.temperature": "it to eval.py",
+}
+
+
 def _check_agent(cfg: DictConfig, overrides: Sequence[str]) -> None:
     """Refuse a learner of policies without an agent that has one, and a named agent with a learner of something else.
 
@@ -78,6 +87,9 @@ def _check_agent(cfg: DictConfig, overrides: Sequence[str]) -> None:
     elif not isinstance(OmegaConf.select(cfg, "agent.policy"), DictConfig):
         target = str(cfg.agent.get("_target_", "")).rsplit(".", 1)[-1]
         raise ConfigError(f"{target} has no policy that could be trained; choose an agent that has one, such as vtn")
+    for word in overrides:
+        if (option := word.split("=")[0].lstrip("+~")) in _OF_PLAYING:
+            raise ConfigError(f"{word}: {option} is of playing; give {_OF_PLAYING[option]}")
 
 
 def _stored(path: Path, raw: bytes) -> dict[str, Any]:

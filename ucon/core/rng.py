@@ -6,6 +6,8 @@ import hashlib
 
 import numpy as np
 
+from ucon.core.errors import ConfigError, brief
+
 
 def stream(seed: int, *keys: str | int) -> np.random.Generator:
     """A generator that depends on nothing but ``seed`` and ``keys``.
@@ -24,5 +26,7 @@ def derived_seed(seed: int, *keys: str | int) -> int:
 
 
 def _key(seed: int, keys: tuple[str | int, ...]) -> int:
+    if not isinstance(seed, int | np.integer) or isinstance(seed, bool):
+        raise ConfigError(f"seed={brief(seed)}: must be a whole number")
     text = "\x1f".join([str(int(seed)), *(f"{type(k).__name__}:{k}" for k in keys)])
     return int.from_bytes(hashlib.sha256(text.encode()).digest()[:16], "little")

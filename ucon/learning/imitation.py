@@ -28,7 +28,7 @@ from ucon.learning.learner import Card, Figures, State
 from ucon.learning.options import check, check_parts
 from ucon.learning.playing import Players
 from ucon.learning.policy import ActionPolicy
-from ucon.learning.saved import network_files
+from ucon.learning.saved import load_network, network_files
 from ucon.learning.sequence_loss import SequenceLoss
 from ucon.learning.sequences import Batch, Chunk, cut
 from ucon.learning.trajectories import Replay, Trajectory
@@ -58,6 +58,7 @@ class ImitationLearner:
         chunk: steps through which gradients flow.
         lr, warm_up, clip, decay, average: see :class:`ucon.learning.updates.Updates`.
         seed: of the order of episodes, of dropout and augmentation.
+        initial: folder of the weights that it begins with, or a run of ``train.py``; None: those that it has.
         device: ``cpu``, ``cuda``, or ``auto``: a GPU if there is one.
         precision: ``float32``, or ``bfloat16`` for the passes of the network (the loss stays in float32).
         workers: processes that play episodes ahead; 0 plays them in this one. Changes nothing that is learned.
@@ -66,6 +67,7 @@ class ImitationLearner:
 
     Raises:
         ConfigError: a value of the wrong type or outside its range, or episodes that must not be learned from.
+        DataError: no weights in ``initial``, or those of another network.
     """
 
     title = "imitation"
@@ -89,6 +91,7 @@ class ImitationLearner:
         decay: float = 0.0,
         average: float = 0.0,
         seed: int = 0,
+        initial: str | None = None,
         device: str = "cpu",
         precision: str = "float32",
         workers: int = 0,
@@ -120,7 +123,8 @@ class ImitationLearner:
         self.episodes = spaced(load_episodes(episodes), n_episodes, "learner.n_episodes")
         self.demonstrator = demonstrator or Solutions()
         self.dataset = env().unwrapped.source.dataset
-        check_parts(self.episodes, entry_parts(self.dataset))
+        check_parts(self.episodes, validation.all, entry_parts(self.dataset))
+        self._initial = "" if initial is None else load_network(str(initial), cast(Any, policy))
         self.feeder = Feeder(policy, env, workers=workers, memory_bytes=int(memory_gb * (1 << 30)))
         self.policy.to(self.device)
         self.updates = Updates(policy, lr=lr, clip=clip, steps=steps, warm_up=warm_up, decay=decay, average=average)
@@ -134,7 +138,8 @@ class ImitationLearner:
         of_episodes = [f"{e.id} {e.home_hash} {e.solution}" for e in (*self.episodes, *self.validation.all)]
         frozen, shown = getattr(self.policy, "fingerprint", str)(), self.demonstrator.fingerprint()
         hashes = {"habits": self.dataset.sha256, "episodes": sha256_bytes("\n".join(of_episodes).encode())}
-        return hashes | {name: by for name, by in {"frozen": frozen, "demonstrator": shown}.items() if by}
+        others = {"frozen": frozen, "demonstrator": shown, "initial": self._initial}
+        return hashes | {name: by for name, by in others.items() if by}
 
     @property
     def n_labels(self) -> int:

@@ -16,8 +16,14 @@ def check(wanted: str, holds: Callable[[Any], bool], kinds: Sequence[type] = (in
             raise ConfigError(f"learner.{name}={brief(value)}: must be {wanted}")
 
 
-def check_parts(episodes: Sequence[Episode], parts: Mapping[str, str]) -> None:
-    """Refuse episodes whose people are not all of the ``train`` part."""
+def check_parts(episodes: Sequence[Episode], chosen_by: Sequence[Episode], parts: Mapping[str, str]) -> None:
+    """Refuse to learn from what is not of the ``train`` part, and to choose by what is of the ``test`` part."""
+    for episode in chosen_by:
+        if odd := next((name for name in episode.entries if parts.get(name) == "test"), None):
+            raise ConfigError(
+                f"learner.validation.episodes: {episode.id} uses entry {odd} of the test part, by which nothing must "
+                "be chosen; give learner.validation.episodes=val"
+            )
     for episode in episodes:
         if odd := next((name for name in episode.entries if parts.get(name) != "train"), None):
             raise ConfigError(

@@ -29,7 +29,7 @@ from ucon.learning.playing import Players
 from ucon.learning.policy import ActionPolicy
 from ucon.learning.ppo_loss import PPOLoss, finite, inference_mode_but_memory, total
 from ucon.learning.run import SCORE
-from ucon.learning.saved import network_files
+from ucon.learning.saved import load_network, network_files
 from ucon.learning.updates import DivergedError, Updates, require_finite
 from ucon.learning.validation import Validation, spaced
 from ucon.learning.view_policy import ViewPolicy
@@ -64,12 +64,14 @@ class PPOLearner:
             many updates.
         anneal: let the learning rate fall by half a cosine to a tenth; else it stays.
         seed: of episodes, actions and order.
+        initial: folder of the weights that it begins with, or a run of ``train.py``; None: those that it has.
         device: ``cpu``, ``cuda``, or ``auto``: a GPU if there is one. Playing is done on the CPU.
         precision: ``float32``, or ``bfloat16`` for the passes of the network (the loss stays in float32).
         half: leave the policy in float16.
 
     Raises:
         ConfigError: a value of the wrong type or outside its range, or episodes that must not be learned from.
+        DataError: no weights in ``initial``, or those of another network.
     """
 
     def __init__(
@@ -99,6 +101,7 @@ class PPOLearner:
         average: float = 0.0,
         anneal: bool = False,
         seed: int = 0,
+        initial: str | None = None,
         device: str = "cpu",
         precision: str = "float32",
         half: bool = False,
@@ -113,6 +116,7 @@ class PPOLearner:
         check("a whole number", lambda x: True, (int,), seed=seed)
         _check_parts(policy, precision, levels, validation)
         self.device = torch_device(device, "learner.device")
+        self._initial = "" if initial is None else load_network(str(initial), cast(Any, policy))
         views = not hasattr(policy, "frame")
         self.policy: nn.Module = ViewPolicy(policy) if views else policy
         self.act, self.network = cast(ActionPolicy, self.policy), policy
@@ -120,7 +124,7 @@ class PPOLearner:
         self.levels = tuple(levels) if self.act.uses_habits else ("none",)
         self.episodes = spaced(load_episodes(episodes), n_episodes, "learner.n_episodes")
         self.dataset = self.make_env().unwrapped.source.dataset
-        check_parts(self.episodes, entry_parts(self.dataset))
+        check_parts(self.episodes, validation.all, entry_parts(self.dataset))
         self.loss, self.validation, self.seed, self.half = loss, validation, seed, half
         self.foresight = foresight if views else None
         self.epochs, self.minibatch, self.kl_stop = epochs, minibatch, kl_stop
@@ -139,7 +143,7 @@ class PPOLearner:
         of_episodes = [f"{e.id} {e.home_hash} {e.solution}" for e in (*self.episodes, *self.validation.all)]
         frozen = getattr(self.policy, "fingerprint", str)()
         hashes = {"habits": self.dataset.sha256, "episodes": sha256_bytes("\n".join(of_episodes).encode())}
-        return hashes | ({"frozen": frozen} if frozen else {})
+        return hashes | {name: by for name, by in {"frozen": frozen, "initial": self._initial}.items() if by}
 
     def step(self) -> Figures:
         """One collection, and what is learned from it.
