@@ -178,6 +178,15 @@ def test_the_average_counts_updates(learner):
     assert float((values[0] - own).norm()) < float((values[1] - own).norm())
 
 
+def test_a_memory_that_no_machine_holds_is_refused_before_playing(learner):
+    from models.habit_policy_e2e import HabitPolicyE2E
+
+    with pytest.raises(
+        ConfigError, match=r"learner.frames=9000: the memory of habit_policy_e2e .* give learner.frames="
+    ):
+        learner(HabitPolicyE2E(), frames=9000)
+
+
 def test_equal_seeds_are_equal_runs(learner):
     first, second, other = (narrow_habit_policy(seed) for seed in (0, 0, 1))
     runs = [learner(policy, frames=30).step() for policy in (first, second, other)]

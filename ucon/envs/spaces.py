@@ -50,7 +50,8 @@ def padded(rows: NDArray[np.int32], max_habits: int, where: str) -> tuple[NDArra
         ConfigError: more rows than that.
     """
     if len(rows) > max_habits:
-        raise ConfigError(f"{where}: {len(rows)} habits, expected at most {max_habits}; raise max_habits")
+        n = len(rows)
+        raise ConfigError(f"{where}: {n} habits, expected at most {max_habits}; give env.max_habits={n} or more")
     habits = np.full(max_habits, -1, np.int32)
     habits[: len(rows)] = rows
     return habits, (habits >= 0).astype(np.int8)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
-from typing import Any, cast
+from typing import Any, Final, cast
 
 import torch
 from torch import Tensor, nn
@@ -35,6 +35,9 @@ from ucon.learning.validation import Validation, spaced
 from ucon.learning.view_policy import ViewPolicy
 from ucon.retrieval.levels import check_level
 from ucon.task.sets import load_episodes
+
+#: Of the recurrent states of one collection.
+_MOST_STATE_BYTES: Final = 4 << 30
 
 
 class PPOLearner:
@@ -129,7 +132,14 @@ class PPOLearner:
         self.foresight = foresight if views else None
         self.epochs, self.minibatch, self.kl_stop = epochs, minibatch, kl_stop
         self.discount, self.trace = discount, trace
-        self.chunk = chunk if self.act.initial_state(1) else 1
+        state = self.act.initial_state(1)
+        self.chunk = chunk if state else 1
+        if (bytes_ := frames * sum(tensor.nbytes for tensor in state.values())) > _MOST_STATE_BYTES:
+            most = frames * _MOST_STATE_BYTES // bytes_
+            raise ConfigError(
+                f"learner.frames={frames}: the memory of {self.act.architecture} at each of them takes "
+                f"{bytes_ / (1 << 30):.1f} GB; give learner.frames={most} or less"
+            )
         each = -(-frames // collector.rows) + 1  # the last one is not learned from
         self.rollouts = Rollouts(self.policy, self.make_env, self.episodes, self.levels, collector, each)
         self.policy.to(self.device)
