@@ -224,7 +224,7 @@ class ImitationLearner:
         name = self.act.architecture
         return Card(
             f"Policy over the seven actions: {name}, by {self.title}",
-            f"`{name}`, {size:,} trained parameters. Learned from {len(self.episodes)} episodes of the `train` part, "
+            f"`{name}`, {size:,} trained parameters. Learned from episodes drawn from {len(self.episodes)} of the `train` part, "
             f"{self.n_labels:,} different labelled frames, {self.frames:,} with repetitions; habit levels "
             f"{', '.join(self.levels)}. Validation episodes chose the state; `test` was not touched.\n\n"
             f"Use: `python eval.py agent={name} agent.checkpoint=RUN`.\n\n"
