@@ -225,8 +225,8 @@ class ImitationLearner:
         return Card(
             f"Policy over the seven actions: {name}, by {self.title}",
             f"`{name}`, {size:,} trained parameters. Learned from episodes drawn from {len(self.episodes)} of the "
-            f"`train` part, {self.n_labels:,} different labelled frames, {self.frames:,} with repetitions; habit levels "
-            f"{', '.join(self.levels)}. Validation episodes chose the state; `test` was not touched.\n\n"
+            f"`train` part, {self.n_labels:,} different labelled frames, {self.frames:,} with repetitions; habit "
+            f"levels {', '.join(self.levels)}. Validation episodes chose the state; `test` was not touched.\n\n"
             f"Use: `python eval.py agent={name} agent.checkpoint=RUN`.\n\n"
             f"It learned from {self.demonstrator.title}; in homes unlike these it was not measured.",
             self.dataset.name,
