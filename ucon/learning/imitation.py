@@ -209,7 +209,8 @@ class ImitationLearner:
 
     def load_state_dict(self, state: State) -> None:
         """Go on after ``done`` steps."""
-        self.done, self.frames, self.labels = (int(state.values[name]) for name in ("done", "frames", "labels"))
+        self.done, self.frames = int(state.values["done"]), int(state.values["frames"])
+        self.labels = int(state.values.get("labels", self.frames))  # runs of earlier versions did not keep them
         self.updates.load(state.tensors, self.done)
         self._stream = None
 
