@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from ucon.core.errors import ConfigError, brief
 
 
@@ -15,12 +17,9 @@ def torch_device(name: str, option: str = "device") -> str:
 
     if name == "auto":
         return "cuda" if torch.cuda.is_available() else "cpu"
-    try:
-        kind = torch.device(name)
-    except (RuntimeError, TypeError):
-        kind = torch.device("meta")
-    if name != "cpu" and kind.type != "cuda":
+    if not re.fullmatch(r"cpu|cuda(:\d{1,3})?", str(name)):
         raise ConfigError(f"{option}={brief(name)}: expected cpu, cuda, cuda:NUMBER or auto")
+    kind = torch.device(name)
     if kind.type == "cuda" and (kind.index or 0) >= torch.cuda.device_count():
         raise ConfigError(f"{option}={name}: torch sees no such GPU here; give {option}=cpu")
     return name

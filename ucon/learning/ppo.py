@@ -132,14 +132,8 @@ class PPOLearner:
         self.foresight = foresight if views else None
         self.epochs, self.minibatch, self.kl_stop = epochs, minibatch, kl_stop
         self.discount, self.trace = discount, trace
-        state = self.act.initial_state(1)
-        self.chunk = chunk if state else 1
-        if (bytes_ := frames * sum(tensor.nbytes for tensor in state.values())) > _MOST_STATE_BYTES:
-            most = frames * _MOST_STATE_BYTES // bytes_
-            raise ConfigError(
-                f"learner.frames={frames}: the memory of {self.act.architecture} at each of them takes "
-                f"{bytes_ / (1 << 30):.1f} GB; give learner.frames={most} or less"
-            )
+        _check_memory(self.act, frames)
+        self.chunk = chunk if self.act.initial_state(1) else 1
         each = -(-frames // collector.rows) + 1  # the last one is not learned from
         self.rollouts = Rollouts(self.policy, self.make_env, self.episodes, self.levels, collector, each)
         self.policy.to(self.device)
@@ -248,6 +242,16 @@ class PPOLearner:
             f"Use: `python eval.py agent={name} agent.checkpoint=RUN`.\n\n"
             "It learned in simulated homes what a success is worth there; in homes unlike these it was not measured.",
             self.dataset.name,
+        )
+
+
+def _check_memory(policy: ActionPolicy, frames: int) -> None:
+    """Refuse collections whose recurrent states, one a frame, are more than a machine may hold."""
+    size = sum(tensor.nbytes for tensor in policy.initial_state(1).values())
+    if frames * size > _MOST_STATE_BYTES:
+        raise ConfigError(
+            f"learner.frames={frames}: the memory of {policy.architecture} at each of them takes "
+            f"{frames * size / (1 << 30):.1f} GB; give learner.frames={_MOST_STATE_BYTES // size} or less"
         )
 
 
