@@ -12,7 +12,7 @@ import numpy as np
 from models.agents.base import Info, Observation, slots_of
 from models.agents.weights import Weights
 from ucon.core.device import torch_device
-from ucon.core.errors import ConfigError, DataError
+from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import sha256_bytes
 from ucon.core.rng import stream
 from ucon.envs.waypoint.searcher import MISS, Searcher
@@ -75,8 +75,8 @@ class HabitPolicyAgent:
         self.policy = policy
         self._weights = Weights(policy, checkpoint)
         self._locate, self._sizes, self._text = locate or ReadHabits(), sizes or Sizes(), text or TextTokens()
-        if not 0.0 < miss <= 1.0:
-            raise ConfigError(f"agent.miss={miss}: expected a chance above 0, at most 1")
+        if type(miss) not in (int, float) or not 0.0 < miss <= 1.0:
+            raise ConfigError(f"agent.miss={brief(miss)}: expected a chance above 0, at most 1")
         self._miss = miss
         self._sample, self._seed, self._device = sample, seed, device
         self._ready = False

@@ -30,3 +30,5 @@ def test_a_share_of_what_is_by_a_movable_anchor_goes_on() -> None:
 def test_a_share_is_a_share() -> None:
     with pytest.raises(ConfigError, match=r"follow=1.5: expected a share from 0 to 1"):
         ReadHabits(follow=1.5)
+    with pytest.raises(ConfigError, match=r"follow=half: expected a share"):
+        ReadHabits(follow="half")  # type: ignore[arg-type]

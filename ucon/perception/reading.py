@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ucon.core.errors import ConfigError
+from ucon.core.errors import ConfigError, brief
 from ucon.perception.belief import BeliefWeights, Believing, Locations
 from ucon.perception.coverage import CoverageWeights, Indifferent
 from ucon.perception.places import Places, affordance
@@ -35,8 +35,8 @@ class ReadHabits:
         Raises:
             ConfigError: ``follow`` is no share.
         """
-        if not 0.0 <= follow <= 1.0:
-            raise ConfigError(f"follow={follow}: expected a share from 0 to 1")
+        if type(follow) not in (int, float) or not 0.0 <= follow <= 1.0:
+            raise ConfigError(f"follow={brief(follow)}: expected a share from 0 to 1")
         self._reader, self._follow = reader, follow
 
     def fingerprint(self) -> str:
