@@ -59,7 +59,9 @@ def query_text(target: str) -> str:
 def ranked(scores: NDArray[np.float64], rows: NDArray[np.int32]) -> NDArray[np.int32]:
     """``rows`` by rounded score, best first; ties by row number."""
     steps = np.rint(scores * 10**DECIMALS).astype(np.int64)
-    return rows[np.argsort((-steps << 32) + rows)]  # one whole number each, so no two are equal
+    keys = (-steps << 32) + rows  # one whole number each, so no two are equal
+    keys.sort()
+    return (keys & 0xFFFFFFFF).astype(np.int32)
 
 
 def recall_at(ranking: NDArray[np.int32], relevant: Collection[int] | NDArray[np.int32], k: int) -> float:

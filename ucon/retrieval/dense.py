@@ -12,6 +12,7 @@ from ucon.habits.knowledge import KnowledgeBase
 from ucon.habits.types import HabitDataset
 from ucon.language.store import StoredEncoder, default_encoder
 from ucon.retrieval.base import query_text, ranked
+from ucon.retrieval.kernels import products
 
 _VECTORS: WeakKeyDictionary[HabitDataset, dict[str, NDArray[np.float16]]] = WeakKeyDictionary()
 
@@ -34,7 +35,7 @@ def dataset_vectors(
 
 
 class DenseRetriever:
-    """Ranks by cosine in float64, so that rounding to 1e-4 hides how the product was computed."""
+    """Ranks by cosine, summed in float64."""
 
     def __init__(self, encoder: StoredEncoder | None = None, *, whole: bool = True) -> None:
         """``encoder`` defaults to MiniLM behind the shipped table.
@@ -43,7 +44,7 @@ class DenseRetriever:
         """
         self.encoder = encoder or default_encoder()
         self._whole = whole
-        self._converted: WeakKeyDictionary[KnowledgeBase, NDArray[np.float64]] = WeakKeyDictionary()
+        self._converted: WeakKeyDictionary[KnowledgeBase, NDArray[np.float32]] = WeakKeyDictionary()
 
     @property
     def name(self) -> str:
@@ -58,19 +59,22 @@ class DenseRetriever:
     def scores(self, target: str, kb: KnowledgeBase) -> NDArray[np.float64]:
         """Cosines (N,) in the order of ``kb.rows``."""
         query = self.encoder.encode_half([query_text(target)])[0].astype(np.float64)
-        return self._vectors(kb) @ query
+        vectors = self._vectors(kb)
+        scores = np.empty(len(vectors))
+        products(vectors, query, scores)
+        return scores
 
     def rank(self, target: str, kb: KnowledgeBase) -> NDArray[np.int32]:
         """Rows of the knowledge base, best first."""
         return ranked(self.scores(target, kb), kb.rows)
 
-    def _vectors(self, kb: KnowledgeBase) -> NDArray[np.float64]:
-        """Vectors (N, dim) of a knowledge base, kept while it lives: to widen fp16 costs five products."""
+    def _vectors(self, kb: KnowledgeBase) -> NDArray[np.float32]:
+        """Vectors (N, dim) of a knowledge base, kept while it lives: to widen fp16 costs several products."""
         if kb not in self._converted:
             known = (
                 dataset_vectors(kb.dataset, self.encoder)[kb.rows]
                 if self._whole
                 else self.encoder.encode_half(kb.texts)
             )
-            self._converted[kb] = known.astype(np.float64)
+            self._converted[kb] = known.astype(np.float32)
         return self._converted[kb]
