@@ -8,18 +8,15 @@ it would have shown the target; a flat tail makes the search fall back to covera
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, Final
+from typing import Any
 
 from models.agents.base import Controller, ControllerAgent, Info
 from models.agents.search import SearchController
 from ucon.core.errors import ConfigError
-from ucon.perception.belief import BeliefWeights
+from ucon.perception.belief import KNOWN_HOME, BeliefWeights
 from ucon.perception.coverage import CoverageWeights
 from ucon.perception.reading import Locate, ReadHabits, expecting
 from ucon.perception.viewpoints import Costs
-
-#: Of a home that is known: nothing is left unexplored, and what was not met is not there.
-KNOWN_HOME: Final = BeliefWeights(hidden=0.0, exists=0.0, home_m2=0.0, least_m2=0.01, least_share=0.0)
 
 
 class BeliefAgent(ControllerAgent):

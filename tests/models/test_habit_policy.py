@@ -100,11 +100,12 @@ def test_everything_that_is_there_matters(name: str) -> None:
 
 @torch.no_grad()
 def test_what_only_a_trainer_knows_is_not_read() -> None:
-    env = UcONSearchEnv("mini", habit_level="retrieval", to_go=True)
+    env = UcONSearchEnv("mini", habit_level="retrieval", to_go=True, expert=True)
     obs, _ = env.reset(options={"episode": 0})
     policy = ViewPolicy(random_policy())
     frames = {name: torch.as_tensor(array)[None, None] for name, array in policy.frame(obs, {}).items()}
-    told, lied = (policy({**frames, "to_go": frames["to_go"] + by}, {}, {}) for by in (0, 50))
+    labels = {name: frames[name] for name in ("to_go", "expert")}
+    told, lied = (policy(frames | {name: tensor + by for name, tensor in labels.items()}, {}, {}) for by in (0, 50))
     assert told.logits.equal(lied.logits)
     assert told.value.equal(lied.value)
     assert told.foresight.equal(lied.foresight)

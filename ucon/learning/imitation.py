@@ -102,7 +102,9 @@ class ImitationLearner:
             raise ConfigError("agent has no policy that can be trained; choose one that has, such as agent=vtn")
         if not hasattr(policy, "frame"):
             scorer = type(policy).__name__
-            raise ConfigError(f"{scorer} scores views, and stored solutions name actions; train it with learner=ppo")
+            raise ConfigError(
+                f"{scorer} scores views, and stored solutions name actions; train it with learner=ppo or expert"
+            )
         check("above 0 and whole", lambda x: x > 0, (int,), steps=steps, batch=batch, chunk=chunk)
         check("at least 0 and whole", lambda x: x >= 0, (int,), warm_up=warm_up, workers=workers)
         check("above 0", lambda x: 0 < x < 1e9, lr=lr, clip=clip)

@@ -21,12 +21,13 @@ from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import entry_parts
 from ucon.learning.collecting import Collecting, Rollouts
 from ucon.learning.experience import Experience, Sequences
+from ucon.learning.expert_loss import EXPERT, ExpertLoss
 from ucon.learning.foresight import TO_GO, ForesightLoss
 from ucon.learning.imitation import PRECISIONS
 from ucon.learning.learner import Card, Figures, State
 from ucon.learning.options import check, check_parts
 from ucon.learning.playing import Players
-from ucon.learning.policy import ActionPolicy
+from ucon.learning.policy import ActionPolicy, Outputs
 from ucon.learning.ppo_loss import PPOLoss, finite, inference_mode_but_memory, total
 from ucon.learning.run import SCORE
 from ucon.learning.saved import load_network, network_files
@@ -51,6 +52,7 @@ class PPOLearner:
         collector: who plays.
         loss: what is learned from a minibatch.
         foresight: what a network that scores views is told of the way; None: nothing.
+        expert: how it learns to choose as an expert would; None: not at all.
         validation: how states are compared: by ``success_rate`` or ``spl`` of what is played.
         steps: length of the run, and of the schedule of the learning rate.
         frames: steps of the environment that one collection is learned from.
@@ -97,6 +99,7 @@ class PPOLearner:
         trace: float = 0.97,
         kl_stop: float = 0.03,
         foresight: ForesightLoss | None = None,
+        expert: ExpertLoss | None = None,
         lr: float = 5e-4,
         warm_up: int = 0,
         clip: float = 0.5,
@@ -129,7 +132,7 @@ class PPOLearner:
         self.dataset = self.make_env().unwrapped.source.dataset
         check_parts(self.episodes, validation.all, entry_parts(self.dataset))
         self.loss, self.validation, self.seed, self.half = loss, validation, seed, half
-        self.foresight = foresight if views else None
+        self.foresight, self.expert = (foresight, expert) if views else (None, None)
         self.epochs, self.minibatch, self.kl_stop = epochs, minibatch, kl_stop
         self.discount, self.trace = discount, trace
         _check_memory(self.act, frames)
@@ -187,15 +190,26 @@ class PPOLearner:
         if not all(map(finite, told.values())):  # no loss can be made of them
             self._diverged(frames, told, part)
         loss, figures = self.loss(part.played, logits, value)
-        if self.foresight is not None and outputs.foresight is not None and TO_GO in frames:
-            decisions = {name: tensor[there] for name, tensor in frames.items()}
-            foretold, more = self.foresight(decisions, outputs.foresight.float()[there])
-            loss, figures = loss + foretold, {**figures, **more}
+        taught, more = self._taught(frames, outputs, there)
+        loss, figures = loss + taught, {**figures, **more}
         if not finite(loss):
             self._diverged(frames, told, part)
         self.updates.begin()
         loss.backward()  # type: ignore[no-untyped-call]
         return {"loss": float(loss.detach()), **figures, **self.updates.take(self.done)}
+
+    def _taught(
+        self, frames: Mapping[str, Tensor], outputs: Outputs, there: Tensor
+    ) -> tuple[Tensor | float, Mapping[str, float]]:
+        """What a network that scores views is told beside rewards: a loss, and figures."""
+        parts: list[tuple[Tensor, Mapping[str, float]]] = []
+        asked = self.foresight is not None or self.expert is not None
+        decisions = {name: tensor[there] for name, tensor in frames.items()} if asked else {}
+        if self.foresight is not None and outputs.foresight is not None and TO_GO in decisions:
+            parts.append(self.foresight(decisions, outputs.foresight.float()[there]))
+        if self.expert is not None and EXPERT in decisions:
+            parts.append(self.expert(decisions, outputs.logits.float()[there]))
+        return sum((loss for loss, _ in parts), 0.0), {k: v for _, figures in parts for k, v in figures.items()}
 
     def _diverged(self, frames: Mapping[str, Tensor], outputs: Mapping[str, Tensor], part: Sequences) -> None:
         """Name the first tensor on the way to the loss that is not finite."""
@@ -235,7 +249,7 @@ class PPOLearner:
         size = sum(value.numel() for value in self.updates.parameters.values())
         name = self.act.architecture
         return Card(
-            f"Policy {name}, by proximal policy optimisation",
+            f"Policy {name}, by {'what an expert would choose' if self.expert else 'proximal policy optimisation'}",
             f"`{name}`, {size:,} trained parameters. Learned from {self.frames:,} steps of its own in "
             f"episodes drawn from {len(self.episodes)} of the `train` part; habit levels "
             f"{', '.join(self.levels)}. Validation episodes chose the state; `test` was not touched.\n\n"

@@ -30,18 +30,21 @@ class PPOLoss:
         clip: how far the probability of an action may move in one step, as a ratio.
         entropy: weight of the bonus.
         value: weight of the value's loss.
+        objective: weight of the clipped objective; 0 where an expert says what to choose.
 
     Raises:
         ConfigError: a number out of range.
     """
 
-    def __init__(self, clip: float = 0.2, entropy: float = 0.003, value: float = 0.5) -> None:
-        for name, number, least in (("clip", clip, 1e-6), ("entropy", entropy, 0), ("value", value, 1e-6)):
+    def __init__(self, clip: float = 0.2, entropy: float = 0.003, value: float = 0.5, objective: float = 1.0) -> None:
+        named = {"clip": (clip, 1e-6), "entropy": (entropy, 0), "value": (value, 1e-6), "objective": (objective, 0)}
+        for name, (number, least) in named.items():
             if type(number) not in (int, float) or not least <= number < 1e9:
                 raise ConfigError(f"learner.loss.{name}={brief(number)}: must be a number from {least:g} up")
         # The network is run once for both, by who calls: TorchRL's parts only pass on what it said.
         said = TensorDictModule(nn.Identity(), in_keys=["new_logits"], out_keys=["logits"])
         worth = TensorDictModule(nn.Identity(), in_keys=["new_value"], out_keys=["state_value"])
+        self._objective = objective
         self._loss: Any = ClipPPOLoss(
             ProbabilisticTensorDictSequential(said, sampling()),
             worth,
@@ -63,7 +66,7 @@ class PPOLoss:
         """
         said = TensorDict({"new_logits": logits, "new_value": value[:, None]}, played.shape)
         found = self._loss(played.to(logits.device).update(said))
-        loss = found["loss_objective"] + found["loss_critic"] + found["loss_entropy"]
+        loss = self._objective * found["loss_objective"] + found["loss_critic"] + found["loss_entropy"]
         figures = {name: float(found[key].detach()) for name, key in LOGGED.items()}
         return loss, figures | {"kl": self._kl(played, logits.detach())}
 

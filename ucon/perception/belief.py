@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +54,10 @@ class BeliefWeights:
     least_m2: float = 25.0
     least_share: float = 0.25
     """What is left is at least so much floor, and this share of what was explored."""
+
+
+#: Of a home that is known: nothing is left unexplored, and what was not met is not there.
+KNOWN_HOME: Final = BeliefWeights(hidden=0.0, exists=0.0, home_m2=0.0, least_m2=0.01, least_share=0.0)
 
 
 class Believing:

@@ -86,8 +86,7 @@ class Searcher:
 
     def look(self, observation: Mapping[str, Any], info: Info) -> Action | None:
         """Take in a frame; the next action, or None where a choice is due (:meth:`decision`, :meth:`choose`)."""
-        self._decision = None
-        self._take_in(observation, info)
+        self.take_in(observation, info)
         blocked = bool(observation["collision"])
         if blocked:
             self._plan.clear()
@@ -95,8 +94,24 @@ class Searcher:
         if track is not None:
             self.taking = True
             return self.homing.act(self.map, self.planner, track, blocked=blocked)
-        self.expected = self.expecting.expect(self.map, self.places)
+        self.expect()
+        assert self.expected is not None
         return self._open_here(self.expected) or self._go_on(self.expected)
+
+    def take_in(self, observation: Mapping[str, Any], info: Info) -> None:
+        """Map a frame, and what it shows empty, without going on."""
+        self._decision = None
+        known = self.map
+        known.update(observation, info)
+        self.places.refresh(known)
+        shut = np.zeros(known.n_tracks, bool)
+        shut[self.closed()] = True
+        active, reach = self.places.searched(shut), self.viewpoints.reach_m
+        self.places.look(known, frame_depth(observation, info), active, reach, self.miss)
+
+    def expect(self) -> None:
+        """Expect the target by what is known now."""
+        self.expected = self.expecting.expect(self.map, self.places)
 
     def decision(self) -> SearchDecision:
         """What may be chosen now."""
@@ -114,15 +129,6 @@ class Searcher:
         self._decision = None
         self._plan = deque(self.planner.plan(choice.view)) if choice is not None else deque()
         return self._plan.popleft() if self._plan else Action.ROTATE_LEFT
-
-    def _take_in(self, observation: Mapping[str, Any], info: Info) -> None:
-        known = self.map
-        known.update(observation, info)
-        self.places.refresh(known)
-        shut = np.zeros(known.n_tracks, bool)
-        shut[self.closed()] = True
-        active, reach = self.places.searched(shut), self.viewpoints.reach_m
-        self.places.look(known, frame_depth(observation, info), active, reach, self.miss)
 
     def closed(self) -> NDArray[np.int64]:
         """Tracks of containers that are closed and may still open."""
