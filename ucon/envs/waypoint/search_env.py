@@ -25,8 +25,8 @@ from ucon.perception.reading import Locate, ReadHabits, expecting
 from ucon.sim.paths import UNREACHABLE
 from ucon.task.actions import Action
 
-#: What only the map needs of a frame, and what nobody may be told.
-_FRAME = ("detections", "tracks", "opened", "depth", "privileged")
+#: What only the map needs of a frame.
+_FRAME = ("detections", "tracks", "opened", "depth")
 _MOST = 1e4
 
 
@@ -226,6 +226,8 @@ class UcONSearchEnv(gym.Env[Obs, int]):
     def close(self) -> None:
         """See ``UcON-v0``."""
         self.env.close()
+        if self._expert is not None:
+            self._expert.close()
 
 
 def observation_space(sizes: Sizes, text: TextTokens, *, to_go: bool = False, expert: bool = False) -> spaces.Dict:

@@ -67,6 +67,10 @@ class ViewExpert:
         observation, *_, info = self._env.step(int(action))
         self._search.take_in(observation, info)
 
+    def close(self) -> None:
+        """Close its environment."""
+        self._env.close()
+
     def __call__(self, choices: Sequence[Choice]) -> NDArray[np.float32]:
         """(n,) by how much going to each offered view brings the expert nearer to its goal, for what that costs.
 
