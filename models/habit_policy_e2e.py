@@ -18,10 +18,11 @@ from torch import Tensor, nn
 from models.nets.advice import Advisor
 from models.nets.clip_eye import ClipEye
 from models.nets.directions import from_here, target_at, turned
-from models.nets.ego_view import N_THINGS, THING_FEATURES, ego_view
-from models.nets.eye import Eye, small_image
+from models.nets.ego_view import THING_FEATURES
+from models.nets.eye import Eye
 from models.nets.floor_memory import CHANNELS, N_TRACKS, REACH, FloorMemory, Step, Window
 from models.nets.head_reader import default_head_reader
+from models.nets.one_frame import one_frame
 from models.nets.places_to_go import PlacesToGo, Ways
 from models.nets.policy import N_ACTIONS, PolicyModule, lstm_state, run_lstm
 from models.nets.read_habits import SUMMARY_FEATURES, read_habits, words
@@ -162,38 +163,8 @@ class HabitPolicyE2E(PolicyModule):
         return arrays | {"advice": advised}
 
     def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:
-        """Image, patch of floor, things and status of one step; about 20 KB."""
-        if "rgb" not in observation or "depth" not in observation:
-            raise ConfigError(f"agent {self.architecture}: observations without images; give env.observe=pixels")
-        if "detections" not in info:
-            raise ConfigError(
-                f"agent {self.architecture}: no detections; give the environment a detector, as detector=gt"
-            )
-        x, y, yaw, pitch = (float(v) for v in observation["pose"])
-        depth = observation["depth"].reshape(observation["depth"].shape[:2])
-        if depth.shape[0] % self._image_px or depth.shape[1] % self._image_px:
-            sides = " x ".join(map(str, depth.shape))
-            raise ConfigError(f"agent.policy.image_px={self._image_px}: must divide the camera's {sides} pixels")
-        view = ego_view(depth, pitch, float(info["camera_m"]), info, str(info["target"]))
-        number = words().number
-        ids = np.full(N_THINGS, -1, np.int16)
-        ids[: len(view.names)] = [number.get(name, len(number)) for name in view.names]
-        look = int(np.clip(round(np.degrees(pitch) / 30), -2, 2))
-        pose = [round(x / 0.25), round(y / 0.25), round(yaw / (np.pi / 2)) % 4, look]
-        status = [int(observation["step"]), int(observation["collision"]), int(observation["last_action"])]
-        whole = {} if self._clip is None else {"rgb": observation["rgb"]}
-        return whole | {
-            "image": small_image(observation["rgb"], depth, self._image_px),
-            "pose": np.array(pose, np.int16),
-            "status": np.array(status, np.int16),
-            "patch": view.patch,
-            "look": view.look,
-            "thing_ids": ids,
-            "thing_tracks": view.tracks,
-            "things": view.things,
-            "pair_cell": view.pair_cell,
-            "pair_row": view.pair_row,
-        }
+        """See :func:`models.nets.one_frame.one_frame`."""
+        return one_frame(observation, info, self._image_px, with_rgb=self._clip is not None)
 
     def features(self, frames: Tensors) -> Tensors:
         """With CLIP: ``clip`` (..., dim) float16 in place of ``rgb``."""

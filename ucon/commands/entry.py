@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import sys
@@ -14,6 +15,8 @@ from ucon.core.errors import UconError, unknown_name
 
 #: Exit code of errors that the user can mend; 130 is the shell's code for Ctrl-C.
 USER_ERROR, INTERRUPTED = 2, 130
+#: What is wrong with the disk, not with the program.
+_OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO)
 
 
 def run_entry(main: Callable[[], Any], config_name: str) -> None:
@@ -44,6 +47,15 @@ def one_line_errors(config_name: str) -> Iterator[None]:
         _end(str(error), USER_ERROR)
     except (HydraException, OmegaConfBaseException) as error:
         _end(explain(error, _configs(), config_name), USER_ERROR)
+    except OSError as error:
+        if error.errno not in _OF_THE_DISK:
+            raise
+        where = error.filename2 or error.filename or "cannot write"
+        again = "resume=RUN" if config_name == "train" else "the same command with the same out="
+        _end(
+            f"{where}: {error.strerror}; make room or mend permissions, what is finished is kept: {again} goes on",
+            USER_ERROR,
+        )
     except KeyboardInterrupt:
         _end("interrupted; what is finished is kept: the same command with the same out= goes on", INTERRUPTED)
 
