@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
 import transformers
+from hydra import compose, initialize_config_dir
+from omegaconf import OmegaConf
 
 from models.habit_policy_e2e import HabitPolicyE2E
 from models.nets.advice import Advisor
 from models.nets.clip_eye import ClipEye
+from ucon.commands.wiring import Factory
 from ucon.core.errors import DataError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.language.choice import Answer
 from ucon.language.models.encoder import EncoderModel
+
+CONFIGS = Path(__file__).resolve().parents[3] / "configs"
+AGENT = "habit_policy_e2e"
+#: The switches as the agent's configuration spells them out for users to copy.
+SPELT_OUT = re.findall(
+    r"^ *#.*'(agent\.policy\.[^']+)'", (CONFIGS / "agent" / f"{AGENT}.yaml").read_text(), re.MULTILINE
+)
 
 
 def clip_folder(folder: Path) -> Path:
@@ -96,3 +107,19 @@ def test_retrieval_scores_are_given_only_when_asked_for(first):
     with_, without = (HabitPolicyE2E(scores=s).context(first[1])["habit_features"][:, 3] for s in (True, False))
     assert float(np.abs(with_).max()) > 0.05
     assert not without.any()
+
+
+@pytest.mark.parametrize("program", ["train", "eval"])
+@pytest.mark.parametrize("switch", SPELT_OUT)
+def test_switches_work_as_they_are_spelt_out(program: str, switch: str, tmp_path: Path) -> None:
+    override = switch.replace("FOLDER", str(clip_folder(tmp_path / "clip")))
+    with initialize_config_dir(str(CONFIGS), version_base="1.3"):
+        config = OmegaConf.to_container(compose(program, [f"agent={AGENT}", override]).agent.policy, resolve=True)
+    policy = Factory(config)()
+    policy.check()
+    name = switch.split("=")[0].rsplit(".", 1)[-1]
+    assert policy.arguments[name]
+
+
+def test_there_are_switches_spelt_out() -> None:
+    assert len(SPELT_OUT) >= 2
