@@ -23,6 +23,7 @@ from ucon.learning.belief_homes import KnowledgeBases, pair_folds
 from ucon.learning.belief_loss import losses
 from ucon.learning.crossfit import fold_categories
 from ucon.learning.run import METRICS, Plan, TrainingRun
+from ucon.learning.updates import DivergedError
 from ucon.retrieval.levels import FIXED_LEVELS
 from ucon.retrieval.sampling import entry_kb, sampled_kb
 
@@ -61,6 +62,16 @@ def test_ablations_can_be_resumed(switch):
     again = tiny_belief(head={switch: False})
     again.load_state_dict(learner.state_dict())
     assert again.step() == learner.step()
+
+
+def test_numbers_that_are_none_stop_it_by_name():
+    learner = tiny_belief()
+    first = next(iter(learner.updates.parameters.values()))
+    with torch.no_grad():
+        first.fill_(float("nan"))
+    with pytest.raises(DivergedError, match=r"step 1: gradient of \w+") as stop:
+        learner.step()
+    assert "\n" not in str(stop.value)
 
 
 def test_state_of_another_head_is_refused():
@@ -103,8 +114,8 @@ def test_it_may_begin_with_another_head(tmp_path):
         (tmp_path / name).write_bytes(content)
     write_manifest(tmp_path, [WEIGHTS, CONFIG])
     again = tiny_belief(initial=str(tmp_path), seed=7)
-    for name, value in again.parameters.items():
-        assert torch.allclose(value, taught._average.values[name], atol=2e-3), name
+    for name, value in again.updates.parameters.items():
+        assert torch.allclose(value, taught.updates.average[name], atol=2e-3), name
     assert float(again.head.temperature) == 1
     with pytest.raises(DataError, match="no head like this one"):
         tiny_belief(initial=str(tmp_path), head={"width": 8})

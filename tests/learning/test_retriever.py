@@ -18,6 +18,7 @@ from ucon.language.encoder import MINILM_SHA256
 from ucon.learning.learner import State
 from ucon.learning.retriever import PRODUCT, RetrieverLearner, info_nce, owner_loss, schedule
 from ucon.learning.run import METRICS, Plan, TrainingRun
+from ucon.learning.updates import DivergedError
 from ucon.retrieval.sampling import part_kb
 
 TEXTS = ["The keys hang by the door.", "tea", "Every night the wallet is left on the low table."]
@@ -60,22 +61,22 @@ def test_a_resumed_run_is_bit_identical(bert, tmp_path):
 
 def test_the_average_is_what_is_kept(bert):
     learner = tiny_learner(bert, average=0.5)
-    before = {name: value.clone() for name, value in learner._average.values.items()}
+    before = {name: value.clone() for name, value in learner.updates.average.items()}
     seen = []
     for _ in range(3):
         learner.step()
-        seen.append({name: value.detach().clone() for name, value in learner.parameters.items()})
+        seen.append({name: value.detach().clone() for name, value in learner.updates.parameters.items()})
     for name, start in before.items():
         wanted = start
         for k, values in enumerate(seen):
             wanted = wanted.lerp(values[name], 1 - min(0.5, (1 + k) / (10 + k)))
-        assert torch.allclose(learner._average.values[name], wanted)
+        assert torch.allclose(learner.updates.average[name], wanted)
     learner.validate()
-    assert all(torch.equal(value, seen[-1][name]) for name, value in learner.parameters.items()), "put back"
-    assert learner.product()[PRODUCT] == adapter_bytes(learner._average.values, MINILM_SHA256)
+    assert all(torch.equal(value, seen[-1][name]) for name, value in learner.updates.parameters.items()), "put back"
+    assert learner.product()[PRODUCT] == adapter_bytes(learner.updates.average, MINILM_SHA256)
     follows = tiny_learner(bert, average=0.0)
     follows.step()
-    assert all(torch.equal(value, follows._average.values[name]) for name, value in follows.parameters.items())
+    assert all(torch.equal(value, follows.updates.average[name]) for name, value in follows.updates.parameters.items())
 
 
 def test_masking_hides_tokens_but_never_the_marks_around_them(bert):
@@ -120,6 +121,14 @@ def test_shares_outside_their_range_are_refused(bert, option):
 def test_options_of_the_wrong_kind_are_refused(bert, option, message):
     with pytest.raises(ConfigError, match=message):
         tiny_learner(bert, **option)
+
+
+def test_numbers_that_are_none_stop_it_by_name(bert):
+    learner = tiny_learner(bert)
+    with torch.no_grad():
+        next(iter(learner.updates.parameters.values())).fill_(float("nan"))
+    with pytest.raises(DivergedError, match=r"step 1: gradient of \S+ is not finite"):
+        learner.step()
 
 
 def test_state_of_another_learner_is_refused(bert):
@@ -175,7 +184,7 @@ def test_merged_is_what_was_trained(bert):
     with torch.no_grad():
         trained = learner._encode(TEXTS)
     _, plain = (encoder := MiniLM(bert, check=False)).parts()
-    merge(plain, {name: value.detach() for name, value in learner.parameters.items()})
+    merge(plain, {name: value.detach() for name, value in learner.updates.parameters.items()})
     inputs = encoder.parts()[0](TEXTS[0], return_tensors="pt")
     with torch.no_grad():
         alone = torch.nn.functional.normalize(plain(**inputs).last_hidden_state[0].mean(0), dim=0)

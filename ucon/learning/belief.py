@@ -26,7 +26,6 @@ from ucon.core.files import read_verified
 from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import Split, entry_parts
 from ucon.habits.types import HabitDataset
-from ucon.learning.average import MovingAverage
 from ucon.learning.belief_data import Draw, Draws, Sample, sample
 from ucon.learning.belief_homes import KnowledgeBases
 from ucon.learning.belief_loss import losses
@@ -34,6 +33,7 @@ from ucon.learning.belief_readers import Fold, folds_of, parts_of
 from ucon.learning.learner import Card, Figures, State
 from ucon.learning.retriever import schedule
 from ucon.learning.run import MODEL
+from ucon.learning.updates import Updates
 from ucon.retrieval.household import FittedParts
 from ucon.retrieval.levels import FIXED_LEVELS
 from ucon.retrieval.scores import best_of, calibration_error, scores
@@ -114,9 +114,7 @@ class BeliefLearner:
             (KnowledgeBases(f.dataset, f.parts.known), Draws(f.parts, draw, others, f.pairs), f.pairs) for f in folds
         ]
         self._chosen_by = KnowledgeBases(dataset, self._parts.known)
-        self.parameters = dict(self.head.named_parameters())
-        self._optimiser = torch.optim.AdamW(self.parameters.values(), lr=lr, weight_decay=decay)
-        self._average = MovingAverage(self.parameters, average)
+        self.updates = Updates(self.head, lr=lr, decay=decay, average=average)
         self._done = 0
 
     @property
@@ -136,7 +134,7 @@ class BeliefLearner:
         """One update from some households."""
         self.head.train()
         torch.manual_seed(derived_seed(self.seed, "dropout", self._done))
-        self._optimiser.zero_grad()
+        self.updates.begin()
         total = dict.fromkeys(("loss", *self.weights), 0.0)
         for k in range(self.households):
             one = self.training_sample(self._done * self.households + k)
@@ -145,17 +143,9 @@ class BeliefLearner:
             (loss / self.households).backward()  # type: ignore[no-untyped-call]
             for name, value in {"loss": loss, **found}.items():
                 total[name] += float(value.detach()) / self.households
-        for value in self.parameters.values():
-            if value.grad is None:  # switched off by an ablation; it has moments all the same, so states are alike
-                value.grad = torch.zeros_like(value)
-        rate = self.lr * schedule(self._done, self.steps, self.warm_up)
-        for group in self._optimiser.param_groups:
-            group["lr"] = rate
-        norm = torch.nn.utils.clip_grad_norm_(self.parameters.values(), 1.0)
-        self._optimiser.step()
-        self._average.update(self._done)
+        updated = self.updates.take(self._done, self.lr * schedule(self._done, self.steps, self.warm_up))
         self._done += 1
-        return {**total, "gradient": float(norm), "rate": rate}
+        return {**total, **updated}
 
     @cached_property
     def validation(self) -> list[Sample]:
@@ -173,7 +163,7 @@ class BeliefLearner:
 
     def validate(self) -> Figures:
         """Figures of the average on the ``val`` part; the best state is chosen by ``score``, minus the mean NLL."""
-        with self._average.in_place():
+        with self.updates.averaged():
             found = self._figures(self.validation)
         nll = [found[f"{level}/nll"] for level in FIXED_LEVELS]
         return found | {"score": -round(float(np.mean(nll)), 6)}
@@ -203,32 +193,16 @@ class BeliefLearner:
 
     def state_dict(self) -> State:
         """Parameters, their average, moments of the optimiser, number of steps."""
-        tensors = {f"head/{name}": value.detach() for name, value in self.parameters.items()}
-        tensors |= {f"average/{name}": value for name, value in self._average.values.items()}
-        for name, value in self.parameters.items():
-            moments = self._optimiser.state.get(value, {})
-            tensors |= {f"{kind}/{name}": moments[kind] for kind in ("exp_avg", "exp_avg_sq") if kind in moments}
-        return State(tensors, {"done": self._done})
+        return State(self.updates.tensors(), {"done": self._done})
 
     def load_state_dict(self, state: State) -> None:
         """Go on after ``done`` steps."""
-        done = int(state.values["done"])
-        kinds = ("head", "average", *(("exp_avg", "exp_avg_sq") if done else ()))
-        shapes = {f"{kind}/{name}": value.shape for kind in kinds for name, value in self.parameters.items()}
-        if {name: value.shape for name, value in state.tensors.items()} != shapes:
-            raise DataError("state of another learner: names or shapes differ; resume with the run's own configuration")
-        with torch.no_grad():
-            for name, value in self.parameters.items():
-                value.copy_(state.tensors[f"head/{name}"])
-                self._average.values[name].copy_(state.tensors[f"average/{name}"])
-                if done:
-                    moments = {kind: state.tensors[f"{kind}/{name}"].clone() for kind in kinds[2:]}
-                    self._optimiser.state[value] = {"step": torch.tensor(float(done)), **moments}
-        self._done = done
+        self._done = int(state.values["done"])
+        self.updates.load(state.tensors, self._done)
 
     def product(self) -> Mapping[str, bytes]:
         """Weights in fp16 with a fitted temperature, and the options that the head is built with."""
-        half = {name: value.half().contiguous() for name, value in self._average.values.items()}
+        half = {name: value.half().contiguous() for name, value in self.updates.average.items()}
         half["temperature"] = torch.tensor(self._temperature())
         options: dict[str, Any] = {"head": self.head.options, "parts": self.identity["parts"]}
         files = {WEIGHTS: save(half)}
@@ -239,7 +213,7 @@ class BeliefLearner:
     def _temperature(self) -> float:
         """By which the average's scores are divided: the likeliest on other households of the ``val`` part."""
         samples = self._samples("val", _CALIBRATE, self.n_kbs)
-        with self._average.in_place(), torch.no_grad():
+        with self.updates.averaged(), torch.no_grad():
             self.head.eval()
             scores = [self.head(one.inputs) for one in samples]
         grid = np.geomspace(0.6, 1.8, 61)
@@ -259,7 +233,7 @@ class BeliefLearner:
         chosen = sum(part == "val" for part in parts.values())
         read = {e.id for bases, *_ in self._folds for e in bases.dataset.entries}
         taught = sum(parts.get(id) == "train" for id in read)
-        size = sum(value.numel() for value in self.parameters.values())
+        size = sum(value.numel() for value in self.updates.parameters.values())
         return Card(
             "Belief head: where a thing may be, by what the habits say",
             f"A network of {size:,} parameters (fp16). It reads sentence vectors (all-MiniLM-L6-v2, Apache-2.0), pair "

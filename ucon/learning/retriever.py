@@ -17,15 +17,15 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from ucon.core.errors import ConfigError, DataError, brief, unknown_name
+from ucon.core.errors import ConfigError, brief, unknown_name
 from ucon.core.rng import derived_seed
 from ucon.habits.knowledge import KnowledgeBase
 from ucon.habits.splits import entry_parts
 from ucon.habits.types import HabitDataset
 from ucon.language.adapter import adapter_bytes, add_adapters
 from ucon.language.encoder import MINILM_SHA256, MiniLM
-from ucon.learning.average import MovingAverage
 from ucon.learning.learner import Card, Figures, State
+from ucon.learning.updates import Updates
 from ucon.retrieval.base import query_text, ranked
 from ucon.retrieval.measure import measure_retrieval
 from ucon.retrieval.sampling import part_kb
@@ -188,10 +188,8 @@ class RetrieverLearner:
         self.lr, self.temperature, self.other_weight, self.rank = lr, temperature, other_weight, rank
         self.mask, self.owner = mask, owner
         tokenizer, model = (encoder or MiniLM()).parts()
-        self.parameters = add_adapters(model, rank, seed)
+        self.updates = Updates(add_adapters(model, rank, seed), lr=lr, decay=decay, average=average)
         self._encode = BatchEncoder(tokenizer, model, PRECISIONS[precision])
-        self._optimiser = torch.optim.AdamW(self.parameters.values(), lr=lr, weight_decay=decay)
-        self._average = MovingAverage(self.parameters, average)
         self._done = 0
 
     @property
@@ -221,16 +219,11 @@ class RetrieverLearner:
         loss = info_nce(similarity, own, weights, self.temperature)
         if self.owner:
             loss = loss + self.owner * owner_loss(similarity, own, weights, self.temperature)
-        rate = self.lr * schedule(self._done, self.steps, self.warm_up)
-        for group in self._optimiser.param_groups:
-            group["lr"] = rate
-        self._optimiser.zero_grad()
+        self.updates.begin()
         loss.backward()  # type: ignore[no-untyped-call]
-        norm = torch.nn.utils.clip_grad_norm_(self.parameters.values(), 1.0)
-        self._optimiser.step()
-        self._average.update(self._done)
+        updated = self.updates.take(self._done, self.lr * schedule(self._done, self.steps, self.warm_up))
         self._done += 1
-        return {"loss": float(loss.detach()), "gradient": float(norm), "rate": rate}
+        return {"loss": float(loss.detach()), **updated}
 
     def _weights(self, kb: KnowledgeBase) -> Tensor:
         """(N,) What each habit counts as an answer; all the same where supports are unknown."""
@@ -243,7 +236,7 @@ class RetrieverLearner:
         parts = entry_parts(self.dataset)
         texts = list(dict.fromkeys(text for kb in self.validation_kbs for text in kb.texts))
         texts += [query_text(target) for target in sorted({t for kb in self.validation_kbs for t in kb.entries})]
-        with torch.no_grad(), self._average.in_place():
+        with torch.no_grad(), self.updates.averaged():
             vectors = self._encode(texts).numpy().astype(np.float64)
         ranker = _Ranker(dict(zip(texts, vectors, strict=True)))
         found = measure_retrieval(self.validation_kbs, ranker, lambda entry: parts[entry.id] == "val")
@@ -252,38 +245,22 @@ class RetrieverLearner:
 
     def state_dict(self) -> State:
         """Adapter, its average, moments of the optimiser, number of steps."""
-        tensors = {f"adapter/{name}": value.detach() for name, value in self.parameters.items()}
-        tensors |= {f"average/{name}": value for name, value in self._average.values.items()}
-        for name, value in self.parameters.items():
-            moments = self._optimiser.state.get(value, {})
-            tensors |= {f"{kind}/{name}": moments[kind] for kind in ("exp_avg", "exp_avg_sq") if kind in moments}
-        return State(tensors, {"done": self._done})
+        return State(self.updates.tensors(), {"done": self._done})
 
     def load_state_dict(self, state: State) -> None:
         """Go on after ``done`` steps."""
-        done = int(state.values["done"])
-        kinds = ("adapter", "average", *(("exp_avg", "exp_avg_sq") if done else ()))
-        shapes = {f"{kind}/{name}": value.shape for kind in kinds for name, value in self.parameters.items()}
-        if {name: value.shape for name, value in state.tensors.items()} != shapes:
-            raise DataError("state of another learner: names or shapes differ; resume with the run's own configuration")
-        with torch.no_grad():
-            for name, value in self.parameters.items():
-                value.copy_(state.tensors[f"adapter/{name}"])
-                self._average.values[name].copy_(state.tensors[f"average/{name}"])
-                if done:
-                    moments = {kind: state.tensors[f"{kind}/{name}"].clone() for kind in kinds[2:]}
-                    self._optimiser.state[value] = {"step": torch.tensor(float(done)), **moments}
-        self._done = done
+        self._done = int(state.values["done"])
+        self.updates.load(state.tensors, self._done)
 
     def product(self) -> Mapping[str, bytes]:
         """The adapter, as :class:`ucon.language.adapted.AdaptedMiniLM` reads it."""
-        return {PRODUCT: adapter_bytes(self._average.values, MINILM_SHA256)}
+        return {PRODUCT: adapter_bytes(self.updates.average, MINILM_SHA256)}
 
     def card(self) -> Card:
         """What it is and what for."""
         parts = entry_parts(self.dataset)
         count: Callable[[str], int] = lambda part: sum(p == part for p in parts.values())  # noqa: E731
-        size = sum(value.numel() for value in self.parameters.values())
+        size = sum(value.numel() for value in self.updates.parameters.values())
         return Card(
             "Habit retriever: an adapter of all-MiniLM-L6-v2",
             f"A low-rank adapter (rank {self.rank}, {size:,} parameters, fp16) of attention and MLP matrices. The "

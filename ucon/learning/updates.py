@@ -21,10 +21,11 @@ class DivergedError(UconError):
 
 
 class Updates:
-    """Changes the parameters of a module, one gradient after the other.
+    """Changes parameters, one gradient after the other.
 
     Args:
-        module: its parameters that ask for gradients are learned.
+        learned: a module, whose parameters that ask for gradients are learned and whose buffers are kept with them;
+            or parameters by name.
         lr: highest learning rate of Adam.
         clip: norm to which gradients are cut.
         steps: length of the schedule: a rise over ``warm_up`` steps, then half a cosine down to a tenth; 0 holds it.
@@ -35,17 +36,19 @@ class Updates:
 
     def __init__(
         self,
-        module: nn.Module,
+        learned: nn.Module | Mapping[str, Tensor],
         *,
         lr: float,
-        clip: float,
+        clip: float = 1.0,
         steps: int = 0,
         warm_up: int = 0,
         decay: float = 0.0,
         average: float = 0.0,
     ) -> None:
-        self.module, self.lr, self.clip, self.steps, self.warm_up = module, lr, clip, steps, warm_up
-        self.parameters = {name: value for name, value in module.named_parameters() if value.requires_grad}
+        self.lr, self.clip, self.steps, self.warm_up = lr, clip, steps, warm_up
+        self._learned = learned
+        named = learned.named_parameters() if isinstance(learned, nn.Module) else learned.items()
+        self.parameters = {name: value for name, value in named if value.requires_grad}
         self._optimiser = torch.optim.AdamW(self.parameters.values(), lr=lr, weight_decay=decay)
         self._average = MovingAverage(self.parameters, average)
         self.taken = 0
@@ -55,13 +58,13 @@ class Updates:
         """Forget the gradient of the last step."""
         self._optimiser.zero_grad(set_to_none=True)
 
-    def take(self, step: int) -> Figures:
-        """Update along the gradient that was collected, at the rate of step number ``step``, from 0.
+    def take(self, step: int, rate: float | None = None) -> Figures:
+        """Update along the gradient that was collected, at the rate of step number ``step``, from 0, or at ``rate``.
 
         Raises:
             DivergedError: a gradient that is not finite; names the first of them.
         """
-        rate = self._rate(step)
+        rate = self._rate(step) if rate is None else rate
         for group in self._optimiser.param_groups:
             group["lr"] = rate
         gradients = {f"gradient of {n}": p.grad for n, p in self.parameters.items() if p.grad is not None}
@@ -74,15 +77,20 @@ class Updates:
         self.taken += 1
         return {"gradient": float(norm), "rate": rate}
 
+    @property
+    def average(self) -> Mapping[str, Tensor]:
+        """The moving average of the parameters by name."""
+        return self._average.values
+
     @contextmanager
     def averaged(self) -> Iterator[None]:
-        """The module holds the average inside."""
+        """The parameters are their average inside."""
         with self._average.in_place():
             yield
 
     def tensors(self) -> dict[str, Tensor]:
         """Everything that decides how it goes on but the number of steps."""
-        found = {f"module/{name}": value.detach() for name, value in self.module.state_dict().items()}
+        found = {f"learned/{name}": value.detach() for name, value in self._held().items()}
         found |= {f"average/{name}": value for name, value in self._average.values.items()}
         for name, value in self.parameters.items():
             moments = self._optimiser.state.get(value, {})
@@ -95,15 +103,16 @@ class Updates:
         Raises:
             DataError: tensors of another network.
         """
-        shapes = {f"module/{name}": value.shape for name, value in self.module.state_dict().items()}
+        shapes = {f"learned/{name}": value.shape for name, value in self._held().items()}
         shapes |= {f"average/{name}": value.shape for name, value in self.parameters.items()}
         for kind in _MOMENTS if done else ():  # a parameter that had no gradient yet has none
             had = [name for name in self.parameters if f"{kind}/{name}" in tensors]
             shapes |= {f"{kind}/{n}": torch.Size() if kind == "step" else self.parameters[n].shape for n in had}
         if {name: value.shape for name, value in tensors.items()} != shapes:
             raise DataError("state of another learner: names or shapes differ; resume with the run's own configuration")
-        own = {name.removeprefix("module/"): t for name, t in tensors.items() if name.startswith("module/")}
-        self.module.load_state_dict(own)
+        with torch.no_grad():
+            for name, value in self._held().items():
+                value.copy_(tensors[f"learned/{name}"])
         self._optimiser.state.clear()
         self.taken = max((int(value) for name, value in tensors.items() if name.startswith("step/")), default=0)
         for name, value in self.parameters.items():
@@ -111,6 +120,10 @@ class Updates:
             if f"step/{name}" in tensors:
                 moments = {kind: tensors[f"{kind}/{name}"].clone().to(value.device) for kind in _MOMENTS[:2]}
                 self._optimiser.state[value] = {"step": tensors[f"step/{name}"].clone(), **moments}
+
+    def _held(self) -> Mapping[str, Tensor]:
+        """Parameters, and the buffers of a module: to be read, and written in place."""
+        return self._learned.state_dict() if isinstance(self._learned, nn.Module) else self._learned
 
     def _rate(self, step: int) -> float:
         if step < self.warm_up:
