@@ -188,7 +188,7 @@ def test_numbers_that_are_none_stop_it_and_are_named(learner, where):
     if where.startswith("parameter"):
         with torch.no_grad():
             found.policy.see[0].weight[0, 0, 0, 0] = float("inf")
-    before = found.state_dict().tensors["module/choose.weight"].clone()
+    before = found.state_dict().tensors["learned/choose.weight"].clone()
     with pytest.raises(DivergedError) as caught:
         found.step()
     assert str(caught.value).startswith(f"step 1: {where}")

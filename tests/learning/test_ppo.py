@@ -174,7 +174,7 @@ def test_the_average_counts_updates(learner):
         assert found.updates.taken > 20
     values = [found.updates.tensors()["average/network.score.0.weight"] for found in (few, many)]
     assert not torch.equal(*values)
-    own = many.updates.tensors()["module/network.score.0.weight"]
+    own = many.updates.tensors()["learned/network.score.0.weight"]
     assert float((values[0] - own).norm()) < float((values[1] - own).norm())
 
 
