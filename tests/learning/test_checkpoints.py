@@ -18,7 +18,7 @@ def state(value: float) -> State:
 def kept(tmp_path):
     checkpoints = Checkpoints(tmp_path / "checkpoints", {"config": "c", "habits": "h"}, keep=2)
     for step in (1, 2, 3, 4):
-        checkpoints.save(step, state(step), best=step == 2)
+        checkpoints.save(step, state(step), best=2 if step > 1 else None)
     return checkpoints
 
 
@@ -82,7 +82,7 @@ def test_leftovers_of_a_killed_process_are_harmless(kept):
     (kept.folder / ".step_00000005.x").mkdir()
     (kept.folder / ".step_00000005.x" / TENSORS).write_bytes(b"half")
     assert kept.load()[0] == 4
-    kept.save(5, state(5))
+    kept.save(5, state(5), best=2)
     assert not list(kept.folder.glob(".step_*"))
 
 
@@ -90,5 +90,27 @@ def test_rewinding_drops_what_came_later(kept):
     kept.rewind("step_00000003")
     assert kept.load()[0] == 3
     assert kept.load("best")[0] == 2
-    kept.save(4, state(40))
+    kept.save(4, state(40), best=2)
     assert kept.load()[1].values["done"] == 40
+
+
+def test_what_was_best_stays_as_long_as_one_may_go_back_to_where_it_was(kept):
+    for step in (5, 6):
+        kept.save(step, state(step), best=6 if step == 6 else 2)
+    assert [path.name for path in kept.all()] == ["step_00000002", "step_00000005", "step_00000006"]
+    kept.rewind("step_00000005")
+    assert kept.has_best
+    assert kept.load("best")[0] == 2
+    for step in (6, 7, 8):
+        kept.save(step, state(step), best=6)
+    assert [path.name for path in kept.all()] == ["step_00000006", "step_00000007", "step_00000008"]
+
+
+def test_another_format_is_refused(kept):
+    from ucon.core.files import write_manifest
+
+    path = kept.all()[-1] / VALUES
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"format": 99}))
+    write_manifest(path.parent, [TENSORS, VALUES])
+    with pytest.raises(CheckpointError, match="format 99"):
+        kept.load()

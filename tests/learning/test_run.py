@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 
 import pytest
@@ -117,6 +118,18 @@ def test_an_earlier_checkpoint_may_be_chosen(whole, tmp_path):
     assert again.step == 18
     again.run()
     assert (tmp_path / "run" / METRICS).read_bytes() == (whole / METRICS).read_bytes()
+
+
+def test_a_run_whose_best_is_gone_finds_another(whole, tmp_path):
+    run = begun(tmp_path / "run")
+    run.run()
+    for path in run.checkpoints.all()[:-1]:  # as by hand
+        shutil.rmtree(path)
+    (run.checkpoints.folder / BEST).unlink()
+    longer = Plan(steps=28, validate_every=5, save_every=3)
+    again = TrainingRun(tmp_path / "run", Line(), longer, {"config": "x"})
+    again.resume()
+    assert again.run()["best"]["step"] >= run.step
 
 
 def test_refusals(whole, tmp_path):

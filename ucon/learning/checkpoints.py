@@ -38,23 +38,29 @@ class Checkpoints:
     """The checkpoints of one run, named by its hashes."""
 
     def __init__(self, folder: Path, identity: Mapping[str, str], keep: int = 2) -> None:
-        """``identity``: hashes of the run; ``keep``: newest checkpoints that stay, the best one beside them."""
+        """``identity``: hashes of the run; ``keep``: newest checkpoints that stay, with the best one of each of them."""
         self.folder = folder
         self.identity = dict(identity)
         self.keep = keep
 
-    def save(self, step: int, state: State, *, best: bool = False) -> Path:
-        """Write the state after ``step`` steps, point ``latest`` (and ``best``) at it, drop what is too old."""
+    def save(self, step: int, state: State, *, best: int | None = None) -> Path:
+        """Write the state after ``step`` steps and point ``latest`` at it, drop what is too old.
+
+        Args:
+            step: steps done.
+            state: of learner and trainer.
+            best: step of the one that validated best so far, which ``best`` then names.
+        """
         name = step_name(step)
         self.folder.mkdir(parents=True, exist_ok=True)
         temporary = Path(tempfile.mkdtemp(dir=self.folder, prefix=f".{name}."))
         try:
-            self._write(temporary, step, state)
+            self._write(temporary, step, state, best)
             self._put(temporary, self.folder / name)
         except BaseException:
             shutil.rmtree(temporary, ignore_errors=True)
             raise
-        if best:  # before `latest`: who goes on from there does not validate it anew
+        if best == step:  # before `latest`: who goes on from there does not validate it anew
             write_atomic(self.folder / BEST, name + "\n")
         write_atomic(self.folder / LATEST, name + "\n")
         self._drop_old()
@@ -69,7 +75,7 @@ class Checkpoints:
         folder = self.folder / (self._named(name) if name in (LATEST, BEST) else name)
         try:
             raw, values = read_verified(folder / TENSORS), read_verified(folder / VALUES)
-            content = json.loads(values)
+            content = _content(values)
             step, found, own = int(content["step"]), dict(content["identity"]), content["values"]
         except (DataError, ValueError, KeyError, TypeError) as error:
             raise CheckpointError(f"checkpoint {folder}: {_reason(error)}; {self._others(folder.name)}") from None
@@ -83,21 +89,35 @@ class Checkpoints:
 
     def rewind(self, name: str) -> None:
         """Make ``name`` the newest: later checkpoints, which it will make again, are removed."""
+        best = self._best_of(self.folder / name)
+        if best and (self.folder / best).is_dir():
+            write_atomic(self.folder / BEST, best + "\n")
+        else:
+            (self.folder / BEST).unlink(missing_ok=True)
         write_atomic(self.folder / LATEST, name + "\n")
         for path in self.all():
             if path.name > name:
                 shutil.rmtree(path)
-        if (self.folder / BEST).is_file() and not (self.folder / self._named(BEST)).is_dir():
-            (self.folder / BEST).unlink()
+
+    @property
+    def has_best(self) -> bool:
+        """One has validated best and is still there."""
+        return (self.folder / BEST).is_file() and (self.folder / self._named(BEST)).is_dir()
 
     def all(self) -> list[Path]:
         """Folders of all checkpoints, oldest first."""
         return sorted(path for path in self.folder.glob("step_*") if path.is_dir())
 
-    def _write(self, folder: Path, step: int, state: State) -> None:
+    def _write(self, folder: Path, step: int, state: State, best: int | None) -> None:
         from safetensors.torch import save
 
-        content = {"format": FORMAT, "identity": self.identity, "step": step, "values": dict(state.values)}
+        content = {
+            "format": FORMAT,
+            "identity": self.identity,
+            "step": step,
+            "best": best,
+            "values": dict(state.values),
+        }
         write_atomic(folder / TENSORS, save({k: v.contiguous() for k, v in sorted(state.tensors.items())}))
         write_atomic(folder / VALUES, canonical_json(content) + "\n")
         write_manifest(folder, [TENSORS, VALUES])
@@ -130,7 +150,8 @@ class Checkpoints:
         return f"go on from an earlier one with resume={self.folder / names[-1]}"
 
     def _drop_old(self) -> None:
-        kept = {path.name for path in self.all()[-self.keep :]}
+        newest = self.all()[-self.keep :]
+        kept = {path.name for path in newest} | {self._best_of(path) for path in newest}
         if (self.folder / BEST).is_file():
             kept.add(self._named(BEST))
         for path in self.all():
@@ -138,6 +159,28 @@ class Checkpoints:
                 shutil.rmtree(path)
         for path in self.folder.glob(".step_*"):  # left by a killed process
             shutil.rmtree(path, ignore_errors=True)
+
+
+    @staticmethod
+    def _best_of(folder: Path) -> str:
+        """Name of the checkpoint that was best when this one was written; empty if none was, or it cannot be told."""
+        try:
+            best = _content((folder / VALUES).read_bytes()).get("best")
+        except (OSError, ValueError, KeyError, TypeError):
+            return ""
+        return "" if best is None else step_name(int(best))
+
+
+def _content(values: bytes) -> dict[str, Any]:
+    """What a checkpoint says of itself.
+
+    Raises:
+        ValueError: no JSON, or of another format.
+    """
+    content: dict[str, Any] = json.loads(values)
+    if content["format"] != FORMAT:
+        raise ValueError(f"format {content['format']}, this version reads {FORMAT}")
+    return content
 
 
 def step_name(step: int) -> str:

@@ -119,6 +119,8 @@ class TrainingRun:
         self.learner.load_state_dict(State(state.tensors, state.values["learner"]))
         if checkpoint != LATEST:
             self.checkpoints.rewind(checkpoint)
+        if not self.checkpoints.has_best:
+            self.best = {}  # the next validation finds one
         self._cut_metrics()
 
     def run(self, on_figures: OnFigures = lambda step, figures: None) -> dict[str, Any]:
@@ -155,13 +157,14 @@ class TrainingRun:
         better = not self.best or found[SCORE] > self.best[SCORE]
         if better:
             self.best = dict(sorted({"step": self.step, **found}.items()))  # as a checkpoint gives it back
-        self._save(best=better)
+        self._save()
         return {f"val/{name}": value for name, value in found.items()}
 
-    def _save(self, *, best: bool = False) -> None:
+    def _save(self) -> None:
         state = self.learner.state_dict()
         values = {"learner": dict(state.values), "trainer": {"best": self.best}}
         self._saved = self.step
+        best = int(self.best["step"]) if self.best else None
         self.checkpoints.save(self.step, State(state.tensors, values), best=best)
 
     def _log(self, figures: Mapping[str, float]) -> None:
