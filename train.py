@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +57,7 @@ def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None =
     label = config["learner"]["_target_"].rsplit(".", 1)[-1]
     try:
         with (
+            closing(learner),
             wandb_log(config["wandb"], chosen.folder, config) as log,
             tensorboard_log(bool(config["tensorboard"]), chosen.folder) as write,
             training_progress(label, run.plan.steps, run.step, visible=config["progress"]) as show,

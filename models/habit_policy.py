@@ -16,8 +16,8 @@ from typing import Any, Final, NamedTuple
 import torch
 from torch import Tensor, nn
 
+from models.nets.sizes import check_heads, check_sizes
 from models.nets.token_transformer import TokenTransformer
-from ucon.core.errors import ConfigError
 from ucon.core.rng import derived_seed
 from ucon.envs.waypoint.searcher import LOYALTY
 from ucon.envs.waypoint.tokens import N_FRONTIER, N_STATE, N_THING, THING_AHEAD
@@ -65,11 +65,11 @@ class HabitPolicy(nn.Module):
             seed: of the weights that learning begins with.
 
         Raises:
-            ConfigError: a width that the heads cannot share.
+            ConfigError: a size below 1, or a width that the heads cannot share.
         """
         super().__init__()
-        if width % heads:
-            raise ConfigError(f"agent.policy.width={width}: must be a multiple of heads={heads}")
+        check_heads("agent.policy", width, heads)
+        check_sizes("agent.policy", layers=layers)
         self.arguments: Mapping[str, Any] = {"width": width, "layers": layers, "heads": heads, "use_prior": use_prior}
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(derived_seed(seed, self.architecture))

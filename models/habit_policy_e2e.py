@@ -26,6 +26,7 @@ from models.nets.one_frame import one_frame
 from models.nets.places_to_go import PlacesToGo, Ways
 from models.nets.policy import N_ACTIONS, PolicyModule, lstm_state, run_lstm
 from models.nets.read_habits import SUMMARY_FEATURES, read_habits, words
+from models.nets.sizes import check_sizes
 from models.nets.things_in_view import N_CUES, Seen, ThingsInView
 from ucon.core.errors import ConfigError, brief
 from ucon.core.rng import derived_seed
@@ -100,6 +101,7 @@ class HabitPolicyE2E(PolicyModule):
         super().__init__()
         if type(image_px) is not int or image_px < 16 or image_px % 16:
             raise ConfigError(f"agent.policy.image_px={brief(image_px)}: must be a multiple of 16, at least 16")
+        check_sizes("agent.policy", width=width, hidden=hidden)
         self._reader, self._head = reader, head
         self._arguments = {"image_px": image_px, "width": width, "hidden": hidden}
         self._arguments |= {"rgb": rgb, "plan": plan, "attend": attend, "scores": scores}

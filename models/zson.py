@@ -35,6 +35,8 @@ class ZSON(PolicyModule):
 
     architecture = "zson"
 
+    reads_goal_images = True
+
     def __init__(self, goal: SentenceGoal | ClipGoal | None = None, *, augmented: bool = True, seed: int = 0) -> None:
         """Build it with random weights.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from models.agents.base import Controller, ControllerAgent, Info, Observation
+from ucon.core.errors import ConfigError
 from ucon.core.rng import stream
 from ucon.task.actions import Action
 
@@ -27,6 +28,8 @@ class RandomAgent(ControllerAgent):
 
     def __init__(self, seed: int = 0, done_probability: float = 0.01) -> None:
         super().__init__()
+        if not 0 <= done_probability <= 1:
+            raise ConfigError(f"agent.done_probability={done_probability}: expected a probability from 0 to 1")
         self._seed, self._done = seed, done_probability
 
     def start(self, info: Info) -> Controller:

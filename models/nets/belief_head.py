@@ -16,6 +16,8 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from models.nets.pooling import N_POOLS, pooled, strongest
+from models.nets.sizes import check_heads, check_sizes
+from ucon.core.errors import ConfigError
 from ucon.retrieval.head_inputs import N_CANDIDATE, N_HABIT, N_PAIR, N_RELATIONS, N_RELEVANCE, HeadInputs
 
 DIM: Final = 384
@@ -80,6 +82,9 @@ class BeliefHead(nn.Module):
             the fitted gate, sentence and name vectors (the attention path), common sense: switches for ablations.
         pools: whether the direct path is also given the pair inputs themselves, pooled over the habits. For text that
             the evidence reader was not fitted on; the habit book's is read no better by them.
+
+    Raises:
+        ConfigError: a size below 1, a width that the heads cannot share, or a dropout outside [0, 1).
     """
 
     def __init__(
@@ -98,6 +103,10 @@ class BeliefHead(nn.Module):
         pools: bool = False,
     ) -> None:
         super().__init__()
+        check_heads("learner.head", width, heads)
+        check_sizes("learner.head", blocks=blocks, channels=channels, hidden=hidden)
+        if not 0 <= dropout < 1:
+            raise ConfigError(f"learner.head.dropout={dropout}: expected 0 to below 1")
         self.options = {
             "width": width,
             "heads": heads,

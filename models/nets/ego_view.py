@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.perception.detections import STRUCTURE_KINDS, Detections
+from ucon.perception.semantic_map import require_right_angle
 
 CELL_M = 0.25
 AHEAD, ASIDE, BEHIND = 24, 24, 1
@@ -61,7 +62,7 @@ class EgoView:
 
 
 def ego_view(depth: F32, pitch_rad: float, camera_m: float, info: Mapping[str, Any], target: str) -> EgoView:
-    """Read one frame of a 90 degree view.
+    """Read one frame.
 
     Args:
         depth: (H, W) optical metres.
@@ -69,7 +70,11 @@ def ego_view(depth: F32, pitch_rad: float, camera_m: float, info: Mapping[str, A
         camera_m: height of the camera.
         info: with ``detections``, ``tracks`` and ``opened`` of the step.
         target: category that is put first.
+
+    Raises:
+        ConfigError: no view of 90 degrees.
     """
+    require_right_angle(info)
     found = Detections.from_info(info)
     points, spread = _points(depth, pitch_rad, camera_m)
     patch, look, cell = _floor(points[:, ::_STRIDE, ::_STRIDE], spread[::_STRIDE, ::_STRIDE])
@@ -157,8 +162,9 @@ def _block(flags: NDArray[np.uint8], at: NDArray[np.int64], off: F32) -> None:
     for across, along in ((True, False), (False, True), (True, True)):
         gap = np.where(across, beyond[0], off[0]) ** 2 + np.where(along, beyond[1], off[1]) ** 2
         near = at + across * step[0] * COLUMNS + along * step[1]
-        near = near[(gap < _RADIUS_M**2) & (near >= 0) & (near < N_CELLS)]
-        flags[near] |= BLOCKED
+        beside = at % COLUMNS + along * step[1]
+        inside = (near >= 0) & (near < N_CELLS) & (beside >= 0) & (beside < COLUMNS)
+        flags[near[(gap < _RADIUS_M**2) & inside]] |= BLOCKED
 
 
 def _chosen(found: Detections, shown: NDArray[np.bool_], target: str) -> tuple[NDArray[np.int64], tuple[str, ...]]:

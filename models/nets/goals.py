@@ -55,7 +55,7 @@ class SentenceGoal:
         """
         raise ConfigError(
             "the sentence encoder knows no images, and the goal is one; give CLIP: "
-            "'agent.policy.goal={_target_:models.nets.goals.ClipGoal,path:FOLDER}'"
+            "'++agent.policy.goal={_target_:models.nets.goals.ClipGoal,path:FOLDER}'"
         )
 
 

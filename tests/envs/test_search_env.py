@@ -22,8 +22,8 @@ from ucon.perception.belief import Locations
 from ucon.task.episode import Episode
 
 INFO = {
-    "target", "episode", "task", "context", "habit_level", "habits", "habit_rows", "nav", "camera_m", "episode_metrics",
-    "invalid",
+    "target", "episode", "task", "context", "habit_level", "habits", "habit_rows", "nav", "camera_m", "fov_deg",
+    "episode_metrics", "invalid",
 }  # fmt: skip
 Steps = list[tuple[Any, ...]]
 

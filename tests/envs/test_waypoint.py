@@ -24,7 +24,8 @@ from ucon.task.actions import Action
 from ucon.task.episode import Episode
 
 INFO = {
-    "target", "episode", "task", "context", "habit_level", "habits", "habit_rows", "nav", "camera_m", "episode_metrics",
+    "target", "episode", "task", "context", "habit_level", "habits", "habit_rows", "nav", "camera_m", "fov_deg",
+    "episode_metrics",
     "candidates", "primitive_steps", "invalid",
 }  # fmt: skip
 Steps = list[tuple[Any, ...]]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import torch
 
+from models.nets.belief_head import BeliefHead
 from models.nets.head_reader import HeadReader
 from tests.learning.belief_tiny import plain_parts, small_head, tiny_belief
 from tests.learning.tiny import some_habits
@@ -127,7 +128,22 @@ def test_counts_of_the_wrong_kind_are_refused(option):
         tiny_belief(**option)
 
 
-@pytest.mark.parametrize("option", [{"swap": 1.5}, {"levels": (0, 0, 0, 0)}, {"targets": 0}, {"dropped": "half"}])
+@pytest.mark.parametrize("option", [{"lr": -1}, {"average": 1.5}, {"decay": -1}, {"relevance": -0.1}])
+def test_numbers_out_of_range_are_refused(option):
+    with pytest.raises(ConfigError, match=f"learner.{next(iter(option))}="):
+        tiny_belief(**option)
+
+
+@pytest.mark.parametrize("option", [{"width": 127}, {"heads": 0}, {"blocks": -1}, {"dropout": 2}])
+def test_heads_that_cannot_be_are_refused(option):
+    with pytest.raises(ConfigError, match=r"learner\.head\."):
+        BeliefHead(**option)
+
+
+@pytest.mark.parametrize(
+    "option",
+    [{"swap": 1.5}, {"levels": (0, 0, 0, 0)}, {"levels": None}, {"targets": 0}, {"targets": 1.5}, {"dropped": "half"}],
+)
 def test_draws_out_of_range_are_refused(option):
     with pytest.raises(ConfigError, match=r"draw\."):
         Draw(**option)

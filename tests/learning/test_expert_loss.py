@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 import torch
+from torch import nn
 
+from tests.learning.tiny_policy import TinyPolicy
 from tests.learning.tiny_ppo import narrow_habit_policy, tiny_ppo
 from ucon.core.errors import ConfigError
 from ucon.envs.waypoint.search_env import UcONSearchEnv
@@ -70,7 +73,15 @@ def test_it_is_learned_while_playing(tmp_path: Path) -> None:
 
 
 def test_who_is_told_nothing_learns_none_of_it(tmp_path: Path) -> None:
-    for options in ({"expert": ExpertLoss()}, {"search": functools.partial(UcONSearchEnv, "mini", expert=True)}):
-        learner = tiny_ppo(tmp_path, narrow_habit_policy(), frames=20, **options)
-        assert "expert_kl" not in learner.step()
-        learner.rollouts.close()
+    search = functools.partial(UcONSearchEnv, "mini", expert=True)
+    learner = tiny_ppo(tmp_path, narrow_habit_policy(), frames=20, search=search)
+    assert "expert_kl" not in learner.step()
+    learner.close()
+
+
+@pytest.mark.parametrize(
+    ("policy", "message"), [(narrow_habit_policy, r"search\.expert=true"), (TinyPolicy, "no expert says which")]
+)
+def test_an_expert_that_is_not_there(tmp_path: Path, policy: Callable[[], nn.Module], message: str) -> None:
+    with pytest.raises(ConfigError, match=message):
+        tiny_ppo(tmp_path, policy(), expert=ExpertLoss(), loss=PPOLoss(entropy=0.0, objective=0.0))

@@ -70,3 +70,6 @@ class Line:
 
     def card(self):
         return Card("A line", "Fitted to points.")
+
+    def close(self):
+        pass

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from toy import CELL, ToyEnv, two_rooms
 
+from ucon.core.errors import ConfigError
 from ucon.perception.draw import draw_map
 from ucon.perception.semantic_map import HALF, SemanticMap, View, view_of_pose
 
@@ -84,6 +85,13 @@ def test_pose_and_collisions(toured: tuple[ToyEnv, SemanticMap]) -> None:
         a, b = int(np.floor(x / CELL)), int(np.floor(y / CELL))
         inside = 0 <= a < env.free.shape[0] and 0 <= b < env.free.shape[1]
         assert not (inside and env.free[a, b])
+
+
+def test_another_angle_of_view_is_refused() -> None:
+    obs, info = ToyEnv(two_rooms(), "ring", (14, 4, 0)).reset()
+    SemanticMap().update(obs, {**info, "fov_deg": 90.0})
+    with pytest.raises(ConfigError, match=r"env\.fov_deg=60"):
+        SemanticMap().update(obs, {**info, "fov_deg": 60.0})
 
 
 @pytest.mark.parametrize("heading", range(4))

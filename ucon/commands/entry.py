@@ -51,13 +51,18 @@ def one_line_errors(config_name: str) -> Iterator[None]:
         if error.errno not in _OF_THE_DISK:
             raise
         where = error.filename2 or error.filename or "cannot write"
-        again = "resume=RUN" if config_name == "train" else "the same command with the same out="
         _end(
-            f"{where}: {error.strerror}; make room or mend permissions, what is finished is kept: {again} goes on",
+            f"{where}: {error.strerror}; make room or mend permissions, {_what_is_kept(config_name)}",
             USER_ERROR,
         )
     except KeyboardInterrupt:
-        _end("interrupted; what is finished is kept: the same command with the same out= goes on", INTERRUPTED)
+        _end(f"interrupted; {_what_is_kept(config_name)}", INTERRUPTED)
+
+
+def _what_is_kept(config_name: str) -> str:
+    if config_name == "train":
+        return "what is saved is kept: resume=RUN goes on"
+    return "what is finished is kept: the same command with the same out= goes on"
 
 
 def explain(error: BaseException, configs: Path, config_name: str) -> str:

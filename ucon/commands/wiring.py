@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ucon.commands.arguments import check_arguments
 from ucon.core.errors import ConfigError, UconError
 
 if TYPE_CHECKING:
@@ -24,10 +25,11 @@ class Factory:
     extra: Mapping[str, Any] = field(default_factory=dict)
 
     def __call__(self) -> Any:
-        """Build it; raises :class:`ConfigError` where the target or an argument does not exist."""
+        """Build it; raises :class:`ConfigError` where the target or an argument does not exist, or is of no use."""
         from hydra.errors import InstantiationException
         from hydra.utils import instantiate
 
+        check_arguments(self.config)
         try:
             # Partial, so that Hydra resolves the configuration but never looks into `extra`.
             return instantiate(self.config | {"_partial_": True}, _convert_="all")(**self.extra)

@@ -63,12 +63,12 @@ class UcONEnv(gym.Env[Obs, int]):
     | step | Discrete(max_steps + 1) | steps taken |
 
     ### Info
-    ``target`` (category), ``camera_m`` (its height); at reset ``task`` (name of the rules), ``context`` (a sentence or
-    None), ``habits`` (texts), ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for seeds and logs), at level
-    ``context`` ``reranking`` (:class:`ucon.retrieval.ContextHabits`: told what was seen, it ranks anew), with
-    ``planner="true"`` ``nav`` (free grid in the agent's frame); with a detector (True is ``gt``) ``detections``,
-    ``tracks`` and ``opened`` (tracks); at the end ``episode_metrics``. With ``privileged=True`` also ``privileged``
-    (scene, episode, solution, locations, target instance, pose): for trainers and oracles only.
+    ``target`` (category), ``camera_m`` (its height), ``fov_deg`` (its width); at reset ``task`` (name of the rules),
+    ``context`` (a sentence or None), ``habits`` (texts), ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for
+    seeds and logs), at level ``context`` ``reranking`` (:class:`ucon.retrieval.ContextHabits`: told what was seen, it
+    ranks anew), with ``planner="true"`` ``nav`` (free grid in the agent's frame); with a detector (True is ``gt``)
+    ``detections``, ``tracks`` and ``opened`` (tracks); at the end ``episode_metrics``. With ``privileged=True`` also
+    ``privileged`` (scene, episode, solution, locations, target instance, pose): for trainers and oracles only.
 
     ### Rewards
     :class:`ucon.task.reward.Reward`: +10 for a successful Done and -0.01 a step by default.
@@ -234,7 +234,8 @@ class UcONEnv(gym.Env[Obs, int]):
 
     def _look(self, opened: tuple[int, ...]) -> tuple[Obs, dict[str, Any]]:
         """One raster a step: image, depth, instances and the canonical pixel counts together."""
-        info: dict[str, Any] = {"target": self.episode.target_category, "camera_m": self.search.camera[2]}
+        info: dict[str, Any] = {"target": self.episode.target_category}
+        info |= {"camera_m": self.search.camera[2], "fov_deg": self._fov_deg}
         obs: Obs = {"pose": self._frame.pose(self.search.pose)}
         depth, rgb = self._draw()
         if self._observe == "pixels":

@@ -21,7 +21,7 @@ from safetensors import SafetensorError
 from safetensors.torch import load, save
 from torch import Tensor, nn
 
-from ucon.core.errors import ConfigError, DataError, brief
+from ucon.core.errors import DataError
 from ucon.core.files import read_verified
 from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import Split, entry_parts
@@ -31,6 +31,7 @@ from ucon.learning.belief_homes import KnowledgeBases
 from ucon.learning.belief_loss import losses
 from ucon.learning.belief_readers import Fold, folds_of, parts_of
 from ucon.learning.learner import Card, Figures, State
+from ucon.learning.options import check
 from ucon.learning.retriever import schedule
 from ucon.learning.run import MODEL
 from ucon.learning.updates import Updates
@@ -95,9 +96,11 @@ class BeliefLearner:
         parts: FittedParts | None = None,
         folds: Sequence[Fold] | None = None,
     ) -> None:
-        for name, value in {"steps": steps, "households": households, "warm_up": warm_up, "n_kbs": n_kbs}.items():
-            if type(value) is not int or value < 1:
-                raise ConfigError(f"learner.{name}={brief(value)}: must be above 0 and whole")
+        whole = {"steps": steps, "households": households, "warm_up": warm_up, "n_kbs": n_kbs}
+        check("above 0 and whole", lambda x: x > 0, (int,), **whole)
+        check("above 0", lambda x: 0 < x < 1e9, lr=lr)
+        check("at least 0", lambda x: 0 <= x < 1e9, decay=decay, relation=relation, relevance=relevance)
+        check("at least 0 and below 1", lambda x: 0 <= x < 1, average=average)
         self.dataset, self.steps, self.seed, self.n_kbs = dataset, steps, seed, n_kbs
         self.households, self.lr, self.warm_up = households, lr, warm_up
         self.weights = {"anchor": 1.0, "relation": relation, "relevance": relevance}
@@ -226,6 +229,9 @@ class BeliefLearner:
             return float(torch.cat(values).mean())
 
         return float(min(grid, key=nll))
+
+    def close(self) -> None:
+        """It plays in none."""
 
     def card(self) -> Card:
         """What it is and what for."""

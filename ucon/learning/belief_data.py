@@ -72,9 +72,11 @@ class Draw:
         for name, value in vars(self).items():
             if name not in counts and not (isinstance(value, (int, float)) and 0 <= value <= 1):
                 raise ConfigError(f"draw.{name}={value}: expected a share from 0 to 1")
-        if self.targets < 1 or self.clutter < 0:
+        if type(self.targets) is not int or type(self.clutter) is not int or self.targets < 1 or self.clutter < 0:
             raise ConfigError(f"draw.targets={self.targets}, draw.clutter={self.clutter}: expected at least 1 and 0")
-        if len(self.levels) != len(FIXED_LEVELS) or min(self.levels) < 0 or sum(self.levels) <= 0:
+        weights = self.levels if isinstance(self.levels, (list, tuple)) else ()
+        numbers = all(type(w) in (int, float) and 0 <= w < 1e9 for w in weights)
+        if len(weights) != len(FIXED_LEVELS) or not numbers or sum(weights) <= 0:
             raise ConfigError(f"draw.levels={self.levels}: expected {len(FIXED_LEVELS)} weights, {FIXED_LEVELS}")
 
 

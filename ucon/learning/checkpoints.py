@@ -38,7 +38,7 @@ class Checkpoints:
     """The checkpoints of one run, named by its hashes."""
 
     def __init__(self, folder: Path, identity: Mapping[str, str], keep: int = 2) -> None:
-        """``identity``: hashes of the run; ``keep``: newest checkpoints that stay, with the best one of each of them."""
+        """``identity``: hashes of the run; ``keep``: newest checkpoints that stay, each with its best one."""
         self.folder = folder
         self.identity = dict(identity)
         self.keep = keep
@@ -159,7 +159,6 @@ class Checkpoints:
                 shutil.rmtree(path)
         for path in self.folder.glob(".step_*"):  # left by a killed process
             shutil.rmtree(path, ignore_errors=True)
-
 
     @staticmethod
     def _best_of(folder: Path) -> str:

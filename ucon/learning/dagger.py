@@ -108,6 +108,11 @@ class DaggerLearner(ImitationLearner):
         by_id = {episode.id: episode for episode in self.episodes}
         self.collected = trajectories_from_json(state.values["collected"], by_id)
 
+    def close(self) -> None:
+        """See :class:`ucon.learning.learner.Learner`."""
+        super().close()
+        self._strays.close()
+
     @cached_property
     def _strays(self) -> Players:
         return Players(self.policy, self.make_env, self.rollouts.slots, self.rollouts.max_steps)

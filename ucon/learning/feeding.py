@@ -64,9 +64,11 @@ class Feeder:
             )
 
     def close(self) -> None:
-        """End the workers."""
+        """End the workers, without what they were asked for ahead; from then on this process plays."""
         if self._pool is not None:
             self._pool.shutdown(cancel_futures=True)
+            self._pool = None
+        self._play.close()
 
     def __call__(self, batches: Iterable[Sequence[Trajectory]]) -> Iterator[list[tuple[Trajectory, Replay]]]:
         """Each batch with its replays, one after the other."""

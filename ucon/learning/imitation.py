@@ -25,7 +25,7 @@ from ucon.habits.splits import entry_parts
 from ucon.learning.demonstrators import Demonstrator, Solutions
 from ucon.learning.feeding import Feeder
 from ucon.learning.learner import Card, Figures, State
-from ucon.learning.options import check, check_parts
+from ucon.learning.options import check, check_parts, text_weights
 from ucon.learning.playing import Players
 from ucon.learning.policy import ActionPolicy
 from ucon.learning.saved import load_network, network_files
@@ -124,7 +124,8 @@ class ImitationLearner:
         self.levels = tuple(levels) if self.act.uses_habits else ("none",)
         self.episodes = spaced(load_episodes(episodes), n_episodes, "learner.n_episodes")
         self.demonstrator = demonstrator or Solutions()
-        self.dataset = env().unwrapped.source.dataset
+        self.source = env().unwrapped.source
+        self.dataset = self.source.dataset
         check_parts(self.episodes, validation.all, entry_parts(self.dataset))
         self._initial = "" if initial is None else load_network(str(initial), cast(Any, policy))
         self.feeder = Feeder(policy, env, workers=workers, memory_bytes=int(memory_gb * (1 << 30)))
@@ -136,11 +137,12 @@ class ImitationLearner:
 
     @property
     def identity(self) -> Mapping[str, str]:
-        """Hashes of the episodes, of the habits and of frozen weights."""
+        """Hashes of the episodes, of the habits, of frozen weights and of those that rank habits."""
         of_episodes = [f"{e.id} {e.home_hash} {e.solution}" for e in (*self.episodes, *self.validation.all)]
         frozen, shown = getattr(self.policy, "fingerprint", str)(), self.demonstrator.fingerprint()
         hashes = {"habits": self.dataset.sha256, "episodes": sha256_bytes("\n".join(of_episodes).encode())}
-        others = {"frozen": frozen, "demonstrator": shown, "initial": self._initial}
+        text = text_weights(self.source, (*self.levels, self.validation.level))
+        others = {"frozen": frozen, "demonstrator": shown, "initial": self._initial, "text": text}
         return hashes | {name: by for name, by in others.items() if by}
 
     @property
@@ -235,6 +237,12 @@ class ImitationLearner:
             self.dataset.name,
         )
 
+    def close(self) -> None:
+        """See :class:`ucon.learning.learner.Learner`."""
+        self.feeder.close()
+        self._stream = None  # what was asked of the workers is lost
+        self.players.close()
+
     def _pass(self, batch: Batch, *, backward: bool) -> Tensor:
         """The sums of the loss over a batch, (n_sums,) float64; with ``backward`` also its gradient."""
         total = torch.zeros(self.loss.n_sums, dtype=torch.float64)
@@ -260,7 +268,7 @@ class ImitationLearner:
         for kind, tensors in parts.items():
             require_finite({f"{kind} {name}": tensor for name, tensor in tensors.items()}, self.done)
         require_finite({name: outputs[name] for name in ("logits", "value")}, self.done)
-        raise DivergedError(f"step {self.done + 1}: the loss is not finite; go on with a smaller learner.lr")
+        raise DivergedError(f"step {self.done + 1}: the loss is not finite; start a run anew with a smaller learner.lr")
 
     def _order(self, epoch: int) -> NDArray[np.int64]:
         """The order of the episodes in an epoch, (n,)."""

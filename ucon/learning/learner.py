@@ -77,3 +77,7 @@ class Learner(Protocol):
     def card(self) -> Card:
         """For the model card."""
         ...
+
+    def close(self) -> None:
+        """End the processes and close the environments that it plays in; it makes new ones if it goes on."""
+        ...

@@ -16,6 +16,11 @@ def check(wanted: str, holds: Callable[[Any], bool], kinds: Sequence[type] = (in
             raise ConfigError(f"learner.{name}={brief(value)}: must be {wanted}")
 
 
+def text_weights(source: Any, levels: Sequence[str]) -> str:
+    """Which weights embed and rank the habits of a :class:`ucon.envs.knowledge.HabitSource` at these levels."""
+    return " ".join(sorted({name for level in levels for name in source.weights(level)}))
+
+
 def check_parts(episodes: Sequence[Episode], chosen_by: Sequence[Episode], parts: Mapping[str, str]) -> None:
     """Refuse to learn from what is not of the ``train`` part, and to choose by what is of the ``test`` part."""
     for episode in chosen_by:

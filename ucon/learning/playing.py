@@ -122,8 +122,8 @@ class Players:
 
     def close(self) -> None:
         """Close the environments."""
-        for env in self._envs:
-            env.close()
+        while self._envs:
+            self._envs.pop().close()
 
     def _begin(self, slot: _Slot, waiting: Iterator[tuple[int, Job]], chooser: Chooser) -> bool:
         """Start the next job in a slot, with a fresh recurrent state; False where none is left."""

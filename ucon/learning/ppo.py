@@ -9,13 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
-from typing import Any, Final, cast
+from typing import Any, cast
 
 import torch
 from torch import Tensor, nn
 
 from ucon.core.device import torch_device
-from ucon.core.errors import ConfigError, brief, unknown_name
 from ucon.core.files import sha256_bytes
 from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import entry_parts
@@ -25,20 +24,17 @@ from ucon.learning.expert_loss import EXPERT, ExpertLoss
 from ucon.learning.foresight import TO_GO, ForesightLoss
 from ucon.learning.imitation import PRECISIONS
 from ucon.learning.learner import Card, Figures, State
-from ucon.learning.options import check, check_parts
+from ucon.learning.options import check, check_parts, text_weights
 from ucon.learning.playing import Players
 from ucon.learning.policy import ActionPolicy, Outputs
 from ucon.learning.ppo_loss import PPOLoss, finite, inference_mode_but_memory, total
+from ucon.learning.ppo_options import check_choices, check_memory, check_taught
 from ucon.learning.run import SCORE
 from ucon.learning.saved import load_network, network_files
 from ucon.learning.updates import DivergedError, Updates, require_finite
 from ucon.learning.validation import Validation, spaced
 from ucon.learning.view_policy import ViewPolicy
-from ucon.retrieval.levels import check_level
 from ucon.task.sets import load_episodes
-
-#: Of the recurrent states of one collection.
-_MOST_STATE_BYTES: Final = 4 << 30
 
 
 class PPOLearner:
@@ -120,7 +116,7 @@ class PPOLearner:
         check("at least 0", lambda x: 0 <= x < 1e9, decay=decay)
         check("at least 0 and below 1", lambda x: 0 <= x < 1, average=average)
         check("a whole number", lambda x: True, (int,), seed=seed)
-        _check_parts(policy, precision, levels, validation)
+        check_choices(policy, precision, levels, validation)
         self.device = torch_device(device, "learner.device")
         self._initial = "" if initial is None else load_network(str(initial), cast(Any, policy))
         views = not hasattr(policy, "frame")
@@ -129,13 +125,17 @@ class PPOLearner:
         self.make_env = search if views else env
         self.levels = tuple(levels) if self.act.uses_habits else ("none",)
         self.episodes = spaced(load_episodes(episodes), n_episodes, "learner.n_episodes")
-        self.dataset = self.make_env().unwrapped.source.dataset
+        in_actions, in_views = env(), search() if views else None
+        check_taught(policy, in_actions, in_views, expert, loss.objective)
+        self._read_by = str(getattr(in_views, "fingerprint", str)())
+        self.source = (in_views or in_actions).unwrapped.source
+        self.dataset = self.source.dataset
         check_parts(self.episodes, validation.all, entry_parts(self.dataset))
         self.loss, self.validation, self.seed, self.half = loss, validation, seed, half
         self.foresight, self.expert = (foresight, expert) if views else (None, None)
         self.epochs, self.minibatch, self.kl_stop = epochs, minibatch, kl_stop
         self.discount, self.trace = discount, trace
-        _check_memory(self.act, frames)
+        check_memory(self.act, frames)
         self.chunk = chunk if self.act.initial_state(1) else 1
         each = -(-frames // collector.rows) + 1  # the last one is not learned from
         self.rollouts = Rollouts(self.policy, self.make_env, self.episodes, self.levels, collector, each)
@@ -146,11 +146,13 @@ class PPOLearner:
 
     @property
     def identity(self) -> Mapping[str, str]:
-        """Hashes of the episodes, of the habits and of frozen weights."""
+        """Hashes of the episodes, of the habits, of frozen weights and of those that read or rank habits."""
         of_episodes = [f"{e.id} {e.home_hash} {e.solution}" for e in (*self.episodes, *self.validation.all)]
         frozen = getattr(self.policy, "fingerprint", str)()
+        text = text_weights(self.source, (*self.levels, self.validation.level))
         hashes = {"habits": self.dataset.sha256, "episodes": sha256_bytes("\n".join(of_episodes).encode())}
-        return hashes | {name: by for name, by in {"frozen": frozen, "initial": self._initial}.items() if by}
+        others = {"frozen": frozen, "reader": self._read_by, "initial": self._initial, "text": text}
+        return hashes | {name: by for name, by in others.items() if by}
 
     def step(self) -> Figures:
         """One collection, and what is learned from it.
@@ -216,7 +218,7 @@ class PPOLearner:
         groups = {"frames": frames, "parameter": self.updates.parameters, "": outputs, "played": part.played}
         for kind, tensors in groups.items():
             require_finite({f"{kind} {name}".strip(): tensor for name, tensor in tensors.items()}, self.done)
-        raise DivergedError(f"step {self.done + 1}: the loss is not finite; go on with a smaller learner.lr")
+        raise DivergedError(f"step {self.done + 1}: the loss is not finite; start a run anew with a smaller learner.lr")
 
     def validate(self) -> Figures:
         """SR and SPL of the policy, or of its average, on validation episodes."""
@@ -244,42 +246,28 @@ class PPOLearner:
         with self.updates.averaged():
             return network_files(cast(Any, self.network), half=self.half)
 
+    def close(self) -> None:
+        """See :class:`ucon.learning.learner.Learner`."""
+        self.rollouts.close()
+        self.players.close()
+
     def card(self) -> Card:
         """What it is and what for."""
         size = sum(value.numel() for value in self.updates.parameters.values())
         name = self.act.architecture
+        learned = (
+            f"Learned from {self.frames:,} steps of its own in episodes drawn from {len(self.episodes)} of the `train` "
+            f"part; habit levels {', '.join(self.levels)}."
+            if self.frames
+            else "As it was before training: nothing that was learned validated better."
+        )
         return Card(
             f"Policy {name}, by {'what an expert would choose' if self.expert else 'proximal policy optimisation'}",
-            f"`{name}`, {size:,} trained parameters. Learned from {self.frames:,} steps of its own in "
-            f"episodes drawn from {len(self.episodes)} of the `train` part; habit levels "
-            f"{', '.join(self.levels)}. Validation episodes chose the state; `test` was not touched.\n\n"
+            f"`{name}`, {size:,} parameters. {learned} Validation episodes chose the state; `test` was not touched.\n\n"
             f"Use: `python eval.py agent={name} agent.checkpoint=RUN`.\n\n"
             "It learned in simulated homes what a success is worth there; in homes unlike these it was not measured.",
             self.dataset.name,
         )
-
-
-def _check_memory(policy: ActionPolicy, frames: int) -> None:
-    """Refuse collections whose recurrent states, one a frame, are more than a machine may hold."""
-    size = sum(tensor.nbytes for tensor in policy.initial_state(1).values())
-    if frames * size > _MOST_STATE_BYTES:
-        raise ConfigError(
-            f"learner.frames={frames}: the memory of {policy.architecture} at each of them takes "
-            f"{frames * size / (1 << 30):.1f} GB; give learner.frames={_MOST_STATE_BYTES // size} or less"
-        )
-
-
-def _check_parts(policy: object, precision: str, levels: Sequence[str], validation: Validation) -> None:
-    if not isinstance(policy, nn.Module):
-        raise ConfigError("agent has no policy that can be trained; choose one that has, like agent=habit_policy")
-    if precision not in PRECISIONS:
-        raise ConfigError(unknown_name("precision", str(precision), PRECISIONS))
-    if isinstance(levels, str) or not levels:
-        raise ConfigError(f"learner.levels={brief(levels)}: expected a list of at least one habit level")
-    for level in levels:
-        check_level(str(level))
-    if validation.choose not in ("success_rate", "spl"):
-        raise ConfigError(f"learner.validation.choose={validation.choose}: expected success_rate or spl")
 
 
 def _moved(tensors: Mapping[str, Tensor], device: str) -> dict[str, Tensor]:

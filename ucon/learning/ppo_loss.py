@@ -44,7 +44,7 @@ class PPOLoss:
         # The network is run once for both, by who calls: TorchRL's parts only pass on what it said.
         said = TensorDictModule(nn.Identity(), in_keys=["new_logits"], out_keys=["logits"])
         worth = TensorDictModule(nn.Identity(), in_keys=["new_value"], out_keys=["state_value"])
-        self._objective = objective
+        self.objective = objective
         self._loss: Any = ClipPPOLoss(
             ProbabilisticTensorDictSequential(said, sampling()),
             worth,
@@ -66,7 +66,7 @@ class PPOLoss:
         """
         said = TensorDict({"new_logits": logits, "new_value": value[:, None]}, played.shape)
         found = self._loss(played.to(logits.device).update(said))
-        loss = self._objective * found["loss_objective"] + found["loss_critic"] + found["loss_entropy"]
+        loss = self.objective * found["loss_objective"] + found["loss_critic"] + found["loss_entropy"]
         figures = {name: float(found[key].detach()) for name, key in LOGGED.items()}
         return loss, figures | {"kl": self._kl(played, logits.detach())}
 

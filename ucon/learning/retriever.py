@@ -256,6 +256,9 @@ class RetrieverLearner:
         """The adapter, as :class:`ucon.language.adapted.AdaptedMiniLM` reads it."""
         return {PRODUCT: adapter_bytes(self.updates.average, MINILM_SHA256)}
 
+    def close(self) -> None:
+        """It plays in none."""
+
     def card(self) -> Card:
         """What it is and what for."""
         parts = entry_parts(self.dataset)

@@ -93,7 +93,7 @@ class TrainingRun:
         """Validation figures of the best checkpoint and its step; empty before the first validation."""
 
     def start(self, config_yaml: str) -> None:
-        """Begin in a folder that holds no run yet, with a validation of what training starts from.
+        """Begin in a folder that holds no run yet.
 
         Raises:
             ConfigError: there is a run, or the folder cannot be written.
@@ -109,11 +109,11 @@ class TrainingRun:
             raise ConfigError(
                 f"out={self.folder}: cannot be written ({error.strerror}); choose another folder"
             ) from None
-        self._validate()
 
     def resume(self, checkpoint: str = LATEST) -> None:
         """Go on from a checkpoint; what was logged after it is logged again."""
         self.step, state = self.checkpoints.load(checkpoint)
+        self._saved = self.step
         trainer = state.values["trainer"]
         self.best = dict(trainer["best"])
         self.learner.load_state_dict(State(state.tensors, state.values["learner"]))
@@ -126,18 +126,22 @@ class TrainingRun:
     def run(self, on_figures: OnFigures = lambda step, figures: None) -> dict[str, Any]:
         """Train to the end and write what is left of it; returns the content of ``summary.json``.
 
+        What training starts from is validated before the first step.
+
         Raises:
             Interrupted: SIGINT or SIGTERM came; the state after the last whole step is saved.
         """
         started = time.perf_counter()
         with _signals() as caught:
-            while self.step < self.plan.steps:
+            if self._saved < 0:
+                on_figures(self.step, self._validate())
+            while self.step < self.plan.steps and not caught:
                 self._one_step(on_figures)
-                if caught and self.step < self.plan.steps:
-                    if self._saved != self.step:
-                        self._save()
-                    raise Interrupted(self.step, caught[0])
-        return self._finish(time.perf_counter() - started)
+            if self.step < self.plan.steps:
+                if self._saved != self.step:
+                    self._save()
+                raise Interrupted(self.step, caught[0])
+            return self._finish(time.perf_counter() - started)
 
     def _one_step(self, on_figures: OnFigures) -> None:
         figures = self.learner.step()

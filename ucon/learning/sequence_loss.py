@@ -28,7 +28,7 @@ class SequenceLoss:
     """
 
     weights: Mapping[str, float] = field(default_factory=dict)
-    """What a label weighs, by the action's name; 1 where it is not given. Done is about one label in 30."""
+    """What a label weighs, by the action's name; 1 where it is not given. Done ends each episode."""
     change: float = 1.0
     """What a label weighs more where it is another action than the one before: seven labels in eight go straight on,
     and a policy that learned no more than that walks into a wall (inflection weighting, Wijmans et al. 2019)."""
@@ -40,6 +40,8 @@ class SequenceLoss:
     n_sums = 6
 
     def __post_init__(self) -> None:
+        if not isinstance(self.weights, Mapping):
+            raise ConfigError(f"learner.loss.weights={brief(self.weights)}: expected action: weight, as {{done: 5}}")
         for name, weight in self.weights.items():
             if name not in _NAMES:
                 raise ConfigError(unknown_name("action", str(name), _NAMES))

@@ -139,6 +139,12 @@ class Replayer:
         stacked = {name: np.stack([np.asarray(frame[name]) for frame in frames]) for name in frames[0]}
         return Replay(context, stacked, np.array(rewards, np.float32))
 
+    def close(self) -> None:
+        """Close the environment."""
+        if self._env is not None:
+            self._env.close()
+            self._env = None
+
 
 def returns(rewards: NDArray[np.float32], discount: float) -> NDArray[np.float32]:
     """(T,) discounted sum of the rewards from each step on."""

@@ -146,5 +146,5 @@ def require_finite(tensors: Mapping[str, Tensor], step: int) -> None:
             bad = int((~torch.isfinite(value)).sum())
             raise DivergedError(
                 f"step {step + 1}: {name} is not finite ({bad} of {value.numel()}); "
-                "go on from an earlier checkpoint with a smaller learner.lr"
+                "start a run anew with a smaller learner.lr"
             )

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.errors import ConfigError
 from ucon.core.geometry import HEADING_COS, HEADING_SIN
 from ucon.perception import map_kernels as kernels
 from ucon.perception.body import PAPER_BODY, Body
@@ -22,6 +23,7 @@ CELL_M = kernels.CELL_M
 HALF = 128
 SIZE = 2 * HALF + 1
 CARVE_M = 8.0
+_FOV_DEG = 90.0
 _PITCH = {p: (float(np.cos(np.deg2rad(p))), float(np.sin(np.deg2rad(p)))) for p in (-60, -30, 0, 30, 60)}
 
 
@@ -105,7 +107,12 @@ class SemanticMap:
         return self.views[-1]
 
     def update(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> None:
-        """Add one frame: ``observation`` depth, pose, collision; ``info`` detections, tracks, opened."""
+        """Add one frame: ``observation`` depth, pose, collision; ``info`` detections, tracks, opened.
+
+        Raises:
+            ConfigError: no view of 90 degrees.
+        """
+        require_right_angle(info)
         view = view_of_pose(observation["pose"], float(info.get("camera_m", self.body.camera_m)), self.body)
         if self.views and bool(observation["collision"]):
             self._bump(self.view)
@@ -190,6 +197,16 @@ class SemanticMap:
             max(1, int(columns[0]) - margin),
             min(SIZE - 1, int(columns[-1]) + margin + 1),
         )
+
+
+def require_right_angle(info: Mapping[str, Any]) -> None:
+    """Refuse frames that are not 90 degrees wide: what is mapped, and when a place counts as seen, is made for those.
+
+    Raises:
+        ConfigError: saying what to give.
+    """
+    if (fov_deg := float(info.get("fov_deg", _FOV_DEG))) != _FOV_DEG:
+        raise ConfigError(f"env.fov_deg={fov_deg:g}: agents that map see {_FOV_DEG:g} degrees; leave it at that")
 
 
 def frame_depth(observation: Mapping[str, Any], info: Mapping[str, Any]) -> NDArray[np.float32]:

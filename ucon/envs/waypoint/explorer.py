@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ucon.core.errors import ConfigError, brief
 from ucon.core.rng import stream
 from ucon.envs.waypoint.strategies import Strategy
 from ucon.perception.body import Body
@@ -42,6 +43,10 @@ class Manner:
     interrupt: Interrupt = "always"
     replan_steps: int = 0
     """Ask for a new choice after so many actions of a walk; 0: on arrival only."""
+
+    def __post_init__(self) -> None:
+        if type(self.replan_steps) is not int or self.replan_steps < 0:
+            raise ConfigError(f"agent.replan_steps={brief(self.replan_steps)}: expected a whole number from 0 up")
 
 
 @dataclass(frozen=True, eq=False)

@@ -229,6 +229,10 @@ class UcONSearchEnv(gym.Env[Obs, int]):
         if self._expert is not None:
             self._expert.close()
 
+    def fingerprint(self) -> str:
+        """Which trained reader says where the target may be, see :mod:`ucon.evaluation.weights`."""
+        return str(getattr(self._locate, "fingerprint", str)())
+
 
 def observation_space(sizes: Sizes, text: TextTokens, *, to_go: bool = False, expert: bool = False) -> spaces.Dict:
     """The space of what a policy over tokens is given; ``to_go``, ``expert``: and its trainer."""

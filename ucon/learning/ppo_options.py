@@ -1,0 +1,77 @@
+"""What ``learner=ppo`` refuses before it begins."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+from torch import nn
+
+from ucon.core.errors import ConfigError, brief, unknown_name
+from ucon.envs.image_goal import UcONImageGoalEnv
+from ucon.learning.expert_loss import EXPERT
+from ucon.learning.imitation import PRECISIONS
+from ucon.learning.policy import ActionPolicy
+from ucon.learning.validation import Validation
+from ucon.retrieval.levels import check_level
+
+#: Of the recurrent states of one collection.
+_MOST_STATE_BYTES: Final = 4 << 30
+
+
+def check_choices(policy: object, precision: str, levels: Sequence[str], validation: Validation) -> None:
+    """Refuse what names no policy, precision, habit level or figure to choose by.
+
+    Raises:
+        ConfigError: naming what to give.
+    """
+    if not isinstance(policy, nn.Module):
+        raise ConfigError("agent has no policy that can be trained; choose one that has, like agent=habit_policy")
+    if precision not in PRECISIONS:
+        raise ConfigError(unknown_name("precision", str(precision), PRECISIONS))
+    if isinstance(levels, str) or not levels:
+        raise ConfigError(f"learner.levels={brief(levels)}: expected a list of at least one habit level")
+    for level in levels:
+        check_level(str(level))
+    if validation.choose not in ("success_rate", "spl"):
+        raise ConfigError(f"learner.validation.choose={validation.choose}: expected success_rate or spl")
+
+
+def check_taught(policy: nn.Module, env: Any, search: Any | None, expert: object, objective: float) -> None:
+    """Refuse a policy that would be taught nothing, or the wrong thing, in these environments.
+
+    Args:
+        policy: what is trained.
+        env: an environment of policies over the seven actions.
+        search: one of networks that score views; None: the policy is none.
+        expert: loss of what an expert says of views, or None.
+        objective: weight of what came of it.
+
+    Raises:
+        ConfigError: naming what to give.
+    """
+    name = type(policy).__name__
+    if isinstance(env.unwrapped, UcONImageGoalEnv) and not getattr(policy, "reads_goal_images", False):
+        raise ConfigError(f"learner=image_goal: {name} reads names, not images of goals; give agent=zson")
+    if search is None:
+        if objective == 0:
+            raise ConfigError(
+                f"{name} chooses actions, and no expert says which: with learner.loss.objective=0 there is nothing to "
+                "learn; give learner=ppo, or learner=dagger, which has an expert of actions"
+            )
+    elif expert is not None and EXPERT not in search.observation_space.spaces:
+        raise ConfigError("learner.expert: the environment tells what none would choose; give search.expert=true")
+
+
+def check_memory(policy: ActionPolicy, frames: int) -> None:
+    """Refuse collections whose recurrent states, one a frame, are more than a machine may hold.
+
+    Raises:
+        ConfigError: how many frames there may be.
+    """
+    size = sum(tensor.nbytes for tensor in policy.initial_state(1).values())
+    if frames * size > _MOST_STATE_BYTES:
+        raise ConfigError(
+            f"learner.frames={frames}: the memory of {policy.architecture} at each of them takes "
+            f"{frames * size / (1 << 30):.1f} GB; give learner.frames={_MOST_STATE_BYTES // size} or less"
+        )
