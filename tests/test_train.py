@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from hydra.core.override_parser.overrides_parser import OverridesParser
 from omegaconf import OmegaConf
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
@@ -39,7 +40,7 @@ def test_mistakes_end_in_one_line(tmp_path):
     assert "unknown learner 'retreiver': did you mean retriever" in error_line(train("learner=retreiver"))
     assert "threads=0: expected a whole number" in error_line(train("threads=0", f"out={tmp_path}/run"))
     assert "unknown option 'training.foo'" in error_line(train("+training.foo=1", f"out={tmp_path}/run"))
-    assert "seed=abc: must be a whole number" in error_line(train("seed=abc", f"out={tmp_path}/run"))
+    assert "seed=abc: expected a whole number" in error_line(train("seed=abc", f"out={tmp_path}/run"))
     assert "scores views, and stored solutions name actions" in error_line(train("learner=imitation"))
     assert "or one that has: habit_policy, " in error_line(train("agent=frontier"))
     assert "no policy that could be trained" in error_line(train("agent=frontier", "learner=imitation"))
@@ -128,7 +129,9 @@ def test_sweeps_train_every_run(tmp_path, launcher):
     small = (*SMALL, "training.steps=1", "learner.seed=1,2", f"out={tmp_path}")
     result = train("-m", *small, f"hydra/launcher={launcher}")
     assert result.returncode == 0, result.stderr[-2000:]
-    runs = [next(tmp_path.glob(f"*learner.seed={seed},*/summary.json")).parent for seed in (1, 2)]
+    runs = [next(tmp_path.glob(f"*learner.seed-{seed}+*/summary.json")).parent for seed in (1, 2)]
+    for run in runs:  # its name needs no quotes
+        assert OverridesParser.create().parse_override(f"resume={run}").value() == str(run)
     assert len({(run / "model" / "retriever.safetensors").read_bytes() for run in runs}) == 2
 
 

@@ -8,11 +8,13 @@ that stay, with the second hop and without, at habit level ``full``.
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from models.nets.head_reader import HeadReader
+from ucon.core.errors import ConfigError, UconError
 from ucon.core.rng import stream
 from ucon.habits.book import book
 from ucon.habits.knowledge import KnowledgeBase
@@ -58,6 +60,8 @@ def main() -> None:
     parser.add_argument("--run", metavar="RUN", help="a run of learner=belief; default: the shipped head")
     parser.add_argument("--kbs", type=int, default=10, help="knowledge bases")
     args = parser.parse_args()
+    if args.kbs < 1:
+        raise ConfigError(f"--kbs {args.kbs}: expected a number of knowledge bases from 1 up")
     reader, names = HeadReader.load(args.run), book().anchors
     rows: dict[int, list[tuple[float, float, float]]] = {0: [], 3: []}
     for number in range(args.kbs):
@@ -78,4 +82,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except UconError as error:
+        sys.exit(f"error: {error}")
