@@ -44,6 +44,7 @@ def test_a_resumed_run_is_bit_identical(tmp_path):
     whole.run()
     parts = TrainingRun(tmp_path / "parts", tiny_belief(), plan, {})
     parts.start("")
+    parts._begin(lambda step, figures: None)
     for _ in range(4):
         parts._one_step(lambda step, figures: None)
     again = TrainingRun(tmp_path / "parts", tiny_belief(), plan, {})

@@ -133,6 +133,7 @@ def test_workers_of_a_run_that_goes_on_give_the_same_bytes(learner, tmp_path):
     for run in runs:
         run.start("")
     runs[0].run()
+    runs[1]._begin(lambda step, figures: None)
     for _ in range(2):
         runs[1]._one_step(lambda step, figures: None)
     again = TrainingRun(tmp_path / "parts", made(), plan, {})

@@ -133,8 +133,7 @@ class TrainingRun:
         """
         started = time.perf_counter()
         with _signals() as caught:
-            if self._saved < 0:
-                on_figures(self.step, self._validate())
+            self._begin(on_figures)
             while self.step < self.plan.steps and not caught:
                 self._one_step(on_figures)
             if self.step < self.plan.steps:
@@ -142,6 +141,11 @@ class TrainingRun:
                     self._save()
                 raise Interrupted(self.step, caught[0])
             return self._finish(time.perf_counter() - started)
+
+    def _begin(self, on_figures: OnFigures) -> None:
+        """Validate what a new run starts from."""
+        if self._saved < 0:
+            on_figures(self.step, self._validate())
 
     def _one_step(self, on_figures: OnFigures) -> None:
         figures = self.learner.step()
