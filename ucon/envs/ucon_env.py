@@ -234,16 +234,15 @@ class UcONEnv(gym.Env[Obs, int]):
 
     def _look(self, opened: tuple[int, ...]) -> tuple[Obs, dict[str, Any]]:
         """One raster a step: image, depth, instances and the canonical pixel counts together."""
-        info: dict[str, Any] = {"target": self.episode.target_category}
-        info |= {"camera_m": self.search.camera[2], "fov_deg": self._fov_deg}
-        obs: Obs = {"pose": self._frame.pose(self.search.pose)}
+        pose, camera_m = self._frame.pose(self.search.pose), self.search.camera[2]
+        info: dict[str, Any] = {"target": self.episode.target_category, "camera_m": camera_m, "fov_deg": self._fov_deg}
+        obs: Obs = {"pose": pose}
         depth, rgb = self._draw()
         if self._observe == "pixels":
             obs["rgb"], obs["depth"] = rgb, depth
         elif depth is not None:
             info["depth"] = depth
         if self._detector is not None and depth is not None:
-            pose, camera_m = obs["pose"], info["camera_m"]
             frame = Frame(depth, rgb, pose, camera_m, self._fov_deg, self._instance, self.search.counts)
             info["detections"] = found = self._detector.detect(frame)
             info["tracks"] = found.image
