@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -144,9 +145,21 @@ def test_zson_looks_for_the_image_in_the_space_of_names(tmp_path: Path) -> None:
         ZSON(SentenceGoal()).context(info)
 
 
-def test_policies_learn_from_it(tmp_path: Path) -> None:
-    learner = tiny_ppo(tmp_path, TinyPolicy(), env=functools.partial(UcONImageGoalEnv, "mini"))
+class GoalReader(TinyPolicy):
+    """The tiny policy, told how bright what it looks for is in place of the number of habits."""
+
+    reads_goal_images = True
+
+    def context(self, info: Mapping[str, Any]) -> dict[str, np.ndarray]:
+        return {"habits": np.array([info["goal_image"].mean() / 255], np.float32)}
+
+
+def test_policies_that_read_images_learn_from_it(tmp_path: Path) -> None:
+    env = functools.partial(UcONImageGoalEnv, "mini")
+    learner = tiny_ppo(tmp_path, GoalReader(), env=env)
     figures = learner.step()
     assert np.isfinite(figures["loss"])
     assert abs(figures["return"]) > 0 or figures["episodes"] == 0
     learner.rollouts.close()
+    with pytest.raises(ConfigError, match="TinyPolicy reads names, not images of goals"):
+        tiny_ppo(tmp_path, TinyPolicy(), env=env)
