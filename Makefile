@@ -33,7 +33,7 @@ $(WARM): $(STAMP)
 eval: setup ## Evaluate the `belief` agent with retrieved habits on the mini episode set and print a table.
 	$(PY) eval.py agent=belief habit_level=retrieval episodes=mini
 
-test: setup ## Run the tests (at most 15 minutes).
+test: setup ## Run the tests (some 20 minutes).
 	$(PY) -m pytest
 
 test-slow: setup ## Run the long checks too.

@@ -140,6 +140,7 @@ def test_changes_are_against_what_was_done():
 
 def waiting(episodes):
     """A learner with a worker, which waits to be killed."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # what a shell starts in the background ignores it
     feeder = Feeder(TinyPolicy(), ENV, workers=1)
     print(next(feeder([[demonstration(episodes[0], "none")]] * 9))[0][1].rewards.sum(), flush=True)  # noqa: T201
     time.sleep(600)
