@@ -10,6 +10,9 @@ WARM   := $(VENV)/.warm
 # The newest interpreter that PyBullet has wheels for and that really starts (a version manager's shim may not).
 PYTHON ?= $(shell for p in python3.11 python3.10 python3 python; do \
 	$$p -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 11))' >/dev/null 2>&1 && { echo $$p; break; }; done)
+# How many tests run at once; those that hold a bar on seconds run alone, after the others.
+JOBS   ?= 2
+TOGETHER = OMP_NUM_THREADS=1 $(PY) -m pytest -n $(JOBS) --dist worksteal
 
 .PHONY: help setup eval test test-slow lint format clean
 
@@ -33,11 +36,13 @@ $(WARM): $(STAMP)
 eval: setup ## Evaluate the `belief` agent with retrieved habits on the mini episode set and print a table.
 	$(PY) eval.py agent=belief habit_level=retrieval episodes=mini
 
-test: setup ## Run the tests (some 20 minutes).
-	$(PY) -m pytest
+test: setup ## Run the tests (some 11 minutes).
+	$(TOGETHER) -m 'not slow and not timed'
+	$(PY) -m pytest -m 'timed and not slow'
 
 test-slow: setup ## Run the long checks too.
-	$(PY) -m pytest -m 'slow or not slow'
+	$(TOGETHER) -m 'not timed'
+	$(PY) -m pytest -m timed
 
 lint: setup ## ruff and mypy.
 	$(VENV)/bin/ruff check .

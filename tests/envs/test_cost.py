@@ -46,6 +46,7 @@ def play(env: UcONEnv, index: int) -> None:
 
 
 @where_it_was_set
+@pytest.mark.timed
 def test_a_reset_takes_less_than_5_ms(many: tuple[Episode, ...]) -> None:
     env = UcONEnv(many)
     for index in range(len(many)):

@@ -35,6 +35,7 @@ def parse(tmp_path: Path, text: str | bytes):
     return parse_book(path, book_anchors(), catalogue().names)
 
 
+@pytest.mark.timed
 def test_book_counts_and_speed():
     def load():
         book.cache_clear()

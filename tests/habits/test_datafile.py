@@ -52,6 +52,7 @@ def test_round_trip_and_equal_bytes(tmp_path):
     assert steps_of(tmp_path / "a.habits.xz") == {"propose": {"entries": 1}}
 
 
+@pytest.mark.timed
 def test_the_book_loads_in_less_than_half_a_second():
     """CPU time in a process of its own: among all tests the garbage collector walks their objects meanwhile."""
     program = (

@@ -37,6 +37,7 @@ def test_import_is_cheap():
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
+@pytest.mark.timed
 def test_table_holds_the_default_texts_in_order_and_loads_fast():
     def load():
         shipped_table.cache_clear()

@@ -134,6 +134,7 @@ def test_unexplored_space_counts_by_what_is_foretold() -> None:
         torch.testing.assert_close(gained, torch.full_like(gained, expected), rtol=1e-4, atol=1e-4)
 
 
+@pytest.mark.timed
 def test_it_is_small_and_quick() -> None:
     policy, tokens = HabitPolicy().eval(), some_tokens(1)
     assert sum(p.numel() for p in policy.parameters()) <= 5e6

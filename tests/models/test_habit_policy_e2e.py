@@ -178,6 +178,7 @@ def test_gradients_reach_every_parameter(walks):
     assert not missing
 
 
+@pytest.mark.timed
 def test_it_is_small_and_fast(policy, walks):
     assert sum(p.numel() for p in policy.parameters()) <= 8_000_000
     frames, context = episode(policy, walks["full"])

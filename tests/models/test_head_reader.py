@@ -129,6 +129,7 @@ def test_other_architectures_and_pickles_are_refused(folder, tmp_path):
         load_head(tmp_path)
 
 
+@pytest.mark.timed
 def test_shipped_head_reads():
     reader = HeadReader.load()
     kb = sampled_kb(book(), "test", 1, "task")

@@ -46,6 +46,7 @@ def test_unknown_name_is_answered_with_near_ones() -> None:
         catalogue()["frigde"]
 
 
+@pytest.mark.timed
 def test_reading_is_quick() -> None:
     assert fastest_s(lambda: read_catalogue(CATALOGUE_FILE)) < 0.06
 

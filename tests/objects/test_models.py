@@ -147,6 +147,7 @@ def test_bad_requests() -> None:
         build_model("bed", (1.0, 2.0, 0.0))
 
 
+@pytest.mark.timed
 def test_building_is_quick() -> None:
     build_model.cache_clear()
     start = time.process_time()

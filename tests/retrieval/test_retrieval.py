@@ -40,6 +40,7 @@ def test_ranking_does_not_depend_on_the_order_of_the_knowledge_base(kbs, name):
         assert list(RETRIEVERS[name]().rank(target, kb)) == list(RETRIEVERS[name]().rank(target, turned))
 
 
+@pytest.mark.timed
 def test_dense_query_is_cheap(kbs):
     retriever = DenseRetriever()
     retriever.rank(next(iter(kbs[0].entries)), kbs[0])

@@ -53,6 +53,7 @@ def test_better_than_frozen_on_categories_it_never_met():
 
 
 @where_it_was_set
+@pytest.mark.timed
 def test_one_query_over_a_whole_release_is_quick():
     """22,600 habits, encoded before; the query itself is encoded anew each time. CPU seconds on one core."""
     rows = np.random.default_rng(0).permutation(len(book()))[:22_600].astype(np.int32)

@@ -114,6 +114,7 @@ def test_seeds_give_different_homes() -> None:
 
 
 @pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.timed
 def test_specification_is_quick(scene: str) -> None:
     def build() -> None:
         built_home.cache_clear()

@@ -63,6 +63,7 @@ def test_a_cut_file_is_found():
             house_from_bytes(data[:length], "some.home")
 
 
+@pytest.mark.timed
 def test_load_builds_once_then_reads_in_milliseconds(folder):
     built = cache.load_house(NAME)
     files = list(folder.rglob("*.home"))

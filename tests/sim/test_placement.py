@@ -200,6 +200,7 @@ def test_walls_and_floors_are_anchors():
     assert wall.room == 0
 
 
+@pytest.mark.timed
 def test_placement_takes_milliseconds():
     house = hand_house()
     count = len(fill(house, 0).objects)

@@ -12,6 +12,7 @@ from ucon.sim.state import SceneState
 from ucon.sim.world import World
 
 
+@pytest.mark.timed
 def test_reset_takes_less_than_a_millisecond():
     house, arrangement = arranged()
     SceneState(house, arrangement)

@@ -88,6 +88,7 @@ def test_says_what_is_right_in_every_step_of_a_stored_solution() -> None:
                 assert after[0] == before[0] - (int(digit) == Action.MOVE_AHEAD)
 
 
+@pytest.mark.timed
 def test_two_hundred_labels_a_second() -> None:
     env, labels = environment("paper"), 0
     expert = Expert(env.episodes[0])

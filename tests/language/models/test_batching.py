@@ -164,6 +164,7 @@ def test_nothing_is_read_for_questions_that_are_too_long(llama):
     assert all(answer.failure == "too long" and answer.seconds > 0 for answer in answers)
 
 
+@pytest.mark.timed
 def test_seconds_add_up_to_the_wall_time(llama):
     start = time.perf_counter()
     answers = CausalModel(llama).answer(MIXED)

@@ -121,6 +121,7 @@ def test_habits_make_the_truth_more_probable(found):
         assert by_level["retrieval"] < by_level["none"] - 0.05
 
 
+@pytest.mark.timed
 def test_questions_after_the_first_cost_well_below_a_millisecond(found):
     model, times = EncoderModel(), []
     for case in found[:20]:

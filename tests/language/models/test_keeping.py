@@ -151,6 +151,7 @@ def test_habits_tell_the_true_place(found):
     assert hit["gt"] < np.log(4) - 0.04
 
 
+@pytest.mark.timed
 def test_a_decision_costs_milliseconds(found):
     model, first, later = EncoderModel(encoder=default_encoder()), [], []
     for case in found[:15]:
