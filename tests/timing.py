@@ -19,8 +19,8 @@ where_it_was_set = pytest.mark.skipif(
 def fastest_s(action: Callable[[], object], tries: int = 3, at_least_s: float = 0.3) -> float:
     """Least CPU time of ``tries`` calls or more, until ``at_least_s`` was spent, without garbage collection in between.
 
-    A call of milliseconds is slowed by whatever shares the caches with it for as long as that runs: three tries in a row
-    fall into the same bad moment, a third of a second of them seldom does.
+    A call of milliseconds is slowed by whatever shares the caches with it for as long as that runs: three tries in a
+    row fall into the same bad moment, a third of a second of them seldom does.
     """
     gc.collect()
     gc.disable()
