@@ -121,7 +121,8 @@ class HeadReader:
         head, described = load_head(path), json.loads(read_verified(path / CONFIG))
         parts = default_parts()
         if isinstance(names := described.get("anchors"), list):
-            parts = parts_with(AnchorPrior.from_bytes(read_verified(path / PRIOR), names, str(path / PRIOR)))
+            prior = AnchorPrior.from_bytes(read_verified(path / PRIOR), names, str(path / PRIOR))
+            parts = parts_with(prior, path if described.get("own_places") else None)
         if described.get("parts") != parts.sha256:
             raise DataError(f"{path}: trained on other fitted parts than are shipped; train it again (learner=belief)")
         return cls(head, parts, sha256_file(path / MANIFEST))

@@ -21,7 +21,7 @@ from safetensors import SafetensorError
 from safetensors.torch import load, save
 from torch import Tensor, nn
 
-from ucon.core.errors import DataError
+from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import read_verified
 from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import Split, entry_parts
@@ -64,6 +64,7 @@ class BeliefLearner:
         average: decay of the moving average of the parameters, which is what is chosen and kept.
         n_folds: of the parts that read the train text.
         used_folds: so many of them are learned from (each takes minutes to fit); all by default.
+        own_places: of a dataset that is bound to scenes, learn also which places its sentences speak for.
         n_kbs: knowledge bases of one validation.
         seed: of the start and of what is drawn.
         initial: folder of a head of the same options, whose weights it begins with; None: random ones.
@@ -90,6 +91,7 @@ class BeliefLearner:
         average: float = 0.99,
         n_folds: int = 2,
         used_folds: int | None = None,
+        own_places: bool = False,
         n_kbs: int = 8,
         seed: int = 0,
         initial: str | None = None,
@@ -109,8 +111,10 @@ class BeliefLearner:
         draw = draw or Draw()
         if initial is not None:
             _begin_with(self.head, Path(initial))
-        folds = folds_of(dataset, n_folds, used_folds) if folds is None else folds
-        self._parts = parts or parts_of(dataset)
+        if own_places and not dataset.scenes:
+            raise ConfigError(f"learner.own_places=true: {dataset.name} belongs to no scenes, and is read as it is")
+        folds = folds_of(dataset, n_folds, used_folds, own_places) if folds is None else folds
+        self._parts = parts or parts_of(dataset, own_places)
         # Where a source says what stands in a scene, that is all there is to ask about.
         others = () if dataset.standing else dataset.anchors if dataset.scenes else None
         self._folds = [
@@ -211,6 +215,8 @@ class BeliefLearner:
         files = {WEIGHTS: save(half)}
         if (prior := self._parts.own_prior) is not None:
             options["anchors"], files[PRIOR] = list(prior.names), prior.to_bytes()
+        if (own := self._parts.own_places) is not None:
+            options["own_places"], files = own.sha256, files | own.files
         return {**files, CONFIG: (json.dumps(options, indent=1, sort_keys=True) + "\n").encode()}
 
     def _temperature(self) -> float:

@@ -63,6 +63,13 @@ class KnowledgeBases:
         return tuple(sorted(named | self._anchors.get(entries[0].scene or "", set())))
 
 
+def dealt(entries: Sequence[Entry], count: int, name: str) -> list[frozenset[Pair]]:
+    """Pairs of entries dealt into folds, at random but always alike."""
+    pairs = sorted({(e.scene or "", e.category) for e in entries})
+    order = stream(0, "pair folds", name).permutation(len(pairs))
+    return [fold for k in range(count) if (fold := frozenset(pairs[i] for i in order[k::count]))]
+
+
 def pair_folds(dataset: HabitDataset, count: int) -> list[tuple[frozenset[Pair], list[Entry]]]:
     """Train (scene, category) pairs dealt into folds: the pairs of each, and the train entries of the others.
 
@@ -71,7 +78,5 @@ def pair_folds(dataset: HabitDataset, count: int) -> list[tuple[frozenset[Pair],
     """
     parts = entry_parts(dataset)
     taught = [e for e in dataset.entries if parts[e.id] == "train"]
-    pairs = sorted({(e.scene or "", e.category) for e in taught})
-    order = stream(0, "pair folds", dataset.name).permutation(len(pairs))
-    folds = [frozenset(pairs[i] for i in order[k::count]) for k in range(count)]
-    return [(fold, [e for e in taught if (e.scene or "", e.category) not in fold]) for fold in folds if fold]
+    folds = dealt(taught, count, dataset.name)
+    return [(fold, [e for e in taught if (e.scene or "", e.category) not in fold]) for fold in folds]

@@ -1,7 +1,8 @@
 """What reads sentences for the belief head while it learns: fitted parts that did not see what they read.
 
-The habit book's are dealt by category (:mod:`ucon.learning.crossfit`). Nothing that reads sentences was fitted on other
-datasets; one that is bound to scenes brings its own common sense, learned on the pairs that are not being asked about.
+The habit book's are dealt by category (:mod:`ucon.learning.crossfit`). A dataset that is bound to scenes brings its own
+common sense, learned on the pairs that are not being asked about, and, where that is asked for, what reads places in
+its sentences (:mod:`ucon.learning.fit_own_places`), likewise.
 """
 
 from __future__ import annotations
@@ -13,8 +14,11 @@ from ucon.habits.types import HabitDataset
 from ucon.language.pairs import default_pair_reader
 from ucon.learning.belief_homes import Pair, pair_folds
 from ucon.learning.crossfit import ReadEvidence, folds
+from ucon.learning.fit_own_places import kept_places, told_beforehand
 from ucon.learning.fit_own_prior import fit_own_prior
-from ucon.retrieval.household import FittedParts, default_parts, parts_with
+from ucon.retrieval.household import FittedParts, default_parts, parts_with, shipped_evidence
+from ucon.retrieval.own_places import LAST, OwnPlaces
+from ucon.retrieval.weights import default_weights, load_arrays
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,14 +31,14 @@ class Fold:
     """What is asked about; None: everything."""
 
 
-def folds_of(dataset: HabitDataset, n_folds: int, used_folds: int | None) -> list[Fold]:
+def folds_of(dataset: HabitDataset, n_folds: int, used_folds: int | None, own_places: bool = False) -> list[Fold]:
     """Pieces of a dataset, each with what reads it."""
-    return scene_folds(dataset) if dataset.scenes else book_folds(dataset, n_folds, used_folds)
+    return scene_folds(dataset, own_places=own_places) if dataset.scenes else book_folds(dataset, n_folds, used_folds)
 
 
-def parts_of(dataset: HabitDataset) -> FittedParts:
+def parts_of(dataset: HabitDataset, own_places: bool = False) -> FittedParts:
     """The parts that a head stands on in use."""
-    return own_parts(dataset) if dataset.scenes else default_parts()
+    return own_parts(dataset, own_places) if dataset.scenes else default_parts()
 
 
 def book_folds(dataset: HabitDataset, count: int, used: int | None) -> list[Fold]:
@@ -46,16 +50,39 @@ def book_folds(dataset: HabitDataset, count: int, used: int | None) -> list[Fold
     ]
 
 
-def own_parts(dataset: HabitDataset) -> FittedParts:
-    """The shipped parts with the common sense of all train entries."""
-    parts = entry_parts(dataset)
+def own_parts(dataset: HabitDataset, own_places: bool = False) -> FittedParts:
+    """The shipped parts with the common sense of all train entries, and what reads places learned from them."""
+    parts, pairs = entry_parts(dataset), default_pair_reader()
     entries = [entry for entry in dataset.entries if parts[entry.id] == "train"]
-    return parts_with(fit_own_prior(entries, default_pair_reader()))
+    folder = kept_places(dataset, entries, pairs) if own_places else None
+    return parts_with(fit_own_prior(entries, pairs), folder)
 
 
-def scene_folds(dataset: HabitDataset, count: int = 4) -> list[Fold]:
-    """All habits, asked about some pairs at a time, with the common sense of the others."""
-    pairs = default_pair_reader()
+def scene_folds(dataset: HabitDataset, count: int = 4, *, own_places: bool = False) -> list[Fold]:
+    """All habits, asked about some pairs at a time, with the common sense of the others.
+
+    With ``own_places`` half of the folds are read by what learned from the other half's entries.
+    """
+    pairs, dealt = default_pair_reader(), pair_folds(dataset, count)
+    readers = _read_by_others(dataset, [asked for asked, _ in dealt]) if own_places else [None] * len(dealt)
     return [
-        Fold(dataset, parts_with(fit_own_prior(others, pairs)), asked) for asked, others in pair_folds(dataset, count)
+        Fold(dataset, FittedParts(default_weights(), pairs, reader, fit_own_prior(others, pairs)), asked)
+        if reader is not None
+        else Fold(dataset, parts_with(fit_own_prior(others, pairs)), asked)
+        for reader, (asked, others) in zip(readers, dealt, strict=True)
     ]
+
+
+def _read_by_others(dataset: HabitDataset, folds: list[frozenset[Pair]]) -> list[OwnPlaces]:
+    """What reads each fold: learned from no entry of its half."""
+    parts, pairs, relations = entry_parts(dataset), default_pair_reader(), shipped_evidence()
+    half = len(folds) // 2
+    readers = []
+    for own in (folds[:half], folds[half:]):
+        read = frozenset().union(*own)
+        others = [e for e in dataset.entries if parts[e.id] == "train" and (e.scene or "", e.category) not in read]
+        folder = kept_places(dataset, others, pairs)
+        arrays, sha256 = load_arrays(folder / LAST)
+        told = told_beforehand(folder, dataset.texts)
+        readers += [OwnPlaces(arrays, sha256, told, pairs, relations)] * len(own)
+    return readers

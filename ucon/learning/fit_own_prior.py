@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 import torch
 
-from ucon.habits.types import Entry
+from ucon.habits.types import RELATIONS, Entry
 from ucon.language.pairs import PairReader
 from ucon.retrieval.anchor_prior import AnchorPrior, scene_anchors
 from ucon.retrieval.base import phrase
 from ucon.retrieval.sampling import anchor_distribution
+from ucon.retrieval.weights import Array
+
+#: Placements of knowing nothing about a relation.
+_DOUBT: Final = 2.0
 
 
 def fit_own_prior(entries: Sequence[Entry], pairs: PairReader, l2: float = 2e-4) -> AnchorPrior:
@@ -37,4 +42,15 @@ def fit_own_prior(entries: Sequence[Entry], pairs: PairReader, l2: float = 2e-4)
         return loss
 
     optimiser.step(closure)  # type: ignore[no-untyped-call]
-    return AnchorPrior(names, weight.detach().double().numpy(), bias.detach().double().numpy())
+    dense, usual = weight.detach().double().numpy(), bias.detach().double().numpy()
+    return AnchorPrior(names, dense, usual, _relations(entries, names))
+
+
+def _relations(entries: Sequence[Entry], names: Sequence[str]) -> Array:
+    """p(relation | anchor) (A, 4) by smoothed counts."""
+    number = {name: i for i, name in enumerate(names)}
+    counts = np.full((len(names), len(RELATIONS)), _DOUBT / len(RELATIONS))
+    for entry in entries:
+        for place in entry.placements:
+            counts[number[place.anchor], RELATIONS.index(place.relation)] += 1.0
+    return np.asarray(counts / counts.sum(axis=1, keepdims=True))

@@ -10,21 +10,31 @@ import io
 import zipfile
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
 
 import numpy as np
 
 from ucon.core.errors import DataError
-from ucon.habits.types import Entry
+from ucon.habits.types import RELATIONS, Entry
 from ucon.retrieval.weights import Array, softmax
+
+_KEPT: Final = ("dense", "bias", "relation")
 
 
 @dataclass(frozen=True, eq=False)
 class AnchorPrior:
-    """Softmax regression from a vector (D,) to A anchors."""
+    """Softmax regression from a vector (D,) to A anchors, and the relation to each."""
 
     names: tuple[str, ...]
     dense: Array  # (D, A)
     bias: Array  # (A,)
+    relation: Array  # (A, 4) how things are kept by each anchor
+
+    @cached_property
+    def relations(self) -> dict[str, Array]:
+        """p(relation | anchor), (4,), by anchor."""
+        return dict(zip(self.names, self.relation, strict=True))
 
     def log_p(self, vectors: Array, names: Sequence[str], unknown: float) -> Array:
         """Log p (T, C) of names for target vectors (T, D); ``unknown`` for names that it does not know."""
@@ -39,7 +49,8 @@ class AnchorPrior:
     def to_bytes(self) -> bytes:
         """The weights, in float16."""
         buffer = io.BytesIO()
-        np.savez_compressed(buffer, dense=self.dense.astype(np.float16), bias=self.bias.astype(np.float16))
+        half = {name: getattr(self, name).astype(np.float16) for name in _KEPT}
+        np.savez_compressed(buffer, **half)  # type: ignore[arg-type]
         return buffer.getvalue()
 
     @classmethod
@@ -51,12 +62,13 @@ class AnchorPrior:
         """
         try:
             with np.load(io.BytesIO(raw), allow_pickle=False) as file:
-                dense, bias = (file[name].astype(np.float64) for name in ("dense", "bias"))
+                dense, bias, relation = (file[name].astype(np.float64) for name in _KEPT)
         except (ValueError, KeyError, OSError, EOFError, zipfile.BadZipFile) as error:
             raise DataError(f"{where}: no anchor prior ({str(error)[:80]}); train the head again") from None
-        if dense.ndim != 2 or bias.shape != (len(names),) or dense.shape[1:] != bias.shape:
+        shapes = dense.shape[1:] == bias.shape == (len(names),) and relation.shape == (len(names), len(RELATIONS))
+        if dense.ndim != 2 or not shapes:
             raise DataError(f"{where}: {dense.shape} for {len(names)} anchors; train the head again")
-        return cls(tuple(names), dense, bias)
+        return cls(tuple(names), dense, bias, relation)
 
 
 def scene_anchors(entries: Iterable[Entry]) -> dict[str, set[str]]:

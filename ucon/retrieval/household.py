@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,7 @@ from ucon.retrieval.head_inputs import (
     pair_columns,
     unknown_said,
 )
+from ucon.retrieval.own_places import OwnPlaces
 from ucon.retrieval.tuned_evidence import TunedEvidence, book_table
 from ucon.retrieval.weights import Array, Weights, default_weights, softmax
 
@@ -40,14 +42,16 @@ class FittedParts:
         self,
         weights: Weights,
         pairs: PairReader,
-        evidence: EvidenceReader | None = None,
+        evidence: EvidenceReader | OwnPlaces | None = None,
         own_prior: AnchorPrior | None = None,
     ) -> None:
         """``evidence``: says what sentences speak for, else the weights do; ``own_prior``: a dataset's common sense."""
         self.weights, self.pairs, self.own_prior = weights, pairs, own_prior
         self.evidence = evidence or EvidenceReader(weights, pairs)
-        self.known = weights.anchors
+        self.own_places = evidence if isinstance(evidence, OwnPlaces) else None
+        self.known = weights.anchors if self.own_places is None else self.own_places.known
         self.number = {name: i for i, name in enumerate(self.known)}
+        self._usual_row = {name: i for i, name in enumerate(weights.anchors)}
 
     @property
     def sha256(self) -> str:
@@ -67,14 +71,15 @@ class FittedParts:
         known = np.log(softmax(logits))
         out = np.full((len(targets), len(names)), UNKNOWN_PRIOR)
         for i, name in enumerate(names):
-            if name in self.number:
-                out[:, i] = known[:, self.number[name]]
+            if name in self._usual_row:
+                out[:, i] = known[:, self._usual_row[name]]
         return out
 
     def relation_prior(self, names: Sequence[str]) -> Array:
-        """p(relation | anchor) (C, 4); all relations alike for unknown names."""
-        table, even = self.weights["relation_prior"], np.full(len(RELATIONS), 1 / len(RELATIONS))
-        rows = [table[self.number[name]] if name in self.number else even for name in names]
+        """p(relation | anchor) (C, 4); all relations alike for names that nothing is known of."""
+        table, row, even = self.weights["relation_prior"], self._usual_row, np.full(len(RELATIONS), 1 / len(RELATIONS))
+        own = {} if self.own_prior is None else self.own_prior.relations
+        rows = [own[name] if name in own else table[row[name]] if name in row else even for name in names]
         return np.stack(rows) if rows else np.zeros((0, len(RELATIONS)))
 
 
@@ -113,6 +118,8 @@ class Household:
         known = candidates.known
         if features is None:
             features = self.parts.pairs.features(self.texts, candidates.names)
+        if self.parts.own_places is not None:
+            return self.parts.own_places.spoken(self.texts, candidates.names, features)
         said = unknown_said(features, self.parts.weights["any"], self.said.place)
         names = [name for name, met in zip(candidates.names, known, strict=True) if met]
         said[:, known] = self.said.anchor[:, [self.parts.number[name] for name in names]]
@@ -136,7 +143,11 @@ class Household:
             return np.zeros((0, N_RELEVANCE), np.float32)
         features = set_features(self._lexical[target][rows], self.cosines(target)[rows], vectors)
         name = self.parts.vectors([phrase(target)])[0]
-        return gate_inputs(features, vectors, name, self.parts.weights).astype(np.float32)
+        inputs = gate_inputs(features, vectors, name, self.parts.weights)
+        if self.parts.own_places is not None:
+            texts = [self.texts[k] for k in np.arange(len(self.texts))[rows]]
+            inputs[:, -1] = self.parts.own_places.about(target, texts)
+        return inputs.astype(np.float32)
 
     def inputs(
         self,
@@ -186,7 +197,17 @@ def default_parts() -> FittedParts:
     return parts_with(None)
 
 
-def parts_with(own_prior: AnchorPrior | None) -> FittedParts:
-    """The shipped parts, with the common sense of a dataset in place of the habit book's."""
-    weights, pairs = default_weights(), default_pair_reader()
-    return FittedParts(weights, pairs, TunedEvidence(weights, pairs, book_table()), own_prior)
+def parts_with(own_prior: AnchorPrior | None, own_places: Path | None = None) -> FittedParts:
+    """The shipped parts, with the common sense of a dataset in place of the habit book's.
+
+    ``own_places``: folder of what reads places in its sentences (:class:`~ucon.retrieval.own_places.OwnPlaces`).
+    """
+    pairs, shipped = default_pair_reader(), shipped_evidence()
+    evidence = shipped if own_places is None else OwnPlaces.load(own_places, pairs, shipped)
+    return FittedParts(default_weights(), pairs, evidence, own_prior)
+
+
+@cache
+def shipped_evidence() -> TunedEvidence:
+    """What reads places by default, one per process."""
+    return TunedEvidence(default_weights(), default_pair_reader(), book_table())

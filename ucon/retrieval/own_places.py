@@ -1,0 +1,149 @@
+"""What the sentences of a dataset say about places, read by an encoder that learned from where its things are kept.
+
+The habit book says of every sentence which placement it supports. A dataset such as the official release says where a
+thing is kept and lists what its people do, and leaves open which sentence tells it; :mod:`ucon.learning.fit_own_places`
+learns from that. Here is how the result reads: every sentence and every name by itself, so any name can be asked
+about, and nothing that was said changes when further names or sentences come.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.errors import DataError
+from ucon.core.files import read_verified, sha256_bytes
+from ucon.language.adapted import AdaptedMiniLM
+from ucon.language.pairs import PairReader
+from ucon.language.store import StoredEncoder
+from ucon.retrieval.base import phrase
+from ucon.retrieval.evidence import DECIMALS, REMEMBERED, Evidence, EvidenceReader
+from ucon.retrieval.weights import Array, load_arrays, sigmoid
+
+ADAPTER: Final = "places.safetensors"
+LAST: Final = "places.npz"
+#: Of :data:`LAST`: names (as bytes) and numbers.
+ARRAYS: Final = ("anchors", "added", "bias", "turn", "silence", "silence_bias", "pair", "owners", "ask")
+#: Unit vectors are multiplied by this before the last layer.
+SCALE: Final = 10.0
+#: Categories of which a household has habits: what one of them is told apart from.
+_HOUSEHOLD: Final = 20
+
+
+class Vectors(Protocol):
+    """Vectors of sentences."""
+
+    def encode_half(self, texts: Sequence[str]) -> NDArray[np.float16]:
+        """Unit vectors (n, D)."""
+        ...
+
+
+class OwnPlaces:
+    """Reads the sentences of a dataset.
+
+    Attributes:
+        known: anchors that it has met, sorted.
+        files: what it was loaded from, by name.
+    """
+
+    def __init__(
+        self, arrays: dict[str, NDArray[np.generic]], sha256: str, vectors: Vectors, pairs: PairReader,
+        relations: EvidenceReader,
+    ) -> None:  # fmt: skip
+        """Put it together.
+
+        Args:
+            arrays: those of :data:`ARRAYS`.
+            sha256: hash of what was learned.
+            vectors: the adapted encoder's of sentences.
+            pairs: pair features.
+            relations: says in which relation a sentence speaks of a place.
+
+        Raises:
+            DataError: arrays are missing or do not fit.
+        """
+        if missing := [name for name in ARRAYS if name not in arrays]:
+            raise DataError(f"{LAST}: no {', '.join(missing)}; train the head again (learner=belief)")
+        self.sha256, self.pairs = sha256, pairs
+        self.files: dict[str, bytes] = {}
+        self._vectors, self._relations = vectors, relations
+        self.known = tuple(arrays["anchors"].tobytes().decode().split("\n"))
+        self._number = {name: i for i, name in enumerate(self.known)}
+        self._x = {name: np.asarray(arrays[name], np.float64) for name in ARRAYS if name not in ("anchors", "owners")}
+        d = len(self._x["turn"])
+        shapes = {"added": (len(self.known), d), "bias": (len(self.known),), "turn": (d, d), "silence": (d,)}
+        if odd := next((name for name, shape in shapes.items() if self._x[name].shape != shape), None):
+            raise DataError(f"{LAST}: {odd} {self._x[odd].shape}, expected {shapes[odd]}; train the head again")
+        owners = arrays["owners"].tobytes().decode().split("\n")
+        self._owners = {name: row for row, name in enumerate(owners)}
+        self._wanted = self._names(owners) @ self._x["ask"]  # (T, D)
+        self._anchor_rows = self._rows(self.known)  # (A, D)
+        self._said: dict[str, Array] = {}
+
+    @classmethod
+    def load(cls, folder: Path, pairs: PairReader, relations: EvidenceReader) -> OwnPlaces:
+        """What a run left in ``folder``.
+
+        Raises:
+            DataError: a file is missing, damaged, or of another kind.
+        """
+        arrays, sha256 = load_arrays(folder / LAST)
+        encoder = StoredEncoder(AdaptedMiniLM(folder / ADAPTER))
+        made_of = f"{sha256} {encoder.name} {getattr(relations, 'sha256', '')}"
+        out = cls(arrays, sha256_bytes(made_of.encode()), encoder, pairs, relations)
+        out.files = {name: read_verified(folder / name) for name in (ADAPTER, LAST)}
+        return out
+
+    def read(self, texts: Sequence[str]) -> Evidence:
+        """Evidence of each text; unlike the book's reader's, probabilities of a row need not add up to 1."""
+        new = [text for text in dict.fromkeys(texts) if text not in self._said]
+        if len(self._said) + len(new) > REMEMBERED:
+            self._said.clear()
+            new = list(dict.fromkeys(texts))
+        self._said.update(zip(new, self.spoken(new, self.known), strict=True))
+        anchor = np.stack([self._said[text] for text in texts]) if texts else np.zeros((0, len(self.known)))
+        return Evidence(anchor, anchor.max(axis=1, initial=0.0), self._relations.read(texts).relation)
+
+    def spoken(self, texts: Sequence[str], names: Sequence[str], features: NDArray[np.floating] | None = None) -> Array:
+        """(H, C): probability that each text speaks for each name; ``features`` (H, C, 6) where they are known."""
+        if not texts or not names:
+            return np.zeros((len(texts), len(names)))
+        if features is None:
+            features = self.pairs.features(texts, names)
+        vectors = self._vectors.encode_half(texts).astype(np.float64)
+        met = [self._number.get(name, -1) for name in names]
+        rows = self._anchor_rows if tuple(names) == self.known else self._rows(names)
+        bias = np.asarray([self._x["bias"][k] if k >= 0 else 0.0 for k in met])
+        silence = vectors @ self._x["silence"] + float(self._x["silence_bias"])
+        score = SCALE * (vectors @ rows.T - silence[:, None]) + bias + features.astype(np.float64) @ self._x["pair"]
+        return sigmoid(np.round(score, DECIMALS))
+
+    def about(self, target: str, texts: Sequence[str]) -> Array:
+        """(H,): log odds that each text is about a target and not about another thing of the household."""
+        if not texts:
+            return np.zeros(0)
+        vectors = self._vectors.encode_half(texts).astype(np.float64)
+        others = vectors @ self._wanted.T  # (H, T)
+        if target in self._owners:
+            own = others[:, self._owners[target]].copy()
+            others[:, self._owners[target]] = -np.inf
+        else:
+            own = vectors @ (self._names([target])[0] @ self._x["ask"])
+        most = others.max(axis=1)
+        rest = most + np.log(np.exp(others - most[:, None]).sum(axis=1))
+        return np.round(own - rest + np.log(max(len(self._owners), 2) / _HOUSEHOLD), DECIMALS)
+
+    def _rows(self, names: Sequence[str]) -> Array:
+        """(C, D) what sentences are compared with: a name's vector, turned, and what was learned of the known ones."""
+        out: Array = self._names(names) @ self._x["turn"]
+        for i, name in enumerate(names):
+            if name in self._number:
+                out[i] += self._x["added"][self._number[name]]
+        return out
+
+    def _names(self, names: Sequence[str]) -> Array:
+        return self.pairs.encoder.encode_half([phrase(name) for name in names]).astype(np.float64)
