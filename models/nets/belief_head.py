@@ -22,6 +22,7 @@ from ucon.retrieval.head_inputs import N_CANDIDATE, N_HABIT, N_PAIR, N_RELATIONS
 
 DIM: Final = 384
 FLOOR: Final = 0.02
+_LEAST: Final = 1e-4
 #: Logit of what cannot be.
 NEVER: Final = -60.0
 SENTENCE_SCALE: Final = DIM**0.5
@@ -82,6 +83,9 @@ class BeliefHead(nn.Module):
             the fitted gate, sentence and name vectors (the attention path), common sense: switches for ablations.
         pools: whether the direct path is also given the pair inputs themselves, pooled over the habits. For text that
             the evidence reader was not fitted on; the habit book's is read no better by them.
+        mixture: whether the direct path is also given, and begins with, a mixture of what is said and common sense,
+            in which what reads the sentences of a dataset of its own learned to say it
+            (:mod:`ucon.learning.fit_own_places`).
 
     Raises:
         ConfigError: a size below 1, a width that the heads cannot share, or a dropout outside [0, 1).
@@ -101,6 +105,7 @@ class BeliefHead(nn.Module):
         sentences: bool = True,
         prior: bool = True,
         pools: bool = False,
+        mixture: bool = False,
     ) -> None:
         super().__init__()
         check_heads("learner.head", width, heads)
@@ -120,9 +125,11 @@ class BeliefHead(nn.Module):
             "sentences": sentences,
             "prior": prior,
             "pools": pools,
+            "mixture": mixture,
         }
         self.pairs, self.evidence, self.gate, self.sentences, self.common = pairs, evidence, gate, sentences, prior
-        self.pools, columns = pools, N_DIRECT + N_POOLS * pools + channels
+        self.pools, self.mixture = pools, mixture
+        columns = N_DIRECT + N_POOLS * pools + channels + mixture
         self.relevance = Relevance(width, dropout)
         self.said = nn.Sequential(nn.Linear(N_PAIR + N_HABIT, 32), nn.GELU(), nn.Linear(32, channels))
         self.mix = nn.Sequential(nn.Linear(columns, hidden), nn.Tanh(), nn.Linear(hidden, 1))
@@ -136,6 +143,10 @@ class BeliefHead(nn.Module):
         with torch.no_grad():  # starts as common sense plus what is said
             self.straight.weight.zero_()
             self.straight.weight[0, [0, 2, 3]] = torch.tensor([1.0, 0.5, 0.5])
+            if mixture:  # or as their sum
+                self.usual = nn.Parameter(torch.zeros(()))
+                self.straight.weight.zero_()
+                self.straight.weight[0, -1] = 1.0
 
     def forward(self, inputs: HeadInputs) -> Outputs:
         """Read T targets of one household; see :class:`~ucon.retrieval.head_inputs.HeadInputs` for the shapes."""
@@ -201,6 +212,8 @@ class BeliefHead(nn.Module):
         ]
         if self.pools:
             parts.append(pooled(gate, x.pair))
+        if self.mixture:
+            parts.append(torch.log(_LEAST + total + self.usual.exp() * x.prior.exp())[..., None])
         return torch.cat(parts, -1)
 
     def _relation(self, gate: Tensor, x: Inputs) -> Tensor:

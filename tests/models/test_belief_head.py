@@ -25,9 +25,9 @@ def lively_head(**options):
     return head
 
 
-@pytest.fixture(scope="module", params=[False, True], ids=["plain", "pools"])
+@pytest.fixture(scope="module", params=[(), ("pools",), ("mixture",), ("pools", "mixture")], ids=", ".join)
 def head(request):
-    return lively_head(pools=request.param)
+    return lively_head(**dict.fromkeys(request.param, True))
 
 
 @pytest.fixture(scope="module")
@@ -114,7 +114,7 @@ def test_the_target_is_no_place_for_itself(head):
 
 def test_deterministic(head, inputs):
     assert torch.equal(run(head, inputs).anchor, run(head, inputs).anchor)
-    assert torch.equal(lively_head(pools=head.pools).look.score.weight, head.look.score.weight)
+    assert torch.equal(lively_head(pools=head.pools, mixture=head.mixture).look.score.weight, head.look.score.weight)
 
 
 @pytest.mark.parametrize("switch", ["pairs", "evidence", "gate", "sentences", "prior"])
@@ -150,3 +150,13 @@ def test_inputs_are_named_alike():
     from ucon.retrieval.head_inputs import HeadInputs
 
     assert [f.name for f in fields(Inputs)] == [f.name for f in fields(HeadInputs)]
+
+
+def test_begins_with_the_mixture_of_what_is_said_and_common_sense(inputs):
+    head = BeliefHead(sentences=False, mixture=True).eval()
+    one = replace(inputs, given=inputs.given[:1], trusted=np.ones(1, bool), relevance=inputs.relevance[:1])
+    one = replace(one, target=inputs.target[:1], prior=inputs.prior[:1], open=inputs.open[:1])
+    with torch.no_grad():
+        p = head(one).anchor[0].softmax(0).numpy()
+    mass = (one.given[0] @ one.pair[:, :, -3] + np.exp(one.prior[0])) * one.open[0]
+    assert np.allclose(p, mass / mass.sum(), atol=1e-2)

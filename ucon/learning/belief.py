@@ -111,6 +111,7 @@ class BeliefLearner:
         draw = draw or Draw()
         if initial is not None:
             _begin_with(self.head, Path(initial))
+        check("true or false", lambda x: True, (bool,), own_places=own_places)
         if own_places and not dataset.scenes:
             raise ConfigError(f"learner.own_places=true: {dataset.name} belongs to no scenes, and is read as it is")
         folds = folds_of(dataset, n_folds, used_folds, own_places) if folds is None else folds

@@ -2,9 +2,9 @@
 
 Nothing says which sentence tells a place. So an entry's sentences are read together: a thing is by an anchor with a
 probability that grows with how much its sentences speak for it, in sum, beside what is usual; what is learned is what
-makes the true places likely (multiple-instance learning). Besides, every sentence is to be told whose it is among
-all categories. For both all-MiniLM-L6-v2 gets one low-rank adapter; names are compared with sentences by their own
-vectors, so that a name never met can be asked about. Everything is seeded; minutes on one core, kept in the user's
+makes the true places likely (multiple-instance learning). Besides, every sentence is to be told whose it is among some
+things of the scene. For both all-MiniLM-L6-v2 gets one low-rank adapter; names are compared with sentences by their
+own vectors, so that a name never met can be asked about. Everything is seeded; minutes on one core, kept in the user's
 cache under the hash of what it depends on.
 """
 
@@ -50,7 +50,7 @@ from ucon.retrieval.sampling import anchor_distribution
 from ucon.retrieval.weights import pack_names
 
 #: Raised whenever the fitting changes: what was kept before is fitted anew.
-EDITION: Final = 1
+EDITION: Final = 2
 #: Folds of the common sense that entries are read with.
 _PRIOR_FOLDS: Final = 4
 Say = Callable[[str], None]
@@ -96,7 +96,7 @@ class PlacesNet(nn.Module):
         self.turn, self.ask = nn.Parameter(torch.eye(d)), nn.Parameter(SCALE * torch.eye(d))
         self.added, self.bias = nn.Parameter(torch.zeros(len(anchors), d)), nn.Parameter(torch.zeros(len(anchors)))
         self.silence, self.silence_bias = nn.Parameter(torch.zeros(d)), nn.Parameter(torch.tensor(0.6))
-        self.pair = nn.Parameter(torch.ones(N_FEATURES))
+        self.pair, self.owner_pair = nn.Parameter(torch.ones(N_FEATURES)), nn.Parameter(torch.zeros(N_FEATURES))
         self.usual = nn.Parameter(torch.tensor([0.0, 1.0]))
         """Logarithm of how much common sense weighs against one's own sentences, against all."""
 
@@ -107,14 +107,14 @@ class PlacesNet(nn.Module):
         score = SCALE * (vectors @ rows.T - silence[:, None]) + self.bias[columns] + features @ self.pair
         return score.sigmoid()
 
-    def about(self, vectors: Tensor) -> Tensor:
-        """(H, T) scores of what sentences may be about."""
-        return vectors @ (self.owner @ self.ask).T
+    def about(self, vectors: Tensor, owners: Tensor, features: Tensor) -> Tensor:
+        """(H, T) scores of what sentences (H, D) may be about, owners (T,), with pair features (H, T, 6)."""
+        return vectors @ (self.owner[owners] @ self.ask).T + features @ self.owner_pair
 
     def arrays(self) -> dict[str, NDArray[np.generic]]:
         """What :class:`~ucon.retrieval.own_places.OwnPlaces` reads by, but for the adapter."""
         names = {"anchors": pack_names(self.anchors), "owners": pack_names(self.owners)}
-        learned = ("added", "bias", "turn", "silence", "silence_bias", "pair", "ask")
+        learned = ("added", "bias", "turn", "silence", "silence_bias", "pair", "ask", "owner_pair")
         return {**names, **{n: getattr(self, n).detach().numpy().astype(np.float16) for n in learned}}
 
 
@@ -144,7 +144,7 @@ def fit_own_places(
     standing = _standing(data, entries)
     net = PlacesNet(sorted(set().union(*standing.values())), data.categories, pairs, recipe)
     usual = {e.id: prior for asked, prior in _priors(entries, pairs) for e in asked}
-    few = [net.pair, net.bias, net.usual, net.silence_bias]
+    few = [net.pair, net.owner_pair, net.bias, net.usual, net.silence_bias]
     many = [*net.adapter.values(), net.turn, net.ask, net.added, net.silence]
     optimiser = torch.optim.AdamW([{"params": many}, {"params": few}], weight_decay=recipe.decay)
     batches = [batch for epoch in range(recipe.epochs) for batch in _batches(entries, epoch, recipe.entries)]
@@ -227,7 +227,8 @@ def _loss(net: PlacesNet, asked: _Asked, pairs: PairReader, recipe: Recipe, seed
     features = torch.from_numpy(pairs.features(asked.texts, asked.names))
     spoken = net.spoken(vectors, asked.columns, features)  # (H, C)
     own = functional.one_hot(asked.whose, len(asked.owners)).T.float()  # (E, H)
-    about = net.about(vectors).log_softmax(1)[:, asked.owners].T  # (E, H) log p
+    things = torch.from_numpy(pairs.features(asked.texts, [net.owners[k] for k in asked.owners]))
+    about = net.about(vectors, asked.owners, things).log_softmax(1).T  # (E, H) log p
     alone = _places_loss(own @ spoken, asked, net.usual[0])
     mixed = _places_loss(about.exp() @ spoken, asked, net.usual[1])
     return alone + recipe.mixed * mixed - recipe.owner * (own * about).sum() / own.sum()
@@ -270,16 +271,15 @@ def kept_places(
 
 
 def told_beforehand(folder: Path, texts: Sequence[str]) -> Told:
-    """Vectors of many sentences by the adapter in ``folder``, kept beside it."""
+    """Vectors of many sentences by the adapter in ``folder``, kept below it."""
     distinct = list(dict.fromkeys(texts))
-    stem = folder / f"vectors-{sha256_bytes(canonical_json(distinct).encode())[:16]}.npy"
-    if not stem.is_file():
-        tokenizer, model = AdaptedMiniLM(folder / ADAPTER).parts()
-        encode = BatchEncoder(tokenizer, model, Recipe.precision)
+    path = folder / f"texts-{sha256_bytes(canonical_json(distinct).encode())[:16]}" / "vectors.npy"
+    if not (path.parent / MANIFEST).is_file():
+        encode = BatchEncoder(*AdaptedMiniLM(folder / ADAPTER).parts(), Recipe.precision)
         with torch.no_grad():
-            parts = [encode(distinct[at : at + 1000]).numpy() for at in range(0, len(distinct), 1000)]
+            vectors = [encode(distinct[at : at + 1000]).numpy() for at in range(0, len(distinct), 1000)]
         buffer = io.BytesIO()
-        np.save(buffer, np.concatenate(parts).astype(np.float16), allow_pickle=False)
-        write_atomic(stem, buffer.getvalue())
-        write_manifest(folder, [ADAPTER, LAST, *(path.name for path in folder.glob("vectors-*.npy"))])
-    return Told(distinct, np.load(io.BytesIO(read_verified(stem)), allow_pickle=False))
+        np.save(buffer, np.concatenate(vectors).astype(np.float16), allow_pickle=False)
+        write_atomic(path, buffer.getvalue())
+        write_manifest(path.parent, [path.name])
+    return Told(distinct, np.load(io.BytesIO(read_verified(path)), allow_pickle=False))

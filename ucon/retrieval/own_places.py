@@ -27,7 +27,7 @@ from ucon.retrieval.weights import Array, load_arrays, sigmoid
 ADAPTER: Final = "places.safetensors"
 LAST: Final = "places.npz"
 #: Of :data:`LAST`: names (as bytes) and numbers.
-ARRAYS: Final = ("anchors", "added", "bias", "turn", "silence", "silence_bias", "pair", "owners", "ask")
+ARRAYS: Final = ("anchors", "added", "bias", "turn", "silence", "silence_bias", "pair", "owners", "ask", "owner_pair")
 #: Unit vectors are multiplied by this before the last layer.
 SCALE: Final = 10.0
 #: Categories of which a household has habits: what one of them is told apart from.
@@ -78,9 +78,8 @@ class OwnPlaces:
         shapes = {"added": (len(self.known), d), "bias": (len(self.known),), "turn": (d, d), "silence": (d,)}
         if odd := next((name for name, shape in shapes.items() if self._x[name].shape != shape), None):
             raise DataError(f"{LAST}: {odd} {self._x[odd].shape}, expected {shapes[odd]}; train the head again")
-        owners = arrays["owners"].tobytes().decode().split("\n")
-        self._owners = {name: row for row, name in enumerate(owners)}
-        self._wanted = self._names(owners) @ self._x["ask"]  # (T, D)
+        self._owners = tuple(arrays["owners"].tobytes().decode().split("\n"))
+        self._wanted = self._names(self._owners) @ self._x["ask"]  # (T, D)
         self._anchor_rows = self._rows(self.known)  # (A, D)
         self._said: dict[str, Array] = {}
 
@@ -126,16 +125,19 @@ class OwnPlaces:
         """(H,): log odds that each text is about a target and not about another thing of the household."""
         if not texts:
             return np.zeros(0)
-        vectors = self._vectors.encode_half(texts).astype(np.float64)
-        others = vectors @ self._wanted.T  # (H, T)
-        if target in self._owners:
-            own = others[:, self._owners[target]].copy()
-            others[:, self._owners[target]] = -np.inf
-        else:
-            own = vectors @ (self._names([target])[0] @ self._x["ask"])
+        score = self._owned(texts, target)
+        own, others = score[:, 0], score[:, 1:]
         most = others.max(axis=1)
         rest = most + np.log(np.exp(others - most[:, None]).sum(axis=1))
-        return np.round(own - rest + np.log(max(len(self._owners), 2) / _HOUSEHOLD), DECIMALS)
+        return np.round(own - rest + np.log(others.shape[1] / _HOUSEHOLD), DECIMALS)
+
+    def _owned(self, texts: Sequence[str], target: str) -> Array:
+        """(H, T) scores of what texts may be about: the target first, then the other categories that were met."""
+        others = [k for k, name in enumerate(self._owners) if name != target]
+        wanted = np.concatenate([self._names([target]) @ self._x["ask"], self._wanted[others]])
+        features = self.pairs.features(texts, [target, *(self._owners[k] for k in others)]).astype(np.float64)
+        vectors = self._vectors.encode_half(texts).astype(np.float64)
+        return np.asarray(vectors @ wanted.T + features @ self._x["owner_pair"])
 
     def _rows(self, names: Sequence[str]) -> Array:
         """(C, D) what sentences are compared with: a name's vector, turned, and what was learned of the known ones."""
