@@ -7,6 +7,7 @@ its sentences (:mod:`ucon.learning.fit_own_places`), likewise.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ucon.habits.splits import entry_parts
@@ -16,6 +17,7 @@ from ucon.learning.belief_homes import Pair, pair_folds
 from ucon.learning.crossfit import ReadEvidence, folds
 from ucon.learning.fit_own_places import kept_places, told_beforehand
 from ucon.learning.fit_own_prior import fit_own_prior
+from ucon.retrieval.evidence import EvidenceReader
 from ucon.retrieval.household import FittedParts, default_parts, parts_with, shipped_evidence
 from ucon.retrieval.own_places import LAST, OwnPlaces
 from ucon.retrieval.weights import default_weights, load_arrays
@@ -63,12 +65,12 @@ def scene_folds(dataset: HabitDataset, count: int = 4, *, own_places: bool = Fal
 
     With ``own_places`` half of the folds are read by what learned from the other half's entries.
     """
-    pairs, dealt = default_pair_reader(), pair_folds(dataset, count)
-    readers = _read_by_others(dataset, [asked for asked, _ in dealt]) if own_places else [None] * len(dealt)
+    pairs, weights, dealt = default_pair_reader(), default_weights(), pair_folds(dataset, count)
+    readers: Sequence[EvidenceReader | OwnPlaces] = [shipped_evidence()] * len(dealt)
+    if own_places:
+        readers = _read_by_others(dataset, [asked for asked, _ in dealt])
     return [
-        Fold(dataset, FittedParts(default_weights(), pairs, reader, fit_own_prior(others, pairs)), asked)
-        if reader is not None
-        else Fold(dataset, parts_with(fit_own_prior(others, pairs)), asked)
+        Fold(dataset, FittedParts(weights, pairs, reader, fit_own_prior(others, pairs)), asked)
         for reader, (asked, others) in zip(readers, dealt, strict=True)
     ]
 
