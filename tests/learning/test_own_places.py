@@ -20,6 +20,7 @@ from ucon.learning import belief_readers, fit_own_places
 from ucon.learning.belief import BeliefLearner
 from ucon.learning.belief_homes import pair_folds
 from ucon.learning.fit_own_places import Recipe, kept_places, told_beforehand
+from ucon.learning.updates import DivergedError
 from ucon.retrieval.household import parts_with
 from ucon.retrieval.own_places import ADAPTER, LAST, OwnPlaces
 from ucon.retrieval.weights import load_arrays
@@ -95,13 +96,23 @@ def test_names_and_sentences_are_read_by_themselves(places, data):
     assert places.about("a thing never met", texts).shape == (len(texts),)
 
 
-def test_is_fitted_once(folder, data):
-    def never(text):
-        raise AssertionError(text)
+def _never(text):
+    raise AssertionError(text)
 
-    assert kept_places(data, of_part(data, "train"), default_pair_reader(), QUICK, never) == folder
+
+def test_is_fitted_once(folder, data):
+    assert kept_places(data, of_part(data, "train"), default_pair_reader(), QUICK, _never) == folder
     with pytest.raises(AssertionError, match="minutes, once"):
-        kept_places(data, of_part(data, "train")[1:], default_pair_reader(), QUICK, never)
+        kept_places(data, of_part(data, "train")[1:], default_pair_reader(), QUICK, _never)
+
+
+def test_numbers_that_are_none_leave_nothing_behind(data, cache, monkeypatch):
+    monkeypatch.setattr(fit_own_places, "_loss", lambda net, *_: net.bias.sum() * float("nan"))
+    with pytest.raises(DivergedError, match="step 0: the loss is no number"):
+        kept_places(data, of_part(data, "val"), default_pair_reader(), QUICK)
+    monkeypatch.undo()
+    with pytest.raises(AssertionError, match="minutes, once"):
+        kept_places(data, of_part(data, "val"), default_pair_reader(), QUICK, _never)
 
 
 def test_many_sentences_are_encoded_beforehand_alike(folder, places, data):
@@ -146,6 +157,7 @@ def test_a_head_keeps_what_reads_for_it(data, folder, tmp_path, monkeypatch):
     assert np.array_equal(
         reader.parts.own_places.spoken(texts, ["desk"]), learner._parts.own_places.spoken(texts, ["desk"])
     )
+    assert "without being told which sentence says so" in learner.card().text
     belief = reader.belief(entry.category, texts, reader.known)
     assert belief.p.sum() + belief.unseen == pytest.approx(1)
     assert belief.relation.sum(1) == pytest.approx(1)

@@ -152,11 +152,14 @@ def test_inputs_are_named_alike():
     assert [f.name for f in fields(Inputs)] == [f.name for f in fields(HeadInputs)]
 
 
-def test_begins_with_the_mixture_of_what_is_said_and_common_sense(inputs):
-    head = BeliefHead(sentences=False, mixture=True).eval()
-    one = replace(inputs, given=inputs.given[:1], trusted=np.ones(1, bool), relevance=inputs.relevance[:1])
-    one = replace(one, target=inputs.target[:1], prior=inputs.prior[:1], open=inputs.open[:1])
+@pytest.mark.parametrize("level", FIXED_LEVELS)
+def test_begins_with_the_mixture_of_what_is_said_and_common_sense(inputs, level):
+    head, row = BeliefHead(sentences=False, mixture=True).eval(), slice(FIXED_LEVELS.index(level), None)
+    own = ("given", "relevance", "target", "prior", "open")
+    one = replace(inputs, trusted=np.ones(1, bool), **{name: getattr(inputs, name)[row][:1] for name in own})
     with torch.no_grad():
         p = head(one).anchor[0].softmax(0).numpy()
-    mass = (one.given[0] @ one.pair[:, :, -3] + np.exp(one.prior[0])) * one.open[0]
+    said = one.given[0] @ one.pair[:, :, -3]
+    assert (said.max() > 0.1) == (level != "none")
+    mass = (said + np.exp(one.prior[0])) * one.open[0]
     assert np.allclose(p, mass / mass.sum(), atol=1e-2)

@@ -240,6 +240,15 @@ class BeliefLearner:
     def close(self) -> None:
         """It plays in none."""
 
+    def _own_reader(self) -> str:
+        """What the card says of what reads places in the sentences of a dataset of its own."""
+        if self._parts.own_places is None:
+            return ""
+        return (
+            "What reads places is an adapter of the encoder that comes with it (fp16), taught by where the things of "
+            "the same entries are kept, without being told which sentence says so.\n\n"
+        )
+
     def card(self) -> Card:
         """What it is and what for."""
         parts = entry_parts(self.dataset)
@@ -247,16 +256,18 @@ class BeliefLearner:
         read = {e.id for bases, *_ in self._folds for e in bases.dataset.entries}
         taught = sum(parts.get(id) == "train" for id in read)
         size = sum(value.numel() for value in self.updates.parameters.values())
+        whose = "this dataset's" if self.dataset.scenes else "the habit book's"
         return Card(
             "Belief head: where a thing may be, by what the habits say",
             f"A network of {size:,} parameters (fp16). It reads sentence vectors (all-MiniLM-L6-v2, Apache-2.0), pair "
             "features and what the fitted anchor reader says of each sentence, and gives p(anchor), p(relation | "
             "anchor), the relevance of every habit and the mass of what was not seen.\n\n"
+            f"{self._own_reader()}"
             f"Trained on {taught} `train` entries of `{self.dataset.name}` (read by parts that were not fitted on "
             f"them), chosen and calibrated on its {chosen} `val` entries; `test` entries were not read. "
             "One set of weights for all habit levels.\n\n"
-            "It reads English sentences about where people keep things. Its probabilities are those of the habit "
-            "book's households: elsewhere they are too sure.",
+            "It reads English sentences about where people keep things. Its probabilities are those of "
+            f"{whose} households: elsewhere they are too sure.",
             self.dataset.name,
         )
 

@@ -42,6 +42,7 @@ from ucon.language.pairs import N_FEATURES, PairReader
 from ucon.learning.belief_homes import dealt
 from ucon.learning.fit_own_prior import fit_own_prior
 from ucon.learning.retriever import BatchEncoder, schedule
+from ucon.learning.updates import DivergedError
 from ucon.retrieval.anchor_prior import AnchorPrior
 from ucon.retrieval.base import phrase
 from ucon.retrieval.head_inputs import UNKNOWN_PRIOR
@@ -138,7 +139,11 @@ class _Asked:
 def fit_own_places(
     data: HabitDataset, entries: Sequence[Entry], pairs: PairReader, recipe: Recipe | None = None, say: Say = say_aloud
 ) -> PlacesNet:
-    """Learn from entries of ``data``, which belong to scenes whose things are known (``data.standing``)."""
+    """Learn from entries of ``data``, which belong to scenes whose things are known (``data.standing``).
+
+    Raises:
+        DivergedError: at numbers that are none.
+    """
     recipe = recipe or Recipe()
     torch.manual_seed(0)
     standing = _standing(data, entries)
@@ -151,6 +156,8 @@ def fit_own_places(
     for step, batch in enumerate(batches):
         asked = _asked(net, batch, standing[batch[0].scene or ""], usual, pairs)
         loss = _loss(net, asked, pairs, recipe, derived_seed(0, "mask", step))
+        if not bool(torch.isfinite(loss)):
+            raise DivergedError(f"places: step {step}: the loss is no number; nothing was kept")
         share = schedule(step, len(batches), 20)
         for group, rate in zip(optimiser.param_groups, (recipe.lr, recipe.few_lr), strict=True):
             group["lr"] = rate * share

@@ -32,6 +32,8 @@ ARRAYS: Final = ("anchors", "added", "bias", "turn", "silence", "silence_bias", 
 SCALE: Final = 10.0
 #: Categories of which a household has habits: what one of them is told apart from.
 _HOUSEHOLD: Final = 20
+#: Answers about targets that are remembered.
+_ASKED: Final = 64
 
 
 class Vectors(Protocol):
@@ -82,6 +84,7 @@ class OwnPlaces:
         self._wanted = self._names(self._owners) @ self._x["ask"]  # (T, D)
         self._anchor_rows = self._rows(self.known)  # (A, D)
         self._said: dict[str, Array] = {}
+        self._told: dict[tuple[str, tuple[str, ...]], Array] = {}
 
     @classmethod
     def load(cls, folder: Path, pairs: PairReader, relations: EvidenceReader) -> OwnPlaces:
@@ -125,6 +128,14 @@ class OwnPlaces:
         """(H,): log odds that each text is about a target and not about another thing of the household."""
         if not texts:
             return np.zeros(0)
+        asked = target, tuple(texts)
+        if asked not in self._told:  # asked again for every name that is met on the way
+            if len(self._told) >= _ASKED:
+                self._told.clear()
+            self._told[asked] = self._log_odds(texts, target)
+        return self._told[asked]
+
+    def _log_odds(self, texts: Sequence[str], target: str) -> Array:
         score = self._owned(texts, target)
         own, others = score[:, 0], score[:, 1:]
         most = others.max(axis=1)
