@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from eval import chosen_episodes
 from tests.language.tiny_models import save_causal
+from ucon.commands.evaluating import chosen_episodes
 from ucon.core.errors import ConfigError
 from ucon.evaluation.record import read_records
 

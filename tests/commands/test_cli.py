@@ -15,8 +15,10 @@ from ucon.commands.doctor import read_pins
 ROOT = Path(__file__).parents[2]
 
 
-def run(*words: str, script: tuple[str, ...] = ("-m", "ucon"), cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([sys.executable, *script, *words], cwd=cwd, capture_output=True, text=True, timeout=120)
+def run(
+    *words: str, script: tuple[str, ...] = ("-m", "ucon"), cwd: Path = ROOT, timeout: float = 120
+) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, *script, *words], cwd=cwd, capture_output=True, text=True, timeout=timeout)
 
 
 def user_error(result: subprocess.CompletedProcess[str]) -> str:

@@ -1,0 +1,118 @@
+"""Playing finished runs again: the same comes out, and what does not is told."""
+
+import json
+import lzma
+import shutil
+from pathlib import Path
+
+import pytest
+import torch
+from omegaconf import OmegaConf
+
+from tests.commands.test_cli import run, user_error
+
+ROOT = Path(__file__).parents[2]
+RESULTS = ROOT / "results"
+#: What shipped weights were called when they were measured.
+SHIPPED = ("runs/e2e-searches", "checkpoints/habit_policy_e2e")
+
+
+def asks_for_more_than_is_shipped(folder: Path) -> bool:
+    """Trained weights of one's own, or other data."""
+    text = (folder / "config.yaml").read_text().replace("\nout: runs/", "").replace(SHIPPED[0], "")
+    return "runs/" in text or "PATH/" in text
+
+
+RECORDED = sorted(path.parent for path in RESULTS.glob("*/episodes.jsonl.xz"))
+OWN = [folder for folder in RECORDED if not asks_for_more_than_is_shipped(folder)]
+
+
+@pytest.fixture
+def kept(tmp_path):
+    """A run of the results, as far as three of its episodes."""
+    folder = tmp_path / "kept"
+    shutil.copytree(RESULTS / "learned-frontier", folder)
+    packed = folder / "episodes.jsonl.xz"
+    lines = lzma.decompress(packed.read_bytes()).decode().splitlines()[:3]
+    packed.unlink()
+    (folder / "episodes.jsonl").write_text("".join(f"{line}\n" for line in lines))
+    config = OmegaConf.load(folder / "config.yaml")
+    config.limit = 3
+    OmegaConf.save(config, folder / "config.yaml")
+    return folder
+
+
+def replay(tmp_path, *words):
+    return run("replay", *map(str, words), "--workers", "0", "--out", str(tmp_path / "out"))
+
+
+def test_what_was_measured_comes_out_again(kept, tmp_path):
+    result = replay(tmp_path, kept)
+    assert result.returncode == 0, result.stderr
+    assert result.stdout == f"{kept}: frontier, any, 3 episodes: the same to the byte\n"
+    assert (tmp_path / "out" / "kept" / "episodes.jsonl").read_bytes() == (kept / "episodes.jsonl").read_bytes()
+
+
+def test_an_episode_that_comes_out_otherwise_is_told(kept, tmp_path):
+    first, *rest = map(json.loads, (kept / "episodes.jsonl").read_text().splitlines())
+    first["steps"] += 1
+    (kept / "episodes.jsonl").write_text("".join(json.dumps(line) + "\n" for line in (first, *rest)))
+    result = replay(tmp_path, kept, "--json")
+    assert result.returncode == 1
+    found = json.loads(result.stdout)
+    assert (found["same"], found["n"], found["differing"]) == (False, 3, [first["episode"]])
+
+
+def test_figures_are_compared_where_no_episodes_are_kept(kept, tmp_path):
+    assert replay(tmp_path, kept).returncode == 0
+    (kept / "episodes.jsonl").unlink()
+    shutil.copy(tmp_path / "out" / "kept" / "summary.json", kept)
+    assert "3 episodes: the same in every figure" in replay(tmp_path, kept).stdout
+    figures = json.loads((kept / "summary.json").read_text())
+    (kept / "summary.json").write_text(json.dumps(figures | {"spl": figures["spl"] + 0.01, "opens": 99.0}))
+    result = replay(tmp_path, kept)
+    assert result.returncode == 1
+    assert "2 figures differ (spl, opens)" in result.stdout
+
+
+def test_a_run_that_cannot_be_played_does_not_keep_others_from_it(kept, tmp_path):
+    lost = tmp_path / "lost"
+    shutil.copytree(kept, lost)
+    config = OmegaConf.load(lost / "config.yaml")
+    config.episodes = "FAR/AWAY.jsonl.xz"
+    OmegaConf.save(config, lost / "config.yaml")
+    result = replay(tmp_path, lost, tmp_path / "nothing", kept)
+    assert result.returncode == 1
+    assert result.stdout.count("the same") == 1
+    assert f"{lost}: not played: unknown episode set or file 'FAR/AWAY.jsonl.xz'" in result.stderr
+    assert f"{tmp_path / 'nothing'}: not played: " in result.stderr
+
+
+def test_paths_may_lie_elsewhere(kept, tmp_path):
+    config = OmegaConf.load(kept / "config.yaml")
+    config.episodes = "FAR/mini.jsonl.xz"
+    OmegaConf.save(config, kept / "config.yaml")
+    found = replay(tmp_path, kept, "--path", f"FAR={ROOT / 'ucon/task/data'}")
+    assert "other episodes are kept than its configuration names now" in found.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        (["x", "--every", "0"], "--every 0: expected a whole number from 1 up"),
+        (["x", "--path", "runs"], "--path runs: expected OLD=NEW"),
+        (["a/x", "b/x"], "folders of different names"),
+    ],
+)
+def test_bad_options_end_in_one_line(words, part, tmp_path):
+    assert part in user_error(replay(tmp_path, *words))
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(torch.backends.cpu.get_cpu_capability() != "AVX512", reason="records were made with AVX-512")
+@pytest.mark.parametrize("folder", OWN, ids=lambda folder: folder.name)
+def test_the_results_come_out_again(folder, tmp_path):
+    """Some episodes of every recorded run that needs nothing but what is shipped."""
+    words = (str(folder), "--every", "200", "--path", "=".join(SHIPPED), "--out", str(tmp_path))
+    result = run("replay", *words, timeout=900)  # the first with another encoder has all sentences to encode
+    assert "the same to the byte" in result.stdout, result.stdout + result.stderr

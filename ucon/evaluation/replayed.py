@@ -1,0 +1,102 @@
+"""A kept run and the same run played again: whether its numbers come out, episode by episode.
+
+Folders of ``results/`` keep a run's configuration and ``summary.json``, many also the record of every episode. Records
+are compared as they are written, byte by byte; without them the figures of the summary are.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ucon.core.errors import DataError
+from ucon.evaluation.folder import SUMMARY
+from ucon.evaluation.metrics import summarise
+from ucon.evaluation.naming import level, player
+from ucon.evaluation.record import EpisodeRecord, read_records
+
+#: A summary has means of what records say with six digits.
+_TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What a folder keeps of a run."""
+
+    label: str
+    figures: dict[str, Any]
+    records: list[EpisodeRecord] | None
+    """None where the folder holds figures alone."""
+
+    @classmethod
+    def read(cls, folder: Path) -> Kept:
+        """Read it.
+
+        Raises:
+            DataError: no summary of a run there, or damaged records.
+        """
+        path = folder / SUMMARY
+        try:
+            figures = json.loads(path.read_text(encoding="utf-8"))
+            label = f"{player(figures)}, {level(figures)}"
+        except (OSError, ValueError, LookupError, AttributeError, TypeError):
+            raise DataError(f"{path}: no summary of a finished run of eval.py; give the folder of one") from None
+        has_records = any(folder.glob("episodes.jsonl*"))
+        return cls(label, figures, read_records(folder) if has_records else None)
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """What came out."""
+
+    label: str
+    n: int
+    by: str
+    """What was compared: ``episodes``, or ``figures`` where none were kept."""
+    differing: tuple[str, ...]
+    """Names of the episodes or figures that came out otherwise."""
+    kept: dict[str, float]
+    now: dict[str, float]
+    """SR and SPL, as kept and as played now."""
+
+    @property
+    def same(self) -> bool:
+        """Whether all came out as it is kept."""
+        return not self.differing
+
+
+def replayed(kept: Kept, now: Sequence[EpisodeRecord], every: int = 1) -> Replayed:
+    """Compare what was kept with what was played now: every ``every``-th episode of it.
+
+    Raises:
+        DataError: these are not the kept run's episodes, or a part was played of a run that keeps no records.
+    """
+    new = summarise(now)
+    if kept.records is None:
+        if every != 1:
+            raise DataError(f"{kept.label}: no episodes are kept, only figures of all of them; play all (every 1)")
+        names = [name for name in new if name in kept.figures and not _equal(new[name], kept.figures[name])]
+        return Replayed(kept.label, len(now), "figures", tuple(names), _main(kept.figures), _main(new))
+    chosen = kept.records[::every]
+    if [r.episode for r in chosen] != [r.episode for r in now]:
+        raise DataError(f"{kept.label}: other episodes are kept than its configuration names now")
+    differing = [b.episode for a, b in zip(chosen, now, strict=True) if a.to_line() != b.to_line()]
+    return Replayed(kept.label, len(now), "episodes", tuple(differing), _main(summarise(chosen)), _main(new))
+
+
+def _main(figures: dict[str, Any]) -> dict[str, float]:
+    return {name: round(float(figures[name]), 6) for name in ("success_rate", "spl")}
+
+
+def _equal(a: Any, b: Any) -> bool:
+    """Equal numbers, or containers of them."""
+    if isinstance(a, dict) and isinstance(b, dict):
+        return a.keys() == b.keys() and all(_equal(a[name], b[name]) for name in a)
+    if isinstance(a, list) and isinstance(b, list):
+        return len(a) == len(b) and all(map(_equal, a, b))
+    if isinstance(a, float | int) and isinstance(b, float | int):
+        return abs(a - b) <= _TOLERANCE
+    return bool(a == b)
