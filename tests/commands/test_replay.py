@@ -53,6 +53,10 @@ def test_what_was_measured_comes_out_again(kept, tmp_path):
     assert (tmp_path / "out" / "kept" / "episodes.jsonl").read_bytes() == (kept / "episodes.jsonl").read_bytes()
 
 
+def test_a_part_can_be_played(kept, tmp_path):
+    assert "frontier, any, 2 episodes: the same to the byte" in replay(tmp_path, kept, "--every", "2").stdout
+
+
 def test_an_episode_that_comes_out_otherwise_is_told(kept, tmp_path):
     first, *rest = map(json.loads, (kept / "episodes.jsonl").read_text().splitlines())
     first["steps"] += 1

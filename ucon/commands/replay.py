@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -84,8 +85,11 @@ def _replay(folder: Path, out: Path, every: int, places: Mapping[str, str], work
     kept, config = Kept.read(folder), {**_LATER, **_moved(read_config(folder), places)}
     if missing := sorted(_NEEDED - config.keys()):
         raise DataError(f"{folder}: its configuration lacks {', '.join(missing)}; restore it or evaluate again")
+    limit = config["limit"]
     config |= {
+        "out": str(out),
         "every": config["every"] * every,
+        "limit": None if limit is None else math.ceil(limit / every),
         "workers": int(workers) if workers.isdecimal() else workers,
         "pictures": 0,
         "progress": sys.stderr.isatty(),
