@@ -79,6 +79,13 @@ def test_figures_are_compared_where_no_episodes_are_kept(kept, tmp_path):
     assert "2 figures differ (spl, opens)" in result.stdout
 
 
+def test_a_summary_without_figures_is_none(kept, tmp_path):
+    (kept / "summary.json").write_text('{"agent": "frontier", "habit_level": "none"}')
+    result = replay(tmp_path, kept)
+    assert (result.returncode, result.stdout) == (1, "")
+    assert "no summary of a finished run" in result.stderr
+
+
 def test_a_run_that_cannot_be_played_does_not_keep_others_from_it(kept, tmp_path):
     lost = tmp_path / "lost"
     shutil.copytree(kept, lost)

@@ -42,6 +42,7 @@ class Kept:
         try:
             figures = json.loads(path.read_text(encoding="utf-8"))
             label = f"{player(figures)}, {level(figures)}"
+            _main(figures)
         except (OSError, ValueError, LookupError, AttributeError, TypeError):
             raise DataError(f"{path}: no summary of a finished run of eval.py; give the folder of one") from None
         has_records = any(folder.glob("episodes.jsonl*"))
