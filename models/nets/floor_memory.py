@@ -130,12 +130,21 @@ class FloorMemory(torch.nn.Module):
         cells[rows, 0, own] = 255
 
     def read(self, state: State, pose: Tensor) -> Window:
-        """The windows around agents at ``pose`` (B, 4)."""
+        """The windows around agents at ``pose`` (B, 4); what lies beyond the map is unknown."""
         cells = state["cells"].view(len(pose), -1, SIZE, SIZE)
-        corner = (pose[:, :2].long() + HALF - REACH).clamp(0, SIZE - WINDOW).tolist()
-        window = torch.stack([c[:, i : i + WINDOW, j : j + WINDOW] for c, (i, j) in zip(cells, corner, strict=True)])
+        here = (pose[:, :2].long() + HALF).clamp(0, SIZE - 1).tolist()
+        window = torch.stack([_around(c, i, j) for c, (i, j) in zip(cells, here, strict=True)])
         free = (window[:, 2] == 0) | (window[:, CHANNELS.index("visited")] > 0)
         return Window(window, free)
+
+
+def _around(cells: Tensor, i: int, j: int) -> Tensor:
+    """The window (C, WINDOW, WINDOW) of a map (C, SIZE, SIZE) whose middle is cell (i, j)."""
+    top, left = i - REACH, j - REACH
+    part = cells[:, max(top, 0) : top + WINDOW, max(left, 0) : left + WINDOW]
+    above, before = max(-top, 0), max(-left, 0)
+    below, after = WINDOW - above - part.shape[1], WINDOW - before - part.shape[2]
+    return functional.pad(part, (before, after, above, below)) if above or before or below or after else part
 
 
 def coarse(cells: Tensor) -> Tensor:

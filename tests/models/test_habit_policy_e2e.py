@@ -277,6 +277,19 @@ def test_patch_is_the_frame_alone(policy, walks):
     assert sum(array.nbytes for array in frame.values()) < 25_000
 
 
+def test_it_does_not_matter_how_far_it_has_come(policy, walks):
+    """25 m from the start the window is cut off by the map's rim, and the agent is still in its middle."""
+    frames, context = episode(policy, walks["gt"])
+    shifted = {name: tensor.clone() for name, tensor in frames.items()}
+    shifted["pose"][..., 0] += 100
+    shifted["pose"][..., 1] -= 100
+    (here, inside), (there, inside_there) = (
+        policy.think(f, context, policy.initial_state(1)) for f in (frames, shifted)
+    )
+    assert torch.equal(here.logits, there.logits)
+    assert torch.equal(inside.ways.goals, inside_there.ways.goals)
+
+
 def test_augmentation_turns_the_map_and_nothing_else(policy, walks):
     frames, context = episode(policy, walks["gt"])
     seen = set()
