@@ -16,7 +16,7 @@ from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import sha256_bytes
 from ucon.core.rng import stream
 from ucon.envs.waypoint.searcher import MISS, Searcher
-from ucon.envs.waypoint.text_tokens import TextTokens, name_table
+from ucon.envs.waypoint.text_tokens import SaidTokens, TextTokens, name_table
 from ucon.envs.waypoint.tokens import Sizes, TokenReader, Tokens
 from ucon.perception.draw import Image
 from ucon.perception.reading import Locate, ReadHabits, expecting
@@ -36,8 +36,7 @@ class _Search:
     episode: str
     searcher: Searcher
     reader: TokenReader
-    said: dict[str, Any]
-    habits: tuple[str, ...]
+    said: SaidTokens
 
 
 class HabitPolicyAgent:
@@ -108,13 +107,11 @@ class HabitPolicyAgent:
         """See :class:`models.agents.base.Agent`."""
         self._prepare()
         for slot, info in zip(slots_of(infos, slots), infos, strict=True):
-            locations = self._locate(info)
-            searcher = Searcher(info, expecting(info, self._locate, locations=locations), miss=self._miss)
+            believing = expecting(info, self._locate)
+            searcher = Searcher(info, believing, miss=self._miss)
             reader = TokenReader(searcher, info, self._sizes)
-            said = self._text.read(info, locations)
-            self._searches[slot] = _Search(
-                str(info.get("episode", "")), searcher, reader, said, tuple(info.get("habits", ()))
-            )
+            said = SaidTokens(self._text, str(info["target"]), believing)
+            self._searches[slot] = _Search(str(info.get("episode", "")), searcher, reader, said)
 
     def act(
         self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
@@ -140,7 +137,7 @@ class HabitPolicyAgent:
         """What it thinks; see :func:`ucon.perception.draw_search.draw_search`."""
         from ucon.perception.draw_search import draw_search
 
-        return draw_search(self._searches[slot].searcher, self._searches[slot].habits)
+        return draw_search(self._searches[slot].searcher)
 
     def _chosen(self, due: dict[int, Tokens]) -> list[int]:
         """Rows of the views that are chosen in the slots where a choice is due."""
@@ -148,7 +145,7 @@ class HabitPolicyAgent:
 
         if not due:
             return []
-        rows = [{**tokens.arrays, **self._searches[slot].said} for slot, tokens in due.items()]
+        rows = [{**tokens.arrays, **self._searches[slot].said()} for slot, tokens in due.items()]
         batch = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
         names = self._names[batch.pop("thing_rows")]
         tensors = {name: torch.from_numpy(array).float().to(self._device) for name, array in batch.items()}

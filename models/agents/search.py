@@ -14,7 +14,6 @@ class SearchController:
 
     def __init__(self, info: Info, expecting: Expecting, costs: Costs | None = None) -> None:
         self.searcher = Searcher(info, expecting, costs)
-        self._habits: tuple[str, ...] = tuple(info.get("habits", ()))
 
     def act(self, observation: Observation, info: Info) -> int:
         """The next action."""
@@ -27,4 +26,4 @@ class SearchController:
         """What it thinks; see :func:`ucon.perception.draw_search.draw_search`."""
         from ucon.perception.draw_search import draw_search
 
-        return draw_search(self.searcher, self._habits)
+        return draw_search(self.searcher)

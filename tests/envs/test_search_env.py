@@ -148,6 +148,16 @@ def test_places_may_come_from_elsewhere(episodes: tuple[Episode, ...]) -> None:
     assert not np.array_equal(a["prior"], b["prior"])
 
 
+def test_at_level_context_its_text_follows_the_list_of_habits(episodes: tuple[Episode, ...]) -> None:
+    env, lists = UcONSearchEnv(episodes, habit_level="context"), []
+    for number in range(len(episodes)):
+        for obs, *_ in rollout(env, greedy, options={"episode": number}):
+            told = obs["habits"][obs["habits_mask"] > 0]
+            if not lists or not np.array_equal(told, lists[-1]):
+                lists.append(told)
+    assert len(lists) > len(episodes)
+
+
 def test_bad_use_ends_in_one_clear_line() -> None:
     with pytest.raises(ConfigError, match="views are valued by what is detected"):
         UcONSearchEnv(detector=None)

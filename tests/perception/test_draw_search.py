@@ -33,11 +33,11 @@ def near(image: np.ndarray[Any, Any], color: tuple[int, int, int]) -> int:
     return int((np.abs(image.astype(int) - color).max(2) < 40).sum())
 
 
-def somewhere(anchor: str, habits: int = 0) -> Any:
+def somewhere(anchor: str, habits: tuple[str, ...] = ()) -> Any:
     """Reads that the target is by one anchor, on the word of the last habit."""
     p = np.array([[0.0, 0.0, 0.0, 0.9]])
-    said = np.eye(habits)[-1] if habits else np.zeros(0)
-    return lambda info: Locations((anchor,), p, said, lambda name: said * (name == anchor))
+    said = np.eye(len(habits))[-1] if habits else np.zeros(0)
+    return lambda info: Locations((anchor,), p, habits, said, lambda name: said * (name == anchor))
 
 
 def test_it_is_warm_where_the_belief_is() -> None:
@@ -54,8 +54,8 @@ def test_it_is_warm_where_the_belief_is() -> None:
 
 
 def test_it_says_what_it_believes_and_which_habit_says_so() -> None:
-    searcher = searching(BeliefAgent(somewhere("no_such_thing", habits=3)), 5)
-    lines = [text for text, _ in _lines(searcher, searcher.map, _mass_left(searcher), ("a", "b", "under the lamp"), 60)]
+    searcher = searching(BeliefAgent(somewhere("no_such_thing", habits=("a", "b", "under the lamp"))), 5)
+    lines = [text for text, _ in _lines(searcher, searcher.map, _mass_left(searcher), 60)]
     assert lines[0] == "believes: by no such thing 90%"
     assert lines[1].startswith("goes to: ")
     assert lines[2] == '"under the lamp"'
@@ -63,7 +63,7 @@ def test_it_says_what_it_believes_and_which_habit_says_so() -> None:
 
 def test_who_reads_nothing_says_where_it_goes() -> None:
     searcher = searching(FrontierAgent(), 5)
-    lines = _lines(searcher, searcher.map, _mass_left(searcher), (), 60)
+    lines = _lines(searcher, searcher.map, _mass_left(searcher), 60)
     assert len(lines) == 1
     assert draw_search(searcher).shape == (384, 384, 3)
 

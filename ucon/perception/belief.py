@@ -31,6 +31,8 @@ class Locations:
     names: tuple[str, ...]
     p: NDArray[np.float64]
     """(A, 4) joint probability of anchor and relation (ontop, inside, under, nextto); the rest is anywhere."""
+    habits: tuple[str, ...] = ()
+    """The H habits that were read."""
     relevance: NDArray[np.float64] | None = None
     """(H,) how much each habit that was read is taken to say where the target is; None where none was read."""
     support: Callable[[str], NDArray[np.float64]] | None = None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 import cv2
@@ -28,7 +27,7 @@ _SPEAKS: Final = 0.05
 _SAID: Final = {"ontop": "on", "inside": "in", "under": "under", "nextto": "by"}
 
 
-def draw_search(searcher: Searcher, habits: Sequence[str] = (), height: int = 384, width: int = 384) -> Image:
+def draw_search(searcher: Searcher, height: int = 384, width: int = 384) -> Image:
     """Draw the search as it stands: (height, width, 3) uint8.
 
     Above the agent's own map: the warmer a thing, the greater its part of what is left of the belief; a ring is where
@@ -41,7 +40,7 @@ def draw_search(searcher: Searcher, habits: Sequence[str] = (), height: int = 38
     top, left = (room - drawn.shape[0]) // 2, (width - drawn.shape[1]) // 2
     image[top : top + drawn.shape[0], left : left + drawn.shape[1]] = drawn
     y = room + _LINE_PX
-    for text, color in _lines(searcher, known, mass, habits, (width - 2 * _MARGIN_PX) // 7):
+    for text, color in _lines(searcher, known, mass, (width - 2 * _MARGIN_PX) // 7):
         cv2.putText(image, text, (_MARGIN_PX, y), cv2.FONT_HERSHEY_SIMPLEX, 0.4, color, 1, cv2.LINE_AA)
         y += _LINE_PX
     return image
@@ -83,7 +82,7 @@ def _tint(image: Image, px: Pixels, box: NDArray[np.float64], share: float) -> N
 
 
 def _lines(
-    searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64], habits: Sequence[str], letters: int
+    searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64], letters: int
 ) -> list[tuple[str, tuple[int, int, int]]]:
     """What is written below the map."""
     found = searcher.expecting.locations
@@ -95,10 +94,10 @@ def _lines(
     lines = [(line, _INK) for line in _wrapped(f"believes: {said or 'nothing yet'}", letters)[:2]]
     lines += [(_going(searcher, known, mass), _GOAL)]
     for thing in (_near_goal(searcher, known, mass), believed[0][0]):
-        speaks = found.support(thing) if thing and found.support is not None and len(habits) else np.zeros(0)
+        speaks = found.support(thing) if thing and found.support is not None and found.habits else np.zeros(0)
         if speaks.max(initial=0.0) > _SPEAKS:
             return lines + [
-                (line, _FAINT) for line in _wrapped(f'"{habits[int(speaks.argmax())]}"', letters)[:_HABIT_LINES]
+                (line, _FAINT) for line in _wrapped(f'"{found.habits[int(speaks.argmax())]}"', letters)[:_HABIT_LINES]
             ]
     return lines
 

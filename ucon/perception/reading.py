@@ -51,7 +51,7 @@ class ReadHabits:
         reading = self._reader.read(target, texts, trusted=info.get("habit_level") == "gt")
         belief = reading.belief(self._reader.known)
         p = self._followed(self._reader, target, texts, belief) if self._follow else belief.p
-        return Locations(belief.candidates, p[:, None] * belief.relation, reading.telling, reading.support)
+        return Locations(belief.candidates, p[:, None] * belief.relation, texts, reading.telling, reading.support)
 
     def _followed(
         self, reader: Reader, target: str, texts: tuple[str, ...], belief: Belief

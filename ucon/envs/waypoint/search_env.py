@@ -15,7 +15,7 @@ from ucon.core.errors import ConfigError, EpisodeError
 from ucon.envs.knowledge import HabitSource
 from ucon.envs.ucon_env import Obs, UcONEnv
 from ucon.envs.waypoint.searcher import MISS, Searcher
-from ucon.envs.waypoint.text_tokens import TextTokens
+from ucon.envs.waypoint.text_tokens import SaidTokens, TextTokens
 from ucon.envs.waypoint.to_go import ToGo
 from ucon.envs.waypoint.tokens import N_FRONTIER, N_STATE, N_THING, Sizes, TokenReader, Tokens
 from ucon.envs.waypoint.view_expert import NOTHING, ViewExpert
@@ -55,7 +55,8 @@ class UcONSearchEnv(gym.Env[Obs, int]):
     ### Description
     Wraps ``UcON-v0``: a step chooses a view; the planner goes towards it and asks again after five actions, opens on
     its way what is closed and worth it, and as soon as the target is in view walks up to it and says Done. The habits
-    are read once; what was looked at in vain lowers the belief by arithmetic. Where there is nothing to choose, it is
+    are read once, at level ``context`` whenever their list changes; what was looked at in vain lowers the belief by
+    arithmetic. Where there is nothing to choose, it is
     not asked. Every primitive action costs one of the 300 steps.
 
     ### Action space
@@ -142,9 +143,10 @@ class UcONSearchEnv(gym.Env[Obs, int]):
         super().reset(seed=seed)
         obs, info = self.env.reset(seed=seed, options=options)
         locations = self._locate(info)
-        self._searcher = Searcher(info, expecting(info, self._locate, locations=locations), miss=self._miss)
+        believing = expecting(info, self._locate, locations=locations)
+        self._searcher = Searcher(info, believing, miss=self._miss)
         self._reader = TokenReader(self._searcher, info, self._sizes)
-        self._said = self._text.read(info, locations)
+        self._said = SaidTokens(self._text, str(info["target"]), believing)
         self._to_go = ToGo(self.env) if self._tells_way else None
         if self._expert is not None:
             self._expert.begin(self.env.episode, info["habit_level"], locations)
@@ -217,7 +219,7 @@ class UcONSearchEnv(gym.Env[Obs, int]):
 
     def _text_arrays(self) -> Obs:
         """Copies: whoever keeps an observation owns it."""
-        return {name: array.copy() for name, array in self._said.items()}
+        return {name: array.copy() for name, array in self._said().items()}
 
     def render(self) -> NDArray[np.uint8] | None:
         """See ``UcON-v0``."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 
 from ucon.envs.waypoint.features import category_rows
 from ucon.language.store import StoredEncoder, default_encoder
-from ucon.perception.belief import Locations
+from ucon.perception.belief import Believing, Locations
 from ucon.retrieval.base import phrase
 
 
@@ -28,22 +27,38 @@ class TextTokens:
             self._encoder = default_encoder()
         return self._encoder
 
-    def read(self, info: Mapping[str, Any], locations: Locations) -> dict[str, NDArray[Any]]:
-        """Arrays of an episode, from the info of its reset and what was read of its habits.
+    def read(self, name: str, locations: Locations) -> dict[str, NDArray[Any]]:
+        """Arrays of an episode, from the target's name and what was read of its habits.
 
         Returns:
             ``target`` (D,) and ``habits`` (P, D) float32 embeddings, ``habits_relevance`` (P,) float32 in [0, 1] and
             ``habits_mask`` (P,) int8.
         """
-        target = self.encoder.encode_half([phrase(str(info["target"]))])[0].astype(np.float32)
+        target = self.encoder.encode_half([phrase(name)])[0].astype(np.float32)
         habits = np.zeros((self.n_habits, len(target)), np.float32)
         relevance, mask = np.zeros(self.n_habits, np.float32), np.zeros(self.n_habits, np.int8)
-        texts, telling = list(info["habits"]), locations.relevance
+        texts, telling = locations.habits, locations.relevance
         if texts and telling is not None:
             top = np.argsort(-telling, kind="stable")[: self.n_habits]
             habits[: len(top)] = self.encoder.encode_half([texts[k] for k in top])
             relevance[: len(top)], mask[: len(top)] = telling[top], 1
         return {"target": target, "habits": habits, "habits_relevance": relevance, "habits_mask": mask}
+
+
+class SaidTokens:
+    """The text arrays of one search, read again when the list of habits changes (level ``context``)."""
+
+    def __init__(self, text: TextTokens, name: str, believing: Believing) -> None:
+        """``name`` of the target, and who reads its habits."""
+        self._text, self._name, self._believing = text, name, believing
+        self._read: tuple[Locations, dict[str, NDArray[Any]]] | None = None
+
+    def __call__(self) -> dict[str, NDArray[Any]]:
+        """See :meth:`TextTokens.read`; not to be written to."""
+        locations = self._believing.locations
+        if self._read is None or self._read[0] is not locations:
+            self._read = locations, self._text.read(self._name, locations)
+        return self._read[1]
 
 
 def name_table(encoder: StoredEncoder) -> NDArray[np.float32]:
