@@ -79,10 +79,15 @@ def test_a_second_run_gives_the_same_bytes(run, tmp_path):
     assert (tmp_path / "again" / "episodes.jsonl").read_bytes() == (run[0] / "episodes.jsonl").read_bytes()
 
 
-def test_a_finished_run_is_not_played_again(run):
+def test_a_finished_run_is_not_played_again_and_stays_as_it_is(run):
+    summary = run[0] / "summary.json"
+    figures = json.loads(summary.read_text())
+    summary.write_text(json.dumps(figures | {"seconds": 1234.5, "versions": {"torch": "of then"}}))
+    before = {path: path.read_bytes() for path in run[0].iterdir()}
     result = evaluate("agent=frontier", "habit_level=none", *QUICK, f"out={run[0]}")
     assert result.returncode == 0, result.stderr[-2000:]
     assert "for 0 episodes" in result.stdout
+    assert {path: path.read_bytes() for path in run[0].iterdir()} == before
 
 
 def test_a_finished_run_is_printed_without_the_weights_that_made_it(tmp_path):

@@ -59,13 +59,13 @@ def resumed(path):
     return chosen_run(OmegaConf.create({"resume": str(path), **watched}), [], None)
 
 
-WHOLE = "learner: {_target_: a.B}\ntraining: {steps: 3}\nthreads: 1\n"
+WHOLE = "learner: {_target_: ucon.B}\ntraining: {steps: 3}\nthreads: 1\n"
 
 
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"learner: {_target_: a.B}\nthreads: [1\n", r"config\.yaml:3: not YAML; restore it"),
+        (b"learner: {_target_: ucon.B}\nthreads: [1\n", r"config\.yaml:3: not YAML; restore it"),
         (b"threads: \x00", r"config\.yaml:1: not YAML"),
         (b"threads: \xff", r"config\.yaml: not UTF-8; restore it"),
         (b"threads: !!int abc", r"config\.yaml: not the configuration of a run"),
@@ -75,6 +75,15 @@ WHOLE = "learner: {_target_: a.B}\ntraining: {steps: 3}\nthreads: 1\n"
         (b"- a\n", r"config\.yaml: no options in it"),
         (WHOLE.replace("threads: 1\n", "").encode(), r"config\.yaml: no threads in it"),
         (WHOLE.replace("_target_", "target").encode(), r"config\.yaml: learner has no _target_"),
+        (
+            WHOLE.replace("ucon.B", "os.mkdir").encode(),
+            r"learner\._target_=os\.mkdir: what a folder names is built from",
+        ),
+        (
+            f"{WHOLE}agent: {{of: [{{_target_: os.mkdir}}]}}\n".encode(),
+            r"config\.yaml: agent\.of\.0\._target_=os\.mkdir",
+        ),
+        (WHOLE.replace("3", "'${oc.env:HOME}'").encode(), r"training\.steps=\$.*has no interpolations"),
     ],
 )
 def test_spoilt_configurations_are_named(tmp_path, content, message):

@@ -16,6 +16,7 @@ import numpy as np
 from models.agents.base import Info
 from models.agents.waypoint import Chosen, WaypointAgent
 from ucon.core.errors import ConfigError
+from ucon.core.files import canonical_json, sha256_bytes
 from ucon.envs.waypoint import Decision, Manner
 from ucon.language.choice import Answer, LanguageModel, Question
 from ucon.language.prompt import Prompt, habit_block
@@ -55,9 +56,9 @@ class AskingAgent(WaypointAgent):
         self.language.check()
 
     def fingerprint(self) -> str | None:
-        """Which weights the model has here, see :mod:`ucon.evaluation.weights`."""
-        made = getattr(self.language, "fingerprint", None)
-        return made() if made else ""
+        """Which weights the model has here and what it is asked with, see :mod:`ucon.evaluation.weights`."""
+        weights = getattr(self.language, "fingerprint", str)()
+        return None if weights is None else sha256_bytes(canonical_json([weights, dict(self.prompt.parts)]).encode())
 
     def start(self, slot: int, info: Info) -> None:
         """Write the part of the prompt that stays."""

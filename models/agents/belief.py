@@ -52,6 +52,10 @@ class BeliefAgent(ControllerAgent):
         if tour:
             self.name = f"{self.name} (knows the home)"
 
+    def fingerprint(self) -> str:
+        """Which trained reader says where the target may be, see :mod:`ucon.evaluation.weights`."""
+        return str(getattr(self._locate, "fingerprint", str)())
+
     def start(self, info: Info) -> Controller:
         """See :class:`models.agents.base.ControllerAgent`."""
         believing = expecting(info, self._locate, self._coverage, self._weights)

@@ -7,9 +7,14 @@ from pathlib import Path
 
 import pytest
 import torch
+import yaml
 from omegaconf import OmegaConf
 
 from tests.commands.test_cli import run, user_error
+from ucon.evaluation.folder import RunFolder
+from ucon.evaluation.play import Played
+from ucon.evaluation.record import EpisodeTiming, read_records
+from ucon.evaluation.report import versions
 
 ROOT = Path(__file__).parents[2]
 RESULTS = ROOT / "results"
@@ -49,12 +54,46 @@ def replay(tmp_path, *words):
 def test_what_was_measured_comes_out_again(kept, tmp_path):
     result = replay(tmp_path, kept)
     assert result.returncode == 0, result.stderr
-    assert result.stdout == f"{kept}: frontier, any, 3 episodes: the same to the byte\n"
+    assert result.stdout == f"{kept}: frontier, any, 3 episodes played: the same to the byte\n"
     assert (tmp_path / "out" / "kept" / "episodes.jsonl").read_bytes() == (kept / "episodes.jsonl").read_bytes()
 
 
 def test_a_part_can_be_played(kept, tmp_path):
-    assert "frontier, any, 2 episodes: the same to the byte" in replay(tmp_path, kept, "--every", "2").stdout
+    assert "frontier, any, 2 episodes played: the same to the byte" in replay(tmp_path, kept, "--every", "2").stdout
+
+
+def content(folder):
+    return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_every_time_it_is_really_played_and_what_is_kept_stays_as_it_is(kept, tmp_path):
+    """Beside it, beside what was played before, whole or in part."""
+    before, found = content(kept), []
+    for runs, words in (([kept, kept], []), ([kept], ["--every", "2"])):
+        result = run("replay", *map(str, runs), "--workers", "0", "--out", str(kept.parent), "--json", *words)
+        assert result.returncode == 0, result.stderr
+        found += map(json.loads, result.stdout.splitlines())
+    told = [(one["out"], one["played"], one["same"]) for one in found]
+    assert told == [(f"{kept}-2", 3, True), (f"{kept}-3", 3, True), (f"{kept}-4", 2, True)]
+    assert f"out: {kept}-4\n" in (tmp_path / "kept-4" / "config.yaml").read_text()
+    assert content(kept) == before
+
+
+def test_an_interrupted_one_goes_on(kept, tmp_path):
+    assert replay(tmp_path, kept).returncode == 0
+    whole = tmp_path / "out" / "kept"
+    run_of = RunFolder(
+        tmp_path / "out" / "kept-2", json.loads((whole / "summary.json").read_text())["hashes"], versions()
+    )
+    run_of.open()
+    timing = EpisodeTiming(**json.loads((whole / "timing.jsonl").read_text().splitlines()[0]))
+    run_of.add(Played(0, read_records(whole)[0], timing))
+    other = RunFolder(tmp_path / "out" / "kept-3", {"config": "of another run"}, versions())
+    other.open()
+    going_on, once_more = map(json.loads, replay(tmp_path, kept, kept, "--json").stdout.splitlines())
+    assert [going_on[name] for name in ("out", "n", "played", "same")] == [str(run_of.path), 3, 2, True]
+    assert [once_more[name] for name in ("out", "n", "played")] == [str(tmp_path / "out" / "kept-4"), 3, 3]
+    assert {path.name for path in other.path.iterdir()} == {"episodes.jsonl.partial"}
 
 
 def test_an_episode_that_comes_out_otherwise_is_told(kept, tmp_path):
@@ -65,13 +104,17 @@ def test_an_episode_that_comes_out_otherwise_is_told(kept, tmp_path):
     assert result.returncode == 1
     found = json.loads(result.stdout)
     assert (found["same"], found["n"], found["differing"]) == (False, 3, [first["episode"]])
+    assert f"see {tmp_path / 'out' / 'kept-2'}\n" in replay(tmp_path, kept).stdout
 
 
 def test_figures_are_compared_where_no_episodes_are_kept(kept, tmp_path):
     assert replay(tmp_path, kept).returncode == 0
     (kept / "episodes.jsonl").unlink()
     shutil.copy(tmp_path / "out" / "kept" / "summary.json", kept)
-    assert "3 episodes: the same in every figure" in replay(tmp_path, kept).stdout
+    assert "3 episodes played: the same in every figure" in replay(tmp_path, kept).stdout
+    refused = replay(tmp_path / "part", kept, "--every", "2")
+    assert "only figures of all of them; play all (every 1)" in refused.stderr
+    assert not (tmp_path / "part").exists(), "nothing was played"
     figures = json.loads((kept / "summary.json").read_text())
     (kept / "summary.json").write_text(json.dumps(figures | {"spl": figures["spl"] + 0.01, "opens": 99.0}))
     result = replay(tmp_path, kept)
@@ -105,6 +148,49 @@ def test_paths_may_lie_elsewhere(kept, tmp_path):
     OmegaConf.save(config, kept / "config.yaml")
     found = replay(tmp_path, kept, "--path", f"FAR={ROOT / 'ucon/task/data'}")
     assert "other episodes are kept than its configuration names now" in found.stderr
+    assert not (tmp_path / "out").exists(), "nothing was played"
+
+
+ODD = [
+    ("task.context", None, "config.yaml: no usable task.context in it"),
+    ("env.detector", None, "no usable env.detector._target_"),
+    ("agent", "belief", "no usable agent._target_"),
+    ("every", "x", "every=x: expected a whole number"),
+    ("batch", 0, "batch=0: expected a whole number from 1 up"),
+    ("agent._target_", "os.mkdir", "agent._target_=os.mkdir: what a folder names is built from ucon and models"),
+    ("env.source.context", {"_target_": "os.mkdir", "path": "made"}, "env.source.context._target_=os.mkdir"),
+    ("agent._target_", "ucon.core.files.os.mkdir", "agent._target_=ucon.core.files.os.mkdir: what a folder names"),
+    ("habits", [{"_target_": "models_of_others.Agent"}], "habits.0._target_=models_of_others.Agent"),
+    ("agent.locate", "${oc.create:{_target_:os.mkdir,path:made}}", "a stored run has no interpolations"),
+    ("agent._target_", "models.agents.nobody.Agent", "there is no module models.agents.nobody"),
+    (
+        "env.source.dataset",
+        {"_target_": "ucon.habits.book", "_args_": 7},
+        "Error in collecting args and kwargs for 'ucon.habits.book.book'",
+    ),
+    ("agent", {"_target_": "models.agents.belief.BeliefAgent", "locate": 7}, "'int' object is not callable"),
+]
+
+
+def test_odd_configurations_are_told_and_the_others_played(kept, tmp_path):
+    for number, (key, value, _) in enumerate(ODD):
+        shutil.copytree(kept, tmp_path / f"odd{number}")
+        config = OmegaConf.to_container(OmegaConf.load(kept / "config.yaml"))
+        *groups, name = key.split(".")
+        node = config
+        for group in groups:
+            node = node[group]
+        node[name] = value
+        (tmp_path / f"odd{number}" / "config.yaml").write_text(yaml.safe_dump(config))
+    odd = [str(tmp_path / f"odd{number}") for number in range(len(ODD))]
+    result = run("replay", *odd, str(kept), "--workers", "1", "--out", str(tmp_path / "out"))
+    assert result.returncode == 1
+    assert result.stdout == f"{kept}: frontier, any, 3 episodes played: the same to the byte\n", result.stderr
+    told = result.stderr.split(": not played: ")[1:]
+    assert len(told) == len(ODD), result.stderr
+    for (key, value, part), text in zip(ODD, told, strict=True):
+        assert part in text, (key, value)
+    assert not (ROOT / "made").exists()
 
 
 @pytest.mark.parametrize(
@@ -112,7 +198,6 @@ def test_paths_may_lie_elsewhere(kept, tmp_path):
     [
         (["x", "--every", "0"], "--every 0: expected a whole number from 1 up"),
         (["x", "--path", "runs"], "--path runs: expected OLD=NEW"),
-        (["a/x", "b/x"], "folders of different names"),
     ],
 )
 def test_bad_options_end_in_one_line(words, part, tmp_path):

@@ -11,8 +11,9 @@ from tests.learning.tiny import Line
 from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import write_atomic
 from ucon.learning import checkpoints
+from ucon.learning import run as run_module
 from ucon.learning.checkpoints import BEST, LATEST, CheckpointError
-from ucon.learning.run import CARD, METRICS, SUMMARY, Interrupted, Plan, TrainingRun
+from ucon.learning.run import CARD, METRICS, SECONDS, SUMMARY, Interrupted, Plan, TrainingRun
 
 PLAN = Plan(steps=23, validate_every=5, save_every=3, keep=2)
 
@@ -108,6 +109,39 @@ def test_a_process_killed_before_a_pointer_to_the_best_is_moved_ends_in_the_same
     again.resume()
     again.run()
     assert files(tmp_path / "run") == files(whole)
+
+
+def test_seconds_of_interrupted_calls_are_added_up(tmp_path, monkeypatch):
+    now = 0.0
+    monkeypatch.setattr(run_module.time, "perf_counter", lambda: now)
+
+    def stepping(last):
+        def on_step(done):
+            nonlocal now
+            now += 10.0
+            if done == last:
+                os.kill(os.getpid(), signal.SIGTERM)
+
+        learner = Line()
+        learner.on_step = on_step
+        return learner
+
+    with pytest.raises(Interrupted):
+        begun(tmp_path, stepping(7)).run()
+    for seconds in (230.0, 230.0):  # to the end, and when it is asked to go on though it has ended
+        again = TrainingRun(tmp_path, stepping(None), PLAN, {"config": "x"})
+        again.resume()
+        assert again.run()["seconds"] == seconds
+        assert not (tmp_path / SECONDS).exists()
+
+
+@pytest.mark.parametrize("name", ["summary.json", "model", "episodes.jsonl.partial", "episodes.jsonl.xz"])
+def test_results_of_others_are_not_overwritten(tmp_path, name):
+    """Those of an evaluation, or a finished run whose checkpoints are gone."""
+    (tmp_path / name).write_text("mine")
+    with pytest.raises(ConfigError, match=rf"{name} there is of another run and would be overwritten; choose another"):
+        begun(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
 def test_an_earlier_checkpoint_may_be_chosen(whole, tmp_path):

@@ -16,10 +16,12 @@ from models.agents.frontier import FrontierAgent
 from models.agents.oracle import OracleAgent
 from models.agents.oracle_locations import OracleLocationsAgent, true_locations
 from models.agents.random import RandomAgent
+from models.nets.head_reader import HeadReader
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.habits import book
 from ucon.perception.belief import Locations
+from ucon.perception.reading import ReadHabits
 from ucon.retrieval.context import ContextHabits
 from ucon.task.sets import load_episodes
 
@@ -30,6 +32,12 @@ def in_the_cupboard(info: object) -> Locations:
     p = np.zeros((2, 4))
     p[0, 1], p[1, 0] = 0.6, 0.3
     return Locations(("bottom_cabinet", "breakfast_table"), p)
+
+
+def test_what_reads_for_it_is_told_in_the_fingerprint() -> None:
+    reader = HeadReader.load()
+    assert BeliefAgent(ReadHabits(reader)).fingerprint() == reader.fingerprint() != ""
+    assert BeliefAgent().fingerprint() == BeliefAgent(in_the_cupboard).fingerprint() == ""
 
 
 def play(agent: Agent, env: ToyEnv) -> tuple[bool, list[int]]:

@@ -97,6 +97,19 @@ def test_a_thing_means_a_direction_that_shows_it() -> None:
     assert 0 <= lost.number < len(decision.candidates)
 
 
+def test_what_it_is_asked_with_is_told_in_the_fingerprint(tmp_path: Path) -> None:
+    own = tmp_path / "own.txt"
+    own.write_text((PROMPTS / "lgx.txt").read_text())
+    shipped, same = LGXAgent(EncoderModel()), LGXAgent(EncoderModel(), prompt=str(own))
+    own.write_text(own.read_text().replace("[situation]", "Be quick.\n[situation]"))
+    other = LGXAgent(EncoderModel(), prompt=str(own))
+    assert shipped.fingerprint() == same.fingerprint() != other.fingerprint()
+    folder = save_causal(tmp_path / "llama", positions=2048)
+    asked, without = LGXAgent(CausalModel(str(folder))), LGXAgent(CausalModel(str(tmp_path / "nothing")))
+    assert asked.fingerprint() not in (None, shipped.fingerprint())
+    assert without.fingerprint() is None
+
+
 def test_answers_are_drawn_by_their_scores_and_the_seed() -> None:
     def chosen(seed: int, temperature: float) -> list[int]:
         agent = LGXAgent(EncoderModel(), temperature=temperature, seed=seed)

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
-from ucon.core.errors import ConfigError, brief
+from ucon.core.errors import ConfigError, DataError, brief
 
 #: By the annotation of an argument: types of values that it takes, and how they are called.
 _KINDS: Final[Mapping[str, tuple[tuple[type, ...], str]]] = {
@@ -20,6 +20,8 @@ _KINDS: Final[Mapping[str, tuple[tuple[type, ...], str]]] = {
     "str": ((str,), "a text"),
     "None": ((type(None),), "null"),
 }
+
+_OURS: Final = ("ucon.", "models.")
 
 
 def check_arguments(config: Any) -> None:
@@ -36,6 +38,50 @@ def check_arguments(config: Any) -> None:
             if parameter.name in arguments and arguments[parameter.name] is not parameter.default:
                 owner = target.rsplit(".", 1)[-1]
                 _check(f"{owner}.{parameter.name}", arguments[parameter.name], parameter.annotation)
+
+
+def check_targets(config: Any, where: str) -> None:
+    """Refuse a run's stored configuration that would call anything but what is UcON's or in ``models``, at any depth.
+
+    Folders of runs are passed on, and a ``_target_`` is a call. Interpolations could hide one; no run's configuration
+    has any, since it is stored resolved.
+
+    Args:
+        config: what is stored.
+        where: names its file.
+
+    Raises:
+        DataError: naming the key.
+    """
+    for key, value in _entries(config):
+        if key.rpartition(".")[2] == "_target_" and not _is_ours(value):
+            raise DataError(
+                f"{where}: {key}={brief(value)}: what a folder names is built from ucon and models only; "
+                "where you trust it, give it on the command line of a new run"
+            )
+        if isinstance(value, str) and "${" in value:
+            raise DataError(f"{where}: {key}={brief(value)}: a stored run has no interpolations; write its value")
+
+
+def _entries(node: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Dotted names of all entries, and what they hold."""
+    inner = enumerate(node) if isinstance(node, list | tuple) else node.items() if isinstance(node, Mapping) else ()
+    for name, value in inner:
+        yield f"{prefix}{name}", value
+        yield from _entries(value, f"{prefix}{name}.")
+
+
+def _is_ours(target: Any) -> bool:
+    """Named under our packages and made there: a name may lead on through what a module of ours has imported."""
+    from hydra.utils import get_object
+
+    if not isinstance(target, str) or not target.startswith(_OURS):
+        return False
+    try:
+        found = get_object(target)
+    except Exception:  # not importable: building it says so
+        return True
+    return f"{getattr(found, '__module__', '')}.".startswith(_OURS)
 
 
 def _described(node: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:

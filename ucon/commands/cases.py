@@ -22,14 +22,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print the cases."""
+    from ucon.commands.arguments import check_targets
     from ucon.commands.output import stdout_to_stderr
     from ucon.commands.wiring import Factory
     from ucon.evaluation.cases import landmark_cases
-    from ucon.evaluation.folder import read_config
+    from ucon.evaluation.folder import CONFIG, read_config
     from ucon.evaluation.record import read_records
     from ucon.task.sets import load_episodes, save_episodes
 
     config = read_config(args.retrieval)
+    check_targets(config, str(args.retrieval / CONFIG))
     _require_one_setting(config, read_config(args.gt))
     with stdout_to_stderr():
         task = config["task"]

@@ -10,12 +10,12 @@ from typing import Any
 from omegaconf import OmegaConf
 
 from ucon.commands.wiring import Factory
-from ucon.core.errors import ConfigError
-from ucon.evaluation.folder import SUMMARY, RunFolder
+from ucon.core.errors import ConfigError, DataError
+from ucon.evaluation.folder import SUMMARY, RunFolder, free_folder
 from ucon.evaluation.naming import parts_of
 from ucon.evaluation.play import Played, RunSpec
 from ucon.evaluation.progress import EvaluationProgress, embedding_progress
-from ucon.evaluation.report import run_hashes, summary
+from ucon.evaluation.report import run_hashes, summary, versions
 from ucon.evaluation.runner import evaluate
 from ucon.evaluation.twins import twin_of
 from ucon.evaluation.weights import check_weights, fingerprints
@@ -29,11 +29,11 @@ class Evaluation:
 
     Args:
         config: resolved, as ``configs/eval.yaml`` has it.
-        out: an earlier, equal run in it goes on.
+        out: an earlier, equal run in it goes on; a finished one is read.
+        anew: play it whatever lies there, in ``out`` or, where that holds another run or a finished one, beside it.
     """
 
-    def __init__(self, config: dict[str, Any], out: Path) -> None:
-        self.config, self.out = config, out
+    def __init__(self, config: dict[str, Any], out: Path, *, anew: bool = False) -> None:
         task = config["task"]
         self.level = str(config["habit_level"]["name"])
         check_level(self.level)
@@ -43,34 +43,15 @@ class Evaluation:
         warn_of_other_rules(self.episodes, task["name"])
         agent, detector = Factory(config["agent"])(), Factory(config["env"]["detector"])()
         self.parts, self.source = parts_of(agent, detector), Factory(config["env"]["source"])()
-        if not (out / SUMMARY).is_file():  # a finished run is only read again
+        if anew or not (out / SUMMARY).is_file():  # a finished run is only read again
             check_weights(agent, detector)
         # What ranks habits counts only where they are read: whoever reads none has one run for all levels.
         of_habits = self.source.weights(self.level if self.parts.uses_habits else "none")
         of_parts = fingerprints(agent, detector)
         self.hashes = run_hashes(config, self.episodes, None if of_parts is None else (*of_habits, *of_parts))
-        self.n_new, self.seconds = 0, 0.0
-        """Episodes that :meth:`play` played, and how long that took."""
-
-    def twin(self) -> Path | None:
-        """A finished run beside this one with the same results: of an agent that reads no habits, at another level."""
-        return None if self.parts.uses_habits else twin_of(self.out, self.config, self.hashes)
-
-    def play(self) -> dict[str, Any]:
-        """Play what is missing in the folder and finish it; the content of its ``summary.json``."""
-        folder = RunFolder(self.out, self.hashes)
-        done = folder.open()
-        started = time.perf_counter()
-        played = sorted([*done.values(), *self._missing(folder, done)], key=lambda p: p.index)
-        self.n_new, self.seconds = len(played) - len(done), time.perf_counter() - started
-        figures = summary(played, folder.hashes, self.seconds, self.parts)
-        folder.finish(played, figures, OmegaConf.to_yaml(OmegaConf.create(self.config)))
-        return figures
-
-    def _missing(self, folder: RunFolder, done: dict[int, Played]) -> list[Played]:
-        """The episodes that no earlier run has played."""
-        config = self.config
-        spec = RunSpec(
+        self.out = free_folder(out, self.hashes, versions()) if anew else out
+        self.config = config | {"out": str(self.out)} if anew else config
+        self.spec = RunSpec(
             agent=Factory(config["agent"]),
             env=Factory(config["env"], {"episodes": self.episodes[:1]}),
             habit_level=self.level,
@@ -79,6 +60,41 @@ class Evaluation:
             pictures=self.out / "pictures",
             n_pictures=config["pictures"],
         )
+        self.n_new, self.seconds = 0, 0.0
+        """Episodes that :meth:`play` played, and how long that took."""
+
+    def twin(self) -> Path | None:
+        """A finished run beside this one with the same results: of an agent that reads no habits, at another level."""
+        return None if self.parts.uses_habits else twin_of(self.out, self.config, self.hashes)
+
+    def play(self) -> dict[str, Any]:
+        """Play what is missing in the folder and finish it; the content of its ``summary.json``.
+
+        Of a finished run nothing is played and nothing is written.
+
+        Raises:
+            ConfigError: the folder belongs to another run, or cannot be written.
+            DataError: what it holds is damaged.
+        """
+        folder = RunFolder(self.out, self.hashes, versions())
+        done = folder.open()
+        if folder.summary is not None:
+            if len(done) != len(self.episodes):
+                raise DataError(
+                    f"{self.out}: {len(done)} episodes of a finished run of {len(self.episodes)}; remove the folder "
+                    "and evaluate again"
+                )
+            return folder.summary
+        started = time.perf_counter()
+        played = sorted([*done.values(), *self._missing(folder, done)], key=lambda p: p.index)
+        self.n_new, self.seconds = len(played) - len(done), time.perf_counter() - started
+        figures = summary(played, folder.hashes, folder.seconds, self.parts)
+        folder.finish(played, figures, OmegaConf.to_yaml(OmegaConf.create(self.config)))
+        return figures
+
+    def _missing(self, folder: RunFolder, done: dict[int, Played]) -> list[Played]:
+        """The episodes that no earlier run has played."""
+        config = self.config
         with embedding_progress(visible=config["progress"]) as on_text:
             self.source.prepare(on_text, self.level)
         label = f"{config['agent']['_target_'].rsplit('.', 1)[-1]} {self.level}"
@@ -88,7 +104,7 @@ class Evaluation:
                 folder.add(played)
                 progress.add(played)
 
-            return evaluate(spec, self.episodes, workers=config["workers"], skip=list(done), on_played=on_played)
+            return evaluate(self.spec, self.episodes, workers=config["workers"], skip=list(done), on_played=on_played)
 
 
 def chosen_episodes(name: str, limit: int | None, task: str, *, context: bool, every: int = 1) -> tuple[Episode, ...]:
@@ -96,11 +112,16 @@ def chosen_episodes(name: str, limit: int | None, task: str, *, context: bool, e
 
     Of the set made under the rules ``task``, stating their context or not.
     """
+    check_part(limit, every)
+    return load_episodes(name, task, context=context)[::every][:limit]
+
+
+def check_part(limit: Any, every: Any) -> None:
+    """Raises :class:`ConfigError` where no part of a set is chosen so."""
     if type(every) is not int or every < 1:
         raise ConfigError(f"every={every}: expected a whole number from 1 up; 5 plays every fifth episode")
     if limit is not None and (not isinstance(limit, int) or limit < 1):
         raise ConfigError(f"limit={limit}: expected a number of episodes from 1 up, or null for all")
-    return load_episodes(name, task, context=context)[::every][:limit]
 
 
 def warn_of_other_rules(episodes: tuple[Episode, ...], task: str) -> None:

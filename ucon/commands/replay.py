@@ -9,14 +9,24 @@ import sys
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from ucon.evaluation.replayed import Replayed
 
 #: Options that older configurations lack, at what they were then.
 _LATER = {"limit": None, "every": 1, "batch": 1, "seed": 0}
-_NEEDED = {"agent", "habit_level"}
+#: What a configuration must say, and how: nobody would notice before the middle of a run.
+_NEEDED: Mapping[str, type] = {
+    "episodes": str,
+    "agent._target_": str,
+    "env._target_": str,
+    "env.detector._target_": str,
+    "env.source._target_": str,
+    "habit_level.name": str,
+    "task.name": str,
+    "task.context": bool,
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,26 +49,42 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Play each; 0 where all came out as they were kept, 1 where some did not or could not be played."""
+    from hydra.errors import HydraException
+
     from ucon.core.errors import UconError
+    from ucon.evaluation.runner import WorkerError
 
     if args.every < 1:
         raise _bad("--every", str(args.every), "a whole number from 1 up")
     places = dict(_place(word) for word in args.path)
-    names = [folder.resolve().name for folder in args.runs]
-    if len(set(names)) < len(names):
-        raise _bad("RUN", " ".join(map(str, args.runs)), "folders of different names, since the new runs get them too")
     ok = True
-    for folder, name in zip(args.runs, names, strict=True):
+    for folder in args.runs:
+        out = args.out / folder.resolve().name
         try:
-            found = _replay(folder, args.out / name, args.every, places, args.workers)
-        except UconError as error:
+            again = _replay(folder, out, args.every, places, args.workers)
+        except (UconError, HydraException, WorkerError) as error:
             ok = False
-            print(f"{folder}: not played: {error}", file=sys.stderr, flush=True)
-            continue
-        ok = ok and found.same
-        line = json.dumps({"run": str(folder), "same": found.same} | asdict(found)) if args.json else _told(found)
-        print(line if args.json else f"{folder}: {line}", flush=True)
+            # A worker's failure is a bug, which keeps its traceback.
+            why = str(error) if isinstance(error, WorkerError) else " ".join(str(error).split())
+            print(f"{folder}: not played: {why}", file=sys.stderr, flush=True)
+        else:
+            ok = ok and again.found.same
+            print(json.dumps(again.to_json(folder)) if args.json else f"{folder}: {_told(again)}", flush=True)
     return 0 if ok else 1
+
+
+class _Again(NamedTuple):
+    """A run that was played again."""
+
+    found: Replayed
+    n_new: int
+    """Episodes played now; the others before an interruption."""
+    out: Path
+
+    def to_json(self, folder: Path) -> dict[str, Any]:
+        """What ``--json`` prints."""
+        new = {"run": str(folder), "out": str(self.out), "played": self.n_new, "same": self.found.same}
+        return new | asdict(self.found)
 
 
 def _bad(option: str, value: str, expected: str) -> Exception:
@@ -74,20 +100,15 @@ def _place(word: str) -> tuple[str, str]:
     return old.rstrip("/"), str(Path(new).expanduser())
 
 
-def _replay(folder: Path, out: Path, every: int, places: Mapping[str, str], workers: str) -> Replayed:
+def _replay(folder: Path, out: Path, every: int, places: Mapping[str, str], workers: str) -> _Again:
     from ucon.commands.evaluating import Evaluation
     from ucon.commands.output import stdout_to_stderr
-    from ucon.core.errors import DataError
-    from ucon.evaluation.folder import read_config
     from ucon.evaluation.record import read_records
     from ucon.evaluation.replayed import Kept, replayed
 
-    kept, config = Kept.read(folder), {**_LATER, **_moved(read_config(folder), places)}
-    if missing := sorted(_NEEDED - config.keys()):
-        raise DataError(f"{folder}: its configuration lacks {', '.join(missing)}; restore it or evaluate again")
+    kept, config = Kept.read(folder), _configuration(folder, places)
     limit = config["limit"]
     config |= {
-        "out": str(out),
         "every": config["every"] * every,
         "limit": None if limit is None else math.ceil(limit / every),
         "workers": int(workers) if workers.isdecimal() else workers,
@@ -95,8 +116,37 @@ def _replay(folder: Path, out: Path, every: int, places: Mapping[str, str], work
         "progress": sys.stderr.isatty(),
     }
     with stdout_to_stderr():
-        Evaluation(config, out).play()
-    return replayed(kept, read_records(out), every)
+        run = Evaluation(config, out, anew=True)
+        kept.check([episode.id for episode in run.episodes], every)
+        run.play()
+    return _Again(replayed(kept, read_records(run.out), every), run.n_new, run.out)
+
+
+def _configuration(folder: Path, places: Mapping[str, str]) -> dict[str, Any]:
+    """A run's own, with what it names where that lies here.
+
+    Raises:
+        DataError: there is none, it lacks something, or it would build what is not ours.
+        ConfigError: it chooses no part of its episodes.
+    """
+    from ucon.commands.arguments import check_targets
+    from ucon.commands.evaluating import check_part
+    from ucon.core.errors import DataError
+    from ucon.evaluation.folder import CONFIG, read_config
+
+    where, config = folder / CONFIG, {**_LATER, **_moved(read_config(folder), places)}
+    if missing := [name for name, kind in _NEEDED.items() if not isinstance(_at(config, name), kind)]:
+        raise DataError(f"{where}: no usable {', '.join(missing)} in it; restore it or evaluate again")
+    check_targets(config, str(where))
+    check_part(config["limit"], config["every"])
+    return config
+
+
+def _at(config: Any, name: str) -> Any:
+    """What stands under a dotted name; None where nothing does."""
+    for part in name.split("."):
+        config = config.get(part) if isinstance(config, dict) else None
+    return config
 
 
 def _moved(value: Any, places: Mapping[str, str]) -> Any:
@@ -112,9 +162,10 @@ def _moved(value: Any, places: Mapping[str, str]) -> Any:
     return value
 
 
-def _told(found: Replayed) -> str:
+def _told(again: _Again) -> str:
     """One line for a person."""
-    what = f"{found.label}, {found.n} episodes"
+    found, earlier = again.found, again.found.n - again.n_new
+    what = f"{found.label}, {found.n} episodes played" + (f" ({earlier} before an interruption)" if earlier else "")
     if found.same:
         return f"{what}: the same {'to the byte' if found.by == 'episodes' else 'in every figure'}"
     sr, spl = ((found.kept[name], found.now[name]) for name in ("success_rate", "spl"))
@@ -122,5 +173,5 @@ def _told(found: Replayed) -> str:
     more = ", ..." if len(found.differing) > 3 else ""
     return (
         f"{what}: {len(found.differing)} {found.by} differ ({some}{more}); SR {100 * sr[0]:.1f} -> {100 * sr[1]:.1f}, "
-        f"SPL {spl[0]:.3f} -> {spl[1]:.3f}"
+        f"SPL {spl[0]:.3f} -> {spl[1]:.3f}; see {again.out}"
     )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from ucon.commands.arguments import check_targets
 from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import canonical_json, sha256_bytes
 
@@ -96,7 +97,7 @@ def _stored(path: Path, raw: bytes) -> dict[str, Any]:
     """The configuration that a run left as ``raw``.
 
     Raises:
-        DataError: it is no text, no YAML, or lacks something.
+        DataError: it is no text, no YAML, lacks something, or would build what is not ours.
     """
     from omegaconf import OmegaConf
     from omegaconf.errors import OmegaConfBaseException
@@ -115,6 +116,7 @@ def _stored(path: Path, raw: bytes) -> dict[str, Any]:
         _check(config, str(path))
     except ConfigError as error:
         raise DataError(f"{error}; {_REMEDY}") from None
+    check_targets(config, str(path))
     return config
 
 

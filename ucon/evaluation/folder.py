@@ -1,14 +1,18 @@
 """The folder of one evaluation: what it holds, and how an interrupted one goes on.
 
 While a run lasts, finished episodes are appended to ``episodes.jsonl.partial``, whose first line names the run (its
-hashes). The same command on the same folder continues there; another run in the folder is refused.
+hashes) and the versions that play it. The same command on the same folder continues there; another run in the folder
+is refused. A finished run is only read.
 """
 
 from __future__ import annotations
 
 import json
+import time
 from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import asdict, replace
+from itertools import count
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -29,12 +33,27 @@ _ALTERED = "the file is altered, remove the folder and evaluate again"
 
 
 class RunFolder:
-    """One output folder, bound to the run whose hashes are given."""
+    """One output folder, bound to the run whose hashes are given, and while it lasts to the versions that play it."""
 
-    def __init__(self, path: Path, hashes: dict[str, str]) -> None:
+    def __init__(self, path: Path, hashes: dict[str, str], versions: Mapping[str, str] | None = None) -> None:
         self.path = path
         self.hashes = hashes
+        self.summary: dict[str, Any] | None = None
+        """Of a finished run, once it is open."""
+        self._versions = dict(versions or {})
         self._partial: TextIO | None = None
+        self._seconds_before, self._opened = 0.0, time.perf_counter()
+
+    @property
+    def seconds(self) -> float:
+        """Since the folder was opened, and those of interrupted calls before, up to the last episode of each."""
+        return self._seconds_before + time.perf_counter() - self._opened
+
+    def is_free(self) -> bool:
+        """Whether nothing lies here, or what an equal run left when it was interrupted."""
+        if (self.path / PARTIAL).is_file() and not (self.path / SUMMARY).exists():
+            return self._begun_here()
+        return not self.path.exists() or (self.path.is_dir() and not any(self.path.iterdir()))
 
     def open(self) -> dict[int, Played]:
         """Make the folder and return the episodes that an earlier, equal run finished, by index.
@@ -44,10 +63,12 @@ class RunFolder:
         """
         summary = self.path / SUMMARY
         if summary.is_file():
-            found = _json(summary).get("hashes")
-            self._refuse_other(found, SUMMARY)
+            self.summary = _json(summary)
+            found = self.summary.get("hashes")
+            self._refuse_other(self.hashes, found, SUMMARY)
             self.hashes = dict(found or {})  # it knows weights that may be gone by now
             return self._finished()
+        self._refuse_what_it_would_overwrite()
         try:
             self.path.mkdir(parents=True, exist_ok=True)
             done = self._read_partial()
@@ -55,13 +76,15 @@ class RunFolder:
         except OSError as error:
             raise ConfigError(f"out={self.path}: cannot be written ({error.strerror}); choose another folder") from None
         if self._partial.tell() == 0:
-            self._append({"hashes": self.hashes})
+            self._append({"hashes": self.hashes, "versions": self._versions})
+        self._opened = time.perf_counter()
         return done
 
     def add(self, played: Played) -> None:
         """Keep a finished episode, so that it survives an interruption."""
         timing = asdict(played.timing)
-        line = {"index": played.index, "record": json.loads(played.record.to_line()), "timing": timing}
+        record, seconds = json.loads(played.record.to_line()), round(self.seconds, 3)
+        line = {"index": played.index, "record": record, "timing": timing, "seconds": seconds}
         if played.decisions:
             line["decisions"] = [json.loads(d.to_line()) for d in played.decisions]
         self._append(line)
@@ -110,26 +133,56 @@ class RunFolder:
         lines = whole.splitlines()
         if not lines:
             return {}
-        self._refuse_other(_parsed(lines[0], f"{partial}:1").get("hashes"), PARTIAL)
+        self._refuse_other(self._named, _names(lines[0], f"{partial}:1"), PARTIAL)
         done = {}
         for number, line in enumerate(lines[1:], 2):
             where = f"{partial}:{number}"
             value = _parsed(line, where)
+            try:
+                index, self._seconds_before = int(value["index"]), float(value["seconds"])
+            except (KeyError, TypeError, ValueError):
+                raise DataError(f"{where}: no episode with its index and seconds; {_ALTERED}") from None
             record = EpisodeRecord.from_json(value.get("record", {}), where=where)
             timing = EpisodeTiming.from_json(value.get("timing", {}), where=where)
             decisions = [DecisionRecord.from_json(d, where=where) for d in value.get("decisions", [])]
-            done[int(value["index"])] = _played(int(value["index"]), record, timing, decisions, where)
+            done[index] = _played(index, record, timing, decisions, where)
         return done
 
-    def _refuse_other(self, found: Any, name: str) -> None:
-        known = found if isinstance(found, dict) else {}
-        other = sorted(k for k in self.hashes if known.get(k) != self.hashes[k])
-        if not other:
+    @property
+    def _named(self) -> dict[str, Any]:
+        """What an unfinished run must have in common with this one: other versions might play the rest otherwise."""
+        return {**self.hashes, "versions": self._versions}
+
+    def _begun_here(self) -> bool:
+        partial = self.path / PARTIAL
+        with partial.open(encoding="utf-8", errors="replace") as file:
+            try:
+                return not _different(self._named, _names(file.readline(), f"{partial}:1"))
+            except DataError:
+                return False
+
+    def _refuse_other(self, wanted: Mapping[str, Any], found: Any, name: str) -> None:
+        if other := _different(wanted, found):
+            raise ConfigError(
+                f"out={self.path}: {name} there belongs to another run (different {', '.join(other)}); "
+                "choose another folder or remove this one"
+            )
+
+    def _refuse_what_it_would_overwrite(self) -> None:
+        """Without a summary or a partial file, results are not those of a run that could go on: of training, say."""
+        if (self.path / PARTIAL).is_file():
             return
-        raise ConfigError(
-            f"out={self.path}: {name} there belongs to another run (different {', '.join(other)}); "
-            "choose another folder or remove this one"
-        )
+        there = sorted(p.name for pattern in (CONFIG, f"{RECORDS}*") for p in self.path.glob(pattern))
+        if there:
+            raise ConfigError(
+                f"out={self.path}: {there[0]} there is of another run and would be overwritten; choose another folder"
+            )
+
+
+def free_folder(out: Path, hashes: dict[str, str], versions: Mapping[str, str]) -> Path:
+    """The first of ``out``, ``out-2``, ``out-3``, ... where this run can be played without touching another one."""
+    names = (out.name if number == 1 else f"{out.name}-{number}" for number in count(1))
+    return next(path for name in names if RunFolder(path := out.with_name(name), hashes, versions).is_free())
 
 
 def read_config(folder: Path) -> dict[str, Any]:
@@ -156,6 +209,19 @@ def _played(index: int, record: EpisodeRecord, timing: EpisodeTiming, made: list
     if len(seconds) != len(made):
         raise DataError(f"{where}: {len(made)} decisions in {record.episode}, expected {len(seconds)}; {_ALTERED}")
     return Played(index, record, timing, tuple(replace(d, seconds=s) for d, s in zip(made, seconds, strict=True)))
+
+
+def _names(line: str, where: str) -> dict[str, Any]:
+    """What the first line of a partial file says of its run."""
+    header = _parsed(line, where)
+    hashes = header.get("hashes")
+    return {**(hashes if isinstance(hashes, dict) else {}), "versions": header.get("versions")}
+
+
+def _different(wanted: Mapping[str, Any], found: Any) -> list[str]:
+    """Names of what is not as wanted."""
+    known = found if isinstance(found, dict) else {}
+    return sorted(name for name in wanted if known.get(name) != wanted[name])
 
 
 def _numbered(path: Path) -> list[tuple[str, str]]:

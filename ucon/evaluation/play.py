@@ -17,6 +17,7 @@ from typing import Any, Protocol
 import gymnasium as gym
 import numpy as np
 
+from ucon.core.errors import ConfigError, brief
 from ucon.evaluation.decisions import DecisionRecord
 from ucon.evaluation.record import EpisodeRecord, EpisodeTiming
 from ucon.retrieval.levels import RANKED_LEVELS
@@ -42,7 +43,11 @@ class Policy(Protocol):
 
 @dataclass(frozen=True)
 class RunSpec:
-    """What a worker needs to know. The factories must be picklable: they are called inside the workers."""
+    """What a worker needs to know. The factories must be picklable: they are called inside the workers.
+
+    Raises:
+        ConfigError: no such number of environments.
+    """
 
     agent: Callable[[], Policy]
     env: Callable[[], Env]
@@ -53,6 +58,10 @@ class RunSpec:
     pictures: Path | None = None
     """Folder for the map and video of the first ``n_pictures`` episodes."""
     n_pictures: int = 0
+
+    def __post_init__(self) -> None:
+        if type(self.batch) is not int or self.batch < 1:
+            raise ConfigError(f"batch={brief(self.batch)}: expected a whole number from 1 up")
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,21 @@ class Kept:
     records: list[EpisodeRecord] | None
     """None where the folder holds figures alone."""
 
+    def check(self, episodes: Sequence[str], every: int = 1) -> None:
+        """Refuse to play ``episodes``, named by their ids, where they are not every ``every``-th of what is kept.
+
+        Raises:
+            DataError: other episodes are kept, or figures of all alone and a part is to be played.
+        """
+        if self.records is None:
+            if every != 1:
+                raise DataError(f"{self.label}: no episodes are kept, only figures of all of them; play all (every 1)")
+            same = self.figures.get("n", len(episodes)) == len(episodes)
+        else:
+            same = [record.episode for record in self.records[::every]] == list(episodes)
+        if not same:
+            raise DataError(f"{self.label}: other episodes are kept than its configuration names now")
+
     @classmethod
     def read(cls, folder: Path) -> Kept:
         """Read it.
@@ -70,20 +85,12 @@ class Replayed:
 
 
 def replayed(kept: Kept, now: Sequence[EpisodeRecord], every: int = 1) -> Replayed:
-    """Compare what was kept with what was played now: every ``every``-th episode of it.
-
-    Raises:
-        DataError: these are not the kept run's episodes, or a part was played of a run that keeps no records.
-    """
+    """Compare what was kept with what was played now: every ``every``-th episode of it, see :meth:`Kept.check`."""
     new = summarise(now)
     if kept.records is None:
-        if every != 1:
-            raise DataError(f"{kept.label}: no episodes are kept, only figures of all of them; play all (every 1)")
         names = [name for name in new if name in kept.figures and not _equal(new[name], kept.figures[name])]
         return Replayed(kept.label, len(now), "figures", tuple(names), _main(kept.figures), _main(new))
     chosen = kept.records[::every]
-    if [r.episode for r in chosen] != [r.episode for r in now]:
-        raise DataError(f"{kept.label}: other episodes are kept than its configuration names now")
     differing = [b.episode for a, b in zip(chosen, now, strict=True) if a.to_line() != b.to_line()]
     return Replayed(kept.label, len(now), "episodes", tuple(differing), _main(summarise(chosen)), _main(new))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import platform
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from typing import Any
 from rich.table import Table
 
 import ucon
-from ucon.core.files import canonical_json, sha256_bytes
+from ucon.core.files import canonical_json, sha256_bytes, sha256_file
 from ucon.evaluation.decisions import language_figures
 from ucon.evaluation.metrics import summarise
 from ucon.evaluation.naming import ANY_LEVEL, Parts, level, player
@@ -43,11 +43,20 @@ def run_hashes(config: dict[str, Any], episodes: Sequence[Episode], weights: Seq
 
 @lru_cache(maxsize=1)
 def code_hash() -> str:
-    """SHA-256 over the sources of ``ucon`` and, in a clone, of ``models``: the version that counts."""
+    """SHA-256 over ``ucon``, sources and data, and, in a clone, sources and prompts of ``models``: what counts."""
     package = Path(ucon.__file__).parent
-    files = [*package.rglob("*.py"), *(package.parent / "models").rglob("*.py")]
-    parts = [f"{p.relative_to(package.parent).as_posix()} {sha256_bytes(p.read_bytes())}" for p in sorted(files)]
+    models = package.parent / "models"
+    files = sorted([*_files(package, "*"), *_files(models, "*.py"), *_files(models, "*.txt")])
+    parts = [f"{p.relative_to(package.parent).as_posix()} {sha256_file(p)}" for p in files]
     return sha256_bytes("\n".join(parts).encode())
+
+
+def _files(folder: Path, pattern: str) -> Iterator[Path]:
+    """Files below a folder, but what Python and editors leave there."""
+    for path in folder.rglob(pattern):
+        parts = path.relative_to(folder).parts
+        if path.is_file() and "__pycache__" not in parts and not any(part.startswith(".") for part in parts):
+            yield path
 
 
 def versions() -> dict[str, str]:
@@ -64,7 +73,7 @@ def versions() -> dict[str, str]:
 def summary(
     played: Sequence[Played], hashes: dict[str, str], seconds: float, parts: Parts | None = None
 ) -> dict[str, Any]:
-    """Content of ``summary.json``. ``seconds`` is the wall time of this call; what is measured is deterministic."""
+    """Content of ``summary.json``. ``seconds`` is wall time; what is measured is deterministic."""
     records = [p.record for p in played]
     return {
         "agent": records[0].agent,

@@ -5,6 +5,7 @@ metrics.jsonl    a line a step and a validation: no times, so equal runs write e
 checkpoints/     see :mod:`ucon.learning.checkpoints`
 model/           what was learned, by the best checkpoint, with a manifest
 MODEL_CARD.md, summary.json
+seconds.json     while the run lasts: what its checkpoints took, over all interruptions
 """
 
 from __future__ import annotations
@@ -28,8 +29,11 @@ CONFIG: Final = "config.yaml"
 METRICS: Final = "metrics.jsonl"
 CARD: Final = "MODEL_CARD.md"
 SUMMARY: Final = "summary.json"
+SECONDS: Final = "seconds.json"
 MODEL: Final = "model"
 CHECKPOINTS: Final = "checkpoints"
+#: Of an evaluation, see :mod:`ucon.evaluation.folder`.
+RECORDS: Final = "episodes.jsonl"
 #: Figure of :meth:`Learner.validate` that chooses the best checkpoint; larger is better.
 SCORE: Final = "score"
 
@@ -91,16 +95,23 @@ class TrainingRun:
         self._saved = -1
         self.best: dict[str, float] = {}
         """Validation figures of the best checkpoint and its step; empty before the first validation."""
+        self._seconds_before, self._started = 0.0, time.perf_counter()
 
     def start(self, config_yaml: str) -> None:
         """Begin in a folder that holds no run yet.
 
         Raises:
-            ConfigError: there is a run, or the folder cannot be written.
+            ConfigError: there is a run, or what one left, or the folder cannot be written.
         """
         if (self.checkpoints.folder / LATEST).exists():
             raise ConfigError(
                 f"out={self.folder}: holds a run already; go on with resume={self.folder} or choose another folder"
+            )
+        results = sorted(p.name for name in (SUMMARY, MODEL, f"{RECORDS}*") for p in self.folder.glob(name))
+        if results:
+            raise ConfigError(
+                f"out={self.folder}: {results[0]} there is of another run and would be overwritten; "
+                "choose another folder"
             )
         try:
             write_atomic(self.folder / CONFIG, config_yaml)
@@ -122,6 +133,7 @@ class TrainingRun:
         if not self.checkpoints.has_best:
             self.best = {}  # the next validation finds one
         self._cut_metrics()
+        self._seconds_before = self._kept_seconds()
 
     def run(self, on_figures: OnFigures = lambda step, figures: None) -> dict[str, Any]:
         """Train to the end and write what is left of it; returns the content of ``summary.json``.
@@ -131,7 +143,7 @@ class TrainingRun:
         Raises:
             Interrupted: SIGINT or SIGTERM came; the state after the last whole step is saved.
         """
-        started = time.perf_counter()
+        self._started = time.perf_counter()
         with _signals() as caught:
             self._begin(on_figures)
             while self.step < self.plan.steps and not caught:
@@ -140,7 +152,7 @@ class TrainingRun:
                 if self._saved != self.step:
                     self._save()
                 raise Interrupted(self.step, caught[0])
-            return self._finish(time.perf_counter() - started)
+            return self._finish()
 
     def _begin(self, on_figures: OnFigures) -> None:
         """Validate what a new run starts from."""
@@ -174,6 +186,20 @@ class TrainingRun:
         self._saved = self.step
         best = int(self.best["step"]) if self.best else None
         self.checkpoints.save(self.step, State(state.tensors, values), best=best)
+        write_atomic(self.folder / SECONDS, json.dumps({"seconds": self._seconds()}) + "\n")
+
+    def _seconds(self) -> float:
+        """What the run took so far, with what earlier calls took up to their last checkpoints."""
+        return round(self._seconds_before + time.perf_counter() - self._started, 1)
+
+    def _kept_seconds(self) -> float:
+        """What earlier calls took; 0 where nothing says it, as in runs of earlier versions."""
+        for name in (SECONDS, SUMMARY):
+            try:
+                return float(json.loads((self.folder / name).read_text(encoding="utf-8"))["seconds"])
+            except (OSError, ValueError, LookupError, TypeError):
+                continue
+        return 0.0
 
     def _log(self, figures: Mapping[str, float]) -> None:
         with (self.folder / METRICS).open("a", encoding="utf-8") as file:
@@ -192,7 +218,7 @@ class TrainingRun:
                 raise DataError(f"{path}:{number}: not a line of metrics; restore it, or start the run anew") from None
         write_atomic(path, "".join(kept))
 
-    def _finish(self, seconds: float) -> dict[str, Any]:
+    def _finish(self) -> dict[str, Any]:
         _, state = self.checkpoints.load(BEST)
         self.learner.load_state_dict(State(state.tensors, state.values["learner"]))
         product = self.learner.product()
@@ -202,12 +228,13 @@ class TrainingRun:
         summary = {
             "steps": self.step,
             "best": self.best,
-            "seconds": round(seconds, 1),
+            "seconds": self._seconds(),
             "hashes": self.checkpoints.identity,
             "files": {name: len(content) for name, content in product.items()},
         }
         write_atomic(self.folder / CARD, self._card(summary))
         write_atomic(self.folder / SUMMARY, json.dumps(summary, indent=1) + "\n")
+        (self.folder / SECONDS).unlink(missing_ok=True)
         return summary
 
     def _card(self, summary: Mapping[str, Any]) -> str:
