@@ -99,6 +99,41 @@ def test_everything_that_is_there_matters(name: str) -> None:
 
 
 @torch.no_grad()
+def test_attention_for_people_is_what_the_network_attends_by() -> None:
+    policy, tokens = random_policy(), some_tokens()
+    seen = tokens["action_mask"] > 0
+    attended = policy.attention(tokens)
+    total = sum(part.sum(2) for part in attended)
+    torch.testing.assert_close(total, torch.ones_like(total))
+    assert (attended.habits[seen] > 0).any()
+    for part, mask in ((attended.things, "things_mask"), (attended.habits, "habits_mask")):
+        assert not (part * (tokens[mask][:, None] == 0)).any()
+    block, x = policy.body.blocks[0], torch.randn(2, 7, policy.arguments["width"])
+    bias = torch.randn(2, 4, 7, 7)
+    values = block._qkv(x)[2]
+    after = x + block.out((block.attention(x, bias) @ values).transpose(1, 2).reshape(x.shape))
+    torch.testing.assert_close(after + block.inner(block.norm_inner(after)), block(x, bias), rtol=1e-4, atol=1e-4)
+
+
+def test_its_picture_says_what_the_chosen_view_attends_to() -> None:
+    agent = HabitPolicyAgent(random_policy(), UNTRAINED)
+    env = UcONEnv("mini", observe="symbolic", detector=True, habit_level="gt")
+    obs, info = env.reset(options={"episode": 0})
+    agent.reset([info])
+    assert agent._attending(0) == ""
+    while not agent._searches[0].chosen:
+        obs, _, _, _, info = env.step(agent.act([obs], [info])[0])
+    said = agent._attending(0)
+    shares = [int(word.rstrip(",%")) for word in said.split() if "%" in word]
+    assert said.startswith("attends to: views ")
+    assert "habits" in said
+    assert 0 < sum(shares) <= 102
+    plain = HabitPolicyAgent.picture(agent, 0)
+    agent._searches[0].chosen = None
+    assert (plain != agent.picture(0)).any()
+
+
+@torch.no_grad()
 def test_what_only_a_trainer_knows_is_not_read() -> None:
     env = UcONSearchEnv("mini", habit_level="retrieval", to_go=True, expert=True)
     obs, _ = env.reset(options={"episode": 0})
