@@ -33,6 +33,7 @@ from ucon.core.errors import ConfigError, brief
 from ucon.core.rng import derived_seed
 from ucon.language.encoder import DIM
 from ucon.learning.policy import Arrays, Outputs, Tensors
+from ucon.learning.saved import MAX_HABITS
 from ucon.retrieval.reader import default_reader
 from ucon.retrieval.reading import Reader
 from ucon.task.actions import Action
@@ -60,6 +61,7 @@ class HabitPolicyE2E(PolicyModule):
 
     architecture = "habit_policy_e2e"
     uses_habits = True
+    max_habits = MAX_HABITS
 
     openable: Tensor
     beside: Tensor

@@ -108,9 +108,14 @@ class PolicyAgent:
         return sha256_bytes(f"{own} {frozen}".encode()) if own else frozen
 
     def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
-        """See :class:`models.agents.base.Agent`."""
+        """See :class:`models.agents.base.Agent`.
+
+        Raises:
+            ConfigError: more habits than the weights learned from.
+        """
         self._prepare()
         for slot, info in zip(slots_of(infos, slots), infos, strict=True):
+            self._check_length(info)
             state = {name: tensor[0] for name, tensor in self.policy.initial_state(1).items()}
             context = self._tensors(self.policy.context(info))
             self._episodes[slot] = _Episode(info, context, state)
@@ -156,6 +161,14 @@ class PolicyAgent:
         heat = np.exp((logits - logits.max()) / self._temperature)
         draw = stream(self._seed, self.policy.architecture, str(episode.info.get("episode", "")), episode.steps)
         return int(draw.choice(len(heat), p=heat / heat.sum()))
+
+    def _check_length(self, info: Info) -> None:
+        n, most = len(info.get("habits", ())), self.policy.max_habits
+        if most is not None and n > most and not self._weights.untrained:
+            raise ConfigError(
+                f"episode {info.get('episode', '')}: {n} habits, and {self.name} learned from at most {most}; give "
+                f"habit_level=retrieval or fewer habits, or train it with env.max_habits={n}"
+            )
 
     def _tensors(self, arrays: Arrays) -> Tensors:
         import torch

@@ -24,6 +24,8 @@ class PolicyModule(nn.Module):
 
     architecture = ""
     uses_habits = False
+    max_habits: int | None = None
+    """Of one that reads habits, the longest list of them that it may have learned from; learners set it."""
 
     @property
     def arguments(self) -> Mapping[str, Any]:
