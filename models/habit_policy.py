@@ -129,6 +129,12 @@ class HabitPolicy(nn.Module):
         of_views = weights[:, 1 : 1 + tokens["views"].shape[1]]
         return Attended(*of_views.split([part.shape[1] for part in parts], 2))
 
+    @property
+    def adds(self) -> bool:
+        """Whether the transformer says anything beside gain over cost: it begins with weights that say nothing."""
+        last = (self.score[-1], self.foresee[-1])
+        return any(bool(parameter.any()) for layer in last for parameter in layer.parameters())
+
     def _embedded(self, tokens: Mapping[str, Tensor]) -> list[Tensor]:
         """State, views, things, frontiers and habits: (B, N, width) each."""
         own = self.state(tokens["state"]) + self.name(tokens["target"])

@@ -144,19 +144,20 @@ class HabitPolicyAgent:
     def picture(self, slot: int) -> Image:
         """What it thinks; see :func:`ucon.perception.draw_search.draw_search`.
 
-        Belief over cost is what drives the search: the habits shown are those that the belief head was moved by. The
-        shipped transformer adds nothing to them; a last line says what the chosen view attends to in it.
+        Belief over cost is what drives the search: the habits shown are those that the belief head was moved by. Of a
+        transformer that adds something to that, which the shipped one does not, a last line says what the chosen view
+        attends to.
         """
         from ucon.perception.draw_search import draw_search
 
         return draw_search(self._searches[slot].searcher, self._searches[slot].habits, also=self._attending(slot))
 
     def _attending(self, slot: int) -> str:
-        """Shares of the attention of the view that was chosen last, by kind of token; "" before any choice."""
+        """Shares of the attention of the view that was chosen last, by kind of token; "" where there is none to tell."""
         import torch
 
         search = self._searches[slot]
-        if search.chosen is None or search.searcher.taking:
+        if search.chosen is None or search.searcher.taking or not self.policy.adds:
             return ""
         tokens, row = search.chosen
         with torch.inference_mode():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import sys
 import time
 from functools import cache
 from pathlib import Path
@@ -16,6 +17,7 @@ from torch import Tensor
 
 from models.agents.belief import BeliefAgent
 from models.agents.habit_policy import HabitPolicyAgent
+from models.agents.weights import SHIPPED as SHIPPED_WEIGHTS
 from models.agents.weights import UNTRAINED
 from models.habit_policy import HabitPolicy
 from models.nets.head_reader import SHIPPED, HeadReader
@@ -128,9 +130,11 @@ def test_its_picture_says_what_the_chosen_view_attends_to() -> None:
     assert said.startswith("attends to: views ")
     assert "habits" in said
     assert 0 < sum(shares) <= 102
-    plain = HabitPolicyAgent.picture(agent, 0)
-    agent._searches[0].chosen = None
-    assert (plain != agent.picture(0)).any()
+    shown = agent.picture(0)
+    agent.policy = HabitPolicy()
+    assert not agent.policy.adds
+    assert agent._attending(0) == ""
+    assert (shown != agent.picture(0)).any()
 
 
 @torch.no_grad()
@@ -169,16 +173,32 @@ def test_unexplored_space_counts_by_what_is_foretold() -> None:
         torch.testing.assert_close(gained, torch.full_like(gained, expected), rtol=1e-4, atol=1e-4)
 
 
+def test_it_is_small() -> None:
+    assert sum(p.numel() for p in HabitPolicy().parameters()) <= 5e6
+
+
 @pytest.mark.timed
-def test_it_is_small_and_quick() -> None:
-    policy, tokens = HabitPolicy().eval(), some_tokens(1)
-    assert sum(p.numel() for p in policy.parameters()) <= 5e6
-    with torch.inference_mode(), one_thread():
-        policy(tokens)
-        begun = time.process_time()
-        for _ in range(10):
-            policy(tokens)
-    assert (time.process_time() - begun) / 10 < 0.030
+def test_a_decision_is_quick(capsys: pytest.CaptureFixture[str]) -> None:
+    """All that a step costs at which a view is chosen: the map, what was seen empty, views, tokens, the network."""
+    agent, spent = HabitPolicyAgent(HabitPolicy(), SHIPPED_WEIGHTS), []
+    env = UcONEnv("mini", observe="symbolic", detector=True, habit_level="retrieval")
+    with one_thread():
+        for number in (0, 7, 14, 21):
+            obs, info = env.reset(options={"episode": number})
+            agent.reset([info])
+            search, over = agent._searches[0].searcher, False
+            while not over:
+                before, begun = search.decisions, time.process_time()
+                action = agent.act([obs], [info])[0]
+                if search.decisions > before:
+                    spent.append(time.process_time() - begun)
+                obs, _, terminated, truncated, info = env.step(action)
+                over = terminated or truncated
+    assert len(spent) > 20
+    median, tail = 1e3 * np.percentile(spent, (50, 95))
+    with capsys.disabled():
+        sys.stdout.write(f"\nhabit_policy: a decision takes {median:.1f} ms, one in twenty over {tail:.1f} ms\n")
+    assert median <= 30
 
 
 def play(agent: Any, number: int, level: str = "retrieval") -> list[int]:
