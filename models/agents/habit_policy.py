@@ -153,7 +153,7 @@ class HabitPolicyAgent:
         return draw_search(self._searches[slot].searcher, self._searches[slot].habits, also=self._attending(slot))
 
     def _attending(self, slot: int) -> str:
-        """Shares of the attention of the view that was chosen last, by kind of token; "" where there is none to tell."""
+        """Shares of the attention of the view that was chosen last, by kind of token; "" where none is told."""
         import torch
 
         search = self._searches[slot]
