@@ -47,6 +47,21 @@ class Scores(NamedTuple):
     -1 straight away. Not bounded."""
 
 
+class Attended(NamedTuple):
+    """Of B decisions: what share of a view's attention goes to each token, mean over blocks and heads; sums to 1."""
+
+    state: Tensor
+    """(B, V, 1)."""
+    views: Tensor
+    """(B, V, V)."""
+    things: Tensor
+    """(B, V, T)."""
+    frontiers: Tensor
+    """(B, V, F)."""
+    habits: Tensor
+    """(B, V, P)."""
+
+
 class HabitPolicy(nn.Module):
     """Scores candidate views."""
 
@@ -97,11 +112,7 @@ class HabitPolicy(nn.Module):
             tokens: what ``UcONSearch-v0`` observes, as float32 tensors with a batch dimension, with ``thing_names``
                 (B, T, 384), the embeddings of their names, in place of ``thing_rows``.
         """
-        own = self.state(tokens["state"]) + self.name(tokens["target"])
-        habits = self.habit(tokens["habits"]) + self.relevance(tokens["habits_relevance"][..., None])
-        things = self.thing(tokens["things"]) + self.name(tokens["thing_names"])
-        x = torch.cat([own[:, None], self.view(tokens["views"]), things, self.frontier(tokens["frontiers"]), habits], 1)
-        x = self.body(x, *_positions(tokens))
+        x = self.body(torch.cat(self._embedded(tokens), 1), *_positions(tokens))
         own, seen = x[:, :1], x[:, 1 : 1 + tokens["views"].shape[1]]
         joined = torch.cat([seen, own.expand_as(seen)], -1)
         logits, foresight = self.score(joined)[..., 0], self.foresee(joined)[..., 0]
@@ -110,6 +121,26 @@ class HabitPolicy(nn.Module):
             logits = logits + self.sharpness.exp() * prior
         logits = logits.masked_fill(tokens["action_mask"] == 0, float("-inf"))
         return Scores(logits, self.worth(own[:, 0])[..., 0], foresight)
+
+    def attention(self, tokens: Mapping[str, Tensor]) -> Attended:
+        """What the views attend to in B decisions, for people: no part of this reaches a score."""
+        parts = self._embedded(tokens)
+        weights = self.body.attention(torch.cat(parts, 1), *_positions(tokens)).mean((0, 2))  # (B, N, N)
+        of_views = weights[:, 1 : 1 + tokens["views"].shape[1]]
+        return Attended(*of_views.split([part.shape[1] for part in parts], 2))
+
+    @property
+    def adds(self) -> bool:
+        """Whether the transformer says anything beside gain over cost: it begins with weights that say nothing."""
+        last = (self.score[-1], self.foresee[-1])
+        return any(bool(parameter.any()) for layer in last for parameter in layer.parameters())
+
+    def _embedded(self, tokens: Mapping[str, Tensor]) -> list[Tensor]:
+        """State, views, things, frontiers and habits: (B, N, width) each."""
+        own = self.state(tokens["state"]) + self.name(tokens["target"])
+        habits = self.habit(tokens["habits"]) + self.relevance(tokens["habits_relevance"][..., None])
+        things = self.thing(tokens["things"]) + self.name(tokens["thing_names"])
+        return [own[:, None], self.view(tokens["views"]), things, self.frontier(tokens["frontiers"]), habits]
 
     def _redirected(self, tokens: Mapping[str, Tensor], foresight: Tensor) -> Tensor:
         """What is added to the logarithm of a gain whose part in unexplored space counts more on the way to the target.

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from models.nets.advice import Advisor
@@ -32,6 +33,7 @@ from ucon.core.errors import ConfigError, brief
 from ucon.core.rng import derived_seed
 from ucon.language.encoder import DIM
 from ucon.learning.policy import Arrays, Outputs, Tensors
+from ucon.learning.saved import MAX_HABITS
 from ucon.retrieval.reader import default_reader
 from ucon.retrieval.reading import Reader
 from ucon.task.actions import Action
@@ -59,6 +61,7 @@ class HabitPolicyE2E(PolicyModule):
 
     architecture = "habit_policy_e2e"
     uses_habits = True
+    max_habits = MAX_HABITS
 
     openable: Tensor
     beside: Tensor
@@ -218,6 +221,18 @@ class HabitPolicyE2E(PolicyModule):
         logits = torch.cat([others, done[..., None]], -1)
         value = self.judge(thought).squeeze(-1)
         return Outputs(logits.float(), value.float(), {**new, **memory}), Inside(seen, ways)
+
+    def picture(
+        self, info: Mapping[str, Any], frames: Tensors, context: Tensors, state: Tensors
+    ) -> NDArray[np.uint8] | None:
+        """See :class:`models.nets.policy.PolicyModule` and :func:`models.nets.draw_reasons.draw_reasons`."""
+        from models.nets.draw_reasons import draw_reasons
+        from models.nets.reasons import reasons
+
+        outputs, inside = self.think(frames, context, state)
+        why = reasons(self.reader, info, frames, context, outputs.state, inside, outputs.logits[-1, 0])
+        i, j, heading, _ = frames["pose"][-1, 0].tolist()
+        return draw_reasons(why, str(info["target"]), outputs.state["cells"][0], (i, j, heading))
 
     def _masses(self, ids: Tensor, context: dict[str, Tensor]) -> Tensor:
         """Belief (T, B, N, 4) that the target is on, beside, in or shut in a thing, relative to the best category."""

@@ -22,7 +22,7 @@ COMMANDS = {
     "scenes": "list and draw the homes",
     "habits": "import a habit dataset, or print a dataset's statistics",
     "episodes": "make or verify fixed episode sets",
-    "pack": "write compiled homes with pre-sampled episodes",
+    "pack": "write episode sets and their compiled homes, for machines without PyBullet",
 }
 
 

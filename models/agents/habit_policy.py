@@ -23,6 +23,8 @@ from ucon.perception.reading import Locate, ReadHabits, expecting
 from ucon.task.actions import Action
 
 if TYPE_CHECKING:
+    from torch import Tensor
+
     from models.habit_policy import HabitPolicy
 
 #: Logits are compared in steps of this: their last bits depend on what is computed beside them.
@@ -37,6 +39,8 @@ class _Search:
     searcher: Searcher
     reader: TokenReader
     said: SaidTokens
+    chosen: tuple[Tokens, int] | None = None
+    """What the network last chose among, and the row that it chose."""
 
 
 class HabitPolicyAgent:
@@ -130,14 +134,33 @@ class HabitPolicyAgent:
                 else:
                     actions[slot] = search.searcher.choose(next(iter(tokens.choices), None))
         for slot, row in zip(due, self._chosen(due), strict=True):
+            self._searches[slot].chosen = due[slot], row
             actions[slot] = self._searches[slot].searcher.choose(due[slot].choices[row])
         return [int(actions[slot]) for slot in numbers]  # type: ignore[arg-type]
 
     def picture(self, slot: int) -> Image:
-        """What it thinks; see :func:`ucon.perception.draw_search.draw_search`."""
+        """What it thinks; see :func:`ucon.perception.draw_search.draw_search`.
+
+        Belief over cost is what drives the search: the habits shown are those that the belief head was moved by. Of a
+        transformer that adds something to that, which the shipped one does not, a last line says what the chosen view
+        attends to.
+        """
         from ucon.perception.draw_search import draw_search
 
-        return draw_search(self._searches[slot].searcher)
+        return draw_search(self._searches[slot].searcher, also=self._attending(slot))
+
+    def _attending(self, slot: int) -> str:
+        """Shares of the attention of the view that was chosen last, by kind of token; "" where none is told."""
+        import torch
+
+        search = self._searches[slot]
+        if search.chosen is None or search.searcher.taking or not self.policy.adds:
+            return ""
+        tokens, row = search.chosen
+        with torch.inference_mode():
+            attended = self.policy.attention(self._tensors({slot: tokens}))
+        shares = {kind: float(part[0, row].sum()) for kind, part in attended._asdict().items()}
+        return "attends to: " + ", ".join(f"{kind} {share:.0%}" for kind, share in shares.items() if kind != "state")
 
     def _chosen(self, due: dict[int, Tokens]) -> list[int]:
         """Rows of the views that are chosen in the slots where a choice is due."""
@@ -145,14 +168,20 @@ class HabitPolicyAgent:
 
         if not due:
             return []
+        with torch.inference_mode():
+            scores = self.policy(self._tensors(due))
+        logits = np.rint(scores.logits.double().cpu().numpy() / _STEP) * _STEP
+        return [self._choose(row, self._searches[slot]) for slot, row in zip(due, logits, strict=True)]
+
+    def _tensors(self, due: dict[int, Tokens]) -> dict[str, Tensor]:
+        """What the network reads of the decisions in some slots."""
+        import torch
+
         rows = [{**tokens.arrays, **self._searches[slot].said()} for slot, tokens in due.items()]
         batch = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
         names = self._names[batch.pop("thing_rows")]
         tensors = {name: torch.from_numpy(array).float().to(self._device) for name, array in batch.items()}
-        with torch.inference_mode():
-            scores = self.policy(tensors | {"thing_names": torch.from_numpy(names).to(self._device)})
-        logits = np.rint(scores.logits.double().cpu().numpy() / _STEP) * _STEP
-        return [self._choose(row, self._searches[slot]) for slot, row in zip(due, logits, strict=True)]
+        return tensors | {"thing_names": torch.from_numpy(names).to(self._device)}
 
     def _choose(self, logits: np.ndarray[Any, np.dtype[np.float64]], search: _Search) -> int:
         if np.isnan(logits).any():

@@ -28,12 +28,15 @@ _STEP: Final = 1e-4
 class _Episode:
     """What a slot remembers of its episode."""
 
-    name: str
+    info: Info
+    """Of its reset."""
     context: Tensors
     """Tensors (...), without a batch axis."""
     state: Tensors
     """Tensors (...), without a batch axis."""
     steps: int = 0
+    last: tuple[Tensors, Tensors] | None = None
+    """The frame that it acted on, and the state before it: enough to think the same again, for a picture."""
 
 
 class PolicyAgent:
@@ -105,12 +108,17 @@ class PolicyAgent:
         return sha256_bytes(f"{own} {frozen}".encode()) if own else frozen
 
     def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
-        """See :class:`models.agents.base.Agent`."""
+        """See :class:`models.agents.base.Agent`.
+
+        Raises:
+            ConfigError: more habits than the weights learned from.
+        """
         self._prepare()
         for slot, info in zip(slots_of(infos, slots), infos, strict=True):
+            self._check_length(info)
             state = {name: tensor[0] for name, tensor in self.policy.initial_state(1).items()}
             context = self._tensors(self.policy.context(info))
-            self._episodes[slot] = _Episode(str(info.get("episode", "")), context, state)
+            self._episodes[slot] = _Episode(info, context, state)
 
     def act(
         self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
@@ -128,9 +136,22 @@ class PolicyAgent:
         actions = []
         for row, (episode, values) in enumerate(zip(playing, logits, strict=True)):
             actions.append(self._choose(values, episode))
+            episode.last = frames[row], episode.state
             episode.state = {name: tensor[row] for name, tensor in outputs.state.items()}
             episode.steps += 1
         return actions
+
+    def picture(self, slot: int) -> NDArray[np.uint8] | None:
+        """For videos: what the policy thought at its last step in a slot, (384, W, 3); None where it shows nothing."""
+        import torch
+
+        episode = self._episodes[slot]
+        if episode.last is None:
+            return None
+        frame, state = episode.last
+        frames = {name: tensor[None, None] for name, tensor in frame.items()}
+        with torch.inference_mode():
+            return self.policy.picture(episode.info, frames, _stacked([episode.context]), _stacked([state]))
 
     def _choose(self, logits: NDArray[np.float64], episode: _Episode) -> int:
         if not np.isfinite(logits).all():
@@ -138,8 +159,16 @@ class PolicyAgent:
         if not self._sample:
             return int(logits.argmax())
         heat = np.exp((logits - logits.max()) / self._temperature)
-        draw = stream(self._seed, self.policy.architecture, episode.name, episode.steps)
+        draw = stream(self._seed, self.policy.architecture, str(episode.info.get("episode", "")), episode.steps)
         return int(draw.choice(len(heat), p=heat / heat.sum()))
+
+    def _check_length(self, info: Info) -> None:
+        n, most = len(info.get("habits", ())), self.policy.max_habits
+        if most is not None and n > most and not self._weights.untrained:
+            raise ConfigError(
+                f"episode {info.get('episode', '')}: {n} habits, and {self.name} learned from at most {most}; give "
+                f"habit_level=retrieval or fewer habits, or train it with env.max_habits={n}"
+            )
 
     def _tensors(self, arrays: Arrays) -> Tensors:
         import torch

@@ -1,9 +1,9 @@
 """The belief head: from habits and candidate anchors to where the target may be.
 
 Two paths add up to a candidate's score. The direct one counts what the habits say for it, each as much as it is taken
-to be about the target (what ``research/learning.md`` found to carry nearly all of the gain); the other lets candidate
-and target look at the sentences by attention, with the pair inputs as bias and the relevance as gate. Candidates do
-not see each other and habits only through sums, so their order means nothing and any number of either will do.
+to be about the target, which carries nearly all of the gain; the other lets candidate and target look at the sentences
+by attention, with the pair inputs as bias and the relevance as gate. Candidates do not see each other and habits only
+through sums, so their order means nothing and any number of either will do.
 """
 
 from __future__ import annotations

@@ -16,7 +16,6 @@ from models.nets.ego_view import (
     ASIDE,
     BEHIND,
     BLOCKED,
-    CELL_M,
     COLUMNS,
     EXPLORED,
     FLOOR,
@@ -158,11 +157,6 @@ def coarse(cells: Tensor) -> Tensor:
     pooled = functional.max_pool2d(cells.float(), 2, ceil_mode=True) / 255.0
     frontier = functional.max_pool2d(unknown, 3, 1, 1) * pooled[:, 1:2]
     return torch.cat([pooled, unknown, frontier], 1)
-
-
-def metres(cells: Tensor) -> Tensor:
-    """Cells as metres."""
-    return cells.float() * CELL_M
 
 
 assert ROWS * COLUMNS == N_CELLS

@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from ucon.learning.policy import Arrays, Outputs, Tensors
@@ -22,6 +24,8 @@ class PolicyModule(nn.Module):
 
     architecture = ""
     uses_habits = False
+    max_habits: int | None = None
+    """Of one that reads habits, the longest list of them that it may have learned from; learners set it."""
 
     @property
     def arguments(self) -> Mapping[str, Any]:
@@ -55,6 +59,19 @@ class PolicyModule(nn.Module):
     def augment(self, frames: Tensors, generator: torch.Generator) -> Tensors:
         """See :class:`ucon.learning.policy.ActionPolicy`."""
         return frames
+
+    def picture(
+        self, info: Mapping[str, Any], frames: Tensors, context: Tensors, state: Tensors
+    ) -> NDArray[np.uint8] | None:
+        """For videos: what it thinks at one step of one episode, (384, W, 3); None where it shows nothing.
+
+        Args:
+            info: of the episode's reset.
+            frames: of that step, (1, 1, ...).
+            context: (1, ...).
+            state: before the step, (1, ...).
+        """
+        return None
 
     def take_in(self, frames: Tensors) -> None:
         """See :class:`ucon.learning.policy.ActionPolicy`."""

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from models.nets.ego_view import CELL_M
 from models.nets.floor_memory import HALF, REACH, SIZE
-from models.nets.read_habits import N_HABITS, kept_habits, words
+from models.nets.read_habits import kept_habits, words
 from ucon.habits.types import RELATIONS
 from ucon.objects.catalogue import catalogue
 from ucon.task.actions import Action
@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 
 _NEAR = 6
 """Cells around a goal in which the most believed thing is taken for the reason."""
+_SPEAKS = 0.05
+"""A habit with so much support speaks for a place."""
+_MOST_HABITS = 3
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,8 @@ class Reasons:
     belief: tuple[tuple[str, str, float], ...]
     """The places that are believed most at all: anchor, relation, probability."""
     habits: tuple[tuple[str, float], ...]
-    """Habits that speak for the target being by ``thing`` (else: for any place), with their support."""
+    """Habits that speak for the target being by ``thing``, else by the most believed anchor, else anywhere: the
+    strongest first, with their support in [0, 1]."""
     seen: tuple[tuple[str, float], ...]
     """Things in view by the attention that they got."""
     actions: tuple[float, ...]
@@ -101,7 +105,7 @@ def reasons(
         float(goals.max()),
         thing,
         places,
-        _speaking(reader, info, thing),
+        _speaking(reader, info, (thing, places[0][0])),
         seen,
         tuple(torch.softmax(torch.as_tensor(logits), -1).tolist()),
         goals.detach().cpu().numpy().astype(np.float32),
@@ -124,15 +128,17 @@ def _name(number: int) -> str:
     return names[number] if 0 <= number < len(words().number) else "?"
 
 
-def _speaking(reader: Reader, info: Mapping[str, Any], thing: str) -> tuple[tuple[str, float], ...]:
-    """Habits with the most support for one anchor, or for any."""
+def _speaking(reader: Reader, info: Mapping[str, Any], anchors: Sequence[str]) -> tuple[tuple[str, float], ...]:
+    """Habits with the most support for the first of some anchors that has any to speak of, or for any place."""
     texts: Sequence[str] = tuple(info["habits"])
     if not texts:
         return ()
     reading = reader.read(str(info["target"]), texts, trusted=info.get("habit_level") == "gt")
-    if thing in tuple(reader.known):
-        support = np.asarray(reading.support(thing))
+    for anchor in (name for name in anchors if name in tuple(reader.known)):
+        support = np.asarray(reading.support(anchor))
+        if support.max() > _SPEAKS:
+            break
     else:
-        support = kept_habits(reading, texts, tuple(reader.known))[1].sum(1)
-    order = np.argsort(-support, kind="stable")[: min(3, N_HABITS)]
+        support = kept_habits(reading, texts, tuple(reader.known))[1].max(1)
+    order = np.argsort(-support, kind="stable")[:_MOST_HABITS]
     return tuple((texts[k], round(float(support[k]), 3)) for k in order.tolist() if support[k] > 0.005)

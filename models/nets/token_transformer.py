@@ -40,10 +40,21 @@ class Block(nn.Module):
     def forward(self, x: Tensor, bias: Tensor) -> Tensor:
         """Tokens (B, N, D) and what is added to the attention (B, H, N, N)."""
         b, n, d = x.shape
-        q, k, v = self.qkv(self.norm_attention(x)).view(b, n, 3, self.heads, d // self.heads).permute(2, 0, 3, 1, 4)
+        q, k, v = self._qkv(x)
         seen = functional.scaled_dot_product_attention(q, k, v, attn_mask=bias)
         x = x + self.out(seen.transpose(1, 2).reshape(b, n, d))
         return x + self.inner(self.norm_inner(x))
+
+    def attention(self, x: Tensor, bias: Tensor) -> Tensor:
+        """Weights (B, H, N, N) by which each token attends to the others: what :meth:`forward` does not keep."""
+        q, k, _ = self._qkv(x)
+        return (q @ k.transpose(2, 3) / q.shape[-1] ** 0.5 + bias).softmax(-1)
+
+    def _qkv(self, x: Tensor) -> Tensor:
+        """(3, B, H, N, D / H)."""
+        b, n, d = x.shape
+        qkv: Tensor = self.qkv(self.norm_attention(x)).view(b, n, 3, self.heads, d // self.heads)
+        return qkv.permute(2, 0, 3, 1, 4)
 
 
 class TokenTransformer(nn.Module):
@@ -57,8 +68,18 @@ class TokenTransformer(nn.Module):
 
     def forward(self, x: Tensor, xy: Tensor, placed: Tensor, there: Tensor) -> Tensor:
         """Tokens (B, N, D), positions (B, N, 2) metres, which have one and which are there (B, N) bool."""
-        bias = self.distance(xy, placed)
-        bias = bias.masked_fill(~there[:, None, None, :], float("-inf"))
+        bias = self._bias(xy, placed, there)
         for block in self.blocks:
             x = block(x, bias)
         return self.norm(x)
+
+    def attention(self, x: Tensor, xy: Tensor, placed: Tensor, there: Tensor) -> Tensor:
+        """Weights (L, B, H, N, N) of every block, of the same tokens: for people, nothing in use needs them."""
+        bias, weights = self._bias(xy, placed, there), []
+        for block in self.blocks:
+            weights.append(block.attention(x, bias))
+            x = block(x, bias)
+        return torch.stack(weights)
+
+    def _bias(self, xy: Tensor, placed: Tensor, there: Tensor) -> Tensor:
+        return self.distance(xy, placed).masked_fill(~there[:, None, None, :], float("-inf"))  # type: ignore[no-any-return]

@@ -261,7 +261,7 @@ def test_other_sizes_judge_by_the_same_view(episodes: tuple[Episode, ...]) -> No
         ({"world": "dead"}, ConfigError, "world='dead'"),
         ({"episodes": ()}, EpisodeError, "no episodes"),
         ({"episodes": "nothing_here"}, EpisodeError, "unknown episode set"),
-        ({"max_habits": 3}, ConfigError, "give env.max_habits="),
+        ({"max_habits": 3}, ConfigError, "give env.max_habits=.*habit_level=retrieval"),
     ],
 )
 def test_bad_options_end_in_one_clear_line(kwargs: dict[str, Any], error: type[Exception], message: str) -> None:

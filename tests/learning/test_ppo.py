@@ -42,6 +42,15 @@ def test_it_learns_what_pays(learner):
     assert figures[-1]["value_loss"] < 0.3 * figures[0]["value_loss"]
 
 
+def test_the_longest_list_it_may_learn_from_is_kept_with_the_policy(learner):
+    class Reading(TinyPolicy):
+        max_habits = 1024
+
+    short = functools.partial(UcONEnv, "mini", observe="pixels", max_habits=700)
+    assert learner(Reading(), env=short).network.max_habits == 700
+    assert learner(env=short).network.max_habits is None
+
+
 def test_the_loss_is_the_clipped_objective():
     draw = torch.Generator().manual_seed(0)
     logits = torch.randn(50, 5, generator=draw)

@@ -14,7 +14,7 @@ from torch import nn
 
 from ucon.core.errors import DataError
 from ucon.core.files import MANIFEST, write_atomic, write_manifest
-from ucon.learning.saved import CONFIG, WEIGHTS, load_network, model_folder, network_files
+from ucon.learning.saved import CONFIG, MAX_HABITS, WEIGHTS, load_network, model_folder, network_files
 
 
 class Net(nn.Module):
@@ -62,6 +62,18 @@ def test_what_was_saved_comes_back(half: bool, tmp_path: Path) -> None:
     assert torch.equal(found.linear.weight, wanted)
     assert found.linear.weight.dtype == torch.float32
     assert found.count == 100_000
+
+
+def test_how_many_habits_it_learned_from_comes_back_with_it(folder: Path, tmp_path: Path) -> None:
+    made, found = Net(), Net()
+    made.max_habits, found.max_habits = 1500, MAX_HABITS
+    load_network(str(written(tmp_path, network_files(made))), found)
+    assert found.max_habits == 1500
+    load_network(str(folder), found)  # a file that says nothing of it
+    assert found.max_habits == MAX_HABITS
+    change(folder, CONFIG, lambda raw: raw.replace(b'"format"', b'"max_habits": "many", "format"'), sealed=True)
+    with pytest.raises(DataError, match="does not describe a network"):
+        load_network(str(folder), found)
 
 
 def test_equal_networks_are_equal_bytes_and_halves_are_half() -> None:

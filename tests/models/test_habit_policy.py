@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import sys
 import time
 from functools import cache
 from pathlib import Path
@@ -16,6 +17,7 @@ from torch import Tensor
 
 from models.agents.belief import BeliefAgent
 from models.agents.habit_policy import HabitPolicyAgent
+from models.agents.weights import SHIPPED as SHIPPED_WEIGHTS
 from models.agents.weights import UNTRAINED
 from models.habit_policy import HabitPolicy
 from models.nets.head_reader import SHIPPED, HeadReader
@@ -99,6 +101,43 @@ def test_everything_that_is_there_matters(name: str) -> None:
 
 
 @torch.no_grad()
+def test_attention_for_people_is_what_the_network_attends_by() -> None:
+    policy, tokens = random_policy(), some_tokens()
+    seen = tokens["action_mask"] > 0
+    attended = policy.attention(tokens)
+    total = sum(part.sum(2) for part in attended)
+    torch.testing.assert_close(total, torch.ones_like(total))
+    assert (attended.habits[seen] > 0).any()
+    for part, mask in ((attended.things, "things_mask"), (attended.habits, "habits_mask")):
+        assert not (part * (tokens[mask][:, None] == 0)).any()
+    block, x = policy.body.blocks[0], torch.randn(2, 7, policy.arguments["width"])
+    bias = torch.randn(2, 4, 7, 7)
+    values = block._qkv(x)[2]
+    after = x + block.out((block.attention(x, bias) @ values).transpose(1, 2).reshape(x.shape))
+    torch.testing.assert_close(after + block.inner(block.norm_inner(after)), block(x, bias), rtol=1e-4, atol=1e-4)
+
+
+def test_its_picture_says_what_the_chosen_view_attends_to() -> None:
+    agent = HabitPolicyAgent(random_policy(), UNTRAINED)
+    env = UcONEnv("mini", observe="symbolic", detector=True, habit_level="gt")
+    obs, info = env.reset(options={"episode": 0})
+    agent.reset([info])
+    assert agent._attending(0) == ""
+    while not agent._searches[0].chosen:
+        obs, _, _, _, info = env.step(agent.act([obs], [info])[0])
+    said = agent._attending(0)
+    shares = [int(word.rstrip(",%")) for word in said.split() if "%" in word]
+    assert said.startswith("attends to: views ")
+    assert "habits" in said
+    assert 0 < sum(shares) <= 102
+    shown = agent.picture(0)
+    agent.policy = HabitPolicy()
+    assert not agent.policy.adds
+    assert agent._attending(0) == ""
+    assert (shown != agent.picture(0)).any()
+
+
+@torch.no_grad()
 def test_what_only_a_trainer_knows_is_not_read() -> None:
     env = UcONSearchEnv("mini", habit_level="retrieval", to_go=True, expert=True)
     obs, _ = env.reset(options={"episode": 0})
@@ -134,16 +173,32 @@ def test_unexplored_space_counts_by_what_is_foretold() -> None:
         torch.testing.assert_close(gained, torch.full_like(gained, expected), rtol=1e-4, atol=1e-4)
 
 
+def test_it_is_small() -> None:
+    assert sum(p.numel() for p in HabitPolicy().parameters()) <= 5e6
+
+
 @pytest.mark.timed
-def test_it_is_small_and_quick() -> None:
-    policy, tokens = HabitPolicy().eval(), some_tokens(1)
-    assert sum(p.numel() for p in policy.parameters()) <= 5e6
-    with torch.inference_mode(), one_thread():
-        policy(tokens)
-        begun = time.process_time()
-        for _ in range(10):
-            policy(tokens)
-    assert (time.process_time() - begun) / 10 < 0.030
+def test_a_decision_is_quick(capsys: pytest.CaptureFixture[str]) -> None:
+    """All that a step costs at which a view is chosen: the map, what was seen empty, views, tokens, the network."""
+    agent, spent = HabitPolicyAgent(HabitPolicy(), SHIPPED_WEIGHTS), []
+    env = UcONEnv("mini", observe="symbolic", detector=True, habit_level="retrieval")
+    with one_thread():
+        for number in (0, 7, 14, 21):
+            obs, info = env.reset(options={"episode": number})
+            agent.reset([info])
+            search, over = agent._searches[0].searcher, False
+            while not over:
+                before, begun = search.decisions, time.process_time()
+                action = agent.act([obs], [info])[0]
+                if search.decisions > before:
+                    spent.append(time.process_time() - begun)
+                obs, _, terminated, truncated, info = env.step(action)
+                over = terminated or truncated
+    assert len(spent) > 20
+    median, tail = 1e3 * np.percentile(spent, (50, 95))
+    with capsys.disabled():
+        sys.stdout.write(f"\nhabit_policy: a decision takes {median:.1f} ms, one in twenty over {tail:.1f} ms\n")
+    assert median <= 30
 
 
 def play(agent: Any, number: int, level: str = "retrieval") -> list[int]:

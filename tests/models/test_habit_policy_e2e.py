@@ -351,3 +351,4 @@ def test_reasons_name_place_and_habit(walks):
     assert all(text in first["habits"] for text, _ in why.habits)
     assert why.habits[0][0] in why.table()
     assert why.belief[0][2] >= why.belief[-1][2]
+    assert 1 >= why.habits[0][1] >= why.habits[-1][1] > 0

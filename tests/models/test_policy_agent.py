@@ -162,6 +162,35 @@ def test_a_checkpoint_is_played(tmp_path: Path) -> None:
         PolicyAgent(Remembering(), str(folder)).check()
 
 
+class Reading(Remembering):
+    """One that is given habits."""
+
+    uses_habits = True
+    max_habits = 1024
+
+
+def test_a_list_longer_than_it_learned_from_is_refused(tmp_path: Path) -> None:
+    policy = Reading()
+    policy.max_habits = 3
+    agent = PolicyAgent(Reading(), str(saved(tmp_path, policy)))
+    agent.reset([info(0) | {"habits": ("a", "b", "c")}])
+    told = (
+        r"episode e0: 4 habits, and remembering learned from at most 3; give habit_level=retrieval .* env\.max_habits=4"
+    )
+    with pytest.raises(ConfigError, match=told):
+        agent.reset([info(0) | {"habits": ("a", "b", "c", "d")}])
+
+
+def test_the_shipped_policy_refuses_what_no_training_gave() -> None:
+    config = config_of("habit_policy_e2e", "habit_level=full", "env.max_habits=3000")
+    agent, env = Factory(config["agent"])(), Factory(config["env"])()
+    _, told = env.reset(options={"episode": 0})
+    agent.reset([told])
+    longer = told | {"habits": (told["habits"] * 4)[:1025]}
+    with pytest.raises(ConfigError, match="1025 habits, and habit_policy_e2e learned from at most 1024"):
+        agent.reset([longer])
+
+
 def test_weights_that_became_no_numbers_are_told() -> None:
     policy = Remembering()
     with torch.no_grad():

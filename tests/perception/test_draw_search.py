@@ -13,7 +13,8 @@ from models.agents.frontier import FrontierAgent
 from ucon.envs.ucon_env import UcONEnv
 from ucon.evaluation.pictures import save_film
 from ucon.perception.belief import Locations
-from ucon.perception.draw_search import _lines, _mass_left, _wrapped, draw_search
+from ucon.perception.draw_search import _lines, _mass_left, draw_search
+from ucon.perception.thoughts import speaking, wrapped
 
 BLUE, WARM = (36, 120, 200), (226, 92, 30)
 
@@ -55,23 +56,33 @@ def test_it_is_warm_where_the_belief_is() -> None:
 
 def test_it_says_what_it_believes_and_which_habit_says_so() -> None:
     searcher = searching(BeliefAgent(somewhere("no_such_thing", habits=("a", "b", "under the lamp"))), 5)
-    lines = [text for text, _ in _lines(searcher, searcher.map, _mass_left(searcher), 60)]
+    lines = [text for text, _ in _lines(searcher, searcher.map, _mass_left(searcher), 436)]
     assert lines[0] == "believes: by no such thing 90%"
     assert lines[1].startswith("goes to: ")
-    assert lines[2] == '"under the lamp"'
+    assert lines[2:] == ['100% "under the lamp"']
 
 
 def test_who_reads_nothing_says_where_it_goes() -> None:
     searcher = searching(FrontierAgent(), 5)
-    lines = _lines(searcher, searcher.map, _mass_left(searcher), 60)
+    lines = _lines(searcher, searcher.map, _mass_left(searcher), 436)
     assert len(lines) == 1
     assert draw_search(searcher).shape == (384, 384, 3)
 
 
+def test_the_two_strongest_habits_are_told_with_their_weight() -> None:
+    told = [("weak", 0.01), ("a little", 0.2), ("much", 0.9), ("some", 0.5)]
+    assert [line.text for line in speaking(told, 384)] == ['90% "much"', '50% "some"']
+    long, *rest = [line.text for line in speaking([("word " * 60, 0.4)], 384)]
+    assert long.startswith('40% "word')
+    assert len(rest) == 1
+    assert rest[0].endswith(' ..."')
+    assert len(rest[0]) <= 52
+
+
 def test_lines_are_not_too_long() -> None:
     text = "the blue mug is put on the rack by the window after breakfast"
-    assert " ".join(_wrapped(text, 20)) == text
-    assert max(map(len, _wrapped(text, 20))) <= 20
+    assert " ".join(wrapped(text, 20)) == text
+    assert max(map(len, wrapped(text, 20))) <= 20
 
 
 def test_videos_hold_thoughts_to_the_end(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""``python -m ucon pack``: compiled homes as small files, so that they load anywhere without PyBullet."""
+"""``python -m ucon pack``: episode sets and their homes as small files, so that they load anywhere without PyBullet."""
 
 from __future__ import annotations
 
@@ -8,25 +8,31 @@ from pathlib import Path
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
-    parser.add_argument("homes", nargs="*", metavar="HOME", help="names of homes; default: those of the sets given")
+    parser.add_argument("names", nargs="*", metavar="SET_OR_HOME", help="episode sets, or homes (default: mini)")
+    parser.add_argument("--episodes", action="append", metavar="SET", help="a set by name or file; may be repeated")
     parser.add_argument(
-        "--episodes", action="append", metavar="SET", help="pack the homes of this set (default: mini); may be repeated"
+        "--out", type=Path, help="folder for UCON_PACK on the other machine; default: homes alone, into the package"
     )
-    parser.add_argument("--out", type=Path, help="folder; default: the package's own")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Build and write the homes."""
+    """Write the homes and, into a folder that is named, the sets."""
     from ucon.commands.output import stdout_to_stderr
-    from ucon.sim.cache import PACKED, pack_homes
-    from ucon.task.sets import load_episodes
+    from ucon.sim import cache
+    from ucon.task import sets
 
-    homes = list(args.homes)
-    if not homes:
-        sets = args.episodes or ["mini"]
-        homes = sorted({episode.scene for name in sets for episode in load_episodes(name)})
+    named = sets.episode_sets()
+    wanted = [*(args.episodes or ()), *(name for name in args.names if name in named)]
+    homes = [name for name in args.names if name not in named]
+    if not args.names and not args.episodes:
+        wanted = ["mini"]
     with stdout_to_stderr():
-        paths = pack_homes(homes, args.out or PACKED)
+        files = sets.pack_sets(wanted, args.out / sets.IN_PACK) if args.out and wanted else []
+        homes = sorted({*homes, *(e.scene for source in files or wanted for e in sets.load_episodes(source))})
+        folder = args.out / cache.IN_PACK if args.out else cache.PACKED
+        paths = cache.pack_homes(homes, folder, fresh=args.out is None)
     sizes = [path.stat().st_size / 1024 for path in paths]
-    print(f"{len(paths)} homes in {args.out or PACKED}: {sum(sizes):.0f} KB, the largest {max(sizes):.0f} KB")
+    print(f"{len(paths)} homes in {folder}: {sum(sizes):.0f} KB, the largest {max(sizes):.0f} KB")
+    if args.out:
+        print(f"{len(files)} episode files in {args.out / sets.IN_PACK}; use them with UCON_PACK={args.out}")
     return 0

@@ -32,6 +32,21 @@ def user_cache() -> Path:
         return Path(tempfile.gettempdir()) / "ucon"
 
 
+def user_pack() -> Path | None:
+    """``$UCON_PACK``, a folder that ``python -m ucon pack`` wrote on another machine; None where none is named.
+
+    Raises:
+        ConfigError: there is no such folder.
+    """
+    named = os.environ.get("UCON_PACK")
+    if not named:
+        return None
+    folder = Path(named).expanduser()
+    if not folder.is_dir():
+        raise ConfigError(f"UCON_PACK={named}: no such folder; name what `python -m ucon pack SET --out FOLDER` wrote")
+    return folder
+
+
 def sha256_bytes(data: bytes) -> str:
     """Hex SHA-256 of ``data``."""
     return hashlib.sha256(data).hexdigest()

@@ -51,7 +51,10 @@ def padded(rows: NDArray[np.int32], max_habits: int, where: str) -> tuple[NDArra
     """
     if len(rows) > max_habits:
         n = len(rows)
-        raise ConfigError(f"{where}: {n} habits, expected at most {max_habits}; give env.max_habits={n} or more")
+        raise ConfigError(
+            f"{where}: {n} habits, expected at most {max_habits}; give env.max_habits={n} or more, "
+            "habit_level=retrieval, or fewer habits"
+        )
     habits = np.full(max_habits, -1, np.int32)
     habits[: len(rows)] = rows
     return habits, (habits >= 0).astype(np.int8)

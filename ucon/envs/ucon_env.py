@@ -124,6 +124,11 @@ class UcONEnv(gym.Env[Obs, int]):
         self._instance, self._habit_rows = np.empty((height_px, width_px), np.int16), np.empty(0, np.int32)
 
     @property
+    def max_habits(self) -> int:
+        """The longest list of habits that it gives."""
+        return self._max_habits
+
+    @property
     def habit_table(self) -> NDArray[np.float16]:
         """Embeddings of all habits of the dataset, (N, D) float16, read-only: what ``obs["habits"]`` numbers."""
         return self._knowledge.table

@@ -28,7 +28,7 @@ from ucon.learning.learner import Card, Figures, State
 from ucon.learning.options import check, check_parts, text_weights
 from ucon.learning.playing import Players
 from ucon.learning.policy import ActionPolicy
-from ucon.learning.saved import load_network, network_files
+from ucon.learning.saved import learns_from, load_network, network_files
 from ucon.learning.sequence_loss import SequenceLoss
 from ucon.learning.sequences import Batch, Chunk, cut
 from ucon.learning.trajectories import Replay, Trajectory
@@ -124,10 +124,12 @@ class ImitationLearner:
         self.levels = tuple(levels) if self.act.uses_habits else ("none",)
         self.episodes = spaced(load_episodes(episodes), n_episodes, "learner.n_episodes")
         self.demonstrator = demonstrator or Solutions()
-        self.source = env().unwrapped.source
+        seen = env().unwrapped
+        self.source = seen.source
         self.dataset = self.source.dataset
         check_parts(self.episodes, validation.all, entry_parts(self.dataset))
         self._initial = "" if initial is None else load_network(str(initial), cast(Any, policy))
+        learns_from(policy, seen.max_habits)
         self.feeder = Feeder(policy, env, workers=workers, memory_bytes=int(memory_gb * (1 << 30)))
         self.policy.to(self.device)
         self.updates = Updates(policy, lr=lr, clip=clip, steps=steps, warm_up=warm_up, decay=decay, average=average)

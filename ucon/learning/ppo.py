@@ -30,7 +30,7 @@ from ucon.learning.policy import ActionPolicy, Outputs
 from ucon.learning.ppo_loss import PPOLoss, finite, inference_mode_but_memory, total
 from ucon.learning.ppo_options import check_choices, check_memory, check_taught
 from ucon.learning.run import SCORE
-from ucon.learning.saved import load_network, network_files
+from ucon.learning.saved import learns_from, load_network, network_files
 from ucon.learning.updates import DivergedError, Updates, require_finite
 from ucon.learning.validation import Validation, spaced
 from ucon.learning.view_policy import ViewPolicy
@@ -127,6 +127,7 @@ class PPOLearner:
         self.episodes = spaced(load_episodes(episodes), n_episodes, "learner.n_episodes")
         in_actions, in_views = env(), search() if views else None
         check_taught(policy, in_actions, in_views, expert, loss.objective)
+        learns_from(policy, in_actions.unwrapped.max_habits)
         self._read_by = str(getattr(in_views, "fingerprint", str)())
         self.source = (in_views or in_actions).unwrapped.source
         self.dataset = self.source.dataset

@@ -1,7 +1,8 @@
 """Weights of a network as a folder: what ``train.py`` leaves in ``model/``, and what agents are given as checkpoint.
 
 policy.safetensors   all that is learned, in float32 or, rounded, in float16
-config.json          format, architecture and arguments: the network that the weights belong to
+config.json          format, architecture and arguments: the network that the weights belong to; of one that reads
+                     habits also max_habits, the longest list that it may have learned from (absent: MAX_HABITS)
 MANIFEST.json        sizes and SHA-256 of both, written by whoever writes the files
 
 A network is not built from these files; it is built by its configuration, and then either fits them or says why not.
@@ -26,6 +27,8 @@ CONFIG: Final = "config.json"
 #: Where a run of ``train.py`` puts them.
 IN_RUN: Final = "model"
 FORMAT: Final = 1
+#: Habits of the longest list that environments give by default, in training too.
+MAX_HABITS: Final = 1024
 
 
 class Network(Protocol):
@@ -68,7 +71,15 @@ def network_files(network: Network, *, half: bool = False) -> dict[str, bytes]:
             raise DataError(f"{network.architecture}: {name} is not finite in {kept.dtype}; nothing is saved")
         tensors[name] = kept.clone().contiguous()
     config = {"format": FORMAT, "architecture": network.architecture, "arguments": dict(network.arguments)}
+    if (most := getattr(network, "max_habits", None)) is not None:
+        config["max_habits"] = most
     return {WEIGHTS: save(tensors), CONFIG: (json.dumps(config, indent=1, sort_keys=True) + "\n").encode()}
+
+
+def learns_from(network: Any, max_habits: int) -> None:
+    """Tell a network that reads habits how many its environment gives in training at most."""
+    if getattr(network, "max_habits", None) is not None:
+        network.max_habits = max_habits
 
 
 def model_folder(path: str) -> Path | None:
@@ -80,6 +91,8 @@ def model_folder(path: str) -> Path | None:
 def load_network(path: str, network: Network, *, how: str = "") -> str:
     """Give ``network`` the weights in a folder, or in that of a run; returns their SHA-256.
 
+    A network that says by ``max_habits`` how many habits it may be given is told what these weights learned from.
+
     ``how`` says at the end of the message where there are none how to get them.
 
     Raises:
@@ -89,19 +102,22 @@ def load_network(path: str, network: Network, *, how: str = "") -> str:
     if folder is None:
         missing = f"{path}: no trained weights there (no {CONFIG} and {WEIGHTS})"
         raise DataError(f"{missing}; {how}" if how else missing)
-    _check_config(folder / CONFIG, network)
+    most = _check_config(folder / CONFIG, network)
     raw = read_verified(folder / WEIGHTS)
     tensors = _tensors(raw, folder / WEIGHTS)
     _check_tensors(tensors, network.state_dict(), folder / WEIGHTS)
     network.load_state_dict(tensors)
+    if getattr(network, "max_habits", None) is not None:
+        network.max_habits = most  # type: ignore[attr-defined]
     return sha256_bytes(raw)
 
 
-def _check_config(path: Path, network: Network) -> None:
-    """Refuse weights of another architecture or version of it."""
+def _check_config(path: Path, network: Network) -> int:
+    """Refuse weights of another architecture or version of it; returns how many habits they learned from at most."""
     try:
         config = json.loads(read_verified(path))
         found, number, arguments = config["architecture"], config["format"], dict(config["arguments"])
+        most = int(config.get("max_habits", MAX_HABITS))
     except (ValueError, LookupError, TypeError, RecursionError):
         raise DataError(f"{path}: does not describe a network; train it anew") from None
     if number != FORMAT:
@@ -115,6 +131,7 @@ def _check_config(path: Path, network: Network) -> None:
         if wanted.get(name) != arguments.get(name):
             made, here = brief(arguments.get(name)), brief(wanted.get(name))
             raise DataError(f"{path}: weights made with {name}={made}, the agent has {name}={here}; use the same")
+    return most
 
 
 def _tensors(raw: bytes, path: Path) -> dict[str, Tensor]:

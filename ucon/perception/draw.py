@@ -14,8 +14,8 @@ from ucon.perception.semantic_map import CELL_M, HALF, SemanticMap, View
 Image = NDArray[np.uint8]
 Pixels = Callable[[float, float], tuple[int, int]]
 
-_UNKNOWN, _FLOOR, _LOW, _TALL = (58, 62, 70), (238, 236, 230), (206, 188, 160), (134, 116, 98)
-_PATH, _AGENT, _OPENED, _TARGET = (64, 110, 190), (24, 60, 140), (226, 160, 60), (214, 60, 48)
+UNKNOWN, FLOOR, LOW, TALL = (58, 62, 70), (238, 236, 230), (206, 188, 160), (134, 116, 98)
+PATH, AGENT, OPENED, TARGET = (64, 110, 190), (24, 60, 140), (226, 160, 60), (214, 60, 48)
 
 
 def pixels_of(known: SemanticMap, cell_px: int) -> Pixels:
@@ -44,18 +44,18 @@ def draw_map(
         (H, W, 3) uint8.
     """
     i0, i1, j0, j1 = known.extent()
-    image = np.full((i1 - i0, j1 - j0, 3), _UNKNOWN, np.uint8)
+    image = np.full((i1 - i0, j1 - j0, 3), UNKNOWN, np.uint8)
     window = (slice(i0, i1), slice(j0, j1))
-    image[known.explored[window] > 0] = _FLOOR
-    image[known.height[window] > 0.05] = _LOW
-    image[known.height[window] > 1.2] = _TALL
+    image[known.explored[window] > 0] = FLOOR
+    image[known.height[window] > 0.05] = LOW
+    image[known.height[window] > 1.2] = TALL
     image = np.repeat(np.repeat(image.transpose(1, 0, 2)[::-1], cell_px, 0), cell_px, 1).copy()
     px = pixels_of(known, cell_px)
     for track in range(known.n_tracks):
         if known.kind[track] or not known.seen(track):
             continue
         x0, y0, _, x1, y1, _ = known.box[track]
-        color = _OPENED if known.opened[track] else (100, 88, 76)
+        color = OPENED if known.opened[track] else (100, 88, 76)
         cv2.rectangle(image, px(x0, y1), px(x1, y0), color, -1 if known.opened[track] else 1)
         if names and (x1 - x0) * (y1 - y0) > 0.15:
             at = px(x0, (y0 + y1) / 2)
@@ -63,18 +63,23 @@ def draw_map(
                 image, known.category[track][:14], at, cv2.FONT_HERSHEY_PLAIN, 0.7, (30, 30, 30), 1, cv2.LINE_AA
             )
         if known.category[track] == target:
-            cv2.drawMarker(image, px((x0 + x1) / 2, (y0 + y1) / 2), _TARGET, cv2.MARKER_TILTED_CROSS, 2 * cell_px, 3)
+            cv2.drawMarker(image, px((x0 + x1) / 2, (y0 + y1) / 2), TARGET, cv2.MARKER_TILTED_CROSS, 2 * cell_px, 3)
     _draw_path(image, [px(*view.xy) for view in (known.views if path is None else path)], cell_px)
     tip = known.view if path is None or not path else path[-1]
-    c, s = (1, 0, -1, 0)[tip.heading], (0, 1, 0, -1)[tip.heading]
-    cv2.circle(image, px(*tip.xy), max(3, cell_px * 2 // 3), _AGENT, -1, cv2.LINE_AA)
-    cv2.line(image, px(*tip.xy), px(tip.xy[0] + 0.5 * c, tip.xy[1] + 0.5 * s), _AGENT, 2, cv2.LINE_AA)
+    draw_agent(image, px, tip.xy, tip.heading, cell_px)
     return image
+
+
+def draw_agent(image: Image, px: Pixels, xy: tuple[float, float], heading: int, cell_px: int) -> None:
+    """Put the agent into a picture, looking along ``heading`` (quarter turns to the left of the x axis)."""
+    c, s = (1, 0, -1, 0)[heading], (0, 1, 0, -1)[heading]
+    cv2.circle(image, px(*xy), max(3, cell_px * 2 // 3), AGENT, -1, cv2.LINE_AA)
+    cv2.line(image, px(*xy), px(xy[0] + 0.5 * c, xy[1] + 0.5 * s), AGENT, 2, cv2.LINE_AA)
 
 
 def _draw_path(image: Image, points: list[tuple[int, int]], cell_px: int) -> None:
     """The path, darker as time goes on."""
     for k, (a, b) in enumerate(itertools.pairwise(points)):
         share = 0.35 + 0.65 * k / len(points)
-        color = tuple(round(share * p + (1 - share) * 255) for p in _PATH)
+        color = tuple(round(share * p + (1 - share) * 255) for p in PATH)
         cv2.line(image, a, b, color, max(1, cell_px // 4), cv2.LINE_AA)

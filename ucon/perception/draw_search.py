@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
@@ -12,38 +12,24 @@ from ucon.habits.types import RELATIONS
 from ucon.perception.draw import Image, Pixels, draw_map, pixels_of
 from ucon.perception.places import INSIDE
 from ucon.perception.semantic_map import SemanticMap
+from ucon.perception.thoughts import FAINT, GOAL, INK, WARM, Line, believes, map_room, page, speaking, words
 
 if TYPE_CHECKING:
     from ucon.envs.waypoint.searcher import Searcher
 
-_PAPER, _INK, _FAINT, _WARM, _GOAL = (250, 249, 246), (40, 40, 44), (120, 120, 126), (226, 92, 30), (36, 120, 200)
-_LINE_PX, _MARGIN_PX, _MOST_CELL_PX = 16, 8, 10
-#: Share of the picture's height that the map may take.
-_MAP_SHARE: Final = 0.66
-#: Lines of the habit that speaks for the place.
-_HABIT_LINES: Final = 3
-#: A habit is shown that speaks so strongly.
-_SPEAKS: Final = 0.05
-_SAID: Final = {"ontop": "on", "inside": "in", "under": "under", "nextto": "by"}
+_MOST_CELL_PX = 10
 
 
-def draw_search(searcher: Searcher, height: int = 384, width: int = 384) -> Image:
+def draw_search(searcher: Searcher, height: int = 384, width: int = 384, *, also: str = "") -> Image:
     """Draw the search as it stands: (height, width, 3) uint8.
 
     Above the agent's own map: the warmer a thing, the greater its part of what is left of the belief; a ring is where
-    it goes. Below what it believes most, and the habit that speaks most for the thing it goes to (or believes most).
+    it goes. Below what it believes most, and the habits that speak most for the thing it goes to (or believes most),
+    with how strongly each does, from 0 to 100 %. ``also`` is a last line, of whoever has more to say.
     """
-    image = np.full((height, width, 3), _PAPER, np.uint8)
-    known, room = searcher.map, int(_MAP_SHARE * height)
     mass = _mass_left(searcher)
-    drawn = _map(searcher, mass, width, room)
-    top, left = (room - drawn.shape[0]) // 2, (width - drawn.shape[1]) // 2
-    image[top : top + drawn.shape[0], left : left + drawn.shape[1]] = drawn
-    y = room + _LINE_PX
-    for text, color in _lines(searcher, known, mass, (width - 2 * _MARGIN_PX) // 7):
-        cv2.putText(image, text, (_MARGIN_PX, y), cv2.FONT_HERSHEY_SIMPLEX, 0.4, color, 1, cv2.LINE_AA)
-        y += _LINE_PX
-    return image
+    lines = _lines(searcher, searcher.map, mass, width) + ([Line(also, FAINT)] if also else [])
+    return page(_map(searcher, mass, *map_room(height, width)), lines, height, width)
 
 
 def _mass_left(searcher: Searcher) -> NDArray[np.float64]:
@@ -54,7 +40,7 @@ def _mass_left(searcher: Searcher) -> NDArray[np.float64]:
     return places.left(expected.mass)
 
 
-def _map(searcher: Searcher, mass: NDArray[np.float64], width: int, height: int) -> Image:
+def _map(searcher: Searcher, mass: NDArray[np.float64], height: int, width: int) -> Image:
     known = searcher.map
     i0, i1, j0, j1 = known.extent()
     cell_px = int(np.clip(min(width / (i1 - i0), height / (j1 - j0)), 1, _MOST_CELL_PX))
@@ -65,12 +51,7 @@ def _map(searcher: Searcher, mass: NDArray[np.float64], width: int, height: int)
         if total[track] > 0.0 and known.seen(track):
             _tint(image, px, known.box[track], float(np.sqrt(total[track] / total.sum())))
     if searcher.choice is not None:
-        cv2.circle(image, px(*searcher.choice.view.xy), max(4, cell_px), _GOAL, 2, cv2.LINE_AA)
-    if image.shape[0] > height or image.shape[1] > width:
-        scale = min(height / image.shape[0], width / image.shape[1])
-        image = cv2.resize(
-            image, (int(image.shape[1] * scale), int(image.shape[0] * scale)), interpolation=cv2.INTER_AREA
-        )  # type: ignore[assignment]
+        cv2.circle(image, px(*searcher.choice.view.xy), max(4, cell_px), GOAL, 2, cv2.LINE_AA)
     return image
 
 
@@ -78,38 +59,32 @@ def _tint(image: Image, px: Pixels, box: NDArray[np.float64], share: float) -> N
     """Colour the box of a thing."""
     (x0, y0), (x1, y1) = px(box[0], box[4]), px(box[3], box[1])
     part = image[max(y0, 0) : max(y1, y0 + 2), max(x0, 0) : max(x1, x0 + 2)]
-    part[:] = ((1 - 0.85 * share) * part + 0.85 * share * np.array(_WARM)).astype(np.uint8)
+    part[:] = ((1 - 0.85 * share) * part + 0.85 * share * np.array(WARM)).astype(np.uint8)
 
 
-def _lines(
-    searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64], letters: int
-) -> list[tuple[str, tuple[int, int, int]]]:
+def _lines(searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64], width: int) -> list[Line]:
     """What is written below the map."""
-    found = searcher.expecting.locations
+    found, going = searcher.expecting.locations, Line(_going(searcher, known, mass), GOAL)
     if found is None:
-        return [(_going(searcher, known, mass), _INK)]
+        return [going._replace(color=INK)]
     best = np.argsort(-found.p, axis=None, kind="stable")[:3]
-    believed = [(found.names[k // len(RELATIONS)], RELATIONS[k % len(RELATIONS)], found.p.flat[k]) for k in best]
-    said = ", ".join(f"{_SAID[relation]} {_words(name)} {p:.0%}" for name, relation, p in believed if p > 0.005)
-    lines = [(line, _INK) for line in _wrapped(f"believes: {said or 'nothing yet'}", letters)[:2]]
-    lines += [(_going(searcher, known, mass), _GOAL)]
-    for thing in (_near_goal(searcher, known, mass), believed[0][0]):
-        speaks = found.support(thing) if thing and found.support is not None and found.habits else np.zeros(0)
-        if speaks.max(initial=0.0) > _SPEAKS:
-            return lines + [
-                (line, _FAINT) for line in _wrapped(f'"{found.habits[int(speaks.argmax())]}"', letters)[:_HABIT_LINES]
-            ]
+    places = [(found.names[k // len(RELATIONS)], RELATIONS[k % len(RELATIONS)], float(found.p.flat[k])) for k in best]
+    lines = [*believes(places, width), going]
+    for thing in (_near_goal(searcher, known, mass), places[0][0]):
+        support = found.support(thing) if thing and found.support is not None else ()
+        if speaks := speaking(zip(found.habits, map(float, support), strict=False), width):
+            return lines + speaks
     return lines
 
 
 def _going(searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64]) -> str:
     if searcher.taking:
-        return f"goes to: the {_words(searcher.target)}, which it sees"
+        return f"goes to: the {words(searcher.target)}, which it sees"
     if searcher.choice is None:
         return "looks around"
     thing = _near_goal(searcher, known, mass)
     opens = ", to open it" if searcher.choice.opens else ""
-    return f"goes to: {_words(thing)}{opens}" if thing else "goes to: what is not explored yet"
+    return f"goes to: {words(thing)}{opens}" if thing else "goes to: what is not explored yet"
 
 
 def _near_goal(searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64]) -> str:
@@ -120,17 +95,3 @@ def _near_goal(searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64]
     worth = np.where(near, mass[:, INSIDE] if searcher.choice.opens else mass.sum(1), 0.0)
     track = int(worth.argmax())
     return known.category[track] if worth[track] > 0.1 * searcher.choice.gain else ""
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")
-
-
-def _wrapped(text: str, letters: int) -> list[str]:
-    """Lines of at most so many letters."""
-    lines = [""]
-    for word in text.split():
-        if lines[-1] and len(lines[-1]) + 1 + len(word) > letters:
-            lines.append("")
-        lines[-1] = f"{lines[-1]} {word}".strip()
-    return lines

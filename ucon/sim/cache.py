@@ -1,4 +1,4 @@
-"""``load_house``: a compiled home by name, from memory, from the package, from the user's cache, or built.
+"""``load_house``: a compiled home by name, from memory, the package, a pack, the user's cache, or built.
 
 The cache key holds the home's name, the file format and a fingerprint of the code and data that homes are made
 from, so a changed layout rule never meets an old home.
@@ -13,12 +13,15 @@ from functools import lru_cache
 from pathlib import Path
 
 import ucon
-from ucon.core.errors import DataError
-from ucon.core.files import sha256_bytes, user_cache, write_atomic, write_manifest
+from ucon.core.errors import DataError, UconError
+from ucon.core.files import sha256_bytes, user_cache, user_pack, write_atomic, write_manifest
+from ucon.sim.bullet import bullet
 from ucon.sim.homefile import FORMAT, house_from_bytes, house_to_bytes
 from ucon.sim.house import House
 
 SUFFIX = ".home"
+#: Folder of homes in a pack.
+IN_PACK = "homes"
 PACKED = Path(ucon.__file__).parent / "scenes" / "data" / "homes"
 _SOURCES = ("core/geometry.py", "core/rng.py", "objects", "scenes", "sim")
 _IN_MEMORY = 32
@@ -28,15 +31,16 @@ _IN_MEMORY = 32
 def load_house(name: str) -> House:
     """The compiled home ``name``: ``Rs_int``, ``Rs_int~3`` or ``procedural:house:17``.
 
-    Looks in memory, among the homes shipped with the package, in the user's cache, and builds it with PyBullet
-    as the last resort. A damaged cache file is built again; a damaged shipped file is an error.
+    Looks in memory, among the homes shipped with the package, in the folder that ``UCON_PACK`` names, in the user's
+    cache, and builds it with PyBullet as the last resort. A damaged cache file is built again; a damaged shipped or
+    packed file is an error.
 
     Raises:
-        ConfigError: no such home. SceneError: it cannot be built. DataError: a shipped home is damaged.
+        ConfigError: no such home, or no such folder. SceneError: it cannot be built. DataError: a shipped or packed
+            home is damaged, or it is in none of these places and PyBullet is missing.
     """
     file = file_name(name)
-    packed = PACKED / file
-    if packed.is_file():
+    for packed in (folder / file for folder in _packed_folders() if (folder / file).is_file()):
         return house_from_bytes(packed.read_bytes(), str(packed))
     cached = cache_folder() / file
     if cached.is_file():
@@ -44,10 +48,32 @@ def load_house(name: str) -> House:
             return house_from_bytes(cached.read_bytes(), str(cached))
         except DataError:
             cached.unlink(missing_ok=True)
+    _require_bullet(name)
     house = build_house(name)
     with contextlib.suppress(OSError):  # A read-only cache costs time, not correctness.
         write_atomic(cached, house_to_bytes(house))
     return house
+
+
+def _packed_folders() -> list[Path]:
+    """Where packed homes are: in the package, then in the user's pack."""
+    pack = user_pack()
+    return [PACKED] if pack is None else [PACKED, pack / IN_PACK]
+
+
+def _require_bullet(name: str) -> None:
+    from ucon.scenes import home_spec
+
+    try:
+        bullet()
+    except UconError:
+        home_spec(name)  # a name that is none is told first
+        pack = user_pack()
+        places = "the package and the cache" if pack is None else f"the package, {pack} and the cache"
+        raise DataError(
+            f"home '{name}': not in {places}, and PyBullet, which builds homes, is missing here; where there is "
+            f"PyBullet, run `python -m ucon pack SET_OR_HOME --out FOLDER`, copy FOLDER and give UCON_PACK=FOLDER"
+        ) from None
 
 
 def build_house(name: str) -> House:
@@ -58,12 +84,12 @@ def build_house(name: str) -> House:
     return compile_mended(home_spec(name))
 
 
-def pack_homes(names: Iterable[str], folder: Path) -> list[Path]:
-    """Build homes and write them, with a SHA-256 manifest, as the package ships them."""
+def pack_homes(names: Iterable[str], folder: Path, *, fresh: bool = True) -> list[Path]:
+    """Write homes, with a SHA-256 manifest, as the package ships them; ``fresh``: built anew, whatever was kept."""
     paths = []
     for name in names:
         path = folder / file_name(name)
-        write_atomic(path, house_to_bytes(build_house(name)))
+        write_atomic(path, house_to_bytes(build_house(name) if fresh else load_house(name)))
         paths.append(path)
     write_manifest(folder, [path.name for path in sorted(folder.glob(f"*{SUFFIX}"))])
     return paths
@@ -91,7 +117,7 @@ def fingerprint() -> str:
 def _files(source: Path) -> list[Path]:
     if source.is_file():
         return [source]
-    skipped = {"__pycache__", "render", "placement", "homes", "live.py", "sheets.py"}  # they make no home
+    skipped = {"__pycache__", "render", "placement", "homes", "cache.py", "live.py", "sheets.py"}  # they make no home
     return sorted(
         path for path in source.rglob("*") if path.is_file() and not skipped & set(path.relative_to(source).parts)
     )

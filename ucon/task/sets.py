@@ -14,12 +14,14 @@ from pathlib import Path
 
 import ucon
 from ucon.core.errors import DataError, EpisodeError, unknown_name
-from ucon.core.files import MANIFEST, canonical_json, read_verified, write_atomic, write_manifest
+from ucon.core.files import MANIFEST, canonical_json, read_verified, user_pack, write_atomic, write_manifest
 from ucon.task.episode import Episode
 from ucon.task.rules import PAPER, RULES, task_rules
 
 SUFFIX = ".jsonl.xz"
 CONTEXT = "context"
+#: Folder of episode sets in a pack, see :func:`pack_sets`.
+IN_PACK = "episodes"
 _PACKAGE = Path(__file__).parent / "data"
 _CLONE = Path(ucon.__file__).parents[1] / "episodes"
 
@@ -31,9 +33,14 @@ def set_name(name: str, task: str = PAPER.name, *, context: bool = False) -> str
 
 
 def episode_sets() -> dict[str, Path]:
-    """Named sets that are installed: those of ``mini`` in the package, the others in ``episodes/`` of a clone."""
+    """Named sets that are here: of ``mini`` in the package, others in ``episodes/`` of a clone, further ones in a pack.
+
+    Raises:
+        ConfigError: ``UCON_PACK`` names no folder.
+    """
     found: dict[str, Path] = {}
-    for folder in (_CLONE, _PACKAGE):
+    pack = user_pack()
+    for folder in (*(() if pack is None else (pack / IN_PACK,)), _CLONE, _PACKAGE):
         for path in sorted(folder.glob(f"*{SUFFIX}")):
             found[path.name.removesuffix(SUFFIX)] = path
     return found
@@ -111,6 +118,20 @@ def save_episodes(episodes: Sequence[Episode], path: Path) -> None:
     text = "".join(canonical_json(episode.to_json()) + "\n" for episode in episodes)
     write_atomic(path, lzma.compress(text.encode(), preset=6))
     write_manifest(path.parent, [p.name for p in path.parent.glob(f"*{SUFFIX}")])
+
+
+def pack_sets(names: Iterable[str], folder: Path) -> list[Path]:
+    """Copy the files of sets, given by name or path, with a manifest; of a named set all versions."""
+    sets, paths = episode_sets(), []
+    for name in names:
+        versions = [path for known, path in sets.items() if known == name or known.startswith(f"{name}.")]
+        for source in versions or [Path(name)]:
+            load_episodes(source)
+            path = folder / source.name
+            write_atomic(path, source.read_bytes())
+            paths.append(path)
+    write_manifest(folder, [path.name for path in folder.glob(f"*{SUFFIX}")])
+    return paths
 
 
 def _in_manifest(path: Path) -> bool:

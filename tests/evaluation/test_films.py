@@ -1,0 +1,65 @@
+"""Every policy that is shipped, filmed as ``eval.py pictures=1`` films it: what it thinks is on its videos."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from models.agents.weights import SHIPPED
+from tests.models.playing import CONFIGS, config_of
+from ucon.commands.wiring import Factory
+from ucon.evaluation.play import Played, RunSpec, play
+from ucon.task.rules import PAPER, RULES
+from ucon.task.sets import load_episodes
+
+STEPS, SIDE, STRIP = 10, 384, 26
+BRIEF = replace(PAPER, name="brief", max_steps=STEPS)
+AGENTS = [
+    name
+    for name in sorted(path.stem for path in (CONFIGS / "agent").glob("*.yaml"))
+    if config_of(name)["agent"].get("checkpoint") == SHIPPED
+]
+
+
+def played(name: str, level: str, folder: Path | None) -> Played:
+    """The first steps of an episode of a small home, by the agent as it is configured."""
+    config = config_of(name, f"habit_level={level}")
+    episode = min(load_episodes("mini"), key=lambda e: (len(e.arrangement.objects), e.shortest_path_m < 4, e.id))
+    env = Factory(config["env"] | {"task": BRIEF.name}, {"episodes": [episode]})
+    spec = RunSpec(Factory(config["agent"]), env, level, pictures=folder, n_pictures=1)
+    return next(play(spec, [(0, episode)]))
+
+
+def thoughts(folder: Path) -> list[NDArray[np.uint8]]:
+    """What is beside camera and map in each frame of the only film of a folder, (384, 384, 3)."""
+    (film,) = folder.glob("*.mp4")
+    video, frames = cv2.VideoCapture(str(film)), []
+    while (read := video.read())[0]:
+        frames.append(cv2.cvtColor(read[1], cv2.COLOR_BGR2RGB)[STRIP:])
+    assert {frame.shape for frame in frames} == {(SIDE, 3 * SIDE, 3)}
+    return [frame[:, 2 * SIDE :] for frame in frames]
+
+
+def ink(page: NDArray[np.uint8]) -> int:
+    """Dark pixels of the text below the map."""
+    return int((page[int(0.68 * SIDE) :].max(2) < 160).sum())
+
+
+@pytest.mark.parametrize("name", AGENTS)
+def test_a_film_shows_what_it_thinks(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(RULES, BRIEF.name, BRIEF)
+    told, untold = (played(name, level, tmp_path / level) for level in ("gt", "none"))
+    pages, without = thoughts(tmp_path / "gt"), thoughts(tmp_path / "none")
+    assert len(pages) > told.record.steps > 1
+    first, last = pages[0].astype(int), pages[told.record.steps - 1].astype(int)
+    assert np.abs(first - last).max(2)[: SIDE // 2].mean() > 1  # its map grows
+    blue = (last[..., 2] > last[..., 0] + 60) & (last[..., 2] > 150)
+    assert blue.sum() > 20  # where it goes
+    assert ink(pages[0]) > ink(without[0]) + 300  # which habits speak for that
+    assert untold.record.n_habits == 0
+    assert played(name, "gt", None).record == told.record  # who is filmed plays no other way
