@@ -1,5 +1,6 @@
-"""Train what agents learn: the habit retriever, the belief head, and policies over the seven actions.
+"""Train what agents learn: policies that search, the habit retriever, the belief head.
 
+    python train.py agent=habit_policy
     python train.py learner=retriever
     python train.py learner=belief
     python train.py agent=vtn learner=imitation
@@ -28,7 +29,7 @@ from ucon.commands.entry import one_line_errors, run_entry
 from ucon.commands.training import chosen_run, run_identity, use_threads
 from ucon.commands.wiring import Factory
 from ucon.core.memory import keep_freed_memory
-from ucon.learning.progress import tensorboard_log, training_progress, wandb_log
+from ucon.learning.progress import check_wandb, tensorboard_log, training_progress, wandb_log
 from ucon.learning.run import Interrupted, OnFigures, Plan, TrainingRun
 
 
@@ -48,12 +49,18 @@ def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None =
     use_threads(config["threads"])
     keep_freed_memory()
     plan = Plan.of(config["training"])  # before the learner, which takes seconds to build
+    check_wandb(config["wandb"])
     learner = Factory(config["learner"])()
+    settled: Mapping[str, str | int] = getattr(learner, "settled", {})
+    if not chosen.checkpoint:
+        config["learner"] |= settled
     run = TrainingRun(chosen.folder, learner, plan, run_identity(config))
     if chosen.checkpoint:
         run.resume(chosen.checkpoint)
     else:
         run.start(OmegaConf.to_yaml(OmegaConf.create(config)))
+    if settled:
+        print("computing with", ", ".join(f"{name} {value}" for name, value in settled.items()), file=sys.stderr)
     label = config["learner"]["_target_"].rsplit(".", 1)[-1]
     try:
         with (

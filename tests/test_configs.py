@@ -33,9 +33,7 @@ def composed(*overrides: str, root: str = "eval") -> dict:
 
 
 #: Learners of an agent's policy.
-OF_POLICIES = [
-    n for g, n in OPTIONS if g == "learner" and "${agent.policy}" in (CONFIGS / g / f"{n}.yaml").read_text()
-] + ["dagger"]
+OF_POLICIES = [n for g, n in OPTIONS if g == "learner" and n not in ("belief", "retriever")]
 
 
 @pytest.mark.parametrize(("group", "name"), [(g, n) for g, n in OPTIONS if g in TRAINING | {"habits"}])
@@ -52,6 +50,21 @@ def with_a_policy():
     return [n for g, n in OPTIONS if g == "agent" and "policy" in composed(f"agent={n}")["agent"]]
 
 
+#: Why a learner does not take every policy.
+UNFIT = {
+    **dict.fromkeys(("imitation", "searches", "dagger"), "scores views, and stored solutions name actions"),
+    "expert": "chooses actions, and no expert says which",
+    "image_goal": "reads names, not images of goals",
+}
+
+
+def fits(policy: str, learner: str) -> bool:
+    """Whether a learner is for a policy: one scores views, the others choose actions, one of these by images."""
+    if learner == "image_goal":
+        return policy == "zson"
+    return learner == "ppo" or (policy == "habit_policy") == (learner == "expert")
+
+
 @pytest.mark.parametrize("name", with_a_policy())
 @pytest.mark.parametrize("learner", OF_POLICIES)
 def test_every_policy_can_be_given_to_every_learner_of_policies(name, learner):
@@ -61,6 +74,13 @@ def test_every_policy_can_be_given_to_every_learner_of_policies(name, learner):
     assert config["learner"]["episodes"] == "train"
     env = Factory(config["learner"]["env"]["config"])
     assert env().observation_space["rgb"].shape == (128, 128, 3)
+    if not fits(name, learner):
+        with pytest.raises(ConfigError, match=UNFIT[learner]):
+            Factory(config["learner"])()
+        return
+    built = Factory(config["learner"])()  # refuses what could not be trained as the files say
+    assert built.settled["precision"] in ("float32", "bfloat16")
+    built.close()
 
 
 @pytest.mark.parametrize(("group", "name"), [(g, n) for g, n in OPTIONS if g not in TRAINING])
@@ -142,6 +162,12 @@ def test_what_the_evaluation_lists_is_there():
     listed = set(re.findall(r"\b[a-z]+[\w]*_\w+\b", " ".join(re.findall(r"#(.*)", defaults))))
     assert listed <= {name for _, name in OPTIONS}
     assert {"pixelnav_images", "masked_lm", "yolo_world"} <= listed
+
+
+@pytest.mark.parametrize("text", [CONFIGS / "train.yaml", CONFIGS.parent / "README.md"], ids=["train.yaml", "README"])
+def test_every_learner_is_listed(text):
+    listed = set(re.findall(r"\w+", text.read_text()))
+    assert {name for group, name in OPTIONS if group == "learner"} <= listed
 
 
 @pytest.mark.parametrize("name", [name for group, name in OPTIONS if group == "retriever"])

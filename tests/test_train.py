@@ -39,6 +39,7 @@ def test_mistakes_end_in_one_line(tmp_path):
     assert "leave out training.steps=3" in error_line(train(f"resume={tmp_path}", "training.steps=3"))
     assert "unknown learner 'retreiver': did you mean retriever" in error_line(train("learner=retreiver"))
     assert "threads=0: expected a whole number" in error_line(train("threads=0", f"out={tmp_path}/run"))
+    assert "unknown wandb mode 'onlin': did you mean online" in error_line(train("wandb=onlin", f"out={tmp_path}/run"))
     assert "unknown option 'training.foo'" in error_line(train("+training.foo=1", f"out={tmp_path}/run"))
     assert "seed=abc: expected a whole number" in error_line(train("seed=abc", f"out={tmp_path}/run"))
     assert "scores views, and stored solutions name actions" in error_line(train("learner=imitation"))
@@ -92,6 +93,16 @@ def test_spoilt_configurations_are_named(tmp_path, content, message):
         resumed(tmp_path)
 
 
+def test_a_run_goes_on_where_it_began(tmp_path):
+    """What began on a GPU is not continued on a CPU unasked, nor the other way round."""
+    (tmp_path / "config.yaml").write_text(WHOLE.replace("a.B", "a.B, device: cuda:7"))
+    with pytest.raises(ConfigError, match=r"began on learner\.device=cuda:7, which torch does not see") as caught:
+        resumed(tmp_path)
+    assert "\n" not in str(caught.value)
+    (tmp_path / "config.yaml").write_text(WHOLE.replace("a.B", "a.B, device: cpu"))
+    assert resumed(tmp_path).config["learner"]["device"] == "cpu"
+
+
 def test_a_checkpoint_may_be_named_from_where_one_stands(tmp_path, monkeypatch):
     run = tmp_path / "run"
     (run / "checkpoints" / "step_00000010").mkdir(parents=True)
@@ -123,6 +134,10 @@ def test_a_policy_is_trained_and_then_played(tmp_path, learner):
     assert result.returncode == 0, result.stderr[-2000:]
     lines = [json.loads(line) for line in (run / "metrics.jsonl").read_text().splitlines()]
     assert lines[-1]["val/loss"] > 0
+    kept = OmegaConf.load(run / "config.yaml").learner
+    assert (kept.precision, kept.batch) == ("bfloat16" if kept.device == "cuda" else "float32", 2)
+    assert kept.device in ("cpu", "cuda"), "what auto came to is kept"
+    assert f"computing with device {kept.device}, precision {kept.precision}, batch 2" in result.stderr
     card = (run / "MODEL_CARD.md").read_text()
     assert "different labelled frames" in card
     assert "## Licence\n\nCC BY 4.0" in card

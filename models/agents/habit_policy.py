@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from ucon.core.rng import stream
 from ucon.envs.waypoint.searcher import MISS, Searcher
 from ucon.envs.waypoint.text_tokens import SaidTokens, TextTokens, name_table
 from ucon.envs.waypoint.tokens import Sizes, TokenReader, Tokens
+from ucon.learning.policy import comparable
 from ucon.perception.draw import Image
 from ucon.perception.reading import Locate, ReadHabits, expecting
 from ucon.task.actions import Action
@@ -26,9 +27,6 @@ if TYPE_CHECKING:
     from torch import Tensor
 
     from models.habit_policy import HabitPolicy
-
-#: Logits are compared in steps of this: their last bits depend on what is computed beside them.
-_STEP: Final = 1e-4
 
 
 @dataclass
@@ -170,7 +168,7 @@ class HabitPolicyAgent:
             return []
         with torch.inference_mode():
             scores = self.policy(self._tensors(due))
-        logits = np.rint(scores.logits.double().cpu().numpy() / _STEP) * _STEP
+        logits = comparable(scores.logits)
         return [self._choose(row, self._searches[slot]) for slot, row in zip(due, logits, strict=True)]
 
     def _tensors(self, due: dict[int, Tokens]) -> dict[str, Tensor]:

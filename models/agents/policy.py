@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,13 +15,10 @@ from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import sha256_bytes
 from ucon.core.rng import stream
+from ucon.learning.policy import Arrays, Tensors, comparable, stacked, tensors_of
 
 if TYPE_CHECKING:
     from models.nets.policy import PolicyModule
-    from ucon.learning.policy import Arrays, Tensors
-
-#: Logits are compared in steps of this: their last bits depend on what is computed beside them.
-_STEP: Final = 1e-4
 
 
 @dataclass
@@ -129,10 +126,10 @@ class PolicyAgent:
         playing = [self._episodes[slot] for slot in slots_of(infos, slots)]
         frames = [self._tensors(self.policy.frame(o, i)) for o, i in zip(observations, infos, strict=True)]
         with torch.inference_mode():
-            stacked = {name: tensor[None] for name, tensor in _stacked(frames).items()}  # (1, B, ...)
-            context, state = _stacked([e.context for e in playing]), _stacked([e.state for e in playing])
-            outputs = self.policy(stacked, context, state)
-            logits = np.rint(outputs.logits[0].double().cpu().numpy() / _STEP) * _STEP  # (B, 7)
+            steps = {name: tensor[None] for name, tensor in stacked(frames).items()}  # (1, B, ...)
+            context, state = stacked([e.context for e in playing]), stacked([e.state for e in playing])
+            outputs = self.policy(steps, context, state)
+            logits = comparable(outputs.logits[0])  # (B, 7)
         actions = []
         for row, (episode, values) in enumerate(zip(playing, logits, strict=True)):
             actions.append(self._choose(values, episode))
@@ -171,10 +168,7 @@ class PolicyAgent:
             )
 
     def _tensors(self, arrays: Arrays) -> Tensors:
-        import torch
-
-        device = self.policy.device
-        return {name: torch.tensor(np.asarray(array)).to(device) for name, array in arrays.items()}
+        return tensors_of(arrays, self.policy.device)
 
     def _prepare(self) -> None:
         if self._ready:
@@ -182,11 +176,3 @@ class PolicyAgent:
         self._weights.load()
         self.policy.to(torch_device(self._device, "agent.device")).eval()
         self._ready = True
-
-
-def _stacked(parts: Sequence[Tensors]) -> dict[str, Any]:
-    """B mappings of tensors (...) to one of tensors (B, ...)."""
-    import torch
-
-    names: Mapping[str, Any] = parts[0]
-    return {name: torch.stack([part[name] for part in parts]) for name in names}

@@ -14,15 +14,13 @@ from typing import Final
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from safetensors import SafetensorError
-from safetensors.torch import load
 
 from models.nets.belief_head import NEVER, BeliefHead, Outputs
-from ucon.core.errors import DataError
+from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import MANIFEST, read_verified, sha256_file
 from ucon.habits.types import RELATIONS
 from ucon.language.encoder import one_thread
-from ucon.learning.belief import CONFIG, PRIOR, WEIGHTS
+from ucon.learning.belief import CONFIG, PRIOR, WEIGHTS, head_tensors
 from ucon.learning.run import MODEL
 from ucon.retrieval.anchor_prior import AnchorPrior
 from ucon.retrieval.household import Candidates, FittedParts, Household, default_parts, parts_with
@@ -175,14 +173,19 @@ def load_head(folder: Path) -> BeliefHead:
         DataError: a file is missing or altered, or holds no head of this architecture.
     """
     folder = _model_folder(folder)
-    raw, described = read_verified(folder / WEIGHTS), read_verified(folder / CONFIG)
-    try:
-        head = BeliefHead(**json.loads(described)["head"])
-        head.load_state_dict({name: value.float() for name, value in load(raw).items()})
-    except (SafetensorError, ValueError, KeyError, TypeError, RuntimeError) as error:
-        reason = str(error).splitlines()[0][:120]
-        raise DataError(f"{folder}: no belief head of this version ({reason}); train one with learner=belief") from None
+    head = _built(folder / CONFIG)
+    head.load_state_dict(head_tensors(folder / WEIGHTS, head))
     return head.eval()
+
+
+def _built(config: Path) -> BeliefHead:
+    """The head that ``config`` describes, not yet trained."""
+    try:
+        return BeliefHead(**dict(json.loads(read_verified(config))["head"]))
+    except (ValueError, LookupError, TypeError, RecursionError):
+        raise DataError(f"{config}: describes no belief head of this version; train one with learner=belief") from None
+    except ConfigError as error:
+        raise DataError(f"{config}: describes no belief head ({error}); train one with learner=belief") from None
 
 
 def _model_folder(folder: Path) -> Path:

@@ -23,6 +23,6 @@ def small_head(**options):
 def tiny_belief(**options) -> BeliefLearner:
     parts = plain_parts()
     standard = {"steps": 6, "n_kbs": 1, "households": 1, "draw": Draw(targets=4, clutter=5), "warm_up": 2}
-    folds = [Fold(some_habits(12), parts), Fold(some_habits(17), parts)]
+    standard |= {"folds": [Fold(some_habits(12), parts), Fold(some_habits(17), parts)]}
     head = partial(small_head, **options.pop("head", {}))
-    return BeliefLearner(head, some_habits(6), parts=parts, folds=folds, **{**standard, **options})
+    return BeliefLearner(head, some_habits(6), parts=parts, **{**standard, **options})

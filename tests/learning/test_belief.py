@@ -1,12 +1,14 @@
 """Training of the belief head on a piece of the book, and what it may learn from."""
 
 import json
+import pickle
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import pytest
 import torch
+from safetensors.torch import load, save
 
 from models.nets.belief_head import BeliefHead
 from models.nets.head_reader import HeadReader
@@ -119,8 +121,21 @@ def test_it_may_begin_with_another_head(tmp_path):
     for name, value in again.updates.parameters.items():
         assert torch.allclose(value, taught.updates.average[name], atol=2e-3), name
     assert float(again.head.temperature) == 1
-    with pytest.raises(DataError, match="no head like this one"):
+    with pytest.raises(DataError, match=rf"{WEIGHTS}: \w\S* is \(.*\), expected \(.*\); it belongs to another"):
         tiny_belief(initial=str(tmp_path), head={"width": 8})
+    for raw, message in (
+        (pickle.dumps({"a": 1}), "a pickle, which is never read"),
+        (numberless(tmp_path), "no numbers"),
+    ):
+        (tmp_path / WEIGHTS).write_bytes(raw)
+        write_manifest(tmp_path, [WEIGHTS, CONFIG])
+        with pytest.raises(DataError, match=message) as caught:
+            tiny_belief(initial=str(tmp_path))
+        assert "\n" not in str(caught.value)
+
+
+def numberless(folder):
+    return save({name: value * torch.nan for name, value in load((folder / WEIGHTS).read_bytes()).items()})
 
 
 @pytest.mark.parametrize("option", [{"steps": 0}, {"households": 1.5}, {"n_kbs": True}])
@@ -208,6 +223,14 @@ def test_all_that_stands_in_a_scene_may_be_a_place():
     for kb in bases.several("val", 0, 4):
         there = {"griffin", "unicorn"} <= set(bases.candidates(kb))
         assert there == (next(iter(kb.entries.values()))[0].scene == "home_0")
+
+
+@pytest.mark.parametrize("option", [{"n_folds": 3}, {"used_folds": 1}])
+def test_folds_of_habits_that_belong_to_scenes_are_refused(option):
+    ((name, value),) = option.items()
+    with pytest.raises(ConfigError, match=rf"learner\.{name}={value}.* homes is dealt by scene") as caught:
+        BeliefLearner(partial(small_head), in_two_homes(), 4, **option)
+    assert "\n" not in str(caught.value)
 
 
 def test_folds_share_the_train_categories_out():

@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from models.nets.policy import PolicyModule
-from tests.learning.tiny_policy import Counting, TinyPolicy, tiny_imitation, training_file
+from tests.learning.tiny_policy import Counting, Stays, TinyPolicy, on_a_gpu, tiny_imitation, training_file
 from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import write_atomic, write_manifest
 from ucon.learning.run import METRICS, Plan, TrainingRun
@@ -203,6 +203,27 @@ def test_half_the_bits_learn_as_well(learner):
     assert {value.dtype for value in found.updates.parameters.values()} == {torch.float32}
 
 
+AUTO = {"device": "auto", "precision": "auto", "batch": "auto"}
+
+
+def test_a_gpu_is_used_in_half_the_bits_and_larger_batches(learner, monkeypatch):
+    on_a_gpu(monkeypatch)
+    found = learner(Stays(), **AUTO)
+    assert found.settled == {"device": "cuda", "precision": "bfloat16", "batch": 64}
+    assert found.policy.sent == "cuda"
+    kept = learner(Stays(), device="auto", precision="float32", batch=5)
+    assert kept.settled == {"device": "cuda", "precision": "float32", "batch": 5}
+
+
+def test_on_a_cpu_auto_changes_nothing(learner, monkeypatch):
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
+    plain, auto = (learner(n_episodes=3, **options) for options in ({"batch": 16}, AUTO))
+    assert auto.settled == {"device": "cpu", "precision": "float32", "batch": 16} == plain.settled
+    assert plain.step() == auto.step()
+    states = [found.state_dict().tensors for found in (plain, auto)]
+    assert all(torch.equal(value, states[1][name]) for name, value in states[0].items())
+
+
 def test_a_state_of_another_network_is_refused(learner):
     state = learner(TinyPolicy(width=16)).state_dict()
     with pytest.raises(DataError, match="state of another learner"):
@@ -214,6 +235,7 @@ def test_a_state_of_another_network_is_refused(learner):
     [
         ({"policy": 3}, "no policy that can be trained"),
         ({"steps": 0}, r"learner\.steps=0: must be above 0"),
+        ({"batch": "all"}, r"learner\.batch=all: must be above 0 and whole"),
         ({"lr": "fast"}, r"learner\.lr=fast: must be above 0"),
         ({"average": 1.0}, r"learner\.average=1\.0: must be at least 0 and below 1"),
         ({"precision": "float8"}, "unknown precision 'float8'"),

@@ -104,6 +104,10 @@ def test_is_fitted_once(folder, data):
     assert kept_places(data, of_part(data, "train"), default_pair_reader(), QUICK, _never) == folder
     with pytest.raises(AssertionError, match="minutes, once"):
         kept_places(data, of_part(data, "train")[1:], default_pair_reader(), QUICK, _never)
+    with pytest.raises(
+        AssertionError, match="minutes, once"
+    ):  # what stands in a home decides what is asked about there
+        kept_places(replace(data, standing={}), of_part(data, "train"), default_pair_reader(), QUICK, _never)
 
 
 def test_numbers_that_are_none_leave_nothing_behind(data, cache, monkeypatch):

@@ -9,14 +9,16 @@ from tensordict import TensorDict
 
 from models.agents.habit_policy import HabitPolicyAgent
 from tests.learning.test_imitation import Broken, files
-from tests.learning.tiny_policy import Counting, TinyPolicy
+from tests.learning.tiny_policy import Counting, Stays, TinyPolicy, on_a_gpu
 from tests.learning.tiny_ppo import narrow_habit_policy, tiny_ppo
 from ucon.core.errors import ConfigError, DataError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.learning.collecting import InWorkers
 from ucon.learning.ppo_loss import PPOLoss
+from ucon.learning.ppo_options import collection_size
 from ucon.learning.run import METRICS, Plan, TrainingRun
 from ucon.learning.updates import DivergedError
+from ucon.learning.view_policy import ViewPolicy
 from ucon.task.reward import Reward
 
 
@@ -195,6 +197,25 @@ def test_a_memory_that_no_machine_holds_is_refused_before_playing(learner):
         ConfigError, match=r"learner.frames=9000: the memory of habit_policy_e2e .* give learner.frames="
     ):
         learner(HabitPolicyE2E(), frames=9000)
+
+
+def test_collections_are_as_large_as_the_memory_of_the_policy_leaves_room_for():
+    from models.habit_policy_e2e import HabitPolicyE2E
+
+    assert collection_size(HabitPolicyE2E(), "auto") == 1000
+    assert collection_size(HabitPolicyE2E(), 4000) == 4000
+    assert collection_size(TinyPolicy(), "auto") == 9000
+    assert collection_size(ViewPolicy(narrow_habit_policy()), "auto") == 9000
+    with pytest.raises(ConfigError, match=r"learner\.frames=all: must be above 0 and whole"):
+        collection_size(TinyPolicy(), "all")
+
+
+def test_a_gpu_is_used_in_half_the_bits(learner, monkeypatch):
+    on_a_gpu(monkeypatch)
+    found = learner(Stays(), device="auto", precision="auto")
+    assert found.settled == {"device": "cuda", "precision": "bfloat16"}
+    assert found.minibatch == learner().minibatch
+    assert learner(precision="auto").settled == {"device": "cpu", "precision": "float32"}
 
 
 def test_equal_seeds_are_equal_runs(learner):

@@ -1,5 +1,6 @@
 """A run that is stopped anywhere goes on to the same bytes."""
 
+import hashlib
 import json
 import os
 import shutil
@@ -46,8 +47,11 @@ def test_leaves_what_is_needed(whole):
     assert summary["best"]["score"] == max(line.get("val/score", -99) for line in lines)
     card = (whole / CARD).read_text()
     assert card.startswith("# A line\n")
-    assert "model/line.bin" in card
     assert (whole / "model" / "MANIFEST.json").is_file()
+    content = (whole / "model" / "line.bin").read_bytes()
+    digest = hashlib.sha256(content).hexdigest()
+    assert summary["files"] == {"line.bin": {"bytes": len(content), "sha256": digest}}
+    assert f"- `model/line.bin`, 8 bytes, SHA-256 `{digest}`" in card
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -51,6 +51,20 @@ class TinyPolicy(PolicyModule):
         return Outputs(self.choose(hidden), self.worth(hidden)[..., 0], after)
 
 
+class Stays(TinyPolicy):
+    """Says where it was sent to, and stays: there is no GPU here."""
+
+    def to(self, device):
+        self.sent = device
+        return self
+
+
+def on_a_gpu(monkeypatch):
+    """Let torch speak as on a machine with one card that has bfloat16."""
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: True)
+    monkeypatch.setattr(torch.cuda, "get_device_capability", lambda device=None: (9, 0))
+
+
 class Counting(TinyPolicy):
     """Counts the frames that it is told to take in, all of which show something."""
 

@@ -1,5 +1,6 @@
 """The head in place of the fitted reader: what it gives agents, and what it refuses to load."""
 
+import io
 import json
 import shutil
 import time
@@ -7,6 +8,7 @@ import time
 import numpy as np
 import pytest
 import torch
+from safetensors.torch import load, save
 
 from models.agents.belief import ReadHabits
 from models.nets.head_reader import SHIPPED, HeadReader, load_head
@@ -111,19 +113,53 @@ def test_cut_off_and_altered_files_are_refused(folder, tmp_path, name):
             load_head(tmp_path / "copy")
 
 
-def test_other_architectures_and_pickles_are_refused(folder, tmp_path):
+def sealed(folder, tmp_path, name, change):
+    """A copy of the model in which one file is changed, and the manifest with it."""
     shutil.copytree(folder, tmp_path, dirs_exist_ok=True)
-    described = json.loads((tmp_path / CONFIG).read_text())
-    for head in ({"width": 24}, {"layers": 3}):
-        (tmp_path / CONFIG).write_text(json.dumps({"head": {**described["head"], **head}}))
-        write_manifest(tmp_path, [WEIGHTS, CONFIG])
-        with pytest.raises(DataError, match="no belief head of this version"):
-            load_head(tmp_path)
-    (tmp_path / CONFIG).write_text(json.dumps(described))
-    torch.save({"a": torch.zeros(3)}, tmp_path / WEIGHTS)
+    (tmp_path / name).write_bytes(change((tmp_path / name).read_bytes()))
     write_manifest(tmp_path, [WEIGHTS, CONFIG])
-    with pytest.raises(DataError, match="no belief head of this version"):
-        load_head(tmp_path)
+    return tmp_path
+
+
+def with_options(**options):
+    return lambda raw: json.dumps({"head": {**json.loads(raw)["head"], **options}}).encode()
+
+
+def with_tensors(change):
+    return lambda raw: save(change(load(raw)))
+
+
+def pickled(raw):
+    buffer = io.BytesIO()
+    torch.save({"a": torch.zeros(3)}, buffer)
+    return buffer.getvalue()
+
+
+UNFIT = {
+    "another width": (CONFIG, with_options(width=24), rf"{WEIGHTS}: \w\S* is \(.*\), expected \("),
+    "an unknown option": (CONFIG, with_options(layers=3), rf"{CONFIG}: describes no belief head of this version"),
+    "an impossible option": (CONFIG, with_options(width=-1), rf"{CONFIG}: describes no belief head \(learner\.head\."),
+    "no head": (CONFIG, lambda raw: b"{}", rf"{CONFIG}: describes no belief head of this version; train one"),
+    "no options": (CONFIG, lambda raw: b'{"head": 3}', rf"{CONFIG}: describes no belief head of this version"),
+    "no JSON": (CONFIG, lambda raw: b"{", rf"{CONFIG}: describes no belief head of this version"),
+    "a pickle": (WEIGHTS, pickled, rf"{WEIGHTS}: no safetensors \(a pickle, which is never read\)"),
+    "a tensor less": (WEIGHTS, with_tensors(lambda t: dict(sorted(t.items())[1:])), r"lacks tensor \w"),
+    "a tensor more": (WEIGHTS, with_tensors(lambda t: t | {"z": torch.zeros(2)}), "has the unknown tensor z"),
+    "no number": (WEIGHTS, with_tensors(lambda t: {n: v * torch.nan for n, v in t.items()}), "are no numbers"),
+}
+
+
+@pytest.mark.parametrize("name", UNFIT)
+def test_what_is_no_head_of_this_architecture_is_named(folder, tmp_path, name):
+    file, change, message = UNFIT[name]
+    with pytest.raises(DataError, match=message) as caught:
+        load_head(sealed(folder, tmp_path, file, change))
+    assert str(tmp_path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_head_without_a_manifest_is_refused(folder, tmp_path):
+    shutil.copytree(folder, tmp_path, dirs_exist_ok=True)
     (tmp_path / MANIFEST).unlink()
     with pytest.raises(DataError, match="cannot be verified"):
         load_head(tmp_path)

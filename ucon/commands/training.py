@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from ucon.commands.arguments import check_targets
+from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import canonical_json, sha256_bytes
 
@@ -60,8 +61,25 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
     except OSError:
         raise ConfigError(f"resume={cfg.resume}: no run there (no config.yaml); give the folder of a run") from None
     config = _stored(folder / "config.yaml", raw)
+    _check_device(config["learner"], str(cfg.resume))
     watched = {name: cfg[name] for name in ("progress", "wandb", "tensorboard")}
     return ChosenRun({**config, **watched}, folder, checkpoint)
+
+
+def _check_device(learner: Mapping[str, Any], resume: str) -> None:
+    """Refuse to go on elsewhere than where a run began: other sums would make it another run.
+
+    Raises:
+        ConfigError: torch does not see that device here.
+    """
+    device = learner.get("device", "cpu")
+    try:
+        torch_device(device)
+    except ConfigError:
+        raise ConfigError(
+            f"resume={resume}: it began on learner.device={brief(device)}, which torch does not see here; go on where "
+            "it is, or start a run anew"
+        ) from None
 
 
 #: Options of agents that say how weights are played, and what says the like of training.

@@ -17,11 +17,10 @@ from typing import Any
 
 import numpy as np
 import torch
-from safetensors import SafetensorError
-from safetensors.torch import load, save
+from safetensors.torch import save
 from torch import Tensor, nn
 
-from ucon.core.errors import ConfigError, DataError
+from ucon.core.errors import ConfigError
 from ucon.core.files import read_verified
 from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import Split, entry_parts
@@ -29,11 +28,12 @@ from ucon.habits.types import HabitDataset
 from ucon.learning.belief_data import Draw, Draws, Sample, sample
 from ucon.learning.belief_homes import KnowledgeBases
 from ucon.learning.belief_loss import losses
-from ucon.learning.belief_readers import Fold, folds_of, parts_of
+from ucon.learning.belief_readers import N_FOLDS, Fold, folds_of, parts_of
 from ucon.learning.learner import Card, Figures, State
 from ucon.learning.options import check
 from ucon.learning.retriever import schedule
 from ucon.learning.run import MODEL
+from ucon.learning.saved import check_tensors, read_tensors
 from ucon.learning.updates import Updates
 from ucon.retrieval.household import FittedParts
 from ucon.retrieval.levels import FIXED_LEVELS
@@ -62,7 +62,7 @@ class BeliefLearner:
         decay: weight decay.
         relation, relevance: weights of these losses beside that of the anchors.
         average: decay of the moving average of the parameters, which is what is chosen and kept.
-        n_folds: of the parts that read the train text.
+        n_folds: of the parts that read the train text; of habits that belong to no scenes, as ``used_folds``.
         used_folds: so many of them are learned from (each takes minutes to fit); all by default.
         own_places: of a dataset that is bound to scenes, learn also which places its sentences speak for.
         n_kbs: knowledge bases of one validation.
@@ -89,7 +89,7 @@ class BeliefLearner:
         relation: float = 0.3,
         relevance: float = 0.5,
         average: float = 0.99,
-        n_folds: int = 2,
+        n_folds: int = N_FOLDS,
         used_folds: int | None = None,
         own_places: bool = False,
         n_kbs: int = 8,
@@ -272,14 +272,21 @@ class BeliefLearner:
         )
 
 
+def head_tensors(path: Path, head: nn.Module) -> dict[str, Tensor]:
+    """The weights in a file that its folder's manifest lists, as float32, for a head of their shape.
+
+    Raises:
+        DataError: it is missing or altered, no safetensors, of another head, or holds values that are no numbers.
+    """
+    tensors = read_tensors(read_verified(path), path)
+    check_tensors(tensors, head.state_dict(), path)
+    return {name: value.float() for name, value in tensors.items()}
+
+
 def _begin_with(head: nn.Module, folder: Path) -> None:
     """Give a head the weights of another one, without its temperature."""
     path = (folder / MODEL if (folder / MODEL).is_dir() else folder) / WEIGHTS
-    try:
-        tensors = {name: value.float() for name, value in load(read_verified(path)).items()}
-        head.load_state_dict(tensors | {"temperature": torch.ones(())})
-    except (SafetensorError, RuntimeError) as error:
-        raise DataError(f"{path}: no head like this one ({str(error).splitlines()[0][:120]})") from None
+    head.load_state_dict(head_tensors(path, head) | {"temperature": torch.ones(())})
 
 
 def _cooled(outputs: Any, temperature: float) -> Tensor:

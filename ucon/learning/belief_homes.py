@@ -2,7 +2,8 @@
 
 The habit book belongs to no home: households are drawn from its entries, and all anchors that the fitted parts know
 are candidates. A dataset that is bound to scenes, as the official release is, gives one scene's habits at a time;
-candidates are what stands in the scene, or, where nothing says so, the anchors that its training entries name there.
+candidates are what stands in the scene, or, where nothing says so, the anchors that its training entries name there;
+and in either case those of the entries that are asked about, so that each has a place among them.
 """
 
 from __future__ import annotations
@@ -55,7 +56,11 @@ class KnowledgeBases:
         raise DataError(f"{self.dataset.name}: too few {part} targets; give a larger dataset")
 
     def candidates(self, kb: KnowledgeBase) -> tuple[str, ...]:
-        """Anchors that are asked about."""
+        """Anchors that are asked about.
+
+        Those of the knowledge base's own entries are among them, also of entries that are not of the train part: a
+        truth that is no candidate could not be told well or badly.
+        """
         if not self.dataset.scenes:
             return self._known
         entries = [entry for entries in kb.entries.values() for entry in entries]

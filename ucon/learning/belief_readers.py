@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
+from ucon.core.errors import ConfigError, brief
 from ucon.habits.splits import entry_parts
 from ucon.habits.types import HabitDataset
 from ucon.language.pairs import default_pair_reader
@@ -21,6 +23,9 @@ from ucon.retrieval.evidence import EvidenceReader
 from ucon.retrieval.household import FittedParts, default_parts, parts_with, shipped_evidence
 from ucon.retrieval.own_places import LAST, OwnPlaces
 from ucon.retrieval.weights import default_weights, load_arrays
+
+#: Of the habit book, unless another number is given.
+N_FOLDS: Final = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +39,16 @@ class Fold:
 
 
 def folds_of(dataset: HabitDataset, n_folds: int, used_folds: int | None, own_places: bool = False) -> list[Fold]:
-    """Pieces of a dataset, each with what reads it."""
+    """Pieces of a dataset, each with what reads it.
+
+    Raises:
+        ConfigError: folds are asked for of a dataset that is bound to scenes, whose pairs are dealt into four.
+    """
+    if dataset.scenes and (n_folds, used_folds) != (N_FOLDS, None):
+        raise ConfigError(
+            f"learner.n_folds={brief(n_folds)}, learner.used_folds={brief(used_folds)}: are of habits without scenes; "
+            f"{dataset.name} is dealt by scene, leave them out"
+        )
     return scene_folds(dataset, own_places=own_places) if dataset.scenes else book_folds(dataset, n_folds, used_folds)
 
 

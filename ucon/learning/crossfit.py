@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError
-from ucon.core.files import canonical_json, sha256_bytes, user_cache, write_atomic, write_manifest
+from ucon.core.files import MANIFEST, canonical_json, sha256_bytes, user_cache, write_atomic, write_manifest
 from ucon.core.rng import stream
 from ucon.habits.splits import entry_parts, split_categories
 from ucon.habits.types import HabitDataset
@@ -25,7 +25,7 @@ from ucon.language.pairs import PairReader
 from ucon.learning.fit_places import Recipe, Say, fit_places, predicted
 from ucon.retrieval import fit
 from ucon.retrieval.evidence import DECIMALS, EvidenceReader
-from ucon.retrieval.weights import WEIGHTS, Array, Weights, load_arrays
+from ucon.retrieval.weights import WEIGHTS, Array, Weights, default_weights, load_arrays
 
 #: Raised whenever the fitting changes: what was kept before is fitted anew.
 EDITION = 1
@@ -90,8 +90,15 @@ def folds(
     """The first ``used`` folds, or all; what was fitted before is read from the cache.
 
     Raises:
-        ConfigError: fewer than two folds, or more than categories; more used than there are.
+        ConfigError: fewer than two folds, or more than categories; more used than there are; an anchor that the shipped
+            weights, which the folds share in part, do not know.
     """
+    known = default_weights().anchors
+    if odd := next((name for name in data.anchors if name not in known), None):
+        raise ConfigError(
+            f"habits {data.name}: the anchor {odd} is none of the {len(known)} that the shipped reader knows, on "
+            "which the head stands; rename it or leave its entries out"
+        )
     groups = fold_categories(data, count)
     if used is not None and not 1 <= used <= count:
         raise ConfigError(f"{used} of {count} folds: expected 1 to {count}")
@@ -100,10 +107,10 @@ def folds(
 
 def _fold(data: HabitDataset, names: set[str], pairs: PairReader, recipe: Recipe, say: Say) -> Fold:
     own, rest = _part_of(data, names), _part_of(data, set(data.categories) - names)
-    anchors = list(data.anchors)
+    anchors = list(default_weights().anchors)  # those of the arrays that the shipped weights lend
     made_of = [EDITION, own.sha256, rest.sha256, anchors, pairs.encoder.name, str(asdict(recipe))]
     path = user_cache() / "crossfit" / sha256_bytes(canonical_json(made_of).encode())[:24] / "fold.npz"
-    if not path.is_file():
+    if not (path.parent / MANIFEST).is_file():  # written last
         say(f"fitting what reads {len(own.categories)} categories on {len(rest.categories)} others (minutes, once)")
         _keep(path, _fitted(own, rest, anchors, pairs, recipe, say))
     arrays, sha256 = load_arrays(path)

@@ -18,6 +18,9 @@ from ucon.task.episode import Episode
 class Demonstrator(Protocol):
     """Shows how an episode is played."""
 
+    batch: int
+    """Episodes that one step learns from on a CPU, unless another number is given."""
+
     @property
     def title(self) -> str:
         """Who shows it."""
@@ -36,6 +39,7 @@ class Solutions:
     """The stored shortest solutions."""
 
     title = "an expert that knows where the target is"
+    batch = 16
 
     def fingerprint(self) -> str:
         """See :class:`Demonstrator`."""
@@ -75,6 +79,8 @@ class Searches:
     Raises:
         ConfigError: ``agent`` is none.
     """
+
+    batch = 8  # searches are long
 
     def __init__(self, agent: SearchingAgent, env: Callable[[], Any]) -> None:
         if not (hasattr(agent, "reset") and hasattr(agent, "act")):

@@ -264,7 +264,8 @@ def kept_places(
 ) -> Path:
     """Folder with adapter and last layer learned from ``entries``; fitted once, then found again."""
     recipe = recipe or Recipe()
-    made_of = [EDITION, data.sha256, sorted(e.id for e in entries), pairs.encoder.name, str(asdict(recipe))]
+    ids, standing = sorted(e.id for e in entries), {scene: list(names) for scene, names in data.standing.items()}
+    made_of = [EDITION, data.sha256, standing, ids, pairs.encoder.name, str(asdict(recipe))]
     folder = user_cache() / "own_places" / sha256_bytes(canonical_json(made_of).encode())[:24]
     if not (folder / MANIFEST).is_file():
         say(f"teaching which places {sum(len(e.habits) for e in entries)} sentences speak for (minutes, once)")

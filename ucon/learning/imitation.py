@@ -17,8 +17,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from ucon.core.device import torch_device
-from ucon.core.errors import ConfigError, brief, unknown_name
+from ucon.core.device import batch_size, torch_device, torch_precision
+from ucon.core.errors import ConfigError, brief
 from ucon.core.files import sha256_bytes
 from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import entry_parts
@@ -38,8 +38,6 @@ from ucon.retrieval.levels import check_level
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
 
-PRECISIONS = {"float32": torch.float32, "bfloat16": torch.bfloat16}
-
 
 class ImitationLearner:
     """See the module.
@@ -54,13 +52,14 @@ class ImitationLearner:
         demonstrator: shows what to do in them; by default their stored shortest solutions.
         n_episodes: so many of them, evenly spaced; None: all.
         levels: habit levels that a batch mixes. One is enough for a policy that reads none.
-        batch: episodes of one step.
+        batch: episodes of one step; ``auto``: as many as the demonstrator says, four times as many on a GPU.
         chunk: steps through which gradients flow.
         lr, warm_up, clip, decay, average: see :class:`ucon.learning.updates.Updates`.
         seed: of the order of episodes, of dropout and augmentation.
         initial: folder of the weights that it begins with, or a run of ``train.py``; None: those that it has.
         device: ``cpu``, ``cuda``, or ``auto``: a GPU if there is one.
-        precision: ``float32``, or ``bfloat16`` for the passes of the network (the loss stays in float32).
+        precision: ``float32``, or ``bfloat16`` for the passes of the network (the loss stays in float32); ``auto``:
+            the latter on a GPU that has it.
         workers: processes that play episodes ahead; 0 plays them in this one. Changes nothing that is learned.
         memory_gb: of what was seen, kept for the next time.
         half: leave the policy in float16.
@@ -83,7 +82,7 @@ class ImitationLearner:
         demonstrator: Demonstrator | None = None,
         n_episodes: int | None = None,
         levels: Sequence[str] = ("none", "retrieval", "full", "gt"),
-        batch: int = 16,
+        batch: int | str = 16,
         chunk: int = 32,
         lr: float = 3e-4,
         warm_up: int = 50,
@@ -105,15 +104,16 @@ class ImitationLearner:
             raise ConfigError(
                 f"{scorer} scores views, and stored solutions name actions; train it with learner=ppo or expert"
             )
+        self.device = torch_device(device, "learner.device")
+        self._precision = torch_precision(precision, self.device)
+        self.demonstrator = demonstrator or Solutions()
+        batch = batch_size(batch, self.device, self.demonstrator.batch)
         check("above 0 and whole", lambda x: x > 0, (int,), steps=steps, batch=batch, chunk=chunk)
         check("at least 0 and whole", lambda x: x >= 0, (int,), warm_up=warm_up, workers=workers)
         check("above 0", lambda x: 0 < x < 1e9, lr=lr, clip=clip)
         check("at least 0", lambda x: 0 <= x < 1e9, decay=decay, memory_gb=memory_gb)
         check("at least 0 and below 1", lambda x: 0 <= x < 1, average=average)
         check("a whole number", lambda x: True, (int,), seed=seed)
-        if precision not in PRECISIONS:
-            raise ConfigError(unknown_name("precision", str(precision), PRECISIONS))
-        self.device = torch_device(device, "learner.device")
         self.policy, self.make_env, self.loss, self.validation = policy, env, loss, validation
         self.seed, self.batch, self.chunk, self.half, self.steps = seed, batch, chunk, half, steps
         self.act = cast(ActionPolicy, policy)
@@ -123,7 +123,6 @@ class ImitationLearner:
             check_level(str(level))
         self.levels = tuple(levels) if self.act.uses_habits else ("none",)
         self.episodes = spaced(load_episodes(episodes), n_episodes, "learner.n_episodes")
-        self.demonstrator = demonstrator or Solutions()
         seen = env().unwrapped
         self.source = seen.source
         self.dataset = self.source.dataset
@@ -133,7 +132,7 @@ class ImitationLearner:
         self.feeder = Feeder(policy, env, workers=workers, memory_bytes=int(memory_gb * (1 << 30)))
         self.policy.to(self.device)
         self.updates = Updates(policy, lr=lr, clip=clip, steps=steps, warm_up=warm_up, decay=decay, average=average)
-        self._precision, self.done, self.frames, self.labels = PRECISIONS[precision], 0, 0, 0
+        self.done, self.frames, self.labels = 0, 0, 0
         self._stream: Iterator[list[tuple[Trajectory, Replay]]] | None = None
         self._ordered: tuple[int, NDArray[np.int64]] = (-1, np.empty(0, np.int64))
 
@@ -146,6 +145,12 @@ class ImitationLearner:
         text = text_weights(self.source, (*self.levels, self.validation.level))
         others = {"frozen": frozen, "demonstrator": shown, "initial": self._initial, "text": text}
         return hashes | {name: by for name, by in others.items() if by}
+
+    @property
+    def settled(self) -> Mapping[str, str | int]:
+        """What ``auto`` came to here, by option: a run keeps it, wherever it goes on."""
+        precision = str(self._precision).removeprefix("torch.")
+        return {"device": self.device, "precision": precision, "batch": self.batch}
 
     @property
     def n_labels(self) -> int:

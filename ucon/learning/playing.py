@@ -10,15 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.rng import stream
+from ucon.learning.policy import Arrays, comparable, stacked, tensors_of
 from ucon.task.episode import Episode
 
 if TYPE_CHECKING:
     from torch import Tensor, nn
 
     Env = Any
-
-#: Logits are compared in steps of this: their last bits depend on what is computed beside them.
-_STEP = 1e-4
 
 
 @dataclass(frozen=True)
@@ -141,13 +139,12 @@ class Players:
     def _forward(self, slots: Sequence[_Slot]) -> NDArray[np.float64]:
         """Logits (B, 7) of the next step; moves each slot's recurrent state on."""
         frames = [self._tensors(self._policy.frame(slot.observation, slot.info)) for slot in slots]
-        steps = {name: tensor[None] for name, tensor in _stacked(frames).items()}  # (1, B, ...)
-        context, state = _stacked([slot.context for slot in slots]), _stacked([slot.state for slot in slots])
+        steps = {name: tensor[None] for name, tensor in stacked(frames).items()}  # (1, B, ...)
+        context, state = stacked([slot.context for slot in slots]), stacked([slot.state for slot in slots])
         outputs = self._policy(steps, context, state)
         for row, slot in enumerate(slots):
             slot.state = {name: tensor[row] for name, tensor in outputs.state.items()}
-        found: NDArray[np.float64] = outputs.logits[0].double().cpu().numpy()
-        return np.rint(found / _STEP) * _STEP
+        return comparable(outputs.logits[0])
 
     def _step(self, slot: _Slot, action: int) -> bool:
         slot.actions.append(action)
@@ -160,15 +157,5 @@ class Players:
         actions = "".join(map(str, slot.actions))
         return Played(job, actions, bool(metrics.get("success", False)), float(metrics.get("spl", 0.0)))
 
-    def _tensors(self, arrays: Mapping[str, NDArray[Any]]) -> dict[str, Tensor]:
-        import torch
-
-        device = next(self._policy.parameters()).device
-        return {name: torch.tensor(np.asarray(array)).to(device) for name, array in arrays.items()}
-
-
-def _stacked(parts: Sequence[Mapping[str, Tensor]]) -> dict[str, Tensor]:
-    """B mappings of tensors (...) to one of tensors (B, ...)."""
-    import torch
-
-    return {name: torch.stack([part[name] for part in parts]) for name in parts[0]}
+    def _tensors(self, arrays: Arrays) -> dict[str, Tensor]:
+        return tensors_of(arrays, next(self._policy.parameters()).device)

@@ -11,17 +11,20 @@ once and stored) -> ``augment`` (changed at random for a step of training) -> th
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from torch import Generator, Tensor
+    from torch import Generator, Tensor, device
 
 Arrays = Mapping[str, NDArray[np.generic]]
 Tensors = Mapping[str, "Tensor"]
+
+#: Logits are compared in steps of this: their last bits depend on what is computed beside them.
+_STEP: Final = 1e-4
 
 
 class Outputs(NamedTuple):
@@ -87,3 +90,23 @@ class ActionPolicy(Protocol):
     def __call__(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
         """Read T steps of B episodes: ``frames`` (T, B, ...), ``context`` (B, ...), ``state`` before the first step."""
         ...
+
+
+def tensors_of(arrays: Arrays, device: device | str = "cpu") -> dict[str, Tensor]:
+    """Copies of arrays on a device, same names, shapes and kinds of number."""
+    import torch
+
+    return {name: torch.tensor(np.asarray(array)).to(device) for name, array in arrays.items()}
+
+
+def stacked(parts: Sequence[Tensors]) -> dict[str, Tensor]:
+    """B mappings of tensors (...) to one of tensors (B, ...)."""
+    import torch
+
+    return {name: torch.stack([part[name] for part in parts]) for name in parts[0]}
+
+
+def comparable(logits: Tensor) -> NDArray[np.float64]:
+    """Logits of any shape on the CPU, rounded so that it does not matter what was computed beside them."""
+    found: NDArray[np.float64] = logits.double().cpu().numpy()
+    return np.rint(found / _STEP) * _STEP

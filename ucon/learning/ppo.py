@@ -14,7 +14,7 @@ from typing import Any, cast
 import torch
 from torch import Tensor, nn
 
-from ucon.core.device import torch_device
+from ucon.core.device import torch_device, torch_precision
 from ucon.core.files import sha256_bytes
 from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import entry_parts
@@ -22,13 +22,12 @@ from ucon.learning.collecting import Collecting, Rollouts
 from ucon.learning.experience import Experience, Sequences
 from ucon.learning.expert_loss import EXPERT, ExpertLoss
 from ucon.learning.foresight import TO_GO, ForesightLoss
-from ucon.learning.imitation import PRECISIONS
 from ucon.learning.learner import Card, Figures, State
 from ucon.learning.options import check, check_parts, text_weights
 from ucon.learning.playing import Players
 from ucon.learning.policy import ActionPolicy, Outputs
 from ucon.learning.ppo_loss import PPOLoss, finite, inference_mode_but_memory, total
-from ucon.learning.ppo_options import check_choices, check_memory, check_taught
+from ucon.learning.ppo_options import check_choices, check_taught, collection_size
 from ucon.learning.run import SCORE
 from ucon.learning.saved import learns_from, load_network, network_files
 from ucon.learning.updates import DivergedError, Updates, require_finite
@@ -51,7 +50,8 @@ class PPOLearner:
         expert: how it learns to choose as an expert would; None: not at all.
         validation: how states are compared: by ``success_rate`` or ``spl`` of what is played.
         steps: length of the run, and of the schedule of the learning rate.
-        frames: steps of the environment that one collection is learned from.
+        frames: steps of the environment that one collection is learned from; ``auto``: 9,000, or fewer where the
+            policy's memory is large.
         episodes: a named set or a file, of the ``train`` part alone.
         n_episodes: so many of them, evenly spaced; None: all.
         levels: habit levels that every collection mixes. One is enough for a policy that reads none.
@@ -67,7 +67,8 @@ class PPOLearner:
         seed: of episodes, actions and order.
         initial: folder of the weights that it begins with, or a run of ``train.py``; None: those that it has.
         device: ``cpu``, ``cuda``, or ``auto``: a GPU if there is one. Playing is done on the CPU.
-        precision: ``float32``, or ``bfloat16`` for the passes of the network (the loss stays in float32).
+        precision: ``float32``, or ``bfloat16`` for the passes of the network (the loss stays in float32); ``auto``:
+            the latter on a GPU that has it.
         half: leave the policy in float16.
 
     Raises:
@@ -84,7 +85,7 @@ class PPOLearner:
         loss: PPOLoss,
         validation: Validation,
         steps: int,
-        frames: int = 9000,
+        frames: int | str = "auto",
         episodes: str = "train",
         n_episodes: int | None = None,
         levels: Sequence[str] = ("none", "retrieval", "full", "gt"),
@@ -108,7 +109,7 @@ class PPOLearner:
         precision: str = "float32",
         half: bool = False,
     ) -> None:
-        whole = {"steps": steps, "frames": frames, "epochs": epochs, "minibatch": minibatch, "chunk": chunk}
+        whole = {"steps": steps, "epochs": epochs, "minibatch": minibatch, "chunk": chunk}
         check("above 0 and whole", lambda x: x > 0, (int,), **whole)
         check("at least 0 and whole", lambda x: x >= 0, (int,), warm_up=warm_up)
         check("above 0", lambda x: 0 < x < 1e9, lr=lr, clip=clip, kl_stop=kl_stop)
@@ -116,8 +117,9 @@ class PPOLearner:
         check("at least 0", lambda x: 0 <= x < 1e9, decay=decay)
         check("at least 0 and below 1", lambda x: 0 <= x < 1, average=average)
         check("a whole number", lambda x: True, (int,), seed=seed)
-        check_choices(policy, precision, levels, validation)
+        check_choices(policy, levels, validation)
         self.device = torch_device(device, "learner.device")
+        self._precision = torch_precision(precision, self.device)
         self._initial = "" if initial is None else load_network(str(initial), cast(Any, policy))
         views = not hasattr(policy, "frame")
         self.policy: nn.Module = ViewPolicy(policy) if views else policy
@@ -136,14 +138,13 @@ class PPOLearner:
         self.foresight, self.expert = (foresight, expert) if views else (None, None)
         self.epochs, self.minibatch, self.kl_stop = epochs, minibatch, kl_stop
         self.discount, self.trace = discount, trace
-        check_memory(self.act, frames)
         self.chunk = chunk if self.act.initial_state(1) else 1
-        each = -(-frames // collector.rows) + 1  # the last one is not learned from
+        each = -(-collection_size(self.act, frames) // collector.rows) + 1  # the last one is not learned from
         self.rollouts = Rollouts(self.policy, self.make_env, self.episodes, self.levels, collector, each)
         self.policy.to(self.device)
         schedule = {"steps": steps if anneal else 0, "warm_up": warm_up}
         self.updates = Updates(self.policy, lr=lr, clip=clip, decay=decay, average=average, **schedule)
-        self._precision, self.done, self.frames = PRECISIONS[precision], 0, 0
+        self.done, self.frames = 0, 0
 
     @property
     def identity(self) -> Mapping[str, str]:
@@ -154,6 +155,11 @@ class PPOLearner:
         hashes = {"habits": self.dataset.sha256, "episodes": sha256_bytes("\n".join(of_episodes).encode())}
         others = {"frozen": frozen, "reader": self._read_by, "initial": self._initial, "text": text}
         return hashes | {name: by for name, by in others.items() if by}
+
+    @property
+    def settled(self) -> Mapping[str, str]:
+        """What ``auto`` came to here, by option: a run keeps it, wherever it goes on."""
+        return {"device": self.device, "precision": str(self._precision).removeprefix("torch.")}
 
     def step(self) -> Figures:
         """One collection, and what is learned from it.

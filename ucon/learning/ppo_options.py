@@ -3,32 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any, Final, cast
 
 from torch import nn
 
-from ucon.core.errors import ConfigError, brief, unknown_name
+from ucon.core.device import AUTO
+from ucon.core.errors import ConfigError, brief
 from ucon.envs.image_goal import UcONImageGoalEnv
 from ucon.learning.expert_loss import EXPERT
-from ucon.learning.imitation import PRECISIONS
+from ucon.learning.options import check
 from ucon.learning.policy import ActionPolicy
 from ucon.learning.validation import Validation
 from ucon.retrieval.levels import check_level
 
 #: Of the recurrent states of one collection.
 _MOST_STATE_BYTES: Final = 4 << 30
+#: And where none are asked for: a collection is copied more than once.
+_USUAL_STATE_BYTES: Final = 1 << 30
+_USUAL_FRAMES: Final = 9000
 
 
-def check_choices(policy: object, precision: str, levels: Sequence[str], validation: Validation) -> None:
-    """Refuse what names no policy, precision, habit level or figure to choose by.
+def check_choices(policy: object, levels: Sequence[str], validation: Validation) -> None:
+    """Refuse what names no policy, habit level or figure to choose by.
 
     Raises:
         ConfigError: naming what to give.
     """
     if not isinstance(policy, nn.Module):
         raise ConfigError("agent has no policy that can be trained; choose one that has, like agent=habit_policy")
-    if precision not in PRECISIONS:
-        raise ConfigError(unknown_name("precision", str(precision), PRECISIONS))
     if isinstance(levels, str) or not levels:
         raise ConfigError(f"learner.levels={brief(levels)}: expected a list of at least one habit level")
     for level in levels:
@@ -63,15 +65,23 @@ def check_taught(policy: nn.Module, env: Any, search: Any | None, expert: object
         raise ConfigError("learner.expert: the environment tells what none would choose; give search.expert=true")
 
 
-def check_memory(policy: ActionPolicy, frames: int) -> None:
-    """Refuse collections whose recurrent states, one a frame, are more than a machine may hold.
+def collection_size(policy: ActionPolicy, frames: int | str) -> int:
+    """Steps of the environment that one collection holds, whose recurrent states, one each, have to fit a machine.
+
+    ``auto`` are 9,000, or as many thousand as a gigabyte of states leaves room for.
 
     Raises:
-        ConfigError: how many frames there may be.
+        ConfigError: more than a machine may hold; the message says how many there may be.
     """
     size = sum(tensor.nbytes for tensor in policy.initial_state(1).values())
-    if frames * size > _MOST_STATE_BYTES:
+    if frames == AUTO:
+        room = _USUAL_STATE_BYTES // size if size else _USUAL_FRAMES
+        return min(_USUAL_FRAMES, max(1000, room // 1000 * 1000))
+    check("above 0 and whole", lambda x: x > 0, (int,), frames=frames)
+    given = cast(int, frames)
+    if given * size > _MOST_STATE_BYTES:
         raise ConfigError(
-            f"learner.frames={frames}: the memory of {policy.architecture} at each of them takes "
-            f"{frames * size / (1 << 30):.1f} GB; give learner.frames={_MOST_STATE_BYTES // size} or less"
+            f"learner.frames={given}: the memory of {policy.architecture} at each of them takes "
+            f"{given * size / (1 << 30):.1f} GB; give learner.frames={_MOST_STATE_BYTES // size} or less"
         )
+    return given

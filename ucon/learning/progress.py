@@ -17,6 +17,8 @@ from ucon.learning.run import SCORE, OnFigures
 WANDB_MODES: Final = ("offline", "online")
 #: An online run without a network is given up after this long, and logged offline.
 WANDB_PATIENCE_S: Final = 15
+#: So long may the last figures take on their way when training has ended; the rest stays in the run's folder.
+WANDB_UPLOAD_S: Final = 120
 
 
 @contextmanager
@@ -41,36 +43,73 @@ def training_progress(label: str, steps: int, done: int = 0, *, visible: bool = 
         yield show
 
 
+def check_wandb(mode: str | bool | None) -> None:
+    """Refuse what names no mode, and a mode without the package.
+
+    Raises:
+        ConfigError: naming what to give.
+    """
+    if not mode:
+        return
+    if mode not in WANDB_MODES:
+        raise ConfigError(unknown_name("wandb mode", str(mode), ("false", *WANDB_MODES)))
+    try:
+        import wandb  # noqa: F401
+    except ImportError:
+        raise ConfigError(f"wandb={mode}: the package is not installed; `pip install wandb` or wandb=false") from None
+
+
 @contextmanager
 def wandb_log(mode: str | bool | None, folder: Path, config: Mapping[str, Any]) -> Iterator[OnFigures]:
     """Also log to Weights & Biases: false, ``offline`` (files in the run's folder) or ``online``.
 
-    Nothing is sent and nothing imported unless asked for; ``online`` without a network falls back to ``offline``.
+    Nothing is sent and nothing imported unless asked for. ``online`` falls back to ``offline``, with one warning, where
+    there is no network or nobody is logged in: it never asks for a key, since nobody may be there to answer.
+
+    Raises:
+        ConfigError: see :func:`check_wandb`.
     """
+    check_wandb(mode)
     if not mode:
         yield lambda step, figures: None
         return
-    if mode not in WANDB_MODES:
-        raise ConfigError(unknown_name("wandb mode", str(mode), ("false", *WANDB_MODES)))
     run = _wandb_run(str(mode), folder, config)
     try:
         yield lambda step, figures: run.log(dict(figures), step=step)
     finally:
-        run.finish()
+        _finish(run, folder)
 
 
 def _wandb_run(mode: str, folder: Path, config: Mapping[str, Any]) -> Any:
-    try:
-        import wandb
-    except ImportError:
-        raise ConfigError(f"wandb={mode}: the package is not installed; `pip install wandb` or wandb=false") from None
-    settings = wandb.Settings(init_timeout=WANDB_PATIENCE_S, silent=True)
+    import wandb
+
+    settings = wandb.Settings(
+        init_timeout=WANDB_PATIENCE_S, finish_timeout=WANDB_UPLOAD_S, finish_timeout_raises=True, silent=True
+    )
     common = {"project": "ucon", "name": folder.name, "dir": str(folder), "config": dict(config), "settings": settings}
+    if mode == "online":
+        try:
+            # init() would ask at a terminal: its login_timeout ends that in no log at all, and not after the first key.
+            if wandb.login(prompt=False, verify=False):
+                return wandb.init(mode="online", **common)  # type: ignore[arg-type]
+            reason = "nobody is logged in (`wandb login`, or WANDB_API_KEY)"
+        except (wandb.errors.Error, OSError) as error:
+            reason = str(error).splitlines()[0]
+        _warn(f"wandb=online: {reason}; logging offline to {folder / 'wandb'}, `wandb sync` sends it later")
+    return wandb.init(mode="offline", **common)  # type: ignore[arg-type]
+
+
+def _finish(run: Any, folder: Path) -> None:
+    """End a log; an upload that takes too long is left to be made up for."""
     try:
-        return wandb.init(mode=mode, **common)  # type: ignore[arg-type]
-    except (wandb.errors.Error, OSError) as error:
-        print(f"warning: wandb={mode}: {error}; logging offline to {folder / 'wandb'}", file=sys.stderr)  # noqa: T201
-        return wandb.init(mode="offline", **common)  # type: ignore[arg-type]
+        run.finish()
+    except TimeoutError:
+        where = folder / "wandb"
+        _warn(f"wandb=online: not all was sent within {WANDB_UPLOAD_S} s; `wandb sync` sends what is in {where}")
+
+
+def _warn(text: str) -> None:
+    print(f"warning: {text}", file=sys.stderr)  # noqa: T201
 
 
 @contextmanager

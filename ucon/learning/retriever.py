@@ -17,7 +17,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from ucon.core.errors import ConfigError, brief, unknown_name
+from ucon.core.device import torch_precision
+from ucon.core.errors import ConfigError, brief
 from ucon.core.rng import derived_seed
 from ucon.habits.knowledge import KnowledgeBase
 from ucon.habits.splits import entry_parts
@@ -25,6 +26,7 @@ from ucon.habits.types import HabitDataset
 from ucon.language.adapter import adapter_bytes, add_adapters
 from ucon.language.encoder import MINILM_SHA256, MiniLM
 from ucon.learning.learner import Card, Figures, State
+from ucon.learning.options import check
 from ucon.learning.updates import Updates
 from ucon.retrieval.base import query_text, ranked
 from ucon.retrieval.measure import measure_retrieval
@@ -36,7 +38,6 @@ CHUNK = 40
 MAX_TOKENS = 64
 _MOST = 1e9
 """Above every sensible option; keeps infinity out."""
-PRECISIONS = {"float32": torch.float32, "bfloat16": torch.bfloat16}
 
 
 def info_nce(similarity: Tensor, own: Tensor, weight: Tensor, temperature: float) -> Tensor:
@@ -125,13 +126,6 @@ class _Ranker:
         return ranked(self.scores(target, kb), kb.rows)
 
 
-def _check(wanted: str, holds: Callable[[Any], bool], kinds: Sequence[type] = (int, float), **values: object) -> None:
-    """Refuse options that are not ``wanted``; configurations are not typed, so a value may be anything."""
-    for name, value in values.items():
-        if type(value) not in kinds or not holds(value):
-            raise ConfigError(f"learner.{name}={brief(value)}: must be {wanted}")
-
-
 class RetrieverLearner:
     """See the module.
 
@@ -175,21 +169,20 @@ class RetrieverLearner:
         precision: str = "bfloat16",
         encoder: MiniLM | None = None,
     ) -> None:
-        if precision not in tuple(PRECISIONS):
-            raise ConfigError(unknown_name("precision", precision, PRECISIONS))
+        kind = torch_precision(precision)
         if not isinstance(dataset, HabitDataset):
             raise ConfigError(f"learner.dataset={brief(dataset)}: expected a dataset; choose one by habits=...")
-        _check("above 0 and whole", lambda x: x > 0, (int,), steps=steps, rank=rank, warm_up=warm_up, n_kbs=n_kbs)
-        _check("a whole number", lambda x: True, (int,), seed=seed)
-        _check("above 0", lambda x: 0 < x < _MOST, lr=lr, temperature=temperature, other_weight=other_weight)
-        _check("at least 0", lambda x: 0 <= x < _MOST, decay=decay, owner=owner)
-        _check("at least 0 and below 1", lambda x: 0 <= x < 1, mask=mask, average=average)
+        check("above 0 and whole", lambda x: x > 0, (int,), steps=steps, rank=rank, warm_up=warm_up, n_kbs=n_kbs)
+        check("a whole number", lambda x: True, (int,), seed=seed)
+        check("above 0", lambda x: 0 < x < _MOST, lr=lr, temperature=temperature, other_weight=other_weight)
+        check("at least 0", lambda x: 0 <= x < _MOST, decay=decay, owner=owner)
+        check("at least 0 and below 1", lambda x: 0 <= x < 1, mask=mask, average=average)
         self.dataset, self.seed, self.n_kbs, self.steps, self.warm_up = dataset, seed, n_kbs, steps, warm_up
         self.lr, self.temperature, self.other_weight, self.rank = lr, temperature, other_weight, rank
         self.mask, self.owner = mask, owner
         tokenizer, model = (encoder or MiniLM()).parts()
         self.updates = Updates(add_adapters(model, rank, seed), lr=lr, decay=decay, average=average)
-        self._encode = BatchEncoder(tokenizer, model, PRECISIONS[precision])
+        self._encode = BatchEncoder(tokenizer, model, kind)
         self._done = 0
 
     @property

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, cast
 
-import numpy as np
 import torch
 from tensordict import TensorDict, TensorDictBase
 from torch import nn
@@ -17,7 +16,7 @@ from torchrl.data import Binary, Categorical, Composite, Unbounded
 from torchrl.envs import Compose, EnvBase, InitTracker, TensorDictPrimer, TransformedEnv
 
 from ucon.core.rng import stream
-from ucon.learning.policy import ActionPolicy, Arrays, Tensors
+from ucon.learning.policy import ActionPolicy, tensors_of
 from ucon.task.episode import Episode
 
 #: What ``outcome`` holds, at the last step of an episode; zeros before.
@@ -60,8 +59,8 @@ class PolicyEnv(EnvBase):
         episode = self._episodes[int(draw.integers(len(self._episodes)))]
         self._count += 1
         observation, info = self._env.reset(seed=0, options={"episode": episode, "habit_level": level})
-        self._context = _tensors(self._policy.context(info))
-        self._frames = _tensors(self._policy.frame(observation, info))
+        self._context = tensors_of(self._policy.context(info))
+        self._frames = tensors_of(self._policy.frame(observation, info))
 
     def _seen(self) -> dict[str, dict[str, torch.Tensor]]:
         return {"frames": dict(self._frames), "context": dict(self._context)}
@@ -74,7 +73,7 @@ class PolicyEnv(EnvBase):
     def _step(self, tensordict: TensorDictBase) -> TensorDictBase:
         """Running out of steps is an end like any other: it is part of the task, and seen in the frames."""
         observation, reward, terminated, truncated, info = self._env.step(int(tensordict["action"]))
-        self._frames = _tensors(self._policy.frame(observation, info))
+        self._frames = tensors_of(self._policy.frame(observation, info))
         metrics = info.get("episode_metrics", {})
         outcome = torch.tensor([float(metrics.get(name, 0.0)) for name in OUTCOME])
         over = torch.tensor([bool(terminated or truncated)])
@@ -107,10 +106,6 @@ def state_primer(policy: nn.Module) -> TensorDictPrimer | None:
         return TensorDict({STATE: {name: tensor.clone() for name, tensor in first.items()}}, [])
 
     return TensorDictPrimer(Composite({STATE: Composite(specs)}), default_value=fresh, single_default_value=True)
-
-
-def _tensors(arrays: Arrays) -> Tensors:
-    return {name: torch.tensor(np.asarray(array)) for name, array in arrays.items()}
 
 
 def _specs(tensors: Mapping[str, torch.Tensor]) -> Composite:

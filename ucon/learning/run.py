@@ -21,7 +21,7 @@ from types import FrameType
 from typing import Any, Final
 
 from ucon.core.errors import ConfigError, DataError, brief, unknown_name
-from ucon.core.files import canonical_json, write_atomic, write_manifest
+from ucon.core.files import canonical_json, sha256_bytes, write_atomic, write_manifest
 from ucon.learning.checkpoints import BEST, LATEST, Checkpoints
 from ucon.learning.learner import Figures, Learner, State
 
@@ -230,7 +230,7 @@ class TrainingRun:
             "best": self.best,
             "seconds": self._seconds(),
             "hashes": self.checkpoints.identity,
-            "files": {name: len(content) for name, content in product.items()},
+            "files": {name: {"bytes": len(c), "sha256": sha256_bytes(c)} for name, c in product.items()},
         }
         write_atomic(self.folder / CARD, self._card(summary))
         write_atomic(self.folder / SUMMARY, json.dumps(summary, indent=1) + "\n")
@@ -241,7 +241,10 @@ class TrainingRun:
         card = self.learner.card()
         rows = "".join(f"| {name} | {value:g} |\n" for name, value in self.best.items() if name != SCORE)
         hashes = "".join(f"- {name}: `{value}`\n" for name, value in summary["hashes"].items())
-        files = "".join(f"- `{MODEL}/{name}`, {size:,} bytes\n" for name, size in summary["files"].items())
+        files = "".join(
+            f"- `{MODEL}/{name}`, {file['bytes']:,} bytes, SHA-256 `{file['sha256']}`\n"
+            for name, file in summary["files"].items()
+        )
         return (
             f"# {card.title}\n\n{card.text}\n\n## Validation, best checkpoint\n\n| figure | value |\n|---|---|\n{rows}"
             f"\n## Files\n\n{files}\n## Made from\n\n{hashes}\n## Licence\n\n{card.licence}\n"

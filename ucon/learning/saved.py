@@ -104,8 +104,8 @@ def load_network(path: str, network: Network, *, how: str = "") -> str:
         raise DataError(f"{missing}; {how}" if how else missing)
     most = _check_config(folder / CONFIG, network)
     raw = read_verified(folder / WEIGHTS)
-    tensors = _tensors(raw, folder / WEIGHTS)
-    _check_tensors(tensors, network.state_dict(), folder / WEIGHTS)
+    tensors = read_tensors(raw, folder / WEIGHTS)
+    check_tensors(tensors, network.state_dict(), folder / WEIGHTS)
     network.load_state_dict(tensors)
     if getattr(network, "max_habits", None) is not None:
         network.max_habits = most  # type: ignore[attr-defined]
@@ -134,7 +134,12 @@ def _check_config(path: Path, network: Network) -> int:
     return most
 
 
-def _tensors(raw: bytes, path: Path) -> dict[str, Tensor]:
+def read_tensors(raw: bytes, path: Path) -> dict[str, Tensor]:
+    """The tensors in the bytes of a safetensors file, by name.
+
+    Raises:
+        DataError: they are none; a pickle is called one.
+    """
     from safetensors import SafetensorError
     from safetensors.torch import load
 
@@ -146,14 +151,18 @@ def _tensors(raw: bytes, path: Path) -> dict[str, Tensor]:
     return tensors
 
 
-def _check_tensors(tensors: Mapping[str, Tensor], wanted: Mapping[str, Tensor], path: Path) -> None:
-    """Refuse other names, shapes, kinds of number, or values that are none."""
+def check_tensors(tensors: Mapping[str, Tensor], wanted: Mapping[str, Tensor], path: Path) -> None:
+    """Refuse other names, shapes, kinds of number, or values that are none.
+
+    Raises:
+        DataError: naming the first tensor in ``path`` that does not fit.
+    """
     import torch
 
     if odd := sorted(wanted.keys() ^ tensors.keys()):
         what = "lacks" if odd[0] in wanted else "has the unknown"
         raise DataError(f"{path}: {what} tensor {brief(odd[0])} ({len(odd)} differ); it belongs to another version")
-    for name, tensor in tensors.items():
+    for name, tensor in sorted(tensors.items()):
         shape, expected = tuple(tensor.shape), tuple(wanted[name].shape)
         if shape != expected:
             raise DataError(f"{path}: {name} is {shape}, expected {expected}; it belongs to another version")
