@@ -148,7 +148,7 @@ class PolicyAgent:
         frame, state = episode.last
         frames = {name: tensor[None, None] for name, tensor in frame.items()}
         with torch.inference_mode():
-            return self.policy.picture(episode.info, frames, _stacked([episode.context]), _stacked([state]))
+            return self.policy.picture(episode.info, frames, stacked([episode.context]), stacked([state]))
 
     def _choose(self, logits: NDArray[np.float64], episode: _Episode) -> int:
         if not np.isfinite(logits).all():
