@@ -95,11 +95,11 @@ def test_spoilt_configurations_are_named(tmp_path, content, message):
 
 def test_a_run_goes_on_where_it_began(tmp_path):
     """What began on a GPU is not continued on a CPU unasked, nor the other way round."""
-    (tmp_path / "config.yaml").write_text(WHOLE.replace("a.B", "a.B, device: cuda:7"))
+    (tmp_path / "config.yaml").write_text(WHOLE.replace("ucon.B", "ucon.B, device: cuda:7"))
     with pytest.raises(ConfigError, match=r"began on learner\.device=cuda:7, which torch does not see") as caught:
         resumed(tmp_path)
     assert "\n" not in str(caught.value)
-    (tmp_path / "config.yaml").write_text(WHOLE.replace("a.B", "a.B, device: cpu"))
+    (tmp_path / "config.yaml").write_text(WHOLE.replace("ucon.B", "ucon.B, device: cpu"))
     assert resumed(tmp_path).config["learner"]["device"] == "cpu"
 
 

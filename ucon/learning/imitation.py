@@ -128,7 +128,7 @@ class ImitationLearner:
         self.dataset = self.source.dataset
         check_parts(self.episodes, validation.all, entry_parts(self.dataset))
         self._initial = "" if initial is None else load_network(str(initial), cast(Any, policy))
-        learns_from(policy, seen.max_habits)
+        learns_from(policy, seen)
         self.feeder = Feeder(policy, env, workers=workers, memory_bytes=int(memory_gb * (1 << 30)))
         self.policy.to(self.device)
         self.updates = Updates(policy, lr=lr, clip=clip, steps=steps, warm_up=warm_up, decay=decay, average=average)

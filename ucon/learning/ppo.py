@@ -129,7 +129,7 @@ class PPOLearner:
         self.episodes = spaced(load_episodes(episodes), n_episodes, "learner.n_episodes")
         in_actions, in_views = env(), search() if views else None
         check_taught(policy, in_actions, in_views, expert, loss.objective)
-        learns_from(policy, in_actions.unwrapped.max_habits)
+        learns_from(policy, in_actions.unwrapped)
         self._read_by = str(getattr(in_views, "fingerprint", str)())
         self.source = (in_views or in_actions).unwrapped.source
         self.dataset = self.source.dataset

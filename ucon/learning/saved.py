@@ -76,10 +76,10 @@ def network_files(network: Network, *, half: bool = False) -> dict[str, bytes]:
     return {WEIGHTS: save(tensors), CONFIG: (json.dumps(config, indent=1, sort_keys=True) + "\n").encode()}
 
 
-def learns_from(network: Any, max_habits: int) -> None:
+def learns_from(network: Any, env: Any) -> None:
     """Tell a network that reads habits how many its environment gives in training at most."""
     if getattr(network, "max_habits", None) is not None:
-        network.max_habits = max_habits
+        network.max_habits = env.max_habits
 
 
 def model_folder(path: str) -> Path | None:
