@@ -26,9 +26,11 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
 from ucon.commands.entry import one_line_errors, run_entry
-from ucon.commands.training import chosen_run, run_identity, use_threads
+from ucon.commands.training import ChosenRun, chosen_run, run_identity, use_threads
 from ucon.commands.wiring import Factory
 from ucon.core.memory import keep_freed_memory
+from ucon.core.sole_writer import sole_writer
+from ucon.learning.learner import Learner
 from ucon.learning.progress import check_wandb, tensorboard_log, training_progress, wandb_log
 from ucon.learning.run import Interrupted, OnFigures, Plan, TrainingRun
 
@@ -54,6 +56,19 @@ def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None =
     settled: Mapping[str, str | int] = getattr(learner, "settled", {})
     if not chosen.checkpoint:
         config["learner"] |= settled
+    try:
+        with closing(learner), sole_writer(chosen.folder):
+            summary = _trained(chosen, learner, plan, settled)
+    except Interrupted as stop:
+        print(f"stopped after step {stop.step}, saved; go on with resume={chosen.folder}", file=sys.stderr)
+        sys.exit(128 + stop.number)
+    figures = "  ".join(f"{name} {value:g}" for name, value in summary["best"].items())
+    print(f"best validation: {figures}\n{summary['seconds']:.1f} s; model and card in {chosen.folder}")
+
+
+def _trained(chosen: ChosenRun, learner: Learner, plan: Plan, settled: Mapping[str, str | int]) -> dict[str, Any]:
+    """Start or resume, and run to the end; the content of ``summary.json``."""
+    config = chosen.config
     run = TrainingRun(chosen.folder, learner, plan, run_identity(config))
     if chosen.checkpoint:
         run.resume(chosen.checkpoint)
@@ -62,19 +77,12 @@ def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None =
     if settled:
         print("computing with", ", ".join(f"{name} {value}" for name, value in settled.items()), file=sys.stderr)
     label = config["learner"]["_target_"].rsplit(".", 1)[-1]
-    try:
-        with (
-            closing(learner),
-            wandb_log(config["wandb"], chosen.folder, config) as log,
-            tensorboard_log(bool(config["tensorboard"]), chosen.folder) as write,
-            training_progress(label, run.plan.steps, run.step, visible=config["progress"]) as show,
-        ):
-            summary = run.run(_each(show, log, write))
-    except Interrupted as stop:
-        print(f"stopped after step {stop.step}, saved; go on with resume={chosen.folder}", file=sys.stderr)
-        sys.exit(128 + stop.number)
-    figures = "  ".join(f"{name} {value:g}" for name, value in summary["best"].items())
-    print(f"best validation: {figures}\n{summary['seconds']:.1f} s; model and card in {chosen.folder}")
+    with (
+        wandb_log(config["wandb"], chosen.folder, config) as log,
+        tensorboard_log(bool(config["tensorboard"]), chosen.folder) as write,
+        training_progress(label, plan.steps, run.step, visible=config["progress"]) as show,
+    ):
+        return run.run(_each(show, log, write))
 
 
 def _each(*sinks: OnFigures) -> OnFigures:

@@ -8,6 +8,7 @@ import pytest
 from ucon.core.errors import ConfigError
 from ucon.habits import KnowledgeBase, book
 from ucon.retrieval import LEVELS, BM25Retriever, DenseRetriever, habits_at_level, mrr, recall_at
+from ucon.retrieval.kernels import LANES, products
 from ucon.retrieval.measure import measure_retrieval
 from ucon.retrieval.sampling import sampled_kb
 
@@ -41,6 +42,31 @@ def test_ranking_does_not_depend_on_the_order_of_the_knowledge_base(kbs, name):
 
 
 @pytest.mark.timed
+def test_product_of_every_half_is_exact():
+    """All finite fp16 patterns, in the lanes and behind them, as NumPy widens them."""
+    patterns = np.arange(1 << 16, dtype=np.uint16)
+    patterns = patterns[np.isfinite(patterns.view(np.float16))]
+    for dim in (1, LANES):
+        halves = np.zeros((len(patterns), dim), np.uint16)
+        halves[:, -1] = patterns
+        found = np.empty(len(patterns))
+        products(halves, np.ones(dim), found)
+        assert np.array_equal(found, patterns.view(np.float16).astype(np.float64))
+
+
+def test_product_is_summed_lane_by_lane():
+    rng = np.random.default_rng(0)
+    vectors = rng.normal(0, 0.05, (50, 3 * LANES + 5)).astype(np.float16)
+    query, found = rng.normal(0, 0.05, vectors.shape[1]), np.empty(len(vectors))
+    products(vectors.view(np.uint16), query, found)
+    terms = vectors.astype(np.float64) * query
+    lanes = terms[:, :LANES] + 0.0
+    for start in (LANES, 2 * LANES):
+        lanes += terms[:, start : start + LANES]
+    in_order = np.concatenate([lanes, terms[:, 3 * LANES :]], axis=1)
+    assert np.array_equal(found, np.cumsum(in_order, axis=1)[:, -1])
+
+
 def test_dense_query_is_cheap(kbs):
     retriever = DenseRetriever()
     retriever.rank(next(iter(kbs[0].entries)), kbs[0])

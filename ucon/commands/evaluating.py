@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
 import time
 from pathlib import Path
@@ -11,6 +12,7 @@ from omegaconf import OmegaConf
 
 from ucon.commands.wiring import Factory
 from ucon.core.errors import ConfigError, DataError
+from ucon.core.sole_writer import sole_writer
 from ucon.evaluation.folder import SUMMARY, RunFolder, free_folder
 from ucon.evaluation.naming import parts_of
 from ucon.evaluation.play import Played, RunSpec
@@ -73,9 +75,13 @@ class Evaluation:
         Of a finished run nothing is played and nothing is written.
 
         Raises:
-            ConfigError: the folder belongs to another run, or cannot be written.
+            ConfigError: the folder belongs to another run, is written by another command, or cannot be written.
             DataError: what it holds is damaged.
         """
+        with contextlib.nullcontext() if (self.out / SUMMARY).is_file() else sole_writer(self.out):
+            return self._play()
+
+    def _play(self) -> dict[str, Any]:
         folder = RunFolder(self.out, self.hashes, versions())
         done = folder.open()
         if folder.summary is not None:

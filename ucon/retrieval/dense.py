@@ -44,7 +44,7 @@ class DenseRetriever:
         """
         self.encoder = encoder or default_encoder()
         self._whole = whole
-        self._converted: WeakKeyDictionary[KnowledgeBase, NDArray[np.float32]] = WeakKeyDictionary()
+        self._halves: WeakKeyDictionary[KnowledgeBase, NDArray[np.uint16]] = WeakKeyDictionary()
 
     @property
     def name(self) -> str:
@@ -68,13 +68,13 @@ class DenseRetriever:
         """Rows of the knowledge base, best first."""
         return ranked(self.scores(target, kb), kb.rows)
 
-    def _vectors(self, kb: KnowledgeBase) -> NDArray[np.float32]:
-        """Vectors (N, dim) of a knowledge base, kept while it lives: to widen fp16 costs several products."""
-        if kb not in self._converted:
+    def _vectors(self, kb: KnowledgeBase) -> NDArray[np.uint16]:
+        """Bits of the fp16 vectors (N, dim) of a knowledge base, kept while it lives."""
+        if kb not in self._halves:
             known = (
                 dataset_vectors(kb.dataset, self.encoder)[kb.rows]
                 if self._whole
                 else self.encoder.encode_half(kb.texts)
             )
-            self._converted[kb] = known.astype(np.float32)
-        return self._converted[kb]
+            self._halves[kb] = known.view(np.uint16)
+        return self._halves[kb]

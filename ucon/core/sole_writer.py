@@ -1,0 +1,40 @@
+"""One command at a time writes to a run's folder."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from ucon.core.errors import ConfigError
+
+try:
+    import fcntl
+except ImportError:  # Windows knows no locks on folders
+    fcntl = None  # type: ignore[assignment]
+
+
+@contextlib.contextmanager
+def sole_writer(folder: Path) -> Iterator[None]:
+    """Make ``folder`` and hold it against other commands; a process that dies, however it does, lets go of it.
+
+    The folder itself is locked, so nothing is left in it. Where that is not possible (Windows, some network drives, a
+    folder that cannot be made) nothing is held, and whoever writes there says what is wrong.
+
+    Raises:
+        ConfigError: another command writes there.
+    """
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError):
+            folder.mkdir(parents=True, exist_ok=True)
+            if fcntl is not None:
+                opened = os.open(folder, os.O_RDONLY)
+                stack.callback(os.close, opened)
+                try:
+                    fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                except BlockingIOError:
+                    raise ConfigError(
+                        f"{folder}: another command is writing there; wait for it, or choose another folder"
+                    ) from None
+        yield
