@@ -9,8 +9,7 @@ from collections.abc import Callable
 import pytest
 from numpy._core._multiarray_umath import __cpu_features__
 
-#: Bars that a processor of another kind than the one they were set on is known to miss, or recordings that its NumPy
-#: plays otherwise: they are checked where they were made.
+#: Bars that a processor of another kind than the one they were set on is known to miss: they are checked there.
 where_it_was_set = pytest.mark.skipif(
     not __cpu_features__.get("AVX512_SKX"), reason="set on a processor with AVX-512, which this one has not"
 )

@@ -204,11 +204,17 @@ def test_bad_options_end_in_one_line(words, part, tmp_path):
     assert part in user_error(replay(tmp_path, *words))
 
 
+def has_a_network(folder: Path) -> bool:
+    """Whose sums in float32 end in other bits on another kind of processor, which can tip what is nearly a tie."""
+    return "policy" in OmegaConf.load(folder / "config.yaml").agent
+
+
 @pytest.mark.slow
-@pytest.mark.skipif(torch.backends.cpu.get_cpu_capability() != "AVX512", reason="records were made with AVX-512")
 @pytest.mark.parametrize("folder", OWN, ids=lambda folder: folder.name)
 def test_the_results_come_out_again(folder, tmp_path):
     """Some episodes of every recorded run that needs nothing but what is shipped."""
+    if has_a_network(folder) and torch.backends.cpu.get_cpu_capability() != "AVX512":
+        pytest.skip("recorded with AVX-512, and a network is asked")
     words = (str(folder), "--every", "200", "--path", "=".join(SHIPPED), "--out", str(tmp_path))
     result = run("replay", *words, timeout=900)  # the first with another encoder has all sentences to encode
     assert "the same to the byte" in result.stdout, result.stdout + result.stderr

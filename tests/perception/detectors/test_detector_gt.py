@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from models.agents.frontier import FrontierAgent
-from tests.timing import where_it_was_set
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.perception.detectors import Frame, GtDetector
@@ -88,7 +87,6 @@ def test_episodes_are_played_as_before_there_were_other_detectors() -> None:
     env.close()
 
 
-@where_it_was_set
 def test_agents_act_as_before_there_were_other_detectors() -> None:
     env, agent, played = UcONEnv("mini", observe="symbolic", detector=True), FrontierAgent(), []
     for number in range(6):
