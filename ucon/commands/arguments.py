@@ -8,6 +8,7 @@ from __future__ import annotations
 import inspect
 import sys
 from collections.abc import Iterator, Mapping
+from functools import cache
 from typing import Any, Final
 
 from ucon.commands.kinds import ANYTHING, Kind, is_part, kind_of, whole
@@ -37,6 +38,7 @@ def check_arguments(config: Any) -> None:
                 )
 
 
+@cache
 def arguments_of(target: str) -> dict[str, tuple[Kind, Any]]:
     """By name, the kinds and defaults of the arguments of a constructor that are annotated.
 
@@ -52,9 +54,10 @@ def arguments_of(target: str) -> dict[str, tuple[Kind, Any]]:
             parameters = inspect.signature(one).parameters.values()
             for parameter in parameters:
                 kind = kind_of(parameter.annotation, vars(sys.modules[one.__module__]))
-                if kind is not None and parameter.kind is not parameter.VAR_KEYWORD:
-                    if out.get(parameter.name, (ANYTHING,))[0] is ANYTHING:  # a base knows more of what is passed on
-                        out[parameter.name] = (_NARROWER.get(parameter.name, kind), parameter.default)
+                known = out.get(parameter.name, (ANYTHING,))[0] is not ANYTHING
+                if kind is None or known or parameter.kind is parameter.VAR_KEYWORD:
+                    continue  # a base knows more only of what is passed on unseen
+                out[parameter.name] = (_NARROWER.get(parameter.name, kind), parameter.default)
             if not any(parameter.kind is parameter.VAR_KEYWORD for parameter in parameters):
                 break
     except Exception:  # not importable, or not to be called: building it says so

@@ -10,6 +10,7 @@ import ast
 import math
 import types
 import typing
+import unicodedata
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -53,8 +54,8 @@ def _is_number(value: Any) -> bool:
 
 
 def is_text(value: Any) -> bool:
-    """A text that could name a file: without NUL, and with no longer name or path than there can be."""
-    if type(value) is not str or "\0" in value or len(value) > _LONGEST:
+    """A text of one line that could name a file: with no longer name or path than there can be."""
+    if type(value) is not str or len(value) > _LONGEST or any(unicodedata.category(letter) == "Cc" for letter in value):
         return False
     return all(len(name.encode("utf-8", "replace")) <= _LONGEST_NAME for name in value.split("/"))
 
@@ -87,7 +88,7 @@ def mapping(of: Kind) -> Kind:
 
 SWITCH: Final = Kind("true or false", lambda value: type(value) is bool)
 NUMBER: Final = Kind("a number", _is_number)
-TEXT: Final = Kind(f"a text (names of at most {_LONGEST_NAME} bytes, no NUL)", is_text)
+TEXT: Final = Kind(f"a text of one line, names in it of at most {_LONGEST_NAME} bytes", is_text)
 NOTHING: Final = Kind("null", lambda value: value is None)
 PART: Final = Kind("a part (_target_: ...)", is_part)
 ANYTHING: Final = Kind("anything", lambda value: True)
