@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import copy
+import json
+import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -190,3 +194,48 @@ def test_a_strangers_folder_starts_no_program(tmp_path: Path, canary: tuple[Path
         assert ("learner.env.config.detector._target_=" in line) == (name == "a")
         assert (f"say again: ++detector.python={program}" in line) == (name == "b")
     assert not left.exists()
+
+
+def hostile_builds(folder: Path, parts: dict[str, Any], how: str) -> dict[str, Any]:
+    """What comes of :mod:`tests.commands.hostile`; the folder holds a program and code that would leave a file."""
+    left = folder / "canary"
+    (folder / "program").write_text(f"#!/bin/sh\ntouch {left}\n")
+    (folder / "program").chmod(0o755)
+    (folder / "mine.py").write_text(f"open({str(left)!r}, 'w')\ndef evil(*a, **k): open({str(left)!r}, 'w')\n")
+    words = [sys.executable, "-m", "tests.commands.hostile", str(folder), how]
+    environment = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{folder}"}
+    done = subprocess.run(
+        words, input=json.dumps(parts), cwd=ROOT, env=environment, capture_output=True, text=True, timeout=1800
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    found: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    assert found["seen"] == []
+    assert not left.exists()
+    return found
+
+
+def test_hostile_arguments_start_nothing(tmp_path: Path) -> None:
+    parts = {target: part for target, part in each().items() if not target.endswith("Learner")}
+    found = hostile_builds(tmp_path, parts, "fast")
+    assert found["tried"] > 2000
+    assert found["built"] > 500, "what is let through is tried"
+
+
+@pytest.mark.slow
+def test_hostile_arguments_of_learners_start_nothing(tmp_path: Path) -> None:
+    parts = {target: part for target, part in each().items() if target.endswith("Learner")}
+    assert hostile_builds(tmp_path, parts, "all")["tried"] > 300
+
+
+def test_the_watch_sees_what_it_should(tmp_path: Path) -> None:
+    """A test of the test: with programs and servers let through, they are noticed."""
+    code = (
+        "import subprocess, socket, sys; from pathlib import Path; from tests.commands.hostile import Watch\n"
+        f"watch = Watch(Path({str(tmp_path)!r})); watch.armed = True\n"
+        "subprocess.run(['true']); socket.socket().close(); import mine; watch.armed = False\n"
+        "print(sorted({event for _, event, _ in watch.seen}))"
+    )
+    (tmp_path / "mine.py").write_text("x = 1\n")
+    environment = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{tmp_path}"}
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=environment, capture_output=True, text=True)
+    assert done.stdout.strip() == "['exec', 'socket.__new__', 'subprocess.Popen']", done.stderr
