@@ -39,7 +39,9 @@ def test_mistakes_end_in_one_line(tmp_path):
     assert "leave out training.steps=3" in error_line(train(f"resume={tmp_path}", "training.steps=3"))
     assert "unknown learner 'retreiver': did you mean retriever" in error_line(train("learner=retreiver"))
     assert "threads=0: expected a whole number" in error_line(train("threads=0", f"out={tmp_path}/run"))
-    assert "unknown wandb mode 'onlin': did you mean online" in error_line(train("wandb=onlin", f"out={tmp_path}/run"))
+    assert "wandb=onlin: expected false or null or offline or online" in error_line(
+        train("wandb=onlin", f"out={tmp_path}/run")
+    )
     assert "unknown option 'training.foo'" in error_line(train("+training.foo=1", f"out={tmp_path}/run"))
     assert "seed=abc: expected a whole number" in error_line(train("seed=abc", f"out={tmp_path}/run"))
     assert "scores views, and stored solutions name actions" in error_line(train("learner=imitation"))

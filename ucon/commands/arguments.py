@@ -42,13 +42,16 @@ def check_arguments(config: Any) -> None:
 def arguments_of(target: str) -> dict[str, tuple[Kind, Any]]:
     """By name, the kinds and defaults of the arguments of a constructor that are annotated.
 
-    A constructor that hands ``**options`` on to that of its base takes what the base takes.
+    A constructor with ``**options`` hands them on: to the class that its ``options_of`` names, else to its base.
     """
     from hydra.utils import get_object
 
     try:
         found = get_object(target)
-        made_by = [c for c in inspect.getmro(found) if "__init__" in vars(c)] if inspect.isclass(found) else [found]
+        made_by = [found]
+        if inspect.isclass(found):
+            other = getattr(found, "options_of", None)
+            made_by = [found, other] if other else [c for c in inspect.getmro(found) if "__init__" in vars(c)]
         out: dict[str, tuple[Kind, Any]] = {}
         for one in made_by:
             parameters = inspect.signature(one).parameters.values()

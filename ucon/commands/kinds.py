@@ -130,7 +130,12 @@ def _of_node(node: ast.expr, names: Mapping[str, Any]) -> Kind | None:
         name = ast.unparse(node.value).rpartition(".")[2]
         if name == "Literal":
             return one_of(*(ast.literal_eval(item) for item in inside))
-        return _generic(name, [_of_node(item, names) for item in inside], inside[-1:])
+        endless = name == "tuple" and ast.unparse(inside[-1]) == "..."
+        if endless:
+            return _generic("Sequence", [_of_node(inside[0], names)])
+        return _generic(name, [_of_node(item, names) for item in inside])
+    if not isinstance(node, ast.Name | ast.Attribute):
+        return None
     name = ast.unparse(node).rpartition(".")[2]
     if name in _NAMED:
         return _NAMED[name]
@@ -140,7 +145,7 @@ def _of_node(node: ast.expr, names: Mapping[str, Any]) -> Kind | None:
     return PART
 
 
-def _generic(name: str, inside: Sequence[Kind | None], last: Sequence[ast.expr]) -> Kind | None:
+def _generic(name: str, inside: Sequence[Kind | None]) -> Kind | None:
     if name in ("dict", "Callable", "type", "NDArray"):
         return PART
     if any(kind is None for kind in inside):
@@ -149,8 +154,7 @@ def _generic(name: str, inside: Sequence[Kind | None], last: Sequence[ast.expr])
     if name in ("Sequence", "list", "Iterable"):
         return sequence(kinds[0])
     if name == "tuple":
-        endless = isinstance(last[0], ast.Constant) and last[0].value is ...
-        return sequence(kinds[0], None if endless else len(kinds))
+        return sequence(kinds[0], len(kinds))
     if name == "Mapping":
         return mapping(kinds[1])
     return {"Optional": either([*kinds, NOTHING]), "Union": either(kinds)}.get(name, PART)

@@ -46,7 +46,7 @@ TRAINING: Final[Mapping[str, Kind]] = {
     "seed": whole(0),
     "threads": whole(1, MOST_THREADS),
     "progress": SWITCH,
-    "wandb": either([SWITCH, TEXT, NOTHING]),
+    "wandb": either([Kind("false", lambda value: value is False), NOTHING, one_of("offline", "online")]),
     "tensorboard": SWITCH,
     "training.steps": whole(1),
     "training.validate_every": whole(1),
