@@ -13,13 +13,16 @@ from typing import Any
 
 import pytest
 import yaml
+from omegaconf import OmegaConf
 
 from tests.commands.stored import CONFIGS, composed, each, stored
 from tests.commands.test_cli import run
 from tests.test_bad_input import command
 from ucon.commands.places import places
 from ucon.commands.stored import checked, has_to_be_said
-from ucon.core.errors import UconError
+from ucon.commands.training import chosen_run
+from ucon.core.errors import DataError, UconError
+from ucon.evaluation.folder import read_config
 
 ROOT = Path(__file__).parents[2]
 BUILT = ("agent", "env", "learner")
@@ -239,3 +242,19 @@ def test_the_watch_sees_what_it_should(tmp_path: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{tmp_path}"}
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=environment, capture_output=True, text=True)
     assert done.stdout.strip() == "['exec', 'socket.__new__', 'subprocess.Popen']", done.stderr
+
+
+def bomb() -> str:
+    """Nine lines that describe ten thousand million nodes."""
+    lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x, x]"]
+    lines += [f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 10)}]" for k in range(1, 10)]
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize("text", [bomb(), "[" * 3000, "x: y\n" * 300_000, "env: {}\n" + "{a: " * 500], ids=len)
+def test_configurations_that_would_not_end(text: str, tmp_path: Path) -> None:
+    (tmp_path / "config.yaml").write_text(text)
+    with pytest.raises(DataError, match=r"config\.yaml"):
+        read_config(tmp_path)
+    with pytest.raises(DataError, match=r"config\.yaml"):
+        chosen_run(OmegaConf.create({"resume": str(tmp_path)}), [], None)

@@ -12,6 +12,7 @@ from ucon.commands.stored import checked, has_to_be_said
 from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import canonical_json, sha256_bytes
+from ucon.core.yaml_text import without_aliases
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
@@ -133,7 +134,7 @@ def _stored(path: Path, raw: bytes, said: Mapping[str, Any]) -> dict[str, Any]:
     from yaml import YAMLError
 
     try:
-        config: Any = OmegaConf.to_container(OmegaConf.create(raw.decode("utf-8")))
+        config: Any = OmegaConf.to_container(OmegaConf.create(without_aliases(raw.decode("utf-8"))))
     except UnicodeDecodeError:
         raise DataError(f"{path}: not UTF-8; {_REMEDY}") from None
     except YAMLError as error:
