@@ -20,6 +20,9 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+import ucon.commands.ready  # noqa: F401 (says what to do without the environment)
+
+# isort: split
 import hydra
 from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode

@@ -27,7 +27,7 @@ from models.nets.one_frame import one_frame
 from models.nets.places_to_go import PlacesToGo, Ways
 from models.nets.policy import N_ACTIONS, PolicyModule, lstm_state, run_lstm
 from models.nets.read_habits import SUMMARY_FEATURES, read_habits, words
-from models.nets.sizes import check_sizes
+from models.nets.sizes import MOST, check_sizes
 from models.nets.things_in_view import N_CUES, Seen, ThingsInView
 from ucon.core.errors import ConfigError, brief
 from ucon.core.rng import derived_seed
@@ -102,8 +102,8 @@ class HabitPolicyE2E(PolicyModule):
             ConfigError: a size that does not fit.
         """
         super().__init__()
-        if type(image_px) is not int or image_px < 16 or image_px % 16:
-            raise ConfigError(f"agent.policy.image_px={brief(image_px)}: must be a multiple of 16, at least 16")
+        if type(image_px) is not int or not 16 <= image_px <= MOST or image_px % 16:
+            raise ConfigError(f"agent.policy.image_px={brief(image_px)}: must be a multiple of 16, from 16 to {MOST}")
         check_sizes("agent.policy", width=width, hidden=hidden)
         self._reader, self._head = reader, head
         self._arguments = {"image_px": image_px, "width": width, "hidden": hidden}

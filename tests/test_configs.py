@@ -19,7 +19,13 @@ from ucon.retrieval.levels import check_level
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 OPTIONS = sorted((p.parent.name, p.stem) for p in CONFIGS.glob("*/*.yaml"))
-MANDATORY = {("habits", "official"): "habits.path=somewhere", ("habits", "folder"): "habits.path=somewhere"}
+MANDATORY = {
+    ("habits", "official"): "habits.path=somewhere",
+    ("habits", "folder"): "habits.path=somewhere",
+    ("part", "clip"): "agent.policy.clip.path=somewhere",
+    ("part", "detr_tokens"): "agent.policy.tokens.path=somewhere",
+    ("part", "clip_goal"): "agent.policy.goal.path=somewhere",
+}
 
 
 #: Groups that belong to ``train.yaml`` alone.

@@ -39,7 +39,9 @@ def test_mistakes_end_in_one_line(tmp_path):
     assert "leave out training.steps=3" in error_line(train(f"resume={tmp_path}", "training.steps=3"))
     assert "unknown learner 'retreiver': did you mean retriever" in error_line(train("learner=retreiver"))
     assert "threads=0: expected a whole number" in error_line(train("threads=0", f"out={tmp_path}/run"))
-    assert "unknown wandb mode 'onlin': did you mean online" in error_line(train("wandb=onlin", f"out={tmp_path}/run"))
+    assert "wandb=onlin: expected false or null or offline or online" in error_line(
+        train("wandb=onlin", f"out={tmp_path}/run")
+    )
     assert "unknown option 'training.foo'" in error_line(train("+training.foo=1", f"out={tmp_path}/run"))
     assert "seed=abc: expected a whole number" in error_line(train("seed=abc", f"out={tmp_path}/run"))
     assert "scores views, and stored solutions name actions" in error_line(train("learner=imitation"))
@@ -60,13 +62,16 @@ def resumed(path):
     return chosen_run(OmegaConf.create({"resume": str(path), **watched}), [], None)
 
 
-WHOLE = "learner: {_target_: ucon.B}\ntraining: {steps: 3}\nthreads: 1\n"
+WHOLE = "learner: {_target_: ucon.learning.retriever.RetrieverLearner}\ntraining: {steps: 3}\nthreads: 1\n"
 
 
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"learner: {_target_: ucon.B}\nthreads: [1\n", r"config\.yaml:3: not YAML; restore it"),
+        (
+            b"learner: {_target_: ucon.learning.retriever.RetrieverLearner}\nthreads: [1\n",
+            r"config\.yaml:3: not YAML; restore it",
+        ),
         (b"threads: \x00", r"config\.yaml:1: not YAML"),
         (b"threads: \xff", r"config\.yaml: not UTF-8; restore it"),
         (b"threads: !!int abc", r"config\.yaml: not the configuration of a run"),
@@ -77,8 +82,8 @@ WHOLE = "learner: {_target_: ucon.B}\ntraining: {steps: 3}\nthreads: 1\n"
         (WHOLE.replace("threads: 1\n", "").encode(), r"config\.yaml: no threads in it"),
         (WHOLE.replace("_target_", "target").encode(), r"config\.yaml: learner has no _target_"),
         (
-            WHOLE.replace("ucon.B", "os.mkdir").encode(),
-            r"learner\._target_=os\.mkdir: what a folder names is built from",
+            WHOLE.replace("ucon.learning.retriever.RetrieverLearner", "os.mkdir").encode(),
+            r"learner\._target_=os\.mkdir: nothing in configs/ builds that there",
         ),
         (
             f"{WHOLE}agent: {{of: [{{_target_: os.mkdir}}]}}\n".encode(),
@@ -95,11 +100,19 @@ def test_spoilt_configurations_are_named(tmp_path, content, message):
 
 def test_a_run_goes_on_where_it_began(tmp_path):
     """What began on a GPU is not continued on a CPU unasked, nor the other way round."""
-    (tmp_path / "config.yaml").write_text(WHOLE.replace("ucon.B", "ucon.B, device: cuda:7"))
+    (tmp_path / "config.yaml").write_text(
+        WHOLE.replace(
+            "ucon.learning.retriever.RetrieverLearner", "ucon.learning.retriever.RetrieverLearner, device: cuda:7"
+        )
+    )
     with pytest.raises(ConfigError, match=r"began on learner\.device=cuda:7, which torch does not see") as caught:
         resumed(tmp_path)
     assert "\n" not in str(caught.value)
-    (tmp_path / "config.yaml").write_text(WHOLE.replace("ucon.B", "ucon.B, device: cpu"))
+    (tmp_path / "config.yaml").write_text(
+        WHOLE.replace(
+            "ucon.learning.retriever.RetrieverLearner", "ucon.learning.retriever.RetrieverLearner, device: cpu"
+        )
+    )
     assert resumed(tmp_path).config["learner"]["device"] == "cpu"
 
 

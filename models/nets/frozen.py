@@ -70,7 +70,11 @@ class FrozenWeights:
         try:
             with quiet(transformers), torch.inference_mode(False):
                 model, report = kind.from_pretrained(
-                    local_folder(self.path), local_files_only=True, use_safetensors=True, output_loading_info=True
+                    local_folder(self.path),
+                    local_files_only=True,
+                    trust_remote_code=False,
+                    use_safetensors=True,
+                    output_loading_info=True,
                 )
         except Exception as error:  # a damaged file fails in many ways
             line = brief(" ".join(str(error).split()))

@@ -55,7 +55,7 @@ class SentenceGoal:
         """
         raise ConfigError(
             "the sentence encoder knows no images, and the goal is one; give CLIP: "
-            "'++agent.policy.goal={_target_:models.nets.goals.ClipGoal,path:FOLDER}'"
+            "part=clip_goal agent.policy.goal.path=FOLDER"
         )
 
 
@@ -103,7 +103,9 @@ class ClipGoal(ClipTower):
         try:
             with quiet(transformers):
                 folder = local_folder(self._weights.path)
-                return transformers.AutoTokenizer.from_pretrained(folder, local_files_only=True)
+                return transformers.AutoTokenizer.from_pretrained(
+                    folder, local_files_only=True, trust_remote_code=False
+                )
         except Exception as error:  # a damaged file fails in many ways
             line = " ".join(str(error).split())[:120]
             raise DataError(f"{_OPTION}={self._weights.path}: no tokenizer ({line}); get the whole model") from None

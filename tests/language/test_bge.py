@@ -254,3 +254,16 @@ def test_a_head_is_needed_only_for_lexical_weights(copy: Path, encoder: BgeM3) -
 def test_weights_are_checked(weights: tuple[float, float]) -> None:
     with pytest.raises(ConfigError, match="one above 0"):
         BgeRetriever("x", *weights)
+
+
+def test_a_folders_own_modules_are_not_run(copy: Path, tmp_path: Path) -> None:
+    left = tmp_path / "canary"
+    (copy / "mine.py").write_text(f"open({str(left)!r}, 'w')\nclass Own: ...\n")
+    modules = json.loads((copy / "modules.json").read_text())
+    (copy / "modules.json").write_text(json.dumps([*modules, {"idx": 9, "name": "9", "path": "", "type": "mine.Own"}]))
+    with pytest.raises(DataError, match=r"module of type mine\.Own, which is code of the folder's own"):
+        BgeM3(str(copy)).encode(["habit"])
+    (copy / "modules.json").write_text("[1]")
+    with pytest.raises(DataError, match="no list of modules"):
+        BgeM3(str(copy)).encode(["habit"])
+    assert not left.exists()

@@ -13,30 +13,34 @@ from typing import Any
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
+    from ucon.commands.stored import add_said
+
     parser.add_argument("retrieval", metavar="RETRIEVAL", type=Path, help="run folder of an agent at level retrieval")
     parser.add_argument("gt", metavar="GT", type=Path, help="run folder of the same agent at level gt")
     parser.add_argument("--episodes", help="set or file that both played (default: what the runs say)")
     parser.add_argument("--out", type=Path, metavar="FILE", help="keep these episodes, to play them again by path")
+    add_said(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object a line")
 
 
 def run(args: argparse.Namespace) -> int:
     """Print the cases."""
-    from ucon.commands.arguments import check_targets
     from ucon.commands.output import stdout_to_stderr
+    from ucon.commands.stored import checked, said_in
     from ucon.commands.wiring import Factory
     from ucon.evaluation.cases import landmark_cases
     from ucon.evaluation.folder import CONFIG, read_config
     from ucon.evaluation.record import read_records
     from ucon.task.sets import load_episodes, save_episodes
 
-    config = read_config(args.retrieval)
-    check_targets(config, str(args.retrieval / CONFIG))
+    config, said, where = read_config(args.retrieval), said_in(args), str(args.retrieval / CONFIG)
+    checked(config, where, (), said, "--set ")
     _require_one_setting(config, read_config(args.gt))
     with stdout_to_stderr():
         task = config["task"]
         episodes = load_episodes(args.episodes or config["episodes"], task["name"], context=task["context"])
-        source = Factory(config["env"]["source"])()
+        of_source = {"env": {"source": config["env"]["source"]}}
+        source = Factory(checked(of_source, where, ("env",), said, "--set ")["env"]["source"])()
         source.prepare(level="retrieval")
         cases = list(landmark_cases(read_records(args.retrieval), read_records(args.gt), episodes, source))
         if args.out is not None and cases:

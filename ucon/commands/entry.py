@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import errno
+import inspect
 import os
 import re
 import sys
+import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,13 +22,25 @@ _OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACC
 
 
 def run_entry(main: Callable[[], Any], config_name: str) -> None:
-    """Run a Hydra main whose errors of composition, and of :func:`one_line_errors`, end in one line."""
+    """Run a Hydra main whose errors before it begins, and of :func:`one_line_errors`, end in one line.
+
+    Before it begins Hydra composes the configuration and makes the folder ``out``: what fails there is the user's.
+    """
     os.environ.setdefault("HYDRA_FULL_ERROR", "1")  # else Hydra prints its own text and exits
     from hydra.errors import HydraException
+    from omegaconf.errors import OmegaConfBaseException
 
     try:
         main()
-    except HydraException as error:
+    except (HydraException, OmegaConfBaseException) as error:
+        _end(explain(error, _configs(), config_name), USER_ERROR)
+    except (OSError, ValueError) as error:
+        if _within(main, error):
+            raise
+        if isinstance(error, OSError):
+            _end(
+                f"{error.filename}: cannot be made ({error.strerror}); give out=FOLDER that can be written", USER_ERROR
+            )
         _end(explain(error, _configs(), config_name), USER_ERROR)
     except KeyboardInterrupt:
         _end("interrupted", INTERRUPTED)
@@ -57,6 +71,14 @@ def one_line_errors(config_name: str) -> Iterator[None]:
         )
     except KeyboardInterrupt:
         _end(f"interrupted; {_what_is_kept(config_name)}", INTERRUPTED)
+
+
+def _within(main: Callable[[], Any], error: BaseException) -> bool:
+    """Whether an error comes from within a decorated main, in this process or another."""
+    code = getattr(inspect.unwrap(main), "__code__", None)
+    return error.__cause__ is not None or any(
+        frame.f_code is code for frame, _ in traceback.walk_tb(error.__traceback__)
+    )
 
 
 def _what_is_kept(config_name: str) -> str:

@@ -10,8 +10,9 @@ from typing import Any
 
 from omegaconf import OmegaConf
 
+from ucon.commands.options import EVALUATION, check_options
 from ucon.commands.wiring import Factory
-from ucon.core.errors import ConfigError, DataError
+from ucon.core.errors import DataError
 from ucon.core.sole_writer import sole_writer
 from ucon.evaluation.folder import SUMMARY, RunFolder, free_folder
 from ucon.evaluation.naming import parts_of
@@ -36,6 +37,7 @@ class Evaluation:
     """
 
     def __init__(self, config: dict[str, Any], out: Path, *, anew: bool = False) -> None:
+        check_options(config, EVALUATION)
         task = config["task"]
         self.level = str(config["habit_level"]["name"])
         check_level(self.level)
@@ -124,10 +126,7 @@ def chosen_episodes(name: str, limit: int | None, task: str, *, context: bool, e
 
 def check_part(limit: Any, every: Any) -> None:
     """Raises :class:`ConfigError` where no part of a set is chosen so."""
-    if type(every) is not int or every < 1:
-        raise ConfigError(f"every={every}: expected a whole number from 1 up; 5 plays every fifth episode")
-    if limit is not None and (not isinstance(limit, int) or limit < 1):
-        raise ConfigError(f"limit={limit}: expected a number of episodes from 1 up, or null for all")
+    check_options({"limit": limit, "every": every}, EVALUATION)
 
 
 def warn_of_other_rules(episodes: tuple[Episode, ...], task: str) -> None:

@@ -31,6 +31,8 @@ _NEEDED: Mapping[str, type] = {
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
+    from ucon.commands.stored import add_said
+
     parser.add_argument("runs", nargs="+", metavar="RUN", type=Path, help="folders of results/, or of eval.py")
     parser.add_argument(
         "--every", type=int, default=1, metavar="K", help="play every K-th of their episodes (default: all)"
@@ -42,6 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="OLD=NEW",
         help="where what a configuration names OLD lies here (runs/head1=FOLDER, PATH=FOLDER); may be given again",
     )
+    add_said(parser)
     parser.add_argument("--workers", default="auto", help="processes (default: one a core); changes nothing")
     parser.add_argument("--out", type=Path, default=Path("runs/replay"), help="folder of the new runs (runs/replay)")
     parser.add_argument("--json", action="store_true", help="print one JSON object a line")
@@ -51,17 +54,18 @@ def run(args: argparse.Namespace) -> int:
     """Play each; 0 where all came out as they were kept, 1 where some did not or could not be played."""
     from hydra.errors import HydraException
 
+    from ucon.commands.stored import said_in
     from ucon.core.errors import UconError
     from ucon.evaluation.runner import WorkerError
 
     if args.every < 1:
         raise _bad("--every", str(args.every), "a whole number from 1 up")
-    places = dict(_place(word) for word in args.path)
+    places, said = dict(_place(word) for word in args.path), said_in(args)
     ok = True
     for folder in args.runs:
         out = args.out / folder.resolve().name
         try:
-            again = _replay(folder, out, args.every, places, args.workers)
+            again = _replay(folder, out, args.every, _configuration(folder, places, said), args.workers)
         except (UconError, HydraException, WorkerError) as error:
             ok = False
             # A worker's failure is a bug, which keeps its traceback.
@@ -100,13 +104,13 @@ def _place(word: str) -> tuple[str, str]:
     return old.rstrip("/"), str(Path(new).expanduser())
 
 
-def _replay(folder: Path, out: Path, every: int, places: Mapping[str, str], workers: str) -> _Again:
+def _replay(folder: Path, out: Path, every: int, config: dict[str, Any], workers: str) -> _Again:
     from ucon.commands.evaluating import Evaluation
     from ucon.commands.output import stdout_to_stderr
     from ucon.evaluation.record import read_records
     from ucon.evaluation.replayed import Kept, replayed
 
-    kept, config = Kept.read(folder), _configuration(folder, places)
+    kept = Kept.read(folder)
     limit = config["limit"]
     config |= {
         "every": config["every"] * every,
@@ -122,24 +126,24 @@ def _replay(folder: Path, out: Path, every: int, places: Mapping[str, str], work
     return _Again(replayed(kept, read_records(run.out), every), run.n_new, run.out)
 
 
-def _configuration(folder: Path, places: Mapping[str, str]) -> dict[str, Any]:
+def _configuration(folder: Path, places: Mapping[str, str], said: Mapping[str, Any]) -> dict[str, Any]:
     """A run's own, with what it names where that lies here.
 
     Raises:
-        DataError: there is none, it lacks something, or it would build what is not ours.
-        ConfigError: it chooses no part of its episodes.
+        DataError: there is none, it lacks something, or it would build what it must not.
+        ConfigError: it needs what has to be said again, or chooses no part of its episodes.
     """
-    from ucon.commands.arguments import check_targets
     from ucon.commands.evaluating import check_part
+    from ucon.commands.stored import checked
     from ucon.core.errors import DataError
     from ucon.evaluation.folder import CONFIG, read_config
 
     where, config = folder / CONFIG, {**_LATER, **_moved(read_config(folder), places)}
     if missing := [name for name, kind in _NEEDED.items() if not isinstance(_at(config, name), kind)]:
         raise DataError(f"{where}: no usable {', '.join(missing)} in it; restore it or evaluate again")
-    check_targets(config, str(where))
-    check_part(config["limit"], config["every"])
-    return config
+    allowed: dict[str, Any] = checked(config, str(where), ("agent", "env"), said, "--set ")
+    check_part(allowed["limit"], allowed["every"])
+    return allowed
 
 
 def _at(config: Any, name: str) -> Any:

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from ucon.commands.arguments import check_targets
+from ucon.commands.options import TRAINING, check_options
+from ucon.commands.stored import checked, has_to_be_said
 from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import canonical_json, sha256_bytes
+from ucon.core.yaml_text import without_aliases
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
 
 #: What to do about a run's configuration that cannot be used.
 _REMEDY = "restore it, or start the run anew"
-#: More threads than any machine has; torch fails on far larger numbers.
-_MOST_THREADS = 1024
 #: Options that say where and how a run is watched, not what is learned.
 NEUTRAL_OPTIONS = ("out", "resume", "progress", "wandb", "tensorboard")
 
@@ -48,8 +48,11 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
         if not config.get("out"):
             raise ConfigError("out has no value; give out=FOLDER")
         _check(config, "configuration")
+        check_options(config, TRAINING)
         return ChosenRun(config, swept or Path(str(config["out"])))
-    odd = [word for word in overrides if word.split("=")[0].lstrip("+~") not in NEUTRAL_OPTIONS[1:]]
+    said = _said(word for word in overrides if word.startswith("++"))
+    known = {*NEUTRAL_OPTIONS[1:], *said}
+    odd = [word for word in overrides if word.split("=")[0].lstrip("+~") not in known]
     if odd:
         raise ConfigError(f"resume={cfg.resume}: a run goes on with its own configuration; leave out {' '.join(odd)}")
     path = Path(str(cfg.resume)).expanduser()
@@ -60,10 +63,18 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
         raw = (folder / "config.yaml").read_bytes()
     except OSError:
         raise ConfigError(f"resume={cfg.resume}: no run there (no config.yaml); give the folder of a run") from None
-    config = _stored(folder / "config.yaml", raw)
+    config = _stored(folder / "config.yaml", raw, said)
     _check_device(config["learner"], str(cfg.resume))
     watched = {name: cfg[name] for name in ("progress", "wandb", "tensorboard")}
     return ChosenRun({**config, **watched}, folder, checkpoint)
+
+
+def _said(words: Iterable[str]) -> dict[str, Any]:
+    """Values of the options among ``words`` that a stored run must have said again."""
+    from hydra.core.override_parser.overrides_parser import OverridesParser
+
+    found = [OverridesParser.create().parse_override(word) for word in words]
+    return {over.key_or_group: over.value() for over in found if has_to_be_said(over.key_or_group)}
 
 
 def _check_device(learner: Mapping[str, Any], resume: str) -> None:
@@ -111,18 +122,19 @@ def _check_agent(cfg: DictConfig, overrides: Sequence[str]) -> None:
             raise ConfigError(f"{word}: {option} is of playing; give {_OF_PLAYING[option]}")
 
 
-def _stored(path: Path, raw: bytes) -> dict[str, Any]:
+def _stored(path: Path, raw: bytes, said: Mapping[str, Any]) -> dict[str, Any]:
     """The configuration that a run left as ``raw``.
 
     Raises:
-        DataError: it is no text, no YAML, lacks something, or would build what is not ours.
+        DataError: it is no text, no YAML, lacks something, or would build what it must not.
+        ConfigError: it needs what has to be said again, or something else was said than it has.
     """
     from omegaconf import OmegaConf
     from omegaconf.errors import OmegaConfBaseException
     from yaml import YAMLError
 
     try:
-        config: Any = OmegaConf.to_container(OmegaConf.create(raw.decode("utf-8")))
+        config: Any = OmegaConf.to_container(OmegaConf.create(without_aliases(raw.decode("utf-8"))))
     except UnicodeDecodeError:
         raise DataError(f"{path}: not UTF-8; {_REMEDY}") from None
     except YAMLError as error:
@@ -132,10 +144,13 @@ def _stored(path: Path, raw: bytes) -> dict[str, Any]:
         raise DataError(f"{path}: not the configuration of a run; {_REMEDY}") from None
     try:
         _check(config, str(path))
+        check_options(config, TRAINING)
     except ConfigError as error:
         raise DataError(f"{error}; {_REMEDY}") from None
-    check_targets(config, str(path))
-    return config
+    allowed: dict[str, Any] = checked(config, str(path), ("learner",), said, "++")
+    if allowed != config:
+        raise ConfigError(f"{path}: the run has other values than ++{', ++'.join(said)}; say those that it has")
+    return allowed
 
 
 def _check(config: Any, where: str) -> None:
@@ -163,6 +178,5 @@ def use_threads(threads: Any) -> None:
     """
     import torch
 
-    if type(threads) is not int or not 1 <= threads <= _MOST_THREADS:
-        raise ConfigError(f"threads={brief(threads)}: expected a whole number from 1 to {_MOST_THREADS}")
+    check_options({"threads": threads}, TRAINING)
     torch.set_num_threads(threads)

@@ -47,7 +47,7 @@ def _raise_users_error(error: BaseException | None, target: str) -> None:
         if isinstance(error, UconError):
             raise error from None
         if isinstance(error, TypeError) and "argument" in str(error):
-            raise ConfigError(f"{target}: {error}; see its file in configs/") from None
+            raise ConfigError(f"{target}: {' '.join(str(error).split())}; see its file in configs/") from None
         if isinstance(error, ModuleNotFoundError) and error.name:
             raise ConfigError(f"{target}: {_missing(target, error.name)}") from None
         error = error.__cause__

@@ -8,12 +8,14 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from ucon.core.errors import ConfigError
+from ucon.core.errors import ConfigError, brief
 from ucon.sim.render import SKY_DEPTH_M
 from ucon.task.actions import Action
 
 NO_ACTION = len(Action)
 """``last_action`` at the start."""
+MOST_HABITS = 1 << 20
+"""Rows beyond which no observation is made."""
 MAX_POSE = 1000.0
 
 
@@ -25,7 +27,12 @@ def observation_space(image_px: tuple[int, int] | None, dimension: int, max_habi
         dimension: Length of a text embedding.
         max_habits: Rows of habits, padded.
         max_steps: Steps of an episode.
+
+    Raises:
+        ConfigError: a number of rows that is none.
     """
+    if type(max_habits) is not int or not 1 <= max_habits <= MOST_HABITS:
+        raise ConfigError(f"max_habits={brief(max_habits)}: expected a whole number from 1 to {MOST_HABITS}")
     entries: dict[str, spaces.Space[Any]] = {}
     if image_px is not None:
         height, width = image_px

@@ -22,6 +22,7 @@ from yaml import YAMLError
 
 from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import canonical_json, write_atomic
+from ucon.core.yaml_text import without_aliases
 from ucon.evaluation.decisions import DecisionRecord
 from ucon.evaluation.play import Played
 from ucon.evaluation.record import EpisodeRecord, EpisodeTiming, read_records, to_lines
@@ -195,8 +196,8 @@ def read_config(folder: Path) -> dict[str, Any]:
     if not path.is_file():
         raise DataError(f"{path}: no such file; expected the folder of a finished run of eval.py")
     try:
-        config = OmegaConf.to_container(OmegaConf.load(path))
-    except (OSError, ValueError, YAMLError, OmegaConfBaseException):
+        config = OmegaConf.to_container(OmegaConf.create(without_aliases(path.read_text(encoding="utf-8"))))
+    except (OSError, ValueError, YAMLError, OmegaConfBaseException, RecursionError):
         config = None
     if not isinstance(config, dict) or not {"env", "task", "episodes"} <= config.keys():
         raise DataError(f"{path}: no configuration of a run; {_ALTERED}")

@@ -18,7 +18,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.core.errors import DataError
+from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json, remembered_sha256, sha256_bytes
 from ucon.language.encoder import Progress, Vectors, one_thread, quiet
 from ucon.language.sparse import SparseRows
@@ -141,6 +141,7 @@ class BgeM3:
     @cached_property
     def _model(self) -> Any:
         self.dim  # noqa: B018 (says what is wrong before gigabytes are read)
+        _check_modules(self.folder / "modules.json")
         os.environ.setdefault("HF_HUB_OFFLINE", "1")
         os.environ.setdefault("TRANSFORMERS_OFFLINE", "1")
         import torch
@@ -154,6 +155,7 @@ class BgeM3:
                     str(self.folder),
                     device=self._device,
                     local_files_only=True,
+                    trust_remote_code=False,
                     model_kwargs={"dtype": torch.float32, "attn_implementation": "eager"},
                 ).eval()
         except Exception as error:  # a damaged file can fail in any way in four libraries
@@ -208,6 +210,18 @@ def _output(model: Any, text: str) -> dict[str, Any]:
     with torch.inference_mode():
         batch = {key: x.to(model.device) if hasattr(x, "to") else x for key, x in model.preprocess([text]).items()}
         return {"input_ids": batch["input_ids"], **model(batch)}
+
+
+def _check_modules(file: Path) -> None:
+    """Refuse a folder that brings a class of its own: some versions of the library would run its code."""
+    try:
+        kinds = [str(module["type"]) for module in json.loads(file.read_text())]
+    except (ValueError, LookupError, TypeError, RecursionError):
+        raise DataError(f"{file}: no list of modules with their types; {_HOW}") from None
+    if odd := next((kind for kind in kinds if not kind.startswith("sentence_transformers.")), None):
+        raise DataError(
+            f"{file}: module of type {brief(odd)}, which is code of the folder's own and is not run; {_HOW}"
+        )
 
 
 def _settings(file: Path) -> dict[str, Any]:

@@ -29,6 +29,9 @@ __all__ = ["ChatClient", "Message", "Reply", "Usage"]
 class ChatClient:
     """Asks one model of one server. Threads may share it."""
 
+    from_command_line = ("base_url", "api_key_env")
+    """Where habits are sent, and which secret with them: a stored configuration does not decide that."""
+
     def __init__(
         self,
         base_url: str,

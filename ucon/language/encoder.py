@@ -128,9 +128,11 @@ class MiniLM:
         import transformers
 
         with quiet(transformers):
-            self._tokenizer = transformers.AutoTokenizer.from_pretrained(folder, local_files_only=True)
+            self._tokenizer = transformers.AutoTokenizer.from_pretrained(
+                folder, local_files_only=True, trust_remote_code=False
+            )
             self._model = transformers.AutoModel.from_pretrained(
-                folder, local_files_only=True, dtype=torch.float32, attn_implementation="eager"
+                folder, local_files_only=True, trust_remote_code=False, dtype=torch.float32, attn_implementation="eager"
             ).eval()
 
 

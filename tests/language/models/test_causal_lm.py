@@ -1,5 +1,8 @@
 """The causal model on a tiny Llama: cached and batched it says what plain forward passes say."""
 
+import json
+import shutil
+
 import numpy as np
 import pytest
 import torch
@@ -141,3 +144,18 @@ def test_no_such_gpu(folder):
 
 def test_its_name_is_that_of_the_weights(folder):
     assert CausalModel(folder).name == "causal (tiny-llama)"
+
+
+def test_a_folders_own_code_is_not_run(folder, tmp_path):
+    """What ``auto_map`` names would be loaded where it is trusted; nobody is asked whether it is."""
+    brought = shutil.copytree(folder, tmp_path / "brought")
+    left = tmp_path / "canary"
+    (brought / "mine.py").write_text(f"open({str(left)!r}, 'w')\nclass Model: ...\nclass Config: ...\n")
+    described = json.loads((brought / "config.json").read_text())
+    names = {"AutoConfig": "mine.Config", "AutoModelForCausalLM": "mine.Model"}
+    described |= {"auto_map": names, "model_type": "mine", "architectures": ["Model"]}
+    (brought / "config.json").write_text(json.dumps(described))
+    with pytest.raises(DataError, match="cannot be loaded") as caught:
+        CausalModel(str(brought)).answer([question()])
+    assert "\n" not in str(caught.value)
+    assert not left.exists()

@@ -61,6 +61,9 @@ the left, actions to get there, cells of a frontier, share of a thing not looked
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
 
+    options_of = UcONEnv
+    """Whose options it takes beside its own."""
+
     def __init__(
         self,
         episodes: Any = "mini",

@@ -83,6 +83,9 @@ class UcONSearchEnv(gym.Env[Obs, int]):
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
 
+    options_of = UcONEnv
+    """Whose options it takes beside its own."""
+
     def __init__(
         self,
         episodes: Any = "mini",

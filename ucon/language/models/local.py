@@ -15,6 +15,8 @@ class LocalModel(ABC):
     gives_scores = True
     kind = "local"
     """Before the weights in the name."""
+    from_command_line = ("download",)
+    """The network: a stored configuration does not decide that it is used."""
 
     def __init__(self, weights: LocalWeights) -> None:
         self._weights = weights

@@ -91,17 +91,20 @@ class LocalWeights:
         if self.dtype == "int8":
             options["quantization_config"] = transformers.BitsAndBytesConfig(load_in_8bit=True)
             options["device_map"] = {"": self.device}
-        model = self.read(lambda folder: getattr(transformers, kind).from_pretrained(folder, **options))
+        model = self.read(lambda folder, **safe: getattr(transformers, kind).from_pretrained(folder, **options, **safe))
         return (model if self.dtype == "int8" else model.to(self.device)).eval()
 
     def read(self, build: Callable[..., Any]) -> Any:
-        """What ``build`` makes of the folder; a damaged file can fail in any way, and is one :class:`DataError`."""
+        """What ``build`` makes of the folder, told to run no code of it and to stay off the network.
+
+        A damaged file can fail in any way, and is one :class:`DataError`.
+        """
         import transformers
 
         folder = self.folder()
         try:
             with quiet(transformers):
-                return build(folder)
+                return build(folder, local_files_only=True, trust_remote_code=False)
         except Exception as error:
             line = " ".join(str(error).split())[:200]
             raise DataError(f"{folder}: cannot be loaded ({type(error).__name__}: {line}); {self._how}") from None

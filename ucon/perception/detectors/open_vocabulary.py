@@ -10,7 +10,7 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -31,6 +31,8 @@ _DTYPES = ("float32", "float16", "bfloat16")
 class Weights:
     """Which model, and how it runs."""
 
+    from_command_line: ClassVar = ("download",)
+    """The network: a stored configuration does not decide that it is used."""
     model: str
     """A folder, or a name on the Hugging Face hub."""
     device: str = "cpu"
@@ -64,9 +66,9 @@ def load(weights: Weights) -> Loaded:
 
     local = not weights.download
     try:
-        processor = AutoProcessor.from_pretrained(weights.model, local_files_only=local)
+        processor = AutoProcessor.from_pretrained(weights.model, local_files_only=local, trust_remote_code=False)
         model = AutoModelForZeroShotObjectDetection.from_pretrained(
-            weights.model, local_files_only=local, dtype=getattr(torch, weights.dtype)
+            weights.model, local_files_only=local, trust_remote_code=False, dtype=getattr(torch, weights.dtype)
         )
         model = model.to(weights.device).eval()
     except (OSError, ValueError, ImportError, RuntimeError) as error:

@@ -35,6 +35,8 @@ class YoloWorldDetector(BoxDetector):
     """Boxes by YOLO-World; the process starts at the first frame and ends with :meth:`close`."""
 
     name = "yolo_world"
+    from_command_line = ("python", "weights")
+    """A program, and a file that it unpickles: a stored configuration does not decide them."""
 
     def __init__(
         self,
