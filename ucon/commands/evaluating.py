@@ -10,6 +10,7 @@ from typing import Any
 
 from omegaconf import OmegaConf
 
+from ucon.commands.arguments import check_arguments
 from ucon.commands.options import EVALUATION, check_options
 from ucon.commands.wiring import Factory
 from ucon.core.errors import DataError
@@ -38,6 +39,7 @@ class Evaluation:
 
     def __init__(self, config: dict[str, Any], out: Path, *, anew: bool = False) -> None:
         check_options(config, EVALUATION)
+        check_arguments(config["env"])  # which is built last, by whoever plays
         task = config["task"]
         self.level = str(config["habit_level"]["name"])
         check_level(self.level)
