@@ -6,8 +6,8 @@ import pytest
 from tests.evaluation.records import BASE, record
 from ucon.core.errors import ConfigError, DataError
 from ucon.evaluation.compare import compare_records
-from ucon.evaluation.metrics import episode_spl, summarise
-from ucon.evaluation.record import EpisodeRecord, read_records, to_lines
+from ucon.evaluation.metrics import summarise
+from ucon.evaluation.record import EpisodeRecord, episode_spl, read_records, to_lines
 
 
 def test_round_trip(tmp_path):
@@ -90,7 +90,7 @@ def test_summary_without_retrieval_has_no_invented_figures():
 
 def test_a_record_that_contradicts_itself_is_refused():
     with pytest.raises(DataError, match="e7"):
-        summarise([record(7, spl=0.9)])
+        summarise([record(7, spl=0.9, path_length_m=4.0)])
 
 
 def test_paired_comparison_uses_common_episodes_only():

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ucon.evaluation.replayed import Replayed
 
 #: Options that older configurations lack, at what they were then.
-_LATER = {"limit": None, "every": 1, "batch": 1, "seed": 0}
+_LATER = {"limit": None, "every": 1, "batch": 1, "seed": 0, "worker_timeout_s": 3600}
 #: What a configuration must say, and how: nobody would notice before the middle of a run.
 _NEEDED: Mapping[str, type] = {
     "episodes": str,
@@ -132,7 +132,8 @@ def _configuration(folder: Path, places: Mapping[str, str]) -> dict[str, Any]:
     from ucon.commands.arguments import check_targets
     from ucon.commands.evaluating import check_part
     from ucon.core.errors import DataError
-    from ucon.evaluation.folder import CONFIG, read_config
+    from ucon.evaluation.finished import read_config
+    from ucon.evaluation.seal import CONFIG
 
     where, config = folder / CONFIG, {**_LATER, **_moved(read_config(folder), places)}
     if missing := [name for name, kind in _NEEDED.items() if not isinstance(_at(config, name), kind)]:
