@@ -112,7 +112,14 @@ class Evaluation:
                 folder.add(played)
                 progress.add(played)
 
-            return evaluate(self.spec, self.episodes, workers=config["workers"], skip=list(done), on_played=on_played)
+            return evaluate(
+                self.spec,
+                self.episodes,
+                workers=config["workers"],
+                skip=list(done),
+                on_played=on_played,
+                worker_timeout_s=config["worker_timeout_s"],
+            )
 
 
 def chosen_episodes(name: str, limit: int | None, task: str, *, context: bool, every: int = 1) -> tuple[Episode, ...]:

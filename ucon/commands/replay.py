@@ -52,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
     from hydra.errors import HydraException
 
     from ucon.core.errors import UconError
-    from ucon.evaluation.runner import WorkerError
+    from ucon.evaluation.crew import WorkerError
 
     if args.every < 1:
         raise _bad("--every", str(args.every), "a whole number from 1 up")
