@@ -41,7 +41,7 @@ def read_as(cls: type[T], data: Any, where: str, what: str, *, without: tuple[st
     Raises:
         DataError: a field is missing, unknown, or of another type; names it.
     """
-    readers = _readers(cls)
+    readers = _readers(cls)  # type: ignore[arg-type]  # mypy takes no class for hashable
     names = readers.keys() - set(without)
     if not isinstance(data, dict) or data.keys() != names:
         found = data.keys() if isinstance(data, dict) else set()
