@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import lzma
 import shutil
 from dataclasses import replace
 
@@ -16,7 +17,8 @@ from ucon.core.rng import stream
 from ucon.evaluation.decisions import DecisionRecord
 from ucon.evaluation.folder import RunFolder
 from ucon.evaluation.partial import PARTIAL
-from ucon.evaluation.seal import SEALED, SUMMARY
+from ucon.evaluation.record import read_records
+from ucon.evaluation.seal import RECORDS, SEALED, SUMMARY
 
 HASHES = {"config": "c", "episodes": "e"}
 CONFIG = "env: {planner: 'true'}\ntask: {name: paper, context: false}\nepisodes: mini\n"
@@ -76,6 +78,20 @@ def test_no_bit_of_a_finished_run_changes_what_is_read(name, run, tmp_path):
     for command in (("compare", folder, run), ("cases", folder, run)):
         code, _, err = told(*command)
         assert (code, err.count("\n")) == (2, 1), command
+
+
+def test_no_bit_of_packed_records_changes_what_is_read(run, tmp_path):
+    folder = shutil.copytree(run, tmp_path / "run")
+    whole, raw = read_records(folder), lzma.compress((folder / RECORDS).read_bytes())
+    (folder / RECORDS).unlink()
+    packed, refused = folder / f"{RECORDS}.xz", 0
+    for bit in bits(len(raw), packed.name):
+        packed.write_bytes(flipped(raw, bit))
+        try:
+            assert read_records(folder) == whole
+        except UconError:
+            refused += 1
+    assert refused > 50
 
 
 def test_no_bit_of_an_unfinished_run_changes_what_is_continued(tmp_path):

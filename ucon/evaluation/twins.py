@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from ucon.core.errors import DataError
-from ucon.evaluation.finished import FinishedRun, read_config
+from ucon.evaluation.finished import read_config
 from ucon.evaluation.report import NEUTRAL_OPTIONS
-from ucon.evaluation.seal import SUMMARY
+from ucon.evaluation.seal import SUMMARY, read_files
 
 
 def twin_of(out: Path, config: dict[str, Any], hashes: dict[str, str]) -> Path | None:
@@ -18,12 +18,12 @@ def twin_of(out: Path, config: dict[str, Any], hashes: dict[str, str]) -> Path |
         if path.parent == out:
             continue
         try:
-            found = FinishedRun.read(path.parent).summary["hashes"]
+            found = read_files(path.parent).summary["hashes"]
             other = read_config(path.parent)
             same = all(found.get(name) == value for name, value in hashes.items() if name != "config")
             if same and without_level(other) == wanted:
                 return path.parent
-        except (OSError, DataError):
+        except (OSError, LookupError, AttributeError, DataError):
             continue  # a damaged neighbour is no reason to stop
     return None
 
