@@ -3,7 +3,8 @@
     python eval.py agent=belief habit_level=retrieval episodes=mini
     python eval.py -m agent=frontier,belief habit_level=none,full,gt,retrieval
 
-Writes episodes.jsonl, timing.jsonl, summary.json, config.yaml and the first episodes' maps and videos to ``out=``.
+Writes episodes.jsonl, summary.json, timing.jsonl, seconds.json, config.yaml and the first episodes' maps and videos to
+``out=``.
 """
 
 from __future__ import annotations

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.evaluation.records import reseal
 from tests.language.tiny_models import save_causal
 from ucon.commands.evaluating import chosen_episodes
 from ucon.core.errors import ConfigError
@@ -42,7 +43,6 @@ def test_writes_what_scripts_rely_on(run):
         "n",
         "success_rate_ci95",
         "spl_ci95",
-        "seconds",
         "hashes",
         "versions",
     }
@@ -80,9 +80,7 @@ def test_a_second_run_gives_the_same_bytes(run, tmp_path):
 
 
 def test_a_finished_run_is_not_played_again_and_stays_as_it_is(run):
-    summary = run[0] / "summary.json"
-    figures = json.loads(summary.read_text())
-    summary.write_text(json.dumps(figures | {"seconds": 1234.5, "versions": {"torch": "of then"}}))
+    reseal(run[0], versions={"torch": "of then"})
     before = {path: path.read_bytes() for path in run[0].iterdir()}
     result = evaluate("agent=frontier", "habit_level=none", *QUICK, f"out={run[0]}")
     assert result.returncode == 0, result.stderr[-2000:]

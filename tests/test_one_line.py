@@ -42,6 +42,8 @@ OF_EVAL = [
     ("batch=true", "batch=True: expected a whole number from 1 up"),
     ("limit=0", "limit=0: expected a whole number from 1 up or null"),
     ("every=0", "every=0: expected a whole number from 1 up"),
+    ("out=''", "out=: expected the path of a folder"),
+    ("worker_timeout_s=0", "worker_timeout_s=0: expected seconds above 0 or null"),
     ("workers=x", f"workers=x: {WHOLE} or auto"),
     ("knowledge_base=x", "unknown knowledge base mode"),
     ("habit_level.top_p=0", "habit_level.top_p=0: expected a whole number from 1 up"),

@@ -16,6 +16,7 @@ COMMANDS = {
     "doctor": "check this machine and this installation, and say what to do",
     "bench": "measure renderer and environment speed",
     "compare": "paired differences with 95 % intervals between runs of eval.py",
+    "verify": "recompute the figures of finished runs from their records, and check their checksums",
     "replay": "play finished runs again, such as those of results/, and say whether their numbers come out the same",
     "cases": "find episodes where a habit about a thing beside the target was given, and the target found",
     "catalogue": "draw the object catalogue",

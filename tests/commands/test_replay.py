@@ -11,6 +11,7 @@ import yaml
 from omegaconf import OmegaConf
 
 from tests.commands.test_cli import run, user_error
+from tests.evaluation.records import reseal
 from ucon.evaluation.folder import RunFolder
 from ucon.evaluation.play import Played
 from ucon.evaluation.record import EpisodeTiming, read_records
@@ -44,7 +45,17 @@ def kept(tmp_path):
     config = OmegaConf.load(folder / "config.yaml")
     config.limit = 3
     OmegaConf.save(config, folder / "config.yaml")
+    reseal(folder, n=3)
     return folder
+
+
+def altered(folder, **options):
+    """The run with other options in its configuration."""
+    config = OmegaConf.load(folder / "config.yaml")
+    for name, value in options.items():
+        config[name] = value
+    OmegaConf.save(config, folder / "config.yaml")
+    reseal(folder)
 
 
 def replay(tmp_path, *words):
@@ -85,11 +96,12 @@ def test_an_interrupted_one_goes_on(kept, tmp_path):
     run_of = RunFolder(
         tmp_path / "out" / "kept-2", json.loads((whole / "summary.json").read_text())["hashes"], versions()
     )
-    run_of.open()
+    records = read_records(whole)
+    run_of.open([record.episode for record in records])
     timing = EpisodeTiming(**json.loads((whole / "timing.jsonl").read_text().splitlines()[0]))
-    run_of.add(Played(0, read_records(whole)[0], timing))
+    run_of.add(Played(0, records[0], timing))
     other = RunFolder(tmp_path / "out" / "kept-3", {"config": "of another run"}, versions())
-    other.open()
+    other.open([])
     going_on, once_more = map(json.loads, replay(tmp_path, kept, kept, "--json").stdout.splitlines())
     assert [going_on[name] for name in ("out", "n", "played", "same")] == [str(run_of.path), 3, 2, True]
     assert [once_more[name] for name in ("out", "n", "played")] == [str(tmp_path / "out" / "kept-4"), 3, 3]
@@ -98,8 +110,9 @@ def test_an_interrupted_one_goes_on(kept, tmp_path):
 
 def test_an_episode_that_comes_out_otherwise_is_told(kept, tmp_path):
     first, *rest = map(json.loads, (kept / "episodes.jsonl").read_text().splitlines())
-    first["steps"] += 1
+    first["n_habits"] += 1
     (kept / "episodes.jsonl").write_text("".join(json.dumps(line) + "\n" for line in (first, *rest)))
+    reseal(kept)
     result = replay(tmp_path, kept, "--json")
     assert result.returncode == 1
     found = json.loads(result.stdout)
@@ -110,13 +123,15 @@ def test_an_episode_that_comes_out_otherwise_is_told(kept, tmp_path):
 def test_figures_are_compared_where_no_episodes_are_kept(kept, tmp_path):
     assert replay(tmp_path, kept).returncode == 0
     (kept / "episodes.jsonl").unlink()
-    shutil.copy(tmp_path / "out" / "kept" / "summary.json", kept)
+    for name in ("summary.json", "seconds.json"):
+        shutil.copy(tmp_path / "out" / "kept" / name, kept)
+    reseal(kept)
     assert "3 episodes played: the same in every figure" in replay(tmp_path, kept).stdout
     refused = replay(tmp_path / "part", kept, "--every", "2")
     assert "only figures of all of them; play all (every 1)" in refused.stderr
     assert not (tmp_path / "part").exists(), "nothing was played"
     figures = json.loads((kept / "summary.json").read_text())
-    (kept / "summary.json").write_text(json.dumps(figures | {"spl": figures["spl"] + 0.01, "opens": 99.0}))
+    reseal(kept, spl=figures["spl"] + 0.01, opens=99.0)
     result = replay(tmp_path, kept)
     assert result.returncode == 1
     assert "2 figures differ (spl, opens)" in result.stdout
@@ -132,9 +147,7 @@ def test_a_summary_without_figures_is_none(kept, tmp_path):
 def test_a_run_that_cannot_be_played_does_not_keep_others_from_it(kept, tmp_path):
     lost = tmp_path / "lost"
     shutil.copytree(kept, lost)
-    config = OmegaConf.load(lost / "config.yaml")
-    config.episodes = "FAR/AWAY.jsonl.xz"
-    OmegaConf.save(config, lost / "config.yaml")
+    altered(lost, episodes="FAR/AWAY.jsonl.xz")
     result = replay(tmp_path, lost, tmp_path / "nothing", kept)
     assert result.returncode == 1
     assert result.stdout.count("the same") == 1
@@ -143,9 +156,7 @@ def test_a_run_that_cannot_be_played_does_not_keep_others_from_it(kept, tmp_path
 
 
 def test_paths_may_lie_elsewhere(kept, tmp_path):
-    config = OmegaConf.load(kept / "config.yaml")
-    config.episodes = "FAR/mini.jsonl.xz"
-    OmegaConf.save(config, kept / "config.yaml")
+    altered(kept, episodes="FAR/mini.jsonl.xz")
     found = replay(tmp_path, kept, "--path", f"FAR={ROOT / 'ucon/task/data'}")
     assert "other episodes are kept than its configuration names now" in found.stderr
     assert not (tmp_path / "out").exists(), "nothing was played"
@@ -184,6 +195,7 @@ def test_odd_configurations_are_told_and_the_others_played(kept, tmp_path):
             node = node[group]
         node[name] = value
         (tmp_path / f"odd{number}" / "config.yaml").write_text(yaml.safe_dump(config))
+        reseal(tmp_path / f"odd{number}")
     odd = [str(tmp_path / f"odd{number}") for number in range(len(ODD))]
     result = run("replay", *odd, str(kept), "--workers", "1", "--out", str(tmp_path / "out"))
     assert result.returncode == 1

@@ -1,9 +1,17 @@
 """Records made by hand for tests of what reads them."""
 
+import json
+from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
+from ucon.evaluation.folder import RunFolder
+from ucon.evaluation.naming import Parts
 from ucon.evaluation.play import Played
 from ucon.evaluation.record import EpisodeRecord, EpisodeTiming
+from ucon.evaluation.report import summary
+from ucon.evaluation.seal import SEALED, SUMMARY, read_file, sealed
 
 BASE = EpisodeRecord(
     episode="e0",
@@ -24,7 +32,7 @@ BASE = EpisodeRecord(
     shortest_path_m=2.0,
     path_length_m=4.0,
     steps=30,
-    actions="0012305" + "6",
+    actions="0012305" + "1" * 22 + "6",
     opens=1,
     collisions=0,
     first_seen_step=20,
@@ -36,13 +44,36 @@ BASE = EpisodeRecord(
 )
 
 
-def record(number: int, *, success: bool = True, **changes: object) -> EpisodeRecord:
+def record(number: int, *, success: bool = True, **changes: Any) -> EpisodeRecord:
+    """A record that does not contradict itself, but where ``changes`` say so."""
     if not success:
-        failed = {"success_75": False, "success_150": False, "success_300": False, "spl": 0.0, "soft_spl": 0.1}
-        changes = {"success": False, "failure_cause": "never_seen", "steps": 300, **failed, **changes}
-    return replace(BASE, episode=f"e{number}", **changes)  # type: ignore[arg-type]
+        failed = {"spl": 0.0, "soft_spl": 0.1, "failure_cause": "never_seen", "first_seen_step": -1, "steps": 300}
+        changes = {"success": False, **failed, **changes}
+    steps, found = changes.get("steps", BASE.steps), changes.get("success", True)
+    fitting = {f"success_{limit}": found and steps <= limit for limit in (75, 150, 300)}
+    if steps != BASE.steps:
+        fitting["actions"] = ("001235" + "1" * steps)[: steps - 1] + "6"
+    if found and "spl" in changes:
+        fitting["path_length_m"] = BASE.shortest_path_m / changes["spl"]
+    return replace(BASE, episode=f"e{number}", **{**fitting, **changes})
 
 
-def played(number: int, **changes: object) -> Played:
-    made = record(number, **changes)  # type: ignore[arg-type]
+def played(number: int, **changes: Any) -> Played:
+    made = record(number, **changes)
     return Played(number, made, EpisodeTiming(made.episode, 0.5 + number))
+
+
+def store(folder: Path, played: Sequence[Played], parts: Parts | None = None, config: str = "x: 1\n") -> Path:
+    """The folder of a finished run with these episodes."""
+    run = RunFolder(folder, {})
+    run.open([p.record.episode for p in played])
+    run.finish(played, summary(played, {}, parts), config)
+    return folder
+
+
+def reseal(folder: Path, **changes: Any) -> None:
+    """Give a folder whose files were changed by a test the checksums that they have now."""
+    for name, parts in SEALED.items():
+        said = {k: v for k, v in json.loads((folder / name).read_text()).items() if k not in ("files", "checksum")}
+        content = {part: data for part in parts if (data := read_file(folder, part)) is not None}
+        (folder / name).write_text(sealed(said | (changes if name == SUMMARY else {}), content))

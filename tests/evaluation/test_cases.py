@@ -12,7 +12,7 @@ import pytest
 from omegaconf import OmegaConf
 
 sys.path.insert(0, str(Path(__file__).parent))
-from records import BASE  # (the path above)
+from records import record  # (the path above)
 
 from tests.models.playing import config_of
 from ucon.__main__ import main
@@ -32,7 +32,10 @@ def found():
     """Cases among the test episodes, if every one were found at retrieval and none at gt."""
     episodes = load_episodes("test")[:400]
     runs = [
-        [replace(BASE, episode=e.id, target=e.target_category, habit_level=level, success=success) for e in episodes]
+        [
+            replace(record(0, success=success, steps=30, habit_level=level), episode=e.id, target=e.target_category)
+            for e in episodes
+        ]
         for level, success in (("retrieval", True), ("gt", False))
     ]
     return episodes, *runs, list(landmark_cases(*runs, episodes, SOURCE))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +11,11 @@ from rich.console import Console
 
 from models.agents.lgx import LGXAgent
 from models.agents.random import RandomAgent
-from tests.evaluation.records import played, record
+from tests.evaluation.records import played, record, store
 from ucon.__main__ import main
 from ucon.commands.compare import print_sweep
 from ucon.evaluation.markdown import read_run
 from ucon.evaluation.naming import Parts, answers_something, level, parts_of, player
-from ucon.evaluation.record import to_lines
 from ucon.evaluation.report import results_table, summary
 from ucon.language.models.encoder import EncoderModel
 from ucon.perception.detectors.gt import GtDetector
@@ -31,11 +29,7 @@ def said(agent: str, at: str = "none", **parts: Any) -> dict[str, Any]:
 
 
 def stored(folder: Path, agent: str, at: str, parts: Parts) -> Path:
-    folder.mkdir()
-    made = [played(i, agent=agent, habit_level=at) for i in range(3)]
-    (folder / "episodes.jsonl").write_text(to_lines([p.record for p in made]))
-    (folder / "summary.json").write_text(json.dumps(summary(made, {}, 1.0, parts)))
-    return folder
+    return store(folder, [played(i, agent=agent, habit_level=at) for i in range(3)], parts)
 
 
 def test_parts_are_read_off_what_plays() -> None:
@@ -85,7 +79,7 @@ def test_what_is_compared(a: dict[str, Any], b: dict[str, Any], wanted: bool) ->
 
 @pytest.mark.parametrize("at", ["none", "retrieval"])
 def test_the_row_of_who_reads_no_habits_names_no_level(at: str) -> None:
-    made = summary([played(i, agent="random", habit_level=at) for i in range(3)], {}, 1.0, Parts(uses_habits=False))
+    made = summary([played(i, agent="random", habit_level=at) for i in range(3)], {}, Parts(uses_habits=False))
     out = io.StringIO()
     Console(file=out, width=200).print(results_table([made]))
     (row,) = [line for line in out.getvalue().splitlines() if "random" in line]
@@ -120,7 +114,7 @@ def test_labels_of_a_results_page(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert f"| (lgx + {ENCODER}, gt) - (frontier + noisy, any) | 3 |" in capsys.readouterr().out
     (one / "summary.json").write_text("[1]")
     assert main(["compare", str(one), str(two)]) == 2
-    assert "no summary of a run" in capsys.readouterr().err
+    assert "no summary of a finished run" in capsys.readouterr().err
 
 
 def test_records_say_what_they_said() -> None:

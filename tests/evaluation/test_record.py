@@ -6,8 +6,8 @@ import pytest
 from tests.evaluation.records import BASE, record
 from ucon.core.errors import ConfigError, DataError
 from ucon.evaluation.compare import compare_records
-from ucon.evaluation.metrics import episode_spl, summarise
-from ucon.evaluation.record import EpisodeRecord, read_records, to_lines
+from ucon.evaluation.metrics import summarise
+from ucon.evaluation.record import EpisodeRecord, episode_spl, read_records, to_lines
 
 
 def test_round_trip(tmp_path):
@@ -90,7 +90,7 @@ def test_summary_without_retrieval_has_no_invented_figures():
 
 def test_a_record_that_contradicts_itself_is_refused():
     with pytest.raises(DataError, match="e7"):
-        summarise([record(7, spl=0.9)])
+        summarise([record(7, spl=0.9, path_length_m=4.0)])
 
 
 def test_paired_comparison_uses_common_episodes_only():
@@ -113,3 +113,74 @@ def test_unknown_fields_are_refused():
     data = json.loads(BASE.to_line()) | {"extra": 1}
     with pytest.raises(DataError, match="extra"):
         EpisodeRecord.from_json(data)
+
+
+WRONG = {
+    "success": ["no", 1, None, False],
+    "success_75": [0, False],
+    "success_300": [False],
+    "spl": ["0.5", 1, True, 1.5, -0.5, 0.6, None],
+    "soft_spl": [2.0],
+    "shortest_path_m": [-2.0],
+    "steps": [30.0, True, "30", 31, -1, 2**60],
+    "actions": ["7" * 30, "1" * 29, "x" * 30, None, "0" * 29 + "\u0661"],
+    "opens": [-1, 31],
+    "collisions": [1000],
+    "first_seen_step": [-2, 31],
+    "failure_cause": ["never_seen", "bad luck", None],
+    "habit_level": ["some", ""],
+    "seed": ["0", 10**30],
+    "recall_10": [1, -0.1, 1.1, "x", False],
+    "mrr": [2.0],
+    "language_calls": [-1],
+    "episode": [5, "\ud800", None, [1]],
+}
+
+
+@pytest.mark.parametrize(("name", "value"), [(name, value) for name, values in WRONG.items() for value in values])
+def test_every_field_has_its_type_and_does_not_contradict_the_others(tmp_path, name, value):
+    (tmp_path / "episodes.jsonl").write_text(json.dumps(json.loads(BASE.to_line()) | {name: value}) + "\n")
+    with pytest.raises(DataError, match=r"episodes\.jsonl:1: ") as caught:
+        read_records(tmp_path)
+    assert "\n" not in str(caught.value)
+    assert str(caught.value).isprintable()
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        BASE.to_line().replace('"spl":0.5', '"spl":NaN').encode(),
+        BASE.to_line().replace('"spl":0.5', '"spl":Infinity').encode(),
+        BASE.to_line().replace('"spl":0.5', '"spl":1e999').encode(),
+        BASE.to_line().replace('"steps":30', f'"steps":{"3" * 5000}').encode(),
+        BASE.to_line().replace('"steps":30', '"steps":' + "[" * 200_000).encode(),
+        b"[" * 200_000,
+        BASE.to_line().replace("coffee_cup", "caf\u00e9").encode("latin-1"),
+        BASE.to_line().encode("utf-16"),
+        b"\xef\xbb\xbf" + BASE.to_line().encode(),
+    ],
+    ids=["NaN", "infinity", "too large", "5,000 digits", "nested field", "nested", "latin-1", "utf-16", "mark"],
+)
+def test_odd_json_ends_in_one_line(tmp_path, line):
+    (tmp_path / "episodes.jsonl").write_bytes(line + b"\n")
+    with pytest.raises(DataError, match=r"episodes\.jsonl:\d+: ") as caught:
+        read_records(tmp_path)
+    assert "\n" not in str(caught.value)
+
+
+def test_names_with_other_line_breaks_are_read_back(tmp_path):
+    odd = record(0, target="a\u2028b\x85c\x0bd\re")
+    (tmp_path / "episodes.jsonl").write_bytes(to_lines([odd]).encode())
+    assert read_records(tmp_path) == [odd]
+
+
+def test_an_episode_twice_is_refused(tmp_path):
+    (tmp_path / "episodes.jsonl").write_text(to_lines([record(0), record(1), record(0)]))
+    with pytest.raises(DataError, match="jsonl:3: episode e0 is there twice"):
+        read_records(tmp_path)
+
+
+def test_a_record_is_what_is_kept_of_it():
+    made = record(0, success=False, soft_spl=1 / 3, shortest_path_m=2 / 3)
+    assert made.soft_spl == 0.333333
+    assert EpisodeRecord.from_json(json.loads(made.to_line())) == made

@@ -1,5 +1,6 @@
 """The runner with the real environment: records depend on nothing but the episode; failures reach the user."""
 
+import json
 import os
 from dataclasses import replace
 from functools import partial
@@ -12,10 +13,10 @@ from models.agents.oracle import OracleAgent
 from models.agents.random import RandomAgent
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
-from ucon.evaluation.metrics import episode_spl
+from ucon.evaluation.crew import WorkerError
 from ucon.evaluation.play import RunSpec
-from ucon.evaluation.record import to_lines
-from ucon.evaluation.runner import WorkerError, evaluate, resolve_workers
+from ucon.evaluation.record import EpisodeRecord, episode_spl, to_lines
+from ucon.evaluation.runner import evaluate, resolve_workers
 from ucon.task.sets import load_episodes
 
 N = 6
@@ -78,7 +79,8 @@ def test_records_are_consistent_with_themselves(spec, episodes):
         assert len(r.actions) == r.steps <= 300
         assert r.opens == r.actions.count("5")
         assert r.path_length_m == 0.25 * (r.actions.count("0") - r.collisions)
-        assert r.spl == episode_spl(r.success, r.shortest_path_m, r.path_length_m)
+        assert r.spl == pytest.approx(episode_spl(r.success, r.shortest_path_m, r.path_length_m), abs=1e-5)
+        assert EpisodeRecord.from_json(json.loads(r.to_line())) == r
         assert (r.failure_cause == "none") == r.success
         assert r.success or r.first_seen_step < 0 or r.failure_cause != "never_seen"
         assert 0 <= r.recall_10 <= r.recall_20 <= 1

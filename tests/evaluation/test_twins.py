@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import pytest
 from omegaconf import OmegaConf
 
-from ucon.evaluation.folder import CONFIG, SUMMARY
+from tests.evaluation.records import played, reseal
+from tests.evaluation.records import store as store_run
+from ucon.evaluation.seal import CONFIG, SUMMARY
 from ucon.evaluation.twins import twin_of
 
 HASHES = {"config": "c1", "episodes": "e", "habits": "h", "code": "v", "weights": "w1"}
@@ -20,6 +21,8 @@ RUN: dict[str, Any] = {
     "habits": {"path": "a"},
     "seed": 0,
     "limit": 4,
+    "task": {"name": "paper"},
+    "episodes": "mini",
     "out": "a",
     "workers": 2,
     "env": {"planner": "true", "habit_level": "none", "source": {"top_p": 0, "dataset": {"path": "a"}}},
@@ -34,9 +37,8 @@ FULL = RUN | {
 
 
 def store(folder: Path, config: dict[str, Any] = RUN, hashes: dict[str, str] = HASHES) -> Path:
-    folder.mkdir()
-    (folder / CONFIG).write_text(OmegaConf.to_yaml(OmegaConf.create(config)))
-    (folder / SUMMARY).write_text(json.dumps({"hashes": hashes}))
+    store_run(folder, [played(0)], config=OmegaConf.to_yaml(OmegaConf.create(config)))
+    reseal(folder, hashes=hashes)
     return folder
 
 

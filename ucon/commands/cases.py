@@ -29,8 +29,9 @@ def run(args: argparse.Namespace) -> int:
     from ucon.commands.stored import checked, said_in
     from ucon.commands.wiring import Factory
     from ucon.evaluation.cases import landmark_cases
-    from ucon.evaluation.folder import CONFIG, read_config
+    from ucon.evaluation.finished import read_config
     from ucon.evaluation.record import read_records
+    from ucon.evaluation.seal import CONFIG
     from ucon.task.sets import load_episodes, save_episodes
 
     config, said, where = read_config(args.retrieval), said_in(args), str(args.retrieval / CONFIG)

@@ -104,14 +104,15 @@ def print_sweep(folder: Path) -> None:
     """Tables of all finished runs below a sweep's folder, and what habits and agents are worth in it."""
     from ucon.commands.output import wide_console
     from ucon.evaluation.compare import compare_records, comparison_table
+    from ucon.evaluation.finished import FinishedRun
     from ucon.evaluation.naming import answers_something, level, player
-    from ucon.evaluation.record import read_records
     from ucon.evaluation.report import results_table
+    from ucon.evaluation.seal import SUMMARY
 
-    paths = sorted(p.parent for p in folder.glob("*/summary.json"))
+    paths = sorted(p.parent for p in folder.glob(f"*/{SUMMARY}"))
     if len(paths) < 2:
         return
-    runs = [(json.loads((p / "summary.json").read_text()), read_records(p)) for p in paths]
+    runs = [(run.summary, run.records or ()) for run in map(FinishedRun.read, paths)]
     runs.sort(key=lambda run: (player(run[0]), _LEVEL_ORDER.get(level(run[0]), 9)))
     console = wide_console()
     console.print(results_table([summary for summary, _ in runs], title=str(folder)))

@@ -13,14 +13,14 @@ from omegaconf import OmegaConf
 from ucon.commands.arguments import check_arguments
 from ucon.commands.options import EVALUATION, check_options
 from ucon.commands.wiring import Factory
-from ucon.core.errors import DataError
 from ucon.core.sole_writer import sole_writer
-from ucon.evaluation.folder import SUMMARY, RunFolder, free_folder
+from ucon.evaluation.folder import RunFolder, free_folder
 from ucon.evaluation.naming import parts_of
 from ucon.evaluation.play import Played, RunSpec
 from ucon.evaluation.progress import EvaluationProgress, embedding_progress
 from ucon.evaluation.report import run_hashes, summary, versions
 from ucon.evaluation.runner import evaluate
+from ucon.evaluation.seal import has_summary
 from ucon.evaluation.twins import twin_of
 from ucon.evaluation.weights import check_weights, fingerprints
 from ucon.retrieval.levels import check_level
@@ -49,7 +49,7 @@ class Evaluation:
         warn_of_other_rules(self.episodes, task["name"])
         agent, detector = Factory(config["agent"])(), Factory(config["env"]["detector"])()
         self.parts, self.source = parts_of(agent, detector), Factory(config["env"]["source"])()
-        if anew or not (out / SUMMARY).is_file():  # a finished run is only read again
+        if anew or not has_summary(out):  # a finished run is only read again
             check_weights(agent, detector)
         # What ranks habits counts only where they are read: whoever reads none has one run for all levels.
         of_habits = self.source.weights(self.level if self.parts.uses_habits else "none")
@@ -82,23 +82,24 @@ class Evaluation:
             ConfigError: the folder belongs to another run, is written by another command, or cannot be written.
             DataError: what it holds is damaged.
         """
-        with contextlib.nullcontext() if (self.out / SUMMARY).is_file() else sole_writer(self.out):
+        with contextlib.nullcontext() if has_summary(self.out) else sole_writer(self.out):
             return self._play()
 
     def _play(self) -> dict[str, Any]:
         folder = RunFolder(self.out, self.hashes, versions())
-        done = folder.open()
+        done = folder.open([episode.id for episode in self.episodes])
         if folder.summary is not None:
-            if len(done) != len(self.episodes):
-                raise DataError(
-                    f"{self.out}: {len(done)} episodes of a finished run of {len(self.episodes)}; remove the folder "
-                    "and evaluate again"
-                )
             return folder.summary
+        if folder.damaged:
+            print(
+                f"warning: {self.out}: {folder.damaged} damaged lines of what an interrupted run left; "
+                "their episodes are played again",
+                file=sys.stderr,
+            )
         started = time.perf_counter()
         played = sorted([*done.values(), *self._missing(folder, done)], key=lambda p: p.index)
         self.n_new, self.seconds = len(played) - len(done), time.perf_counter() - started
-        figures = summary(played, folder.hashes, folder.seconds, self.parts)
+        figures = summary(played, folder.hashes, self.parts)
         folder.finish(played, figures, OmegaConf.to_yaml(OmegaConf.create(self.config)))
         return figures
 
@@ -114,7 +115,14 @@ class Evaluation:
                 folder.add(played)
                 progress.add(played)
 
-            return evaluate(self.spec, self.episodes, workers=config["workers"], skip=list(done), on_played=on_played)
+            return evaluate(
+                self.spec,
+                self.episodes,
+                workers=config["workers"],
+                skip=list(done),
+                on_played=on_played,
+                worker_timeout_s=config["worker_timeout_s"],
+            )
 
 
 def chosen_episodes(name: str, limit: int | None, task: str, *, context: bool, every: int = 1) -> tuple[Episode, ...]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final
 
-from ucon.commands.kinds import NOTHING, PART, SWITCH, TEXT, Kind, either, is_part, one_of, whole
+from ucon.commands.kinds import NOTHING, PART, PLACE, SECONDS, SWITCH, TEXT, Kind, either, is_part, one_of, whole
 from ucon.core.errors import ConfigError, brief, unknown_name
 
 #: More threads than any machine has; torch fails on far larger numbers.
@@ -19,8 +19,9 @@ EVALUATION: Final[Mapping[str, Kind]] = {
     "episodes": TEXT,
     "limit": either([whole(1), NOTHING]),
     "every": whole(1),
-    "out": TEXT,
+    "out": PLACE,
     "workers": either([whole(0), one_of("auto")]),
+    "worker_timeout_s": either([SECONDS, NOTHING]),
     "batch": whole(1),
     "seed": whole(0),
     "pictures": whole(0),
@@ -41,7 +42,7 @@ EVALUATION: Final[Mapping[str, Kind]] = {
 }
 
 TRAINING: Final[Mapping[str, Kind]] = {
-    "out": TEXT,
+    "out": PLACE,
     "resume": either([TEXT, NOTHING]),
     "seed": whole(0),
     "threads": whole(1, MOST_THREADS),

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ucon.evaluation.replayed import Replayed
 
 #: Options that older configurations lack, at what they were then.
-_LATER = {"limit": None, "every": 1, "batch": 1, "seed": 0}
+_LATER = {"limit": None, "every": 1, "batch": 1, "seed": 0, "worker_timeout_s": 3600}
 #: What a configuration must say, and how: nobody would notice before the middle of a run.
 _NEEDED: Mapping[str, type] = {
     "episodes": str,
@@ -56,7 +56,7 @@ def run(args: argparse.Namespace) -> int:
 
     from ucon.commands.stored import said_in
     from ucon.core.errors import UconError
-    from ucon.evaluation.runner import WorkerError
+    from ucon.evaluation.crew import WorkerError
 
     if args.every < 1:
         raise _bad("--every", str(args.every), "a whole number from 1 up")
@@ -136,7 +136,8 @@ def _configuration(folder: Path, places: Mapping[str, str], said: Mapping[str, A
     from ucon.commands.evaluating import check_part
     from ucon.commands.stored import checked
     from ucon.core.errors import DataError
-    from ucon.evaluation.folder import CONFIG, read_config
+    from ucon.evaluation.finished import read_config
+    from ucon.evaluation.seal import CONFIG
 
     where, config = folder / CONFIG, {**_LATER, **_moved(read_config(folder), places)}
     if missing := [name for name, kind in _NEEDED.items() if not isinstance(_at(config, name), kind)]:

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from math import isfinite
+from typing import Any, Final
 
 from ucon.core.errors import DataError
 from ucon.core.files import canonical_json
+from ucon.core.typed import read_as
+
+_COUNTS: Final = (
+    "number", "step", "chosen", "asked", "dropped", "retries", "prompt_tokens", "completion_tokens",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -24,8 +30,8 @@ class DecisionRecord:
     """What was asked about: the candidates, or (LGX by objects, L3MVN) what stands for them."""
     chosen: int
     """Number of the candidate. It numbers ``options`` too, but where they stand for candidates (LGX by objects)."""
-    scores: tuple[float, ...] = ()
-    """Of the options, where the chooser gives any."""
+    scores: tuple[float | None, ...] = ()
+    """Of the options, where the chooser gives any; None in a line where one is not finite."""
     asked: int = 0
     """Questions put to a language model."""
     fallback: bool = False
@@ -44,25 +50,30 @@ class DecisionRecord:
     seconds: float = 0.0
     """Wall time of the answers; not part of the line."""
 
-    def to_line(self) -> str:
-        """One line of canonical JSON without the line break."""
+    def to_json(self) -> dict[str, Any]:
+        """What is kept of it, JSON-ready."""
         values: dict[str, Any] = asdict(self)
         values.pop("seconds")
+        values["scores"] = [float(s) if s is not None and isfinite(s) else None for s in self.scores]
         values["text"] = "".join(c if c.isprintable() else " " for c in self.text)  # servers say anything
-        return canonical_json(values)
+        return values
+
+    def to_line(self) -> str:
+        """One line of canonical JSON without the line break."""
+        return canonical_json(self.to_json())
 
     @classmethod
-    def from_json(cls, data: dict[str, Any], *, where: str = "decision") -> DecisionRecord:
+    def from_json(cls, data: Any, *, where: str = "decision") -> DecisionRecord:
         """Rebuild a record from a parsed line; raises :class:`DataError` where it is none."""
-        try:
-            return cls(**{**data, "options": tuple(data["options"]), "scores": tuple(data["scores"])})
-        except (TypeError, KeyError):
-            raise DataError(f"{where}: not a decision; the file is altered, evaluate again") from None
+        decision = read_as(cls, data, where, "a decision", without=("seconds",))
+        if min(getattr(decision, name) for name in _COUNTS) < 0 or decision.answered < -1:
+            raise DataError(f"{where}: counts below 0; the file is altered, evaluate again")
+        return decision
 
 
 def language_figures(decisions: Sequence[DecisionRecord], n_episodes: int) -> dict[str, Any] | None:
     """Rates and costs of a run's decisions for ``summary.json``; None where no model was asked."""
-    asked = [d for d in decisions if d.asked]
+    asked = _asked(decisions)
     if not asked or not n_episodes:
         return None
     failures = [d.failure or "unusable" for d in asked if d.fallback]
@@ -77,5 +88,14 @@ def language_figures(decisions: Sequence[DecisionRecord], n_episodes: int) -> di
         "retries": sum(d.retries for d in asked),
         "prompt_tokens_per_decision": sum(d.prompt_tokens for d in asked) / len(asked),
         "completion_tokens_per_decision": sum(d.completion_tokens for d in asked) / len(asked),
-        "seconds_per_decision": sum(d.seconds for d in asked) / len(asked),
     }
+
+
+def seconds_per_decision(decisions: Sequence[DecisionRecord]) -> float | None:
+    """Mean wall time of those that a model was asked for; None where none was."""
+    asked = _asked(decisions)
+    return sum(d.seconds for d in asked) / len(asked) if asked else None
+
+
+def _asked(decisions: Sequence[DecisionRecord]) -> list[DecisionRecord]:
+    return [d for d in decisions if d.asked]

@@ -7,30 +7,20 @@ is refused. A finished run is only read.
 
 from __future__ import annotations
 
-import json
 import time
-from collections import defaultdict
-from collections.abc import Mapping
-from dataclasses import asdict, replace
+from collections.abc import Mapping, Sequence
 from itertools import count
 from pathlib import Path
-from typing import Any, TextIO
-
-from omegaconf import OmegaConf
-from omegaconf.errors import OmegaConfBaseException
-from yaml import YAMLError
+from typing import Any, BinaryIO
 
 from ucon.core.errors import ConfigError, DataError
-from ucon.core.files import canonical_json, write_atomic
-from ucon.core.yaml_text import without_aliases
-from ucon.evaluation.decisions import DecisionRecord
+from ucon.core.files import write_atomic
+from ucon.evaluation.finished import FinishedRun
+from ucon.evaluation.partial import PARTIAL, line_of, line_of_played, read_header, read_partial
 from ucon.evaluation.play import Played
-from ucon.evaluation.record import EpisodeRecord, EpisodeTiming, read_records, to_lines
-
-RECORDS, TIMING, SUMMARY, CONFIG = "episodes.jsonl", "timing.jsonl", "summary.json", "config.yaml"
-DECISIONS = "decisions.jsonl"
-PARTIAL = f"{RECORDS}.partial"
-_ALTERED = "the file is altered, remove the folder and evaluate again"
+from ucon.evaluation.record import to_lines
+from ucon.evaluation.report import seconds_of
+from ucon.evaluation.seal import CONFIG, DECISIONS, RECORDS, SEALED, SECONDS, SUMMARY, TIMING, has_summary, sealed
 
 
 class RunFolder:
@@ -42,7 +32,9 @@ class RunFolder:
         self.summary: dict[str, Any] | None = None
         """Of a finished run, once it is open."""
         self._versions = dict(versions or {})
-        self._partial: TextIO | None = None
+        self.damaged = 0
+        """Lines of the partial file that were left out; their episodes are played again."""
+        self._partial: BinaryIO | None = None
         self._seconds_before, self._opened = 0.0, time.perf_counter()
 
     @property
@@ -56,98 +48,83 @@ class RunFolder:
             return self._begun_here()
         return not self.path.exists() or (self.path.is_dir() and not any(self.path.iterdir()))
 
-    def open(self) -> dict[int, Played]:
+    def open(self, episodes: Sequence[str]) -> dict[int, Played]:
         """Make the folder and return the episodes that an earlier, equal run finished, by index.
+
+        Args:
+            episodes: ids of what the run plays, in order.
 
         Raises:
             ConfigError: the folder belongs to a different run, or cannot be written.
+            DataError: what it holds is damaged.
         """
-        summary = self.path / SUMMARY
-        if summary.is_file():
-            self.summary = _json(summary)
-            found = self.summary.get("hashes")
-            self._refuse_other(self.hashes, found, SUMMARY)
-            self.hashes = dict(found or {})  # it knows weights that may be gone by now
-            return self._finished()
+        if has_summary(self.path):
+            return self._finished(episodes)
         self._refuse_what_it_would_overwrite()
         try:
             self.path.mkdir(parents=True, exist_ok=True)
-            done = self._read_partial()
-            self._partial = (self.path / PARTIAL).open("a", encoding="utf-8")
+            done = self._read_partial(episodes)
+            self._partial = (self.path / PARTIAL).open("ab")
         except OSError as error:
             raise ConfigError(f"out={self.path}: cannot be written ({error.strerror}); choose another folder") from None
         if self._partial.tell() == 0:
-            self._append({"hashes": self.hashes, "versions": self._versions})
+            self._append(line_of({"hashes": self.hashes, "versions": self._versions}))
         self._opened = time.perf_counter()
         return done
 
     def add(self, played: Played) -> None:
         """Keep a finished episode, so that it survives an interruption."""
-        timing = asdict(played.timing)
-        record, seconds = json.loads(played.record.to_line()), round(self.seconds, 3)
-        line = {"index": played.index, "record": record, "timing": timing, "seconds": seconds}
-        if played.decisions:
-            line["decisions"] = [json.loads(d.to_line()) for d in played.decisions]
-        self._append(line)
+        self._append(line_of_played(played, self.seconds))
 
-    def finish(self, played: list[Played], summary: dict[str, Any], config_yaml: str) -> None:
+    def finish(self, played: Sequence[Played], summary: Mapping[str, Any], config_yaml: str) -> None:
         """Write the final files and remove the partial one. ``summary.json`` comes last: it says that all is there."""
         if self._partial is not None:
             self._partial.close()
-        write_atomic(self.path / RECORDS, to_lines(p.record for p in played))
-        write_atomic(self.path / TIMING, to_lines(p.timing for p in played))
-        decisions = [d for p in played for d in p.decisions]
-        if decisions:
-            write_atomic(self.path / DECISIONS, "".join(f"{d.to_line()}\n" for d in decisions))
-        write_atomic(self.path / CONFIG, config_yaml)
-        write_atomic(self.path / SUMMARY, json.dumps(summary, indent=1) + "\n")
+        decisions = "".join(f"{d.to_line()}\n" for p in played for d in p.decisions)
+        texts = {
+            RECORDS: to_lines(p.record for p in played),
+            TIMING: to_lines(p.timing for p in played),
+            CONFIG: config_yaml,
+        } | ({DECISIONS: decisions} if decisions else {})
+        content = {name: text.encode() for name, text in texts.items()}
+        said: Mapping[str, Any] = {SECONDS: seconds_of(played, self.seconds), SUMMARY: summary}
+        content |= {
+            name: sealed(said[name], {part: content[part] for part in SEALED[name] if part in content}).encode()
+            for name in (SECONDS, SUMMARY)
+        }
+        for name, data in content.items():
+            write_atomic(self.path / name, data)
         (self.path / PARTIAL).unlink(missing_ok=True)
 
-    def _append(self, value: dict[str, Any]) -> None:
+    def _append(self, line: bytes) -> None:
         if self._partial is not None:
-            self._partial.write(canonical_json(value) + "\n")
+            self._partial.write(line)
             self._partial.flush()
 
-    def _finished(self) -> dict[int, Played]:
-        records = read_records(self.path)
-        timings = [
-            EpisodeTiming.from_json(_parsed(line, where), where=where) for line, where in _numbered(self.path / TIMING)
-        ]
-        made: dict[str, list[DecisionRecord]] = defaultdict(list)
-        for line, where in _numbered(self.path / DECISIONS):
-            decision = DecisionRecord.from_json(_parsed(line, where), where=where)
-            made[decision.episode].append(decision)
-        if len(timings) != len(records):
-            raise DataError(f"{self.path / TIMING}: {len(timings)} lines for {len(records)} episodes; {_ALTERED}")
-        pairs = enumerate(zip(records, timings, strict=True))
-        where = str(self.path / DECISIONS)
-        return {i: _played(i, record, timing, made[record.episode], where) for i, (record, timing) in pairs}
+    def _finished(self, episodes: Sequence[str]) -> dict[int, Played]:
+        run = FinishedRun.read(self.path)
+        found = run.summary["hashes"]
+        self._refuse_other(self.hashes, found, SUMMARY)
+        played = run.played()
+        if [played[i].record.episode for i in range(len(played))] != list(episodes):
+            raise DataError(
+                f"{self.path}: a finished run of other episodes than its configuration names now; remove the folder "
+                "and evaluate again"
+            )
+        self.summary, self.hashes = run.summary, dict(found)  # it knows weights that may be gone by now
+        return played
 
-    def _read_partial(self) -> dict[int, Played]:
+    def _read_partial(self, episodes: Sequence[str]) -> dict[int, Played]:
         partial = self.path / PARTIAL
         if not partial.is_file():
             return {}
-        text = partial.read_text(encoding="utf-8")
-        whole = text[: text.rfind("\n") + 1]
-        if whole != text:  # the last line was cut off in mid-write: that episode is played again
-            write_atomic(partial, whole)
-        lines = whole.splitlines()
-        if not lines:
-            return {}
-        self._refuse_other(self._named, _names(lines[0], f"{partial}:1"), PARTIAL)
-        done = {}
-        for number, line in enumerate(lines[1:], 2):
-            where = f"{partial}:{number}"
-            value = _parsed(line, where)
-            try:
-                index, self._seconds_before = int(value["index"]), float(value["seconds"])
-            except (KeyError, TypeError, ValueError):
-                raise DataError(f"{where}: no episode with its index and seconds; {_ALTERED}") from None
-            record = EpisodeRecord.from_json(value.get("record", {}), where=where)
-            timing = EpisodeTiming.from_json(value.get("timing", {}), where=where)
-            decisions = [DecisionRecord.from_json(d, where=where) for d in value.get("decisions", [])]
-            done[index] = _played(index, record, timing, decisions, where)
-        return done
+        left = read_partial(partial, episodes)
+        if left.header is not None:
+            self._refuse_other(self._named, _names(left.header), PARTIAL)
+        if len(left.whole) != partial.stat().st_size:
+            write_atomic(partial, left.whole)
+        self._seconds_before, self.damaged = left.seconds, left.damaged
+        return left.done
 
     @property
     def _named(self) -> dict[str, Any]:
@@ -155,12 +132,10 @@ class RunFolder:
         return {**self.hashes, "versions": self._versions}
 
     def _begun_here(self) -> bool:
-        partial = self.path / PARTIAL
-        with partial.open(encoding="utf-8", errors="replace") as file:
-            try:
-                return not _different(self._named, _names(file.readline(), f"{partial}:1"))
-            except DataError:
-                return False
+        try:
+            return not _different(self._named, _names(read_header(self.path / PARTIAL)))
+        except DataError:
+            return False
 
     def _refuse_other(self, wanted: Mapping[str, Any], found: Any, name: str) -> None:
         if other := _different(wanted, found):
@@ -186,35 +161,8 @@ def free_folder(out: Path, hashes: dict[str, str], versions: Mapping[str, str]) 
     return next(path for name in names if RunFolder(path := out.with_name(name), hashes, versions).is_free())
 
 
-def read_config(folder: Path) -> dict[str, Any]:
-    """The configuration of a finished run.
-
-    Raises:
-        DataError: there is none, or it is damaged.
-    """
-    path = folder / CONFIG
-    if not path.is_file():
-        raise DataError(f"{path}: no such file; expected the folder of a finished run of eval.py")
-    try:
-        config = OmegaConf.to_container(OmegaConf.create(without_aliases(path.read_text(encoding="utf-8"))))
-    except (OSError, ValueError, YAMLError, OmegaConfBaseException, RecursionError):
-        config = None
-    if not isinstance(config, dict) or not {"env", "task", "episodes"} <= config.keys():
-        raise DataError(f"{path}: no configuration of a run; {_ALTERED}")
-    return {str(name): value for name, value in config.items()}
-
-
-def _played(index: int, record: EpisodeRecord, timing: EpisodeTiming, made: list[DecisionRecord], where: str) -> Played:
-    """An episode as it was when it ended: decisions get their seconds back from the timing."""
-    seconds = timing.decision_seconds or (0.0,) * len(made)
-    if len(seconds) != len(made):
-        raise DataError(f"{where}: {len(made)} decisions in {record.episode}, expected {len(seconds)}; {_ALTERED}")
-    return Played(index, record, timing, tuple(replace(d, seconds=s) for d, s in zip(made, seconds, strict=True)))
-
-
-def _names(line: str, where: str) -> dict[str, Any]:
+def _names(header: Mapping[str, Any]) -> dict[str, Any]:
     """What the first line of a partial file says of its run."""
-    header = _parsed(line, where)
     hashes = header.get("hashes")
     return {**(hashes if isinstance(hashes, dict) else {}), "versions": header.get("versions")}
 
@@ -223,21 +171,3 @@ def _different(wanted: Mapping[str, Any], found: Any) -> list[str]:
     """Names of what is not as wanted."""
     known = found if isinstance(found, dict) else {}
     return sorted(name for name in wanted if known.get(name) != wanted[name])
-
-
-def _numbered(path: Path) -> list[tuple[str, str]]:
-    """Lines of a file and where each stands; none where there is no file."""
-    lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
-    return [(line, f"{path}:{number}") for number, line in enumerate(lines, 1)]
-
-
-def _json(path: Path) -> dict[str, Any]:
-    return _parsed(path.read_text(encoding="utf-8"), str(path))
-
-
-def _parsed(text: str, where: str) -> dict[str, Any]:
-    try:
-        value = json.loads(text)
-    except ValueError:
-        raise DataError(f"{where}: not JSON; {_ALTERED}") from None
-    return value if isinstance(value, dict) else {}

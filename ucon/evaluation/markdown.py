@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -10,14 +9,15 @@ from functools import lru_cache
 from itertools import pairwise
 from math import isnan
 from pathlib import Path
-from typing import Any, get_args
+from typing import get_args
 
-from ucon.core.errors import ConfigError, DataError
+from ucon.core.errors import ConfigError
 from ucon.evaluation.closed import CELLS, DISTANCES, carried_over, distance_closed
 from ucon.evaluation.compare import Comparison
-from ucon.evaluation.folder import SUMMARY
+from ucon.evaluation.finished import FinishedRun
 from ucon.evaluation.naming import level, player
 from ucon.evaluation.record import EpisodeRecord, read_records
+from ucon.evaluation.seal import has_summary
 from ucon.evaluation.statistics import Interval, mean_interval, rate_interval
 from ucon.scenes import home_spec
 from ucon.task.outcome import FailureCause
@@ -34,25 +34,19 @@ class Run:
     records: tuple[EpisodeRecord, ...]
 
 
-def read_run(folder: Path) -> Run:
-    """Read a run folder of ``eval.py``; its summary, where there is one, says what the agent asks and sees with.
+def read_run(path: Path) -> Run:
+    """Read a run folder of ``eval.py``, or its records alone; a summary says what the agent asks and sees with.
 
     Raises:
-        DataError: no records there, or a damaged summary.
+        DataError: no records there, or a damaged file.
     """
-    records = tuple(read_records(folder))
-    said = {"agent": records[0].agent, "habit_level": records[0].habit_level} | _summary(folder / SUMMARY)
+    if has_summary(path):
+        run = FinishedRun.read(path)
+        if run.records is not None:
+            return Run(run.label, run.records)
+    records = tuple(read_records(path))
+    said = {"agent": records[0].agent, "habit_level": records[0].habit_level}
     return Run(f"{player(said)}, {level(said)}", records)
-
-
-def _summary(path: Path) -> dict[str, Any]:
-    try:
-        said = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
-    except ValueError:
-        said = None
-    if not isinstance(said, dict):
-        raise DataError(f"{path}: no summary of a run; the file is altered, evaluate again")
-    return said
 
 
 def read_runs(folders: Sequence[Path]) -> dict[Path, Run]:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from ucon.core.errors import DataError
-from ucon.evaluation.record import EpisodeRecord
+from ucon.evaluation.record import EpisodeRecord, episode_spl
 from ucon.evaluation.statistics import mean_interval, rate_interval
 
 #: Figures that can be compared between runs: name and value of one record.
@@ -24,13 +24,6 @@ MEASURES: dict[str, Callable[[EpisodeRecord], float]] = {
     "steps": lambda r: float(r.steps),
     "path_length_m": lambda r: r.path_length_m,
 }
-
-
-def episode_spl(success: bool, shortest_path_m: float, path_length_m: float) -> float:
-    """Success weighted by path length of one episode."""
-    if not success:
-        return 0.0
-    return shortest_path_m / max(path_length_m, shortest_path_m, 1e-9)
 
 
 def summarise(records: Sequence[EpisodeRecord]) -> dict[str, Any]:
@@ -70,3 +63,14 @@ def summarise(records: Sequence[EpisodeRecord]) -> dict[str, Any]:
 
 def _mean(values: Sequence[float]) -> float | None:
     return sum(values) / len(values) if values else None
+
+
+def same_figures(a: Any, b: Any, tolerance: float = 1e-6) -> bool:
+    """Whether two figures, or containers of them, say the same: figures are of what is kept with six digits."""
+    if isinstance(a, dict) and isinstance(b, dict):
+        return a.keys() == b.keys() and all(same_figures(a[name], b[name], tolerance) for name in a)
+    if isinstance(a, list) and isinstance(b, list):
+        return len(a) == len(b) and all(same_figures(x, y, tolerance) for x, y in zip(a, b, strict=True))
+    if isinstance(a, float | int) and isinstance(b, float | int):
+        return abs(a - b) <= tolerance
+    return bool(a == b)

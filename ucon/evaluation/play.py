@@ -10,7 +10,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -174,8 +174,8 @@ def _played(slot: _Slot, agent: Policy, spec: RunSpec) -> Played:
         name = f"{slot.index:03d}_{episode.scene.replace(':', '-')}_{record.target}"
         save_film(slot.frames, _captions(record), spec.pictures, name)
     made = getattr(agent, "decisions", None)
-    decisions = tuple(made(slot.number)) if made else ()
-    spent = tuple(round(d.seconds, 5) for d in decisions) if calls else ()
+    decisions = tuple(replace(d, seconds=round(float(d.seconds), 5)) for d in made(slot.number)) if made else ()
+    spent = tuple(d.seconds for d in decisions) if calls else ()
     timing = EpisodeTiming(record.episode, round(seconds, 4), round(float(language_s), 4), spent)
     return Played(slot.index, record, timing, decisions)
 
@@ -229,4 +229,5 @@ def _retrieval(env: Env, episode: Episode, level: str) -> dict[str, float | None
     if level not in RANKED_LEVELS:
         return {"recall_10": None, "recall_20": None, "mrr": None}
     found = env.unwrapped.source.knowledge(episode, "none").retrieval_metrics()  # type: ignore[attr-defined]
-    return {"recall_10": found["recall_at_10"], "recall_20": found["recall_at_20"], "mrr": found["mrr"]}
+    names = {"recall_10": "recall_at_10", "recall_20": "recall_at_20", "mrr": "mrr"}
+    return {name: float(found[of]) for name, of in names.items()}

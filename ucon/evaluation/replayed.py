@@ -6,20 +6,15 @@ are compared as they are written, byte by byte; without them the figures of the 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ucon.core.errors import DataError
-from ucon.evaluation.folder import SUMMARY
-from ucon.evaluation.metrics import summarise
-from ucon.evaluation.naming import level, player
-from ucon.evaluation.record import EpisodeRecord, read_records
-
-#: A summary has means of what records say with six digits.
-_TOLERANCE = 1e-6
+from ucon.evaluation.finished import FinishedRun
+from ucon.evaluation.metrics import same_figures, summarise
+from ucon.evaluation.record import EpisodeRecord
 
 
 @dataclass(frozen=True)
@@ -53,15 +48,8 @@ class Kept:
         Raises:
             DataError: no summary of a run there, or damaged records.
         """
-        path = folder / SUMMARY
-        try:
-            figures = json.loads(path.read_text(encoding="utf-8"))
-            label = f"{player(figures)}, {level(figures)}"
-            _main(figures)
-        except (OSError, ValueError, LookupError, AttributeError, TypeError):
-            raise DataError(f"{path}: no summary of a finished run of eval.py; give the folder of one") from None
-        has_records = any(folder.glob("episodes.jsonl*"))
-        return cls(label, figures, read_records(folder) if has_records else None)
+        run = FinishedRun.read(folder)
+        return cls(run.label, run.summary, None if run.records is None else list(run.records))
 
 
 @dataclass(frozen=True)
@@ -88,7 +76,7 @@ def replayed(kept: Kept, now: Sequence[EpisodeRecord], every: int = 1) -> Replay
     """Compare what was kept with what was played now: every ``every``-th episode of it, see :meth:`Kept.check`."""
     new = summarise(now)
     if kept.records is None:
-        names = [name for name in new if name in kept.figures and not _equal(new[name], kept.figures[name])]
+        names = [name for name in new if name in kept.figures and not same_figures(new[name], kept.figures[name])]
         return Replayed(kept.label, len(now), "figures", tuple(names), _main(kept.figures), _main(new))
     chosen = kept.records[::every]
     differing = [b.episode for a, b in zip(chosen, now, strict=True) if a.to_line() != b.to_line()]
@@ -97,14 +85,3 @@ def replayed(kept: Kept, now: Sequence[EpisodeRecord], every: int = 1) -> Replay
 
 def _main(figures: dict[str, Any]) -> dict[str, float]:
     return {name: round(float(figures[name]), 6) for name in ("success_rate", "spl")}
-
-
-def _equal(a: Any, b: Any) -> bool:
-    """Equal numbers, or containers of them."""
-    if isinstance(a, dict) and isinstance(b, dict):
-        return a.keys() == b.keys() and all(_equal(a[name], b[name]) for name in a)
-    if isinstance(a, list) and isinstance(b, list):
-        return len(a) == len(b) and all(map(_equal, a, b))
-    if isinstance(a, float | int) and isinstance(b, float | int):
-        return abs(a - b) <= _TOLERANCE
-    return bool(a == b)

@@ -13,7 +13,7 @@ from rich.table import Table
 
 import ucon
 from ucon.core.files import canonical_json, sha256_bytes, sha256_file
-from ucon.evaluation.decisions import language_figures
+from ucon.evaluation.decisions import language_figures, seconds_per_decision
 from ucon.evaluation.metrics import summarise
 from ucon.evaluation.naming import ANY_LEVEL, Parts, level, player
 from ucon.evaluation.play import Played
@@ -23,7 +23,7 @@ from ucon.task.episode import Episode
 _PACKAGES = ("numpy", "numba", "torch", "transformers", "gymnasium", "pybullet", "opencv-python-headless")
 
 #: Options that say where and how fast a run is made, not what is measured.
-NEUTRAL_OPTIONS = ("out", "workers", "pictures", "progress")
+NEUTRAL_OPTIONS = ("out", "workers", "worker_timeout_s", "pictures", "progress")
 
 
 def run_hashes(config: dict[str, Any], episodes: Sequence[Episode], weights: Sequence[str] | None) -> dict[str, str]:
@@ -70,22 +70,27 @@ def versions() -> dict[str, str]:
     return found
 
 
-def summary(
-    played: Sequence[Played], hashes: dict[str, str], seconds: float, parts: Parts | None = None
-) -> dict[str, Any]:
-    """Content of ``summary.json``. ``seconds`` is wall time; what is measured is deterministic."""
+def summary(played: Sequence[Played], hashes: dict[str, str], parts: Parts | None = None) -> dict[str, Any]:
+    """Content of ``summary.json``: what is the same in every equal run."""
     records = [p.record for p in played]
     return {
         "agent": records[0].agent,
         "habit_level": records[0].habit_level,
         **(parts or Parts()).to_json(),
         **summarise(records),
-        "seconds": round(seconds, 2),
-        "episode_seconds": round(sum(p.timing.seconds for p in played), 2),
-        "language_seconds": round(sum(p.timing.language_seconds for p in played), 2),
         "language": language_figures([d for p in played for d in p.decisions], len(played)),
         "hashes": hashes,
         "versions": versions(),
+    }
+
+
+def seconds_of(played: Sequence[Played], seconds: float) -> dict[str, Any]:
+    """Content of ``seconds.json``: wall time of the run, and of its episodes added up."""
+    return {
+        "seconds": round(seconds, 2),
+        "episode_seconds": round(sum(p.timing.seconds for p in played), 2),
+        "language_seconds": round(sum(p.timing.language_seconds for p in played), 2),
+        "seconds_per_decision": seconds_per_decision([d for p in played for d in p.decisions]),
     }
 
 

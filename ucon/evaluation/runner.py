@@ -1,30 +1,23 @@
 """Spreads episodes over worker processes. Which worker plays what is fixed beforehand, and changes no record.
 
 Workers start from a fork server (or afresh where there is none), never by forking this process with its threads.
-A worker that fails ends the run with its own traceback; a worker that dies says with which exit code.
+A worker that fails ends the run with its own traceback; a worker that dies says with which exit code; one that stops
+answering is replaced.
 """
 
 from __future__ import annotations
 
-import multiprocessing
+import math
 import os
-import traceback
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from ucon.core.errors import ConfigError, UconError
+from ucon.core.errors import ConfigError, brief
+from ucon.evaluation.crew import Crew
 from ucon.evaluation.play import Played, RunSpec, play
 from ucon.task.episode import Episode
 
-_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-
 OnPlayed = Callable[[Played], None]
-
-
-class WorkerError(RuntimeError):
-    """A worker failed; the message ends with its traceback."""
 
 
 def resolve_workers(workers: int | str, n_episodes: int) -> int:
@@ -48,6 +41,7 @@ def evaluate(
     workers: int | str = "auto",
     skip: Sequence[int] = (),
     on_played: OnPlayed | None = None,
+    worker_timeout_s: float | None = None,
 ) -> list[Played]:
     """Play all episodes but those at the indices ``skip``; sorted by index.
 
@@ -57,15 +51,18 @@ def evaluate(
         workers: see :func:`resolve_workers`.
         skip: indices that an earlier run has already played.
         on_played: called in this process with each episode as it ends, in no particular order.
+        worker_timeout_s: the longest time that a worker may take for an episode; None for no limit.
 
     Raises:
         UconError: what a worker raised, unchanged.
+        EpisodeError: no worker finished an episode in time.
         WorkerError: a worker failed in another way or died.
     """
     done = set(skip)
     jobs = [(i, episode) for i, episode in enumerate(episodes) if i not in done]
     count = resolve_workers(workers, len(jobs))
-    source = play(spec, jobs) if count == 0 else _parallel(spec, jobs, count)
+    limit = _limit(worker_timeout_s)
+    source = play(spec, jobs) if count == 0 else _parallel(spec, jobs, count, limit)
     found = []
     for played in source:
         found.append(played)
@@ -74,81 +71,18 @@ def evaluate(
     return sorted(found, key=lambda p: p.index)
 
 
-def _parallel(spec: RunSpec, jobs: Sequence[tuple[int, Episode]], count: int) -> Iterator[Played]:
-    methods = multiprocessing.get_all_start_methods()
-    context: Any = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
-    if "forkserver" in methods:
-        context.set_forkserver_preload(["ucon.evaluation.play", "ucon.envs"])
-    processes: dict[Connection, Any] = {}
+def _limit(timeout_s: Any) -> float:
+    """Seconds; None is no limit."""
+    if timeout_s is None:
+        return math.inf
+    if type(timeout_s) not in (int, float) or not 0 < timeout_s < math.inf:
+        raise ConfigError(f"worker_timeout_s={brief(timeout_s)}: expected seconds above 0, or null for no limit")
+    return float(timeout_s)
+
+
+def _parallel(spec: RunSpec, jobs: Sequence[tuple[int, Episode]], count: int, timeout_s: float) -> Iterator[Played]:
+    crew = Crew(spec, timeout_s)
     try:
-        with _one_thread_environment():
-            for number in range(count):
-                receiver, sender = context.Pipe(duplex=False)
-                arguments = (sender, spec, jobs[number::count])
-                process = context.Process(target=_work, args=arguments, name=f"ucon-eval-{number}", daemon=True)
-                process.start()
-                sender.close()
-                processes[receiver] = process
-        yield from _results(dict(processes))
+        yield from crew.play([jobs[number::count] for number in range(count)])
     finally:
-        for receiver, process in processes.items():
-            if process.is_alive():
-                process.terminate()
-            process.join()
-            receiver.close()
-
-
-def _results(processes: dict[Connection, Any]) -> Iterator[Played]:
-    while processes:
-        for receiver in wait(list(processes)):
-            assert isinstance(receiver, Connection)
-            try:
-                kind, content = receiver.recv()
-            except EOFError:
-                process = processes[receiver]
-                process.join()
-                raise WorkerError(
-                    f"{process.name} died with exit code {process.exitcode} (negative: signal; -9: often out of "
-                    "memory); try fewer workers, or workers=0 to run in this process"
-                ) from None
-            if kind == "played":
-                yield content
-            elif kind == "end":
-                processes.pop(receiver).join()
-            elif kind == "user":
-                raise content
-            else:
-                raise WorkerError(f"{processes[receiver].name} failed:\n{content}")
-
-
-def _work(sender: Connection, spec: RunSpec, jobs: Sequence[tuple[int, Episode]]) -> None:
-    os.environ.update(_ONE_THREAD)
-    try:
-        for played in play(spec, jobs):
-            sender.send(("played", played))
-        sender.send(("end", None))
-    except UconError as error:
-        sender.send(("user", type(error)(str(error))))
-    except KeyboardInterrupt:
-        pass
-    except BrokenPipeError:
-        pass  # the parent has gone; nobody is left to tell
-    except BaseException:
-        sender.send(("crash", traceback.format_exc()))
-    finally:
-        sender.close()
-
-
-@contextmanager
-def _one_thread_environment() -> Iterator[None]:
-    """Thread limits that children inherit before they import numpy or torch."""
-    before = {name: os.environ.get(name) for name in _ONE_THREAD}
-    os.environ.update(_ONE_THREAD)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
+        crew.close()

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
-from omegaconf import OmegaConf
-from omegaconf.errors import OmegaConfBaseException
-from yaml import YAMLError
-
-from ucon.evaluation.folder import CONFIG, SUMMARY
+from ucon.core.errors import DataError
+from ucon.evaluation.finished import read_config
 from ucon.evaluation.report import NEUTRAL_OPTIONS
+from ucon.evaluation.seal import SUMMARY, read_files
 
 
 def twin_of(out: Path, config: dict[str, Any], hashes: dict[str, str]) -> Path | None:
@@ -21,12 +18,12 @@ def twin_of(out: Path, config: dict[str, Any], hashes: dict[str, str]) -> Path |
         if path.parent == out:
             continue
         try:
-            found = json.loads(path.read_text(encoding="utf-8"))["hashes"]
-            other: Any = OmegaConf.to_container(OmegaConf.load(path.parent / CONFIG))
+            found = read_files(path.parent).summary["hashes"]
+            other = read_config(path.parent)
             same = all(found.get(name) == value for name, value in hashes.items() if name != "config")
             if same and without_level(other) == wanted:
                 return path.parent
-        except (OSError, ValueError, LookupError, TypeError, AttributeError, YAMLError, OmegaConfBaseException):
+        except (OSError, LookupError, AttributeError, DataError):
             continue  # a damaged neighbour is no reason to stop
     return None
 

@@ -11,10 +11,8 @@ many processes share them; finished blocks are kept on disk, and the same call g
 from __future__ import annotations
 
 import json
-import multiprocessing
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -23,6 +21,7 @@ from typing import Final
 import ucon
 from ucon.core.errors import DataError
 from ucon.core.files import canonical_json, require_writable, sha256_bytes, write_atomic
+from ucon.core.pool import Pool
 from ucon.core.rng import stream
 from ucon.habits.types import HabitDataset
 from ucon.habits.verdicts import NEVER_SEEN, Triple, Verdict, Verdicts
@@ -190,8 +189,7 @@ def _results(blocks: Sequence[Block], folder: Path, workers: int) -> Iterator[tu
         computed: Iterable[list[str | None]] = map(_try_block, missing)
         yield from _kept(missing, computed, folder)
         return
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=context) as pool:
+    with Pool(workers) as pool:
         yield from _kept(missing, pool.map(_try_block, missing), folder)
 
 

@@ -8,15 +8,15 @@ go round and round and would find none of it again.
 from __future__ import annotations
 
 import copy
-import multiprocessing
 import zlib
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
+from ucon.core.pool import Pool
 from ucon.learning.trajectories import Replay, Replayer, Trajectory
 from ucon.learning.workers import begin_worker
 
@@ -54,19 +54,12 @@ class Feeder:
         self._room = memory_bytes
         self._kept: dict[tuple[str, str, str], bytes] = {}
         self._play = Replayer(self._policy, make_env)
-        self._pool: ProcessPoolExecutor | None = None
-        if workers:
-            self._pool = ProcessPoolExecutor(
-                workers,
-                mp_context=multiprocessing.get_context("spawn"),
-                initializer=_begin,
-                initargs=(copy.deepcopy(policy).cpu(), make_env),
-            )
+        self._pool = Pool(workers, _begin, (copy.deepcopy(policy).cpu(), make_env)) if workers else None
 
     def close(self) -> None:
         """End the workers, without what they were asked for ahead; from then on this process plays."""
         if self._pool is not None:
-            self._pool.shutdown(cancel_futures=True)
+            self._pool.close()
             self._pool = None
         self._play.close()
 
@@ -90,7 +83,8 @@ class Feeder:
         key = self._key(trajectory)
         if (packed := self._kept.get(key)) is not None:
             return _unpacked(packed)
-        replay = self._with_features(self._play(trajectory) if played is None else played.result())
+        made = self._play(trajectory) if self._pool is None or played is None else self._pool.result(played)
+        replay = self._with_features(made)
         packed = _packed(replay)
         if len(packed) <= self._room:
             self._room -= len(packed)

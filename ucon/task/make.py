@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import multiprocessing
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from pathlib import Path
 
 from ucon.core.errors import EpisodeError, UconError
 from ucon.core.files import canonical_json, write_atomic
+from ucon.core.pool import Pool
 from ucon.habits.book import book
 from ucon.habits.types import HabitDataset
 from ucon.sim.cache import load_house
@@ -49,9 +48,8 @@ def make_episodes(
     if workers <= 1:
         _begin(*begin)
         return _collect(map(_sample, left), done, len(orders), progress, journal)
-    spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=spawn, initializer=_begin, initargs=begin) as pool:
-        return _collect(pool.map(_sample, left, chunksize=4), done, len(orders), progress, journal)
+    with Pool(workers, _begin, begin) as pool:
+        return _collect(pool.map(_sample, left), done, len(orders), progress, journal)
 
 
 def _collect(

@@ -12,6 +12,7 @@ import pytest
 from ucon.core.errors import ConfigError, DetectorError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.perception.detectors import Frame
+from ucon.perception.detectors.worker_link import WorkerLink
 from ucon.perception.detectors.yolo_world import WORKER, YoloWorldDetector
 
 NAMES = ("coffee_table", "bed", "mug")
@@ -207,3 +208,11 @@ def test_the_environment_closes_it(make) -> None:
 def test_the_worker_imports_nothing_of_ucon() -> None:
     assert "import ucon" not in WORKER.read_text()
     assert "from ucon" not in WORKER.read_text()
+
+
+def test_a_program_that_reads_nothing_is_ended_in_time() -> None:
+    """More than fits into its pipe: it is not waited for until it reads."""
+    link = WorkerLink([sys.executable, "-c", "import time; time.sleep(600)"], "detector x")
+    with pytest.raises(DetectorError, match=r"detector x: no answer in 1 s"):
+        link.ask([bytes(1 << 20)], 1.0)
+    assert link._process.returncode is not None

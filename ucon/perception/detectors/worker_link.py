@@ -43,13 +43,9 @@ class WorkerLink:
             DetectorError: the program ended, did not answer in time, or answered something else or an error.
         """
         deadline = time.monotonic() + timeout_s
-        assert self._process.stdin is not None
-        try:
+        with contextlib.suppress(OSError):  # it has ended; reading tells why
             for part in parts:
-                self._process.stdin.write(struct.pack(">I", len(part)) + part)
-            self._process.stdin.flush()
-        except OSError:
-            pass  # it has ended; reading tells why
+                self._write(struct.pack(">I", len(part)) + part, deadline, timeout_s)
         (size,) = struct.unpack(">I", self._read(4, deadline, timeout_s))
         if size > MOST_BYTES:
             raise self._failure(f"answered {size} bytes, expected at most {MOST_BYTES}")
@@ -81,18 +77,31 @@ class WorkerLink:
             process.stdout.close()
         self._log.close()
 
+    def _write(self, data: bytes, deadline: float, timeout_s: float) -> None:
+        """A program that reads nothing, since it hangs or is stopped, would hold up whoever writes more than fits."""
+        assert self._process.stdin is not None
+        pipe, left = self._process.stdin.fileno(), memoryview(data)
+        while left:
+            _, ready, _ = select.select([], [pipe], [], max(0.0, deadline - time.monotonic()))
+            if not ready:
+                raise self._late(timeout_s)
+            left = left[os.write(pipe, left[: select.PIPE_BUF]) :]
+
     def _read(self, size: int, deadline: float, timeout_s: float) -> bytes:
         assert self._process.stdout is not None
         pipe, body = self._process.stdout.fileno(), b""
         while len(body) < size:
             ready, _, _ = select.select([pipe], [], [], max(0.0, deadline - time.monotonic()))
             if not ready:
-                raise self._failure(f"no answer in {timeout_s:g} s; raise the timeout, or use a faster device")
+                raise self._late(timeout_s)
             piece = os.read(pipe, size - len(body))
             if not piece:
                 raise self._failure(f"ended with exit code {self._process.wait()}")
             body += piece
         return body
+
+    def _late(self, timeout_s: float) -> DetectorError:
+        return self._failure(f"no answer in {timeout_s:g} s; raise the timeout, or use a faster device")
 
     def _failure(self, problem: str, *, log: bool = True) -> DetectorError:
         self._process.kill()

@@ -1,0 +1,58 @@
+"""``python -m ucon verify RUN ...``: recompute the figures of finished runs from their records."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ucon.evaluation.verify import Verified
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    parser.add_argument("runs", nargs="+", metavar="RUN", type=Path, help="folders of eval.py, or of results/")
+    parser.add_argument(
+        "--seal",
+        action="store_true",
+        help="add checksums to runs that an older version finished, or of which files were taken away, where all "
+        "figures that can be recomputed agree",
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object a line")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Check each; 0 where all figures and checksums are right, 1 where one differs, lacks or cannot be read."""
+    from ucon.core.errors import UconError
+    from ucon.evaluation.verify import verify
+
+    good = True
+    for folder in args.runs:
+        try:
+            found = verify(folder, seal=args.seal)
+        except UconError as error:
+            good = False
+            print(f"error: {error}", file=sys.stderr, flush=True)
+        else:
+            good = good and found.good
+            told = json.dumps({"run": str(folder), "good": found.good, **asdict(found)}) if args.json else _told(found)
+            print(told if args.json else f"{folder}: {told}", flush=True)
+    return 0 if good else 1
+
+
+def _told(found: Verified) -> str:
+    """One line for a person."""
+    what = f"{found.label}, {found.n} episodes: "
+    if found.differing:
+        return f"{what}{len(found.differing)} figures are not what the records say ({', '.join(found.differing)})"
+    sums = "the checksums are right" if found.sealed else "there are no checksums: --seal adds them"
+    if not found.recomputed:
+        return f"{what}figures alone, no records to recompute them from; {sums}"
+    return (
+        f"{what}{len(found.recomputed)} figures recomputed, all as they are kept; {sums}; "
+        f"not recomputed: {', '.join(found.taken)}"
+    )

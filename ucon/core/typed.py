@@ -1,0 +1,134 @@
+"""JSON read into dataclasses by their annotations: every field there, none beside, each of its exact type.
+
+Nothing is converted: ``true`` is no number, ``1`` no float, ``"no"`` no truth value; NaN and infinity are no numbers.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import types
+from collections.abc import Callable
+from dataclasses import fields
+from functools import lru_cache
+from typing import Any, NoReturn, TypeVar, Union, get_args, get_origin, get_type_hints
+
+from ucon.core.errors import DataError, brief
+
+T = TypeVar("T")
+#: Whole numbers beyond this are exact in no float, and count nothing.
+_LARGEST = 1 << 53
+_ALTERED = "the file is altered, evaluate again"
+
+
+def parse_json(raw: bytes | str, where: str, remedy: str = _ALTERED) -> Any:
+    """A JSON value.
+
+    Raises:
+        DataError: it is none, is not UTF-8, is nested too deeply, or has a number that is none.
+    """
+    try:
+        return json.loads(raw.decode() if isinstance(raw, bytes) else raw, parse_constant=_no_number)
+    except (ValueError, RecursionError):
+        raise DataError(f"{where}: not JSON; {remedy}") from None
+
+
+def read_as(cls: type[T], data: Any, where: str, what: str, *, without: tuple[str, ...] = ()) -> T:
+    """An instance of a dataclass, ``what`` in words, from an object with all its fields but ``without``, and no others.
+
+    Fields may be ``str``, ``bool``, ``int``, ``float``, one of these or None, or a tuple of them.
+
+    Raises:
+        DataError: a field is missing, unknown, or of another type; names it.
+    """
+    readers = _readers(cls)  # type: ignore[arg-type]  # mypy takes no class for hashable
+    names = readers.keys() - set(without)
+    if not isinstance(data, dict) or data.keys() != names:
+        found = data.keys() if isinstance(data, dict) else set()
+        missing, extra = sorted(names - found), sorted(map(brief, found - names))
+        raise DataError(
+            f"{where}: not {what} (missing {missing or 'nothing'}, unknown {extra[:5] or 'nothing'}); "
+            "was it written by another version? evaluate again"
+        )
+    values = {}
+    for name, value in data.items():
+        try:
+            values[name] = readers[name](value)
+        except _WrongTypeError as error:
+            raise DataError(f"{where}: {name}={brief(value)}: expected {error}; {_ALTERED}") from None
+    return cls(**values)
+
+
+class _WrongTypeError(Exception):
+    """What was expected."""
+
+
+@lru_cache
+def _readers(cls: type[Any]) -> dict[str, Callable[[Any], Any]]:
+    hints = get_type_hints(cls)
+    return {field.name: _reader(hints[field.name]) for field in fields(cls)}
+
+
+def _reader(kind: Any) -> Callable[[Any], Any]:
+    """Gives a value of ``kind`` back as it is; raises :class:`_WrongTypeError` for others."""
+    if kind in _SIMPLE:
+        return _SIMPLE[kind]
+    inner = get_args(kind)
+    if get_origin(kind) is tuple and inner[1:] == (...,):
+        return _sequence(_reader(inner[0]))
+    if get_origin(kind) in (Union, types.UnionType) and len(inner) == 2 and type(None) in inner:
+        return _or_none(_reader(next(one for one in inner if one is not type(None))))
+    raise TypeError(f"no reader for {kind}")
+
+
+def _sequence(read: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    def inner(value: Any) -> Any:
+        if type(value) is not list:
+            raise _WrongTypeError("a list")
+        return tuple(map(read, value))
+
+    return inner
+
+
+def _or_none(read: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    return lambda value: None if value is None else read(value)
+
+
+def _str(value: Any) -> str:
+    if type(value) is not str or not (value.isascii() or _is_text(value)):
+        raise _WrongTypeError("a text")
+    return value
+
+
+def _is_text(value: str) -> bool:
+    """Whether it can be written: half a surrogate pair cannot."""
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def _bool(value: Any) -> bool:
+    if type(value) is not bool:
+        raise _WrongTypeError("true or false")
+    return value
+
+
+def _int(value: Any) -> int:
+    if type(value) is not int or not -_LARGEST < value < _LARGEST:
+        raise _WrongTypeError("a whole number of at most 15 digits")
+    return value
+
+
+def _float(value: Any) -> float:
+    if type(value) is not float or not math.isfinite(value):
+        raise _WrongTypeError("a finite number with a point")
+    return value
+
+
+_SIMPLE: dict[Any, Callable[[Any], Any]] = {str: _str, bool: _bool, int: _int, float: _float}
+
+
+def _no_number(text: str) -> NoReturn:
+    raise ValueError(text)

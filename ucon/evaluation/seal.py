@@ -1,0 +1,179 @@
+"""What lies in the folder of a finished run, and the checksums by which an altered bit in it is noticed.
+
+``summary.json`` has the SHA-256 of the records and decisions, ``seconds.json`` those of the timing and the
+configuration: what equal runs have in common, and what differs between them. Each ends with a checksum of itself.
+Packed records (``.xz``) count by the bytes that were packed.
+"""
+
+from __future__ import annotations
+
+import lzma
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from json import dumps
+from pathlib import Path
+from typing import Any, Final
+
+from ucon.core.errors import DataError, brief
+from ucon.core.files import sha256_bytes
+from ucon.core.typed import parse_json
+
+RECORDS, DECISIONS, SUMMARY = "episodes.jsonl", "decisions.jsonl", "summary.json"
+TIMING, CONFIG, SECONDS = "timing.jsonl", "config.yaml", "seconds.json"
+#: Which files the checksums of which are of.
+SEALED: Final[Mapping[str, tuple[str, ...]]] = {SUMMARY: (RECORDS, DECISIONS), SECONDS: (TIMING, CONFIG)}
+#: Of one file of one run, unpacked: some hundred thousand episodes.
+_MAX_BYTES = 1 << 28
+_SEAL = ',\n "checksum": "'
+_RESTORE = "restore it or evaluate again"
+_NO_SUMMARY = "no summary of a finished run of eval.py"
+
+
+@dataclass(frozen=True)
+class RunFiles:
+    """The files of a finished run, whole."""
+
+    folder: Path
+    summary: dict[str, Any]
+    seconds: dict[str, Any]
+    content: dict[str, bytes]
+    """By name; what is not there is not in it."""
+
+
+def sealed(content: Mapping[str, Any], files: Mapping[str, bytes]) -> str:
+    """Text of a file that says ``content``, with the checksums of ``files`` by name and of itself."""
+    digests = {name: sha256_bytes(data) for name, data in sorted(files.items())}
+    body = dumps({**content, "files": digests}, indent=1, allow_nan=False).removesuffix("\n}")
+    return f'{body}{_SEAL}{sha256_bytes(body.encode())}"\n}}\n'
+
+
+def has_summary(folder: Path) -> bool:
+    """Whether a finished run lies there."""
+    return (folder / SUMMARY).is_file()
+
+
+def read_files(folder: Path, *, whole: bool = True) -> RunFiles:
+    """Everything in the folder of a finished run; not ``whole``: files that are gone are no error.
+
+    Raises:
+        DataError: a file is missing, altered, or has no checksum; names it and says what to do.
+    """
+    said = {name: _unsealed(folder / name) for name in SEALED if whole or (folder / name).is_file()}
+    content = {}
+    for name, parts in SEALED.items():
+        digests = said.setdefault(name, {}).pop("files", None)
+        for part in parts:
+            data = read_file(folder, part)
+            if data is not None:
+                content[part] = data
+            elif not whole:
+                continue
+            if digests is not None:
+                _compare(folder, name, part, None if data is None else sha256_bytes(data), digests.get(part))
+    return RunFiles(folder, said[SUMMARY], said[SECONDS], content)
+
+
+def read_unsealed(folder: Path) -> RunFiles:
+    """Everything in the folder of a run that an older version finished: its summary has the seconds too.
+
+    Raises:
+        DataError: no summary of a run there.
+    """
+    said = read_object(folder / SUMMARY)
+    seconds = {name: said.pop(name, None) for name in ("seconds", "episode_seconds", "language_seconds")}
+    language = said.get("language")
+    per_decision = language.pop("seconds_per_decision", None) if isinstance(language, dict) else None
+    seconds["seconds_per_decision"] = per_decision
+    there = {part: read_file(folder, part) for parts in SEALED.values() for part in parts}
+    return RunFiles(folder, said, seconds, {name: data for name, data in there.items() if data is not None})
+
+
+def read_file(folder: Path, name: str) -> bytes | None:
+    """Bytes of a file, unpacked where only ``.xz`` is there; None where neither is."""
+    for path in (folder / name, folder / f"{name}.xz"):
+        if path.is_file():
+            return read_bytes(path)
+    return None
+
+
+def read_bytes(path: Path) -> bytes:
+    """Bytes of a file, unpacked where its name ends in ``.xz``.
+
+    Raises:
+        DataError: it is not whole, or larger than any run.
+    """
+    if path.suffix != ".xz":
+        return path.read_bytes()
+    unpacker = lzma.LZMADecompressor()
+    try:
+        data = unpacker.decompress(path.read_bytes(), max_length=_MAX_BYTES)
+        problem = "" if unpacker.eof else "it ends too early, or is larger than any run"
+        problem = problem or ("" if not unpacker.unused_data else "something follows its end")
+    except (lzma.LZMAError, EOFError) as error:
+        problem = str(error)
+    if problem:
+        raise DataError(f"{path}: not whole ({problem}); {_RESTORE}")
+    return data
+
+
+def read_object(path: Path) -> dict[str, Any]:
+    """An object of JSON in a file, with or without a checksum.
+
+    Raises:
+        DataError: there is none.
+    """
+    if not path.is_file():
+        raise DataError(f"{path}: no such file; give the folder of a finished run of eval.py")
+    value = parse_json(path.read_bytes(), str(path), f"{_NO_SUMMARY}; {_RESTORE}")
+    if not isinstance(value, dict):
+        raise DataError(f"{path}: {_NO_SUMMARY}; {_RESTORE}")
+    return value
+
+
+def is_sealed(folder: Path) -> bool:
+    """Whether there are checksums, right or wrong; a run that an older version finished has none.
+
+    Raises:
+        DataError: no summary of a run of ``eval.py`` there.
+    """
+    said = read_object(folder / SUMMARY)
+    if "habit_level" not in said:  # that of train.py has none
+        raise DataError(f"{folder / SUMMARY}: {_NO_SUMMARY}; give the folder of one")
+    return (folder / SECONDS).exists() or not {"files", "checksum"}.isdisjoint(said)
+
+
+def _unsealed(path: Path) -> dict[str, Any]:
+    """What a file says that ends with its own checksum, with ``files``."""
+    if path.name == SECONDS and not path.is_file():
+        _refuse_older(path.parent)
+        raise DataError(f"{path}: missing; {_RESTORE}, or see `python -m ucon verify {path.parent} --seal`")
+    value = read_object(path)
+    body, seal, checksum = path.read_bytes().rpartition(_SEAL.encode())
+    if not seal or checksum != f'{sha256_bytes(body)}"\n}}\n'.encode():
+        _refuse_older(path.parent)
+        raise DataError(f"{path}: its checksum is of other content; the file is altered, {_RESTORE}")
+    files = value.get("files")
+    if not isinstance(files, dict) or not all(re.fullmatch("[0-9a-f]{64}", str(digest)) for digest in files.values()):
+        raise DataError(f"{path}: no usable checksums of the run's files; {_RESTORE}")
+    return {key: kept for key, kept in value.items() if key != "checksum"}
+
+
+def _refuse_older(folder: Path) -> None:
+    if not is_sealed(folder):
+        raise DataError(
+            f"{folder / SUMMARY}: no checksums, an older version wrote it; `python -m ucon verify {folder} --seal` "
+            "recomputes its figures and adds them"
+        )
+
+
+def _compare(folder: Path, by: str, name: str, found: str | None, expected: str | None) -> None:
+    if found == expected:
+        return
+    if found is None:
+        problem = f"missing, but {by} has its checksum; restore it, or see `python -m ucon verify {folder} --seal`"
+    elif expected is None:
+        problem = f"not of the run that {by} tells of; remove it"
+    else:
+        problem = f"SHA-256 {found[:12]}, {by} says {brief(expected[:12])}; the file is altered, {_RESTORE}"
+    raise DataError(f"{folder / name}: {problem}")
