@@ -17,12 +17,13 @@ from omegaconf import OmegaConf
 
 from tests.commands.stored import CONFIGS, composed, each, stored
 from tests.commands.test_cli import run
+from tests.evaluation.records import reseal
 from tests.test_bad_input import command
 from ucon.commands.places import places
 from ucon.commands.stored import checked, has_to_be_said
 from ucon.commands.training import chosen_run
 from ucon.core.errors import DataError, UconError
-from ucon.evaluation.folder import read_config
+from ucon.evaluation.finished import read_config
 
 ROOT = Path(__file__).parents[2]
 BUILT = ("agent", "env", "learner")
@@ -166,6 +167,7 @@ def a_run(folder: Path, key: str, value: Any) -> Path:
     shutil.copytree(ROOT / "results" / "learned-frontier", folder)
     config = yaml.safe_load((folder / "config.yaml").read_text())
     (folder / "config.yaml").write_text(yaml.safe_dump(put(config | {"limit": 1}, key, value)))
+    reseal(folder)  # checksums are no signature
     return folder
 
 
