@@ -113,7 +113,7 @@ def leaves(node: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, 
     if isinstance(node, dict) and node:
         for name, inner in node.items():
             yield from leaves(inner, (*place, name))
-    elif place[-1] != "_target_":
+    elif not place[-1].startswith("_"):  # which are Hydra's own
         yield place, node
 
 

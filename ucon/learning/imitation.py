@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import count
-from typing import Any, cast
+from typing import Any, Literal, cast
 
 import numpy as np
 import torch
@@ -82,7 +82,7 @@ class ImitationLearner:
         demonstrator: Demonstrator | None = None,
         n_episodes: int | None = None,
         levels: Sequence[str] = ("none", "retrieval", "full", "gt"),
-        batch: int | str = 16,
+        batch: int | Literal["auto"] = 16,
         chunk: int = 32,
         lr: float = 3e-4,
         warm_up: int = 50,

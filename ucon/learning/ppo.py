@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
-from typing import Any, cast
+from typing import Any, Literal, cast
 
 import torch
 from torch import Tensor, nn
@@ -85,7 +85,7 @@ class PPOLearner:
         loss: PPOLoss,
         validation: Validation,
         steps: int,
-        frames: int | str = "auto",
+        frames: int | Literal["auto"] = "auto",
         episodes: str = "train",
         n_episodes: int | None = None,
         levels: Sequence[str] = ("none", "retrieval", "full", "gt"),
