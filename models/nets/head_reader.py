@@ -21,7 +21,7 @@ from ucon.core.files import MANIFEST, read_verified, sha256_file
 from ucon.habits.types import RELATIONS
 from ucon.language.encoder import one_thread
 from ucon.learning.belief import CONFIG, PRIOR, WEIGHTS, head_tensors
-from ucon.learning.run import MODEL
+from ucon.learning.run_folder import MODEL
 from ucon.retrieval.anchor_prior import AnchorPrior
 from ucon.retrieval.household import Candidates, FittedParts, Household, default_parts, parts_with
 from ucon.retrieval.reader import AnchorBelief

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any, Final
 from ucon.commands.arguments import check_targets
 from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, brief
-from ucon.core.files import canonical_json, sha256_bytes
+from ucon.core.files import canonical_json, sha256_bytes, write_atomic
+from ucon.learning.plan import Plan
+from ucon.learning.run_folder import CONFIG, read_config
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
@@ -25,18 +27,24 @@ NEUTRAL_OPTIONS = ("out", "resume", "progress", "wandb", "tensorboard")
 
 @dataclass(frozen=True)
 class ChosenRun:
-    """A run's configuration and folder; ``checkpoint`` is what it goes on from, empty for a new run."""
+    """A run's configuration and folder.
+
+    ``checkpoint`` is what it goes on from, empty for a new run; ``steps`` how many it is extended to, None for as many
+    as are planned.
+    """
 
     config: dict[str, Any]
     folder: Path
     checkpoint: str = ""
+    steps: int | None = None
 
 
 def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) -> ChosenRun:
     """The new run that ``cfg`` describes, or the one in ``cfg.resume``: a run's folder or one of its checkpoints.
 
     Raises:
-        ConfigError: nothing to resume there, or options beside ``resume`` that would make it another run.
+        ConfigError: nothing to resume there, options beside ``resume`` that would make it another run, or fewer steps.
+        DataError: a stored configuration that cannot be used.
     """
     from omegaconf import OmegaConf
 
@@ -48,22 +56,45 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
         if not config.get("out"):
             raise ConfigError("out has no value; give out=FOLDER")
         _check(config, "configuration")
+        if isinstance(config["training"], Mapping) and "extended" in config["training"]:
+            raise ConfigError("training.extended is of runs that go on; give resume=RUN training.steps=MORE")
         return ChosenRun(config, swept or Path(str(config["out"])))
-    odd = [word for word in overrides if word.split("=")[0].lstrip("+~") not in NEUTRAL_OPTIONS[1:]]
+    more = [word for word in overrides if word.split("=")[0].lstrip("+") == "training.steps"]
+    odd = [word for word in overrides if word not in more and _option(word) not in NEUTRAL_OPTIONS[1:]]
     if odd:
-        raise ConfigError(f"resume={cfg.resume}: a run goes on with its own configuration; leave out {' '.join(odd)}")
+        raise ConfigError(
+            f"resume={cfg.resume}: a run goes on with its own configuration; leave out {' '.join(odd)} "
+            "(training.steps=MORE extends it)"
+        )
     path = Path(str(cfg.resume)).expanduser()
     folder, checkpoint = path, "latest"
-    if path.name.startswith("step_"):
+    if path.name.startswith("step_") and not (path / CONFIG).exists():
         folder, checkpoint = path.resolve().parent.parent, path.name
     try:
-        raw = (folder / "config.yaml").read_bytes()
-    except OSError:
+        raw = read_config(folder)
+    except FileNotFoundError:
         raise ConfigError(f"resume={cfg.resume}: no run there (no config.yaml); give the folder of a run") from None
-    config = _stored(folder / "config.yaml", raw)
+    config = _stored(folder / CONFIG, raw)
     _check_device(config["learner"], str(cfg.resume))
+    steps = None
+    if more:
+        steps = Plan(cfg.training.steps).steps
+        Plan.of(config["training"]).extend(0, steps)  # before the learner is built; from its last step later
     watched = {name: cfg[name] for name in ("progress", "wandb", "tensorboard")}
-    return ChosenRun({**config, **watched}, folder, checkpoint)
+    return ChosenRun({**config, **watched}, folder, checkpoint, steps)
+
+
+def _option(word: str) -> str:
+    return word.split("=")[0].lstrip("+~")
+
+
+def write_extension(folder: Path, plan: Plan) -> None:
+    """Write into a run's ``config.yaml`` what its plan was extended by; all else stays what was asked for at first."""
+    from omegaconf import OmegaConf
+
+    config = _stored(folder / CONFIG, read_config(folder))
+    config["training"]["extended"] = [one.to_json() for one in plan.extended]
+    write_atomic(folder / CONFIG, OmegaConf.to_yaml(OmegaConf.create(config)))
 
 
 def _check_device(learner: Mapping[str, Any], resume: str) -> None:
@@ -107,7 +138,7 @@ def _check_agent(cfg: DictConfig, overrides: Sequence[str]) -> None:
         target = str(cfg.agent.get("_target_", "")).rsplit(".", 1)[-1]
         raise ConfigError(f"{target} has no policy that could be trained; choose an agent that has one, such as vtn")
     for word in overrides:
-        if (option := word.split("=")[0].lstrip("+~")) in _OF_PLAYING:
+        if (option := _option(word)) in _OF_PLAYING:
             raise ConfigError(f"{word}: {option} is of playing; give {_OF_PLAYING[option]}")
 
 
@@ -150,8 +181,13 @@ def _check(config: Any, where: str) -> None:
 
 
 def run_identity(config: Mapping[str, Any]) -> dict[str, str]:
-    """Hash of what is learned; the learner adds those of its data."""
+    """Hash of what is learned; the learner adds those of its data.
+
+    Extensions do not count: checkpoints say of themselves which of them they depend on.
+    """
     learned = {key: value for key, value in config.items() if key not in NEUTRAL_OPTIONS}
+    if isinstance(training := learned.get("training"), Mapping):
+        learned["training"] = {key: value for key, value in training.items() if key != "extended"}
     return {"config": sha256_bytes(canonical_json(learned).encode())}
 
 

@@ -115,7 +115,7 @@ class ImitationLearner:
         check("at least 0 and below 1", lambda x: 0 <= x < 1, average=average)
         check("a whole number", lambda x: True, (int,), seed=seed)
         self.policy, self.make_env, self.loss, self.validation = policy, env, loss, validation
-        self.seed, self.batch, self.chunk, self.half, self.steps = seed, batch, chunk, half, steps
+        self.seed, self.batch, self.chunk, self.half = seed, batch, chunk, half
         self.act = cast(ActionPolicy, policy)
         if isinstance(levels, str) or not levels:
             raise ConfigError(f"learner.levels={brief(levels)}: expected a list of at least one habit level")
@@ -220,10 +220,14 @@ class ImitationLearner:
 
     def load_state_dict(self, state: State) -> None:
         """Go on after ``done`` steps."""
-        self.done, self.frames = int(state.values["done"]), int(state.values["frames"])
-        self.labels = int(state.values.get("labels", self.frames))  # runs of earlier versions did not keep them
+        self.done, self.frames = state.count("done"), state.count("frames")
+        self.labels = state.count("labels") if "labels" in state.values else self.frames  # earlier versions had none
         self.updates.load(state.tensors, self.done)
         self._stream = None
+
+    def lengthen(self, steps: int) -> bool:
+        """See :class:`ucon.learning.learner.Learner`."""
+        return self.updates.lengthen(steps)
 
     def product(self) -> Mapping[str, bytes]:
         """The policy, as :class:`models.agents.policy.PolicyAgent` loads it."""
