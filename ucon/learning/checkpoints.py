@@ -225,11 +225,12 @@ def _content(raw: bytes) -> _Content:
     if not isinstance(found, dict) or found.get("format") != FORMAT:
         number = found.get("format") if isinstance(found, dict) else None
         raise DataError(f"{VALUES}: format {brief(number)}, this version reads {FORMAT}")
-    identity, step, best, values = (found.get(name) for name in ("identity", "step", "best", "values"))
-    hashes = isinstance(identity, dict) and all(isinstance(value, str) for value in identity.values())
-    if not (hashes and _is_step(step) and (best is None or _is_step(best)) and isinstance(values, dict)):
+    content = _Content(*(found.get(name) for name in ("identity", "step", "best", "values")))
+    hashes = isinstance(content.identity, dict) and all(isinstance(value, str) for value in content.identity.values())
+    steps = _is_step(content.step) and (content.best is None or _is_step(content.best))
+    if not (hashes and steps and isinstance(content.values, dict)):
         raise DataError(f"{VALUES} does not say what it should")
-    return _Content(identity, step, best, values)
+    return content
 
 
 def _is_step(value: Any) -> bool:

@@ -117,7 +117,7 @@ class TrainingRun:
         if checkpoint != LATEST:
             self.checkpoints.rewind(checkpoint)
         # Where the best one is gone, the next validation finds another.
-        self.best = dict(trainer.best) if self.checkpoints.point_to_best(trainer.best.get("step")) else {}
+        self.best = dict(trainer.best) if self.checkpoints.point_to_best(trainer.best_step) else {}
         cut_metrics(self.folder, step)
         self._seconds_before = read_seconds(self.folder)
 
@@ -202,8 +202,7 @@ class TrainingRun:
         trainer = TrainerState(self.best, self.plan.followed(self.step))
         values = {"learner": dict(state.values), "trainer": trainer.to_json()}
         self._saved = self.step
-        best = int(self.best["step"]) if self.best else None
-        self.checkpoints.save(self.step, State(state.tensors, values), best=best, planned=self.plan.saves)
+        self.checkpoints.save(self.step, State(state.tensors, values), best=trainer.best_step, planned=self.plan.saves)
         self._write_seconds()
 
     @property

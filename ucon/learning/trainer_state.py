@@ -23,6 +23,11 @@ class TrainerState:
     """Empty before the first validation."""
     extended: tuple[Extension, ...] = ()
 
+    @property
+    def best_step(self) -> int | None:
+        """Of the best checkpoint."""
+        return int(self.best["step"]) if self.best else None
+
     def to_json(self) -> dict[str, Any]:
         """Plain values; nothing is said of extensions where there are none."""
         more = {"extended": [one.to_json() for one in self.extended]} if self.extended else {}
