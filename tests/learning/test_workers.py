@@ -71,6 +71,9 @@ def test_those_who_gather_experience_have_one(tmp_path):
     assert {int(tensor.max()) for tensor in batch["frames"].values()} == {1}
 
 
+SLOW = pytest.mark.slow  # workers take seconds to begin
+
+
 def stop(processes, number):
     """Send a signal to the first of some processes; its id."""
     first = next(iter(processes))
@@ -82,7 +85,7 @@ def stop(processes, number):
     ("number", "message"),
     [
         (signal.SIGSTOP, r"\(process {pid}\): no answer within 3 s, .*resume=RUN goes on, collector.worker_timeout_s"),
-        (signal.SIGKILL, r"\(process {pid}\): killed by signal 9, .*resume=RUN goes on"),
+        pytest.param(signal.SIGKILL, r"\(process {pid}\): killed by signal 9, .*resume=RUN goes on", marks=SLOW),
     ],
 )
 def test_who_gathers_experience_is_not_waited_for_for_ever(tmp_path, number, message):
@@ -104,7 +107,7 @@ def test_who_gathers_experience_is_not_waited_for_for_ever(tmp_path, number, mes
     ("number", "message"),
     [
         (signal.SIGSTOP, r"\(process {pid}\): no answer within 3 s, .*resume=RUN goes on, learner.worker_timeout_s"),
-        (signal.SIGKILL, r"\(process {pid}\): killed by signal 9, .*resume=RUN goes on"),
+        pytest.param(signal.SIGKILL, r"\(process {pid}\): killed by signal 9, .*resume=RUN goes on", marks=SLOW),
     ],
 )
 def test_who_plays_ahead_of_learning_is_not_waited_for_for_ever(tmp_path, number, message):

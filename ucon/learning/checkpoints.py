@@ -225,7 +225,8 @@ def _content(raw: bytes) -> _Content:
     if not isinstance(found, dict) or found.get("format") != FORMAT:
         number = found.get("format") if isinstance(found, dict) else None
         raise DataError(f"{VALUES}: format {brief(number)}, this version reads {FORMAT}")
-    content = _Content(*(found.get(name) for name in ("identity", "step", "best", "values")))
+    parts: list[Any] = [found.get(name) for name in ("identity", "step", "best", "values")]
+    content = _Content(*parts)
     hashes = isinstance(content.identity, dict) and all(isinstance(value, str) for value in content.identity.values())
     steps = _is_step(content.step) and (content.best is None or _is_step(content.best))
     if not (hashes and steps and isinstance(content.values, dict)):
