@@ -7,9 +7,12 @@
     python train.py agent=vtn learner=dagger
     python train.py learner=retriever habits=official habits.path=FILE
     python train.py resume=runs/train/RUN
+    python train.py resume=runs/train/RUN training.steps=400
+    python train.py learner=retriever learner.initial=runs/train/RUN
 
-Writes config.yaml, metrics.jsonl, checkpoints/, model/, MODEL_CARD.md and summary.json to ``out=``. Ctrl-C and
-SIGTERM save and end; ``resume=`` goes on to the same bytes that an uninterrupted run would have written.
+Writes config.yaml, metrics.jsonl, checkpoints/, model/, MODEL_CARD.md, summary.json and seconds.json to ``out=``.
+Ctrl-C and SIGTERM save and end; ``resume=`` goes on to the same bytes that an uninterrupted run would have written,
+with more ``training.steps`` also beyond its end. ``learner.initial=`` begins a new run with another's weights.
 """
 
 from __future__ import annotations
@@ -29,13 +32,14 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
 from ucon.commands.entry import one_line_errors, run_entry
-from ucon.commands.training import ChosenRun, chosen_run, run_identity, use_threads
+from ucon.commands.training import ChosenRun, chosen_run, run_identity, use_threads, write_extension
 from ucon.commands.wiring import Factory
 from ucon.core.memory import keep_freed_memory
 from ucon.core.sole_writer import sole_writer
 from ucon.learning.learner import Learner
+from ucon.learning.plan import Plan
 from ucon.learning.progress import check_wandb, tensorboard_log, training_progress, wandb_log
-from ucon.learning.run import Interrupted, OnFigures, Plan, TrainingRun
+from ucon.learning.run import Interrupted, OnFigures, TrainingRun
 
 
 @hydra.main(version_base="1.3", config_path="configs", config_name="train")
@@ -61,20 +65,25 @@ def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None =
         config["learner"] |= settled
     try:
         with closing(learner), sole_writer(chosen.folder):
-            summary = _trained(chosen, learner, plan, settled)
+            summary, seconds = _trained(chosen, learner, plan, settled)
     except Interrupted as stop:
         print(f"stopped after step {stop.step}, saved; go on with resume={chosen.folder}", file=sys.stderr)
         sys.exit(128 + stop.number)
     figures = "  ".join(f"{name} {value:g}" for name, value in summary["best"].items())
-    print(f"best validation: {figures}\n{summary['seconds']:.1f} s; model and card in {chosen.folder}")
+    print(f"best validation: {figures}\n{seconds:.1f} s; model and card in {chosen.folder}")
 
 
-def _trained(chosen: ChosenRun, learner: Learner, plan: Plan, settled: Mapping[str, str | int]) -> dict[str, Any]:
-    """Start or resume, and run to the end; the content of ``summary.json``."""
+def _trained(
+    chosen: ChosenRun, learner: Learner, plan: Plan, settled: Mapping[str, str | int]
+) -> tuple[dict[str, Any], float]:
+    """Start or resume, and run to the end; the content of ``summary.json``, and what it took in seconds."""
     config = chosen.config
     run = TrainingRun(chosen.folder, learner, plan, run_identity(config))
     if chosen.checkpoint:
-        run.resume(chosen.checkpoint)
+        run.resume(chosen.checkpoint, chosen.steps)
+        if run.plan != plan:
+            write_extension(chosen.folder, run.plan)
+            print(run.extended(), file=sys.stderr)
     else:
         run.start(OmegaConf.to_yaml(OmegaConf.create(config)))
     if settled:
@@ -83,9 +92,9 @@ def _trained(chosen: ChosenRun, learner: Learner, plan: Plan, settled: Mapping[s
     with (
         wandb_log(config["wandb"], chosen.folder, config) as log,
         tensorboard_log(bool(config["tensorboard"]), chosen.folder) as write,
-        training_progress(label, plan.steps, run.step, visible=config["progress"]) as show,
+        training_progress(label, run.plan.length, run.step, visible=config["progress"]) as show,
     ):
-        return run.run(_each(show, log, write))
+        return run.run(_each(show, log, write)), run.seconds
 
 
 def _each(*sinks: OnFigures) -> OnFigures:

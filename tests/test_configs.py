@@ -51,6 +51,14 @@ def test_every_option_of_training_composes(group, name):
     assert callable(get_class(config["learner"]["_target_"]))
 
 
+@pytest.mark.parametrize("name", [n for g, n in OPTIONS if g == "learner"])
+def test_every_learner_begins_with_the_weights_of_another_run_by_one_word(name):
+    learner = composed(f"learner={name}", *(["agent=vtn"] if name in OF_POLICIES else []), root="train")["learner"]
+    assert learner["initial"] is None
+    takers = get_class(learner["_target_"]).__mro__  # DAgger hands its options on
+    assert any("initial" in inspect.signature(taker.__init__).parameters for taker in takers)
+
+
 def with_a_policy():
     """Agents that have one: each can be trained."""
     return [n for g, n in OPTIONS if g == "agent" and "policy" in composed(f"agent={n}")["agent"]]

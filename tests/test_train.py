@@ -36,7 +36,7 @@ def error_line(result: subprocess.CompletedProcess[str]) -> str:
 def test_mistakes_end_in_one_line(tmp_path):
     assert "no run there" in error_line(train(f"resume={tmp_path}/nothing"))
     assert not (tmp_path / "nothing").exists()
-    assert "leave out training.steps=3" in error_line(train(f"resume={tmp_path}", "training.steps=3"))
+    assert "leave out training.keep=3" in error_line(train(f"resume={tmp_path}", "training.keep=3"))
     assert "unknown learner 'retreiver': did you mean retriever" in error_line(train("learner=retreiver"))
     assert "threads=0: expected a whole number" in error_line(train("threads=0", f"out={tmp_path}/run"))
     assert "wandb=onlin: expected false or null or offline or online" in error_line(
@@ -197,5 +197,13 @@ def test_sigterm_saves_and_resume_gives_the_same_bytes(tmp_path):
     assert result.returncode == 0, result.stderr[-2000:]
     for name in ("metrics.jsonl", "model/retriever.safetensors"):
         assert (whole / name).read_bytes() == (parts / name).read_bytes()
-    summaries = [json.loads((folder / "summary.json").read_text()) for folder in (whole, parts)]
-    assert summaries[0]["hashes"] == summaries[1]["hashes"]
+    for name in ("summary.json", "MODEL_CARD.md"):
+        assert (whole / name).read_bytes() == (parts / name).read_bytes()
+    longer = train(f"resume={parts}", "progress=false", "training.steps=6")
+    assert longer.returncode == 0, longer.stderr[-2000:]
+    assert "planned for 4 steps, after 4 extended to 6; since then its learning rate" in longer.stderr
+    assert json.loads((parts / "summary.json").read_text())["extended"] == [{"at": 4, "steps": 6}]
+    assert OmegaConf.load(parts / "config.yaml").training.extended == [{"at": 4, "steps": 6}]
+    assert "6 are done; give more" in error_line(train(f"resume={parts}", "progress=false", "training.steps=6"))
+    begun = train(*SMALL, "training.steps=1", f"learner.initial={parts}", f"out={tmp_path / 'begun'}")
+    assert begun.returncode == 0, begun.stderr[-2000:]

@@ -5,11 +5,10 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import torch
@@ -18,10 +17,12 @@ from numpy.typing import NDArray
 from models.nets.belief_head import NEVER, BeliefHead, Outputs
 from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import MANIFEST, read_verified, sha256_file
+from ucon.core.strict_json import JsonError, parse_json
+from ucon.core.tensor_files import check_header, header
 from ucon.habits.types import RELATIONS
 from ucon.language.encoder import one_thread
 from ucon.learning.belief import CONFIG, PRIOR, WEIGHTS, head_tensors
-from ucon.learning.run import MODEL
+from ucon.learning.run_folder import MODEL
 from ucon.retrieval.anchor_prior import AnchorPrior
 from ucon.retrieval.household import Candidates, FittedParts, Household, default_parts, parts_with
 from ucon.retrieval.reader import AnchorBelief
@@ -30,6 +31,10 @@ from ucon.retrieval.weights import Array, sigmoid, softmax
 #: The model of a run of ``python train.py learner=belief``.
 SHIPPED: Final = Path(__file__).parents[2] / "checkpoints" / "belief_head" / "model"
 DECIMALS: Final = 4
+#: Of what a folder may say of a head: of its files, of one of its sizes, and of its layers.
+MOST_BYTES: Final = 1 << 28
+_MOST_SIZE: Final = 1 << 16
+_MOST_BLOCKS: Final = 64
 
 
 class HeadReading:
@@ -116,9 +121,9 @@ class HeadReader:
             DataError: see :func:`load_head`; or it was trained on other fitted parts than the shipped ones.
         """
         path = _model_folder(SHIPPED if folder is None else Path(folder))
-        head, described = load_head(path), json.loads(read_verified(path / CONFIG))
+        head, described = load_head(path), _described(path / CONFIG)
         parts = default_parts()
-        if isinstance(names := described.get("anchors"), list):
+        if isinstance(names := described.get("anchors"), list) and all(isinstance(name, str) for name in names):
             prior = AnchorPrior.from_bytes(read_verified(path / PRIOR), names, str(path / PRIOR))
             parts = parts_with(prior, path if described.get("own_places") else None)
         if described.get("parts") != parts.sha256:
@@ -173,16 +178,34 @@ def load_head(folder: Path) -> BeliefHead:
         DataError: a file is missing or altered, or holds no head of this architecture.
     """
     folder = _model_folder(folder)
-    head = _built(folder / CONFIG)
-    head.load_state_dict(head_tensors(folder / WEIGHTS, head))
+    options = _described(folder / CONFIG).get("head")
+    with torch.device("meta"):  # sizes without the numbers, since any may stand there
+        planned = _built(options, folder / CONFIG).state_dict()
+    weights = folder / WEIGHTS
+    check_header(header(read_verified(weights, MOST_BYTES), weights), planned, weights)
+    head = _built(options, folder / CONFIG)
+    head.load_state_dict(head_tensors(weights, head))
     return head.eval()
 
 
-def _built(config: Path) -> BeliefHead:
-    """The head that ``config`` describes, not yet trained."""
+def _described(config: Path) -> dict[str, Any]:
     try:
-        return BeliefHead(**dict(json.loads(read_verified(config))["head"]))
-    except (ValueError, LookupError, TypeError, RecursionError):
+        found = parse_json(read_verified(config, MOST_BYTES))
+    except JsonError:
+        found = None
+    if not isinstance(found, dict):
+        raise DataError(f"{config}: describes no belief head of this version; train one with learner=belief")
+    return found
+
+
+def _built(options: Any, config: Path) -> BeliefHead:
+    """The head that ``options`` of a file describe, not yet trained."""
+    try:
+        sizes = {name: value for name, value in options.items() if type(value) not in (bool, float)}
+        if not all(value <= (_MOST_BLOCKS if name == "blocks" else _MOST_SIZE) for name, value in sizes.items()):
+            raise ValueError
+        return BeliefHead(**options)
+    except (ValueError, LookupError, TypeError, AttributeError):
         raise DataError(f"{config}: describes no belief head of this version; train one with learner=belief") from None
     except ConfigError as error:
         raise DataError(f"{config}: describes no belief head ({error}); train one with learner=belief") from None

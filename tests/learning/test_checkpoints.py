@@ -99,7 +99,7 @@ def test_what_was_best_stays_as_long_as_one_may_go_back_to_where_it_was(kept):
         kept.save(step, state(step), best=6 if step == 6 else 2)
     assert [path.name for path in kept.all()] == ["step_00000002", "step_00000005", "step_00000006"]
     kept.rewind("step_00000005")
-    assert kept.has_best
+    assert kept.point_to_best(2)
     assert kept.load("best")[0] == 2
     for step in (6, 7, 8):
         kept.save(step, state(step), best=6)

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 import torch
+from safetensors.torch import save
 
 from tests.learning.tiny import some_habits, tiny_learner, write_tiny_bert
 from ucon.core.errors import ConfigError, DataError
@@ -213,6 +214,44 @@ def test_unfit_adapters_are_refused(bert, tmp_path):
     write_manifest(tmp_path, [PRODUCT])
     with pytest.raises(DataError, match="not an adapter"):
         read_adapter(path, MINILM_SHA256)
+
+
+def test_it_may_begin_with_another_adapter(bert, tmp_path):
+    taught = tiny_learner(bert)
+    for _ in range(3):
+        taught.step()
+    run = tmp_path / "run"
+    (run / "model").mkdir(parents=True)
+    (run / "model" / PRODUCT).write_bytes(taught.product()[PRODUCT])
+    write_manifest(run / "model", [PRODUCT])
+    for initial in (run, run / "model", run / "model" / PRODUCT):
+        again = tiny_learner(bert, initial=str(initial), seed=7)
+        for name, value in again.updates.parameters.items():
+            assert torch.allclose(value, taught.updates.average[name], atol=1e-3), name
+            assert torch.equal(again.updates.average[name], value)
+        assert again.identity.keys() - tiny_learner(bert).identity.keys() == {"initial"}
+    with pytest.raises(DataError, match=r"expected \(3, .*; give its own learner.rank"):
+        tiny_learner(bert, initial=str(run), rank=3)
+    with pytest.raises(DataError, match="no adapter there"):
+        tiny_learner(bert, initial=str(tmp_path))
+
+
+def test_adapters_that_are_no_numbers_or_no_matrices_leave_the_encoder_as_it_was(bert, tmp_path):
+    right = tiny_learner(bert).updates.average
+    first = next(iter(right))
+    path = tmp_path / PRODUCT
+    for value, message in ((right[first] * torch.nan, "no numbers"), (right[first].to(torch.int64), "of int64")):
+        path.write_bytes(save(dict(right) | {first: value}, {"base_sha256": MINILM_SHA256}))
+        write_manifest(tmp_path, [PRODUCT])
+        with pytest.raises(DataError, match=f"not an adapter: .*{message}"):
+            read_adapter(path, MINILM_SHA256)
+    _, plain = MiniLM(bert, check=False).parts()
+    before = {name: value.clone() for name, value in plain.state_dict().items()}
+    last = list(right)[-1]
+    for odd in (right[last][0], right[last][None], right[last][:, :0]):
+        with pytest.raises(DataError, match="does not fit"):
+            merge(plain, {name: value + 1 for name, value in right.items()} | {last: odd})
+    assert all(torch.equal(before[name], value) for name, value in plain.state_dict().items())
 
 
 def test_info_nce_by_hand():

@@ -95,7 +95,11 @@ SEALED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "shape": (WEIGHTS, lambda raw: network_files(Net(4))[WEIGHTS], r"linear.weight is \(2, 4\), expected \(2, 3\)"),
     "less": (WEIGHTS, lambda raw: save({"linear.bias": torch.zeros(2)}), "lacks tensor count"),
     "more": (WEIGHTS, lambda raw: save(load(raw) | {"z": torch.zeros(2)}), "has the unknown tensor z"),
-    "kind": (WEIGHTS, lambda raw: save(load(raw) | {"linear.bias": torch.zeros(2, dtype=torch.int64)}), "torch.int64"),
+    "kind": (
+        WEIGHTS,
+        lambda raw: save(load(raw) | {"linear.bias": torch.zeros(2, dtype=torch.int64)}),
+        "linear.bias is int64, expected float32",
+    ),
     "nan": (WEIGHTS, lambda raw: save(load(raw) | {"linear.bias": torch.tensor([0, torch.nan])}), "no numbers"),
     "architecture": (CONFIG, lambda raw: network_files(Other())[CONFIG], "of architecture other, expected net"),
     "arguments": (

@@ -1,18 +1,21 @@
-"""Workers compute with one thread each, whatever their environment says."""
+"""Workers compute with one thread each, whatever their environment says, and none is waited for for ever."""
 
 import functools
 import multiprocessing
+import os
+import signal
 
 import pytest
 import torch
 
-from tests.learning.tiny_policy import TinyPolicy, training_file
+from tests.learning.tiny_policy import TinyPolicy, tiny_imitation, training_file
 from tests.learning.tiny_ppo import tiny_ppo
+from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.learning.collecting import InWorkers
 from ucon.learning.feeding import Feeder
 from ucon.learning.trajectories import demonstration
-from ucon.learning.workers import begin_worker
+from ucon.learning.workers import WorkerError, answered_within, begin_worker
 from ucon.task.sets import load_episodes
 
 
@@ -66,3 +69,68 @@ def test_those_who_gather_experience_have_one(tmp_path):
     finally:
         learner.close()
     assert {int(tensor.max()) for tensor in batch["frames"].values()} == {1}
+
+
+SLOW = pytest.mark.slow  # workers take seconds to begin
+
+
+def stop(processes, number):
+    """Send a signal to the first of some processes; its id."""
+    first = next(iter(processes))
+    os.kill(first.pid, number)
+    return first.pid
+
+
+@pytest.mark.parametrize(
+    ("number", "message"),
+    [
+        (signal.SIGSTOP, r"\(process {pid}\): no answer within 3 s, .*resume=RUN goes on, collector.worker_timeout_s"),
+        pytest.param(signal.SIGKILL, r"\(process {pid}\): killed by signal 9, .*resume=RUN goes on", marks=SLOW),
+    ],
+)
+def test_who_gathers_experience_is_not_waited_for_for_ever(tmp_path, number, message):
+    learner = tiny_ppo(tmp_path, collector=InWorkers(2, worker_timeout_s=120.0), frames=8, levels=("none",))
+    try:
+        learner.step()
+        object.__setattr__(learner.rollouts._collecting, "worker_timeout_s", 3.0)
+        pid = stop(learner.rollouts._workers(), number)
+        with pytest.raises(WorkerError, match=message.format(pid=pid)) as caught:
+            learner.step()
+        assert "\n" not in str(caught.value)
+        assert str(caught.value).count("(process") == 1, "the other one answers"
+    finally:
+        learner.close()
+    assert learner.done == 1
+
+
+@pytest.mark.parametrize(
+    ("number", "message"),
+    [
+        (signal.SIGSTOP, r"\(process {pid}\): no answer within 3 s, .*resume=RUN goes on, learner.worker_timeout_s"),
+        pytest.param(signal.SIGKILL, r"\(process {pid}\): killed by signal 9, .*resume=RUN goes on", marks=SLOW),
+    ],
+)
+def test_who_plays_ahead_of_learning_is_not_waited_for_for_ever(tmp_path, number, message):
+    learner = tiny_imitation(tmp_path, workers=1, worker_timeout_s=120.0, memory_gb=0.0)
+    try:
+        learner.step()
+        learner.feeder._timeout_s = 3.0
+        pid = stop(learner.feeder._workers(), number)
+        with pytest.raises(WorkerError, match=message.format(pid=pid)) as caught:
+            all(learner.step() for _ in range(8))  # what was made ahead is taken first
+        assert "\n" not in str(caught.value)
+    finally:
+        learner.close()
+
+
+def test_what_a_worker_raises_is_not_hidden():
+    with pytest.raises(KeyError), answered_within(10.0, list, "x"):
+        raise KeyError
+
+
+@pytest.mark.parametrize("value", [0, -1, "x", True, None, float("nan"), float("inf"), 1e9])
+def test_impossible_limits(tmp_path, value):
+    with pytest.raises(ConfigError, match=r"collector\.worker_timeout_s=.*expected seconds, above 0"):
+        InWorkers(2, worker_timeout_s=value)
+    with pytest.raises(ConfigError, match=r"learner\.worker_timeout_s=.*expected seconds, above 0"):
+        tiny_imitation(tmp_path, worker_timeout_s=value)

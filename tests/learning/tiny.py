@@ -65,6 +65,10 @@ class Line:
         self.weight, self.speed = state.tensors["weight"], state.tensors["speed"]
         self.done = state.values["done"]
 
+    def lengthen(self, steps):
+        self.length = steps
+        return False
+
     def product(self):
         return {"line.bin": self.weight.numpy().tobytes()}
 

@@ -9,7 +9,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final
 
-from ucon.commands.kinds import NOTHING, PART, PLACE, SECONDS, SWITCH, TEXT, Kind, either, is_part, one_of, whole
+from ucon.commands.kinds import (
+    ANYTHING,
+    NOTHING,
+    PART,
+    PLACE,
+    SECONDS,
+    SWITCH,
+    TEXT,
+    Kind,
+    either,
+    is_part,
+    one_of,
+    whole,
+)
 from ucon.core.errors import ConfigError, brief, unknown_name
 
 #: More threads than any machine has; torch fails on far larger numbers.
@@ -53,6 +66,7 @@ TRAINING: Final[Mapping[str, Kind]] = {
     "training.validate_every": whole(1),
     "training.save_every": whole(1),
     "training.keep": whole(1),
+    "training.extended": ANYTHING,  # of runs that were: the plan reads it
     "agent": either([PART, NOTHING]),
     "collector": PART,
     "detector": PART,

@@ -11,8 +11,10 @@ from ucon.commands.options import TRAINING, check_options
 from ucon.commands.stored import checked, has_to_be_said
 from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, brief
-from ucon.core.files import canonical_json, sha256_bytes
+from ucon.core.files import canonical_json, sha256_bytes, write_atomic
 from ucon.core.yaml_text import without_aliases
+from ucon.learning.plan import Plan
+from ucon.learning.run_folder import CONFIG, read_config
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
@@ -25,18 +27,24 @@ NEUTRAL_OPTIONS = ("out", "resume", "progress", "wandb", "tensorboard")
 
 @dataclass(frozen=True)
 class ChosenRun:
-    """A run's configuration and folder; ``checkpoint`` is what it goes on from, empty for a new run."""
+    """A run's configuration and folder.
+
+    ``checkpoint`` is what it goes on from, empty for a new run; ``steps`` how many it is extended to, None for as many
+    as are planned.
+    """
 
     config: dict[str, Any]
     folder: Path
     checkpoint: str = ""
+    steps: int | None = None
 
 
 def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) -> ChosenRun:
     """The new run that ``cfg`` describes, or the one in ``cfg.resume``: a run's folder or one of its checkpoints.
 
     Raises:
-        ConfigError: nothing to resume there, or options beside ``resume`` that would make it another run.
+        ConfigError: nothing to resume there, options beside ``resume`` that would make it another run, or fewer steps.
+        DataError: a stored configuration that cannot be used.
     """
     from omegaconf import OmegaConf
 
@@ -48,25 +56,48 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
         if not config.get("out"):
             raise ConfigError("out has no value; give out=FOLDER")
         _check(config, "configuration")
+        if isinstance(config["training"], Mapping) and "extended" in config["training"]:
+            raise ConfigError("training.extended is of runs that go on; give resume=RUN training.steps=MORE")
         check_options(config, TRAINING)
         return ChosenRun(config, swept or Path(str(config["out"])))
     said = _said(word for word in overrides if word.startswith("++"))
+    more = [word for word in overrides if word.split("=")[0].lstrip("+") == "training.steps"]
     known = {*NEUTRAL_OPTIONS[1:], *said}
-    odd = [word for word in overrides if word.split("=")[0].lstrip("+~") not in known]
+    odd = [word for word in overrides if word not in more and _option(word) not in known]
     if odd:
-        raise ConfigError(f"resume={cfg.resume}: a run goes on with its own configuration; leave out {' '.join(odd)}")
+        raise ConfigError(
+            f"resume={cfg.resume}: a run goes on with its own configuration; leave out {' '.join(odd)} "
+            "(training.steps=MORE extends it)"
+        )
     path = Path(str(cfg.resume)).expanduser()
     folder, checkpoint = path, "latest"
-    if path.name.startswith("step_"):
+    if path.name.startswith("step_") and not (path / CONFIG).exists():
         folder, checkpoint = path.resolve().parent.parent, path.name
     try:
-        raw = (folder / "config.yaml").read_bytes()
-    except OSError:
+        raw = read_config(folder)
+    except FileNotFoundError:
         raise ConfigError(f"resume={cfg.resume}: no run there (no config.yaml); give the folder of a run") from None
-    config = _stored(folder / "config.yaml", raw, said)
+    config = _stored(folder / CONFIG, raw, said)
     _check_device(config["learner"], str(cfg.resume))
+    steps = None
+    if more:
+        steps = Plan(cfg.training.steps).steps
+        Plan.of(config["training"]).extend(0, steps)  # before the learner is built; from its last step later
     watched = {name: cfg[name] for name in ("progress", "wandb", "tensorboard")}
-    return ChosenRun({**config, **watched}, folder, checkpoint)
+    return ChosenRun({**config, **watched}, folder, checkpoint, steps)
+
+
+def _option(word: str) -> str:
+    return word.split("=")[0].lstrip("+~")
+
+
+def write_extension(folder: Path, plan: Plan) -> None:
+    """Write into a run's ``config.yaml`` what its plan was extended by; all else stays what was asked for at first."""
+    from omegaconf import OmegaConf
+
+    config = _parsed(folder / CONFIG, read_config(folder))
+    config["training"]["extended"] = [one.to_json() for one in plan.extended]
+    write_atomic(folder / CONFIG, OmegaConf.to_yaml(OmegaConf.create(config)))
 
 
 def _said(words: Iterable[str]) -> dict[str, Any]:
@@ -118,16 +149,29 @@ def _check_agent(cfg: DictConfig, overrides: Sequence[str]) -> None:
         target = str(cfg.agent.get("_target_", "")).rsplit(".", 1)[-1]
         raise ConfigError(f"{target} has no policy that could be trained; choose an agent that has one, such as vtn")
     for word in overrides:
-        if (option := word.split("=")[0].lstrip("+~")) in _OF_PLAYING:
+        if (option := _option(word)) in _OF_PLAYING:
             raise ConfigError(f"{word}: {option} is of playing; give {_OF_PLAYING[option]}")
 
 
 def _stored(path: Path, raw: bytes, said: Mapping[str, Any]) -> dict[str, Any]:
-    """The configuration that a run left as ``raw``.
+    """The configuration that a run left as ``raw``, if it builds nothing but what it may.
 
     Raises:
         DataError: it is no text, no YAML, lacks something, or would build what it must not.
         ConfigError: it needs what has to be said again, or something else was said than it has.
+    """
+    config = _parsed(path, raw)
+    allowed: dict[str, Any] = checked(config, str(path), ("learner",), said, "++")
+    if allowed != config:
+        raise ConfigError(f"{path}: the run has other values than ++{', ++'.join(said)}; say those that it has")
+    return allowed
+
+
+def _parsed(path: Path, raw: bytes) -> dict[str, Any]:
+    """The options in ``raw``, of the right kinds.
+
+    Raises:
+        DataError: it is no text, no YAML, or lacks something.
     """
     from omegaconf import OmegaConf
     from omegaconf.errors import OmegaConfBaseException
@@ -147,10 +191,7 @@ def _stored(path: Path, raw: bytes, said: Mapping[str, Any]) -> dict[str, Any]:
         check_options(config, TRAINING)
     except ConfigError as error:
         raise DataError(f"{error}; {_REMEDY}") from None
-    allowed: dict[str, Any] = checked(config, str(path), ("learner",), said, "++")
-    if allowed != config:
-        raise ConfigError(f"{path}: the run has other values than ++{', ++'.join(said)}; say those that it has")
-    return allowed
+    return dict(config)
 
 
 def _check(config: Any, where: str) -> None:
@@ -165,8 +206,13 @@ def _check(config: Any, where: str) -> None:
 
 
 def run_identity(config: Mapping[str, Any]) -> dict[str, str]:
-    """Hash of what is learned; the learner adds those of its data."""
+    """Hash of what is learned; the learner adds those of its data.
+
+    Extensions do not count: checkpoints say of themselves which of them they depend on.
+    """
     learned = {key: value for key, value in config.items() if key not in NEUTRAL_OPTIONS}
+    if isinstance(training := learned.get("training"), Mapping):
+        learned["training"] = {key: value for key, value in training.items() if key != "extended"}
     return {"config": sha256_bytes(canonical_json(learned).encode())}
 
 

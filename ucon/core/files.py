@@ -14,8 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from ucon.core.errors import ConfigError, DataError, brief
+from ucon.core.plain_file import read_plain
+from ucon.core.strict_json import parse_json
 
 MANIFEST = "MANIFEST.json"
+_MOST_MANIFEST = 16 << 20
 
 
 def user_cache() -> Path:
@@ -131,8 +134,12 @@ def write_manifest(folder: Path, names: Iterable[str]) -> None:
     write_atomic(folder / MANIFEST, json.dumps({"files": entries}, indent=1) + "\n")
 
 
-def read_verified(path: Path) -> bytes:
+def read_verified(path: Path, most: int | None = None) -> bytes:
     """Bytes of ``path``, checked against the manifest in its folder.
+
+    Args:
+        path: the file.
+        most: bytes that it may have; a larger one is not read. None: so many as its manifest says.
 
     Raises:
         DataError: the file or its manifest entry is missing, or size or checksum differ.
@@ -141,18 +148,25 @@ def read_verified(path: Path) -> bytes:
     if not path.is_file():
         raise DataError(f"{path}: no such file")
     try:
-        entry = json.loads(manifest.read_text())["files"][path.name]
-        expected, size = str(entry["sha256"]), int(entry["bytes"])
+        entry = parse_json(read_plain(manifest, _MOST_MANIFEST))["files"][path.name]
+        expected, size = str(entry["sha256"]), entry["bytes"]
+        if type(size) is not int:
+            raise TypeError
     except FileNotFoundError:
         raise DataError(
             f"{manifest}: missing, so {path.name} cannot be verified; restore it from the release"
         ) from None
-    except (ValueError, LookupError, TypeError, OverflowError, RecursionError):
+    except (ValueError, LookupError, TypeError, OverflowError):
         raise DataError(f"{manifest}: no usable entry for {path.name}; restore it from the release") from None
-    data = path.read_bytes()
-    if len(data) != size or sha256_bytes(data) != expected:
+    found = path.stat().st_size
+    if found != size:
         raise DataError(
-            f"{path}: {len(data)} bytes with SHA-256 {sha256_bytes(data)[:12]}, expected {brief(size)} bytes with "
-            f"{brief(expected[:12])}; the file is truncated or altered, restore it from the release"
+            f"{path}: {found} bytes, expected {size}; the file is truncated or altered, restore it from the release"
+        )
+    data = read_plain(path, size if most is None else most)
+    if sha256_bytes(data) != expected:
+        raise DataError(
+            f"{path}: {len(data)} bytes with SHA-256 {sha256_bytes(data)[:12]}, expected {brief(expected[:12])}; "
+            "the file is truncated or altered, restore it from the release"
         )
     return data

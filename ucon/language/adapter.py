@@ -8,21 +8,22 @@ Imported where torch is needed anyway; :mod:`ucon.language.adapted` is the cheap
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
 import torch
-from safetensors import SafetensorError
-from safetensors.torch import load, save
+from safetensors.torch import save
 from torch import Tensor, nn
 
-from ucon.core.errors import DataError
+from ucon.core.errors import DataError, brief
 from ucon.core.files import read_verified
 from ucon.core.rng import derived_seed
+from ucon.core.tensor_files import check_finite, header, metadata, read_tensors
 
 BASE_KEY: Final = "base_sha256"
+#: Three times the encoder.
+_MOST_BYTES: Final = 256 << 20
 
 
 class LowRank(nn.Module):
@@ -63,15 +64,34 @@ def merge(model: nn.Module, adapter: Mapping[str, Tensor], where: str = "adapter
     maps = _linear_maps(model)
     wanted = {f"{name}.{part}" for name in maps for part in ("down", "up")}
     if set(adapter) != wanted:
-        odd = sorted(set(adapter) ^ wanted)[:3]
-        raise DataError(f"{where}: not an adapter of this encoder ({', '.join(odd)}); use the encoder it was made for")
+        odd = ", ".join(map(brief, sorted(set(adapter) ^ wanted)[:3]))
+        raise DataError(f"{where}: not an adapter of this encoder ({odd}); use the encoder it was made for")
+    for name, module in maps.items():  # all of them before any is added
+        down, up = adapter[f"{name}.down"].shape, adapter[f"{name}.up"].shape
+        if (up[:1], down[1:]) != (module.weight.shape[:1], module.weight.shape[1:]) or up[1:] != down[:1]:
+            raise DataError(f"{where}: {name} does not fit {tuple(module.weight.shape)}; use its own encoder")
     with torch.no_grad():
         for name, module in maps.items():
-            down, up = adapter[f"{name}.down"].float(), adapter[f"{name}.up"].float()
-            shape = (up.shape[0], down.shape[1]) if up.shape[1:] == down.shape[:1] else None
-            if shape != tuple(module.weight.shape):
-                raise DataError(f"{where}: {name} does not fit {tuple(module.weight.shape)}; use its own encoder")
-            module.weight += up @ down
+            module.weight += adapter[f"{name}.up"].float() @ adapter[f"{name}.down"].float()
+
+
+def begin_with(parameters: Mapping[str, nn.Parameter], adapter: Mapping[str, Tensor], where: str) -> None:
+    """Give the parameters of :func:`add_adapters` the values of another adapter.
+
+    Raises:
+        DataError: names or shapes differ, as those of another rank do.
+    """
+    shapes = {name: tuple(value.shape) for name, value in parameters.items()}
+    if odd := sorted(name for name, value in adapter.items() if shapes.get(name) != tuple(value.shape)):
+        found, expected = tuple(adapter[odd[0]].shape), shapes.get(odd[0])
+        raise DataError(
+            f"{where}: {brief(odd[0])} is {brief(found)}, expected {brief(expected)}; give its own learner.rank"
+        )
+    if missing := sorted(shapes.keys() - adapter.keys()):
+        raise DataError(f"{where}: no {missing[0]} in it; use the encoder it was made for")
+    with torch.no_grad():
+        for name, value in parameters.items():
+            value.copy_(adapter[name])
 
 
 def adapter_bytes(parameters: Mapping[str, Tensor], base_sha256: str) -> bytes:
@@ -86,16 +106,19 @@ def read_adapter(path: Path, base_sha256: str) -> dict[str, Tensor]:
     Raises:
         DataError: missing, truncated or altered, not safetensors, or made for other weights.
     """
-    raw = read_verified(path)
+    raw = read_verified(path, _MOST_BYTES)
     try:
-        tensors: dict[str, Tensor] = load(raw)
-        size = int.from_bytes(raw[:8], "little")
-        base = json.loads(raw[8 : 8 + size]).get("__metadata__", {}).get(BASE_KEY)
-    except (SafetensorError, ValueError) as error:
-        raise DataError(f"{path}: not an adapter ({error}); train one with `train.py learner=retriever`") from None
+        base = metadata(raw, path).get(BASE_KEY)
+        kinds = {kind for kind, _ in header(raw, path).values()}
+        if odd := sorted(kinds - {"float16", "float32"}):
+            raise DataError(f"{path}: matrices of {odd[0]}, expected float16; train one anew")
+        tensors = read_tensors(raw, path)
+        check_finite(tensors, path)
+    except DataError as error:
+        raise DataError(f"not an adapter: {error} with `train.py learner=retriever`") from None
     if base != base_sha256:
         raise DataError(
-            f"{path}: made for weights {str(base)[:12]}, the encoder has {base_sha256[:12]}; use its own encoder"
+            f"{path}: made for weights {brief(str(base)[:12])}, the encoder has {base_sha256[:12]}; use its own encoder"
         )
     return tensors
 

@@ -21,8 +21,9 @@ from safetensors.torch import save
 from torch import Tensor, nn
 
 from ucon.core.errors import ConfigError
-from ucon.core.files import read_verified
+from ucon.core.files import sha256_file
 from ucon.core.rng import derived_seed, stream
+from ucon.core.tensor_files import read_fitting
 from ucon.habits.splits import Split, entry_parts
 from ucon.habits.types import HabitDataset
 from ucon.learning.belief_data import Draw, Draws, Sample, sample
@@ -32,8 +33,7 @@ from ucon.learning.belief_readers import N_FOLDS, Fold, folds_of, parts_of
 from ucon.learning.learner import Card, Figures, State
 from ucon.learning.options import check
 from ucon.learning.retriever import schedule
-from ucon.learning.run import MODEL
-from ucon.learning.saved import check_tensors, read_tensors
+from ucon.learning.run_folder import MODEL
 from ucon.learning.updates import Updates
 from ucon.retrieval.household import FittedParts
 from ucon.retrieval.levels import FIXED_LEVELS
@@ -109,8 +109,7 @@ class BeliefLearner:
         torch.manual_seed(derived_seed(seed, "belief head"))
         self.head = head()
         draw = draw or Draw()
-        if initial is not None:
-            _begin_with(self.head, Path(initial))
+        self._initial = "" if initial is None else _begin_with(self.head, Path(initial).expanduser())
         check("true or false", lambda x: True, (bool,), own_places=own_places)
         if own_places and not dataset.scenes:
             raise ConfigError(f"learner.own_places=true: {dataset.name} belongs to no scenes, and is read as it is")
@@ -127,8 +126,9 @@ class BeliefLearner:
 
     @property
     def identity(self) -> Mapping[str, str]:
-        """Hashes of the habits and of the fitted parts."""
-        return {"habits": self.dataset.sha256, "parts": self._parts.sha256}
+        """Hashes of the habits, of the fitted parts and of the weights that it began with."""
+        initial = {"initial": self._initial} if self._initial else {}
+        return {"habits": self.dataset.sha256, "parts": self._parts.sha256, **initial}
 
     def training_sample(self, number: int) -> Sample:
         """Household number ``number``: entries of the ``train`` part, of one fold's categories."""
@@ -205,8 +205,13 @@ class BeliefLearner:
 
     def load_state_dict(self, state: State) -> None:
         """Go on after ``done`` steps."""
-        self._done = int(state.values["done"])
+        self._done = state.count("done")
         self.updates.load(state.tensors, self._done)
+
+    def lengthen(self, steps: int) -> bool:
+        """See :class:`ucon.learning.learner.Learner`."""
+        self.steps = steps
+        return True
 
     def product(self) -> Mapping[str, bytes]:
         """Weights in fp16 with a fitted temperature, and the options that the head is built with."""
@@ -278,15 +283,14 @@ def head_tensors(path: Path, head: nn.Module) -> dict[str, Tensor]:
     Raises:
         DataError: it is missing or altered, no safetensors, of another head, or holds values that are no numbers.
     """
-    tensors = read_tensors(read_verified(path), path)
-    check_tensors(tensors, head.state_dict(), path)
-    return {name: value.float() for name, value in tensors.items()}
+    return {name: value.float() for name, value in read_fitting(path, head.state_dict())[0].items()}
 
 
-def _begin_with(head: nn.Module, folder: Path) -> None:
-    """Give a head the weights of another one, without its temperature."""
+def _begin_with(head: nn.Module, folder: Path) -> str:
+    """Give a head the weights of another one, without its temperature; returns the hash of their file."""
     path = (folder / MODEL if (folder / MODEL).is_dir() else folder) / WEIGHTS
     head.load_state_dict(head_tensors(path, head) | {"temperature": torch.ones(())})
+    return sha256_file(path)
 
 
 def _cooled(outputs: Any, temperature: float) -> Tensor:

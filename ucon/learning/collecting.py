@@ -11,6 +11,7 @@ import functools
 import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from multiprocessing.process import BaseProcess
 from typing import Any, Protocol
 
 # Both are read when torchrl is imported: a worker that hangs is an error after so many seconds, not never.
@@ -25,7 +26,7 @@ from torchrl.collectors import Collector, MultiSyncCollector
 from ucon.core.errors import ConfigError, brief
 from ucon.learning.actor import rollout_actor
 from ucon.learning.rollout_env import rollout_env
-from ucon.learning.workers import begin_worker
+from ucon.learning.workers import WORKER_TIMEOUT_S, answered_within, begin_worker, check_timeout
 from ucon.task.episode import Episode
 
 MakeEnv = Callable[[], Any]
@@ -36,6 +37,8 @@ class Collecting(Protocol):
 
     rows: int
     """Environments that are played at the same time."""
+    worker_timeout_s: float
+    """So long may one collection take."""
 
     def collector(self, make: Callable[[], Any], actor: nn.Module, steps: int) -> Any:
         """A TorchRL collector of batches with ``steps`` of each environment, which begin with a reset."""
@@ -47,6 +50,7 @@ class InProcess:
     """One environment in this process."""
 
     rows = 1
+    worker_timeout_s = WORKER_TIMEOUT_S
 
     def collector(self, make: Callable[[], Any], actor: nn.Module, steps: int) -> Any:
         """See :class:`Collecting`."""
@@ -55,13 +59,14 @@ class InProcess:
 
 @dataclass(frozen=True)
 class InWorkers:
-    """One environment in each of ``workers`` processes.
+    """One environment in each of ``workers`` processes, which end the run if a collection takes them longer than so.
 
     Raises:
-        ConfigError: no workers.
+        ConfigError: no workers, or no time.
     """
 
     workers: int = 2
+    worker_timeout_s: float = WORKER_TIMEOUT_S
 
     def __post_init__(self) -> None:
         if type(self.workers) is not int or not 1 <= self.workers <= 1024:
@@ -69,6 +74,7 @@ class InWorkers:
                 f"collector.workers={brief(self.workers)}: expected a whole number from 1 to 1024; "
                 "collector=in_process plays without workers"
             )
+        check_timeout("collector.worker_timeout_s", self.worker_timeout_s)
 
     @property
     def rows(self) -> int:
@@ -134,14 +140,19 @@ class Rollouts:
             self._batches = iter(self._collector)
             atexit.register(self.close)  # before Python waits for processes that nobody ended
         self._playing.load_state_dict(self._policy.state_dict())
-        self._collector.update_policy_weights_()
-        self._collector.set_seed(seed % (1 << 31))
-        torch.manual_seed(seed)
-        return next(self._batches).reshape(self.shape)
+        limit = self._collecting.worker_timeout_s
+        with answered_within(limit, self._workers, "collector.worker_timeout_s"):
+            self._collector.update_policy_weights_()
+            self._collector.set_seed(seed % (1 << 31))
+            torch.manual_seed(seed)
+            return next(self._batches).reshape(self.shape)
+
+    def _workers(self) -> list[BaseProcess]:
+        return list(getattr(self._collector, "procs", ()))
 
     def close(self) -> None:
         """End the workers."""
         if self._collector is not None:
             atexit.unregister(self.close)
-            self._collector.shutdown()
+            self._collector.shutdown(raise_on_error=False)  # of workers that are gone
             self._collector = self._batches = None

@@ -106,7 +106,7 @@ class DaggerLearner(ImitationLearner):
         """Go on after ``done`` steps."""
         super().load_state_dict(state)
         by_id = {episode.id: episode for episode in self.episodes}
-        self.collected = trajectories_from_json(state.values["collected"], by_id)
+        self.collected = trajectories_from_json(state.values.get("collected"), by_id)
 
     def close(self) -> None:
         """See :class:`ucon.learning.learner.Learner`."""

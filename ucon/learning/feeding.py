@@ -8,17 +8,18 @@ go round and round and would find none of it again.
 from __future__ import annotations
 
 import copy
+import multiprocessing
 import zlib
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future
+from concurrent.futures import Future, ProcessPoolExecutor
+from multiprocessing.process import BaseProcess
 from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
-from ucon.core.pool import Pool
 from ucon.learning.trajectories import Replay, Replayer, Trajectory
-from ucon.learning.workers import begin_worker
+from ucon.learning.workers import WORKER_TIMEOUT_S, answered_within, begin_worker
 
 if TYPE_CHECKING:
     from torch import nn
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
 
 #: Batches that workers are ahead of the learner.
 _AHEAD: Final = 3
+_OPTION: Final = "learner.worker_timeout_s"
+#: Seconds that workers have to end when nobody asks for more.
+_CLOSE_S: Final = 10.0
 _CONTEXT, _FRAMES, _REWARDS = "context/", "frames/", "rewards"
 
 _replayer: Replayer | None = None
@@ -40,6 +44,7 @@ class Feeder:
         make_env: makes an environment of ``UcON-v0``; sent to workers.
         workers: processes that play; 0 plays in this one.
         memory_bytes: of the replays that are kept.
+        worker_timeout_s: so long may what is next take them.
     """
 
     def __init__(
@@ -49,17 +54,28 @@ class Feeder:
         *,
         workers: int = 0,
         memory_bytes: int = 1 << 30,
+        worker_timeout_s: float = WORKER_TIMEOUT_S,
     ) -> None:
         self._policy = cast("ActionPolicy", policy)
-        self._room = memory_bytes
+        self._room, self._timeout_s = memory_bytes, worker_timeout_s
         self._kept: dict[tuple[str, str, str], bytes] = {}
         self._play = Replayer(self._policy, make_env)
-        self._pool = Pool(workers, _begin, (copy.deepcopy(policy).cpu(), make_env)) if workers else None
+        self._pool: ProcessPoolExecutor | None = None
+        self._crew: dict[int, BaseProcess] = {}
+        """The workers that were begun so far; a pool forgets those that it lost."""
+        if workers:
+            self._pool = ProcessPoolExecutor(
+                workers,
+                mp_context=multiprocessing.get_context("spawn"),
+                initializer=_begin,
+                initargs=(copy.deepcopy(policy).cpu(), make_env),
+            )
 
     def close(self) -> None:
         """End the workers, without what they were asked for ahead; from then on this process plays."""
         if self._pool is not None:
-            self._pool.close()
+            with answered_within(_CLOSE_S, self._workers, ""):  # they hold nothing that is worth waiting for
+                self._pool.shutdown(cancel_futures=True)
             self._pool = None
         self._play.close()
 
@@ -77,19 +93,35 @@ class Feeder:
         """Have it played, unless it is in memory or nobody else can."""
         if self._pool is None or self._key(trajectory) in self._kept:
             return None
-        return self._pool.submit(_work, trajectory)
+        with answered_within(self._timeout_s, self._workers, _OPTION):  # a pool that lost one takes no more
+            asked = self._pool.submit(_work, trajectory)
+        self._crew |= self._pool._processes or {}
+        return asked
 
     def _take(self, trajectory: Trajectory, played: Future[Replay] | None) -> Replay:
         key = self._key(trajectory)
         if (packed := self._kept.get(key)) is not None:
             return _unpacked(packed)
-        made = self._play(trajectory) if self._pool is None or played is None else self._pool.result(played)
-        replay = self._with_features(made)
+        replay = self._with_features(self._play(trajectory) if played is None else self._answer(played))
         packed = _packed(replay)
         if len(packed) <= self._room:
             self._room -= len(packed)
             self._kept[key] = packed
         return replay
+
+    def _answer(self, played: Future[Replay]) -> Replay:
+        """What a worker has played.
+
+        Raises:
+            WorkerError: one was killed, or none answers in time.
+        """
+        if played.done() and played.exception() is None:
+            return played.result()
+        with answered_within(self._timeout_s, self._workers, _OPTION):
+            return played.result()
+
+    def _workers(self) -> list[BaseProcess]:
+        return list(self._crew.values())
 
     def _key(self, trajectory: Trajectory) -> tuple[str, str, str]:
         """Frames of a policy that reads no habits are the same at every level."""

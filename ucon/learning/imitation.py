@@ -34,6 +34,7 @@ from ucon.learning.sequences import Batch, Chunk, cut
 from ucon.learning.trajectories import Replay, Trajectory
 from ucon.learning.updates import DivergedError, Updates, require_finite
 from ucon.learning.validation import Validation, spaced
+from ucon.learning.workers import WORKER_TIMEOUT_S, check_timeout
 from ucon.retrieval.levels import check_level
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
@@ -61,6 +62,7 @@ class ImitationLearner:
         precision: ``float32``, or ``bfloat16`` for the passes of the network (the loss stays in float32); ``auto``:
             the latter on a GPU that has it.
         workers: processes that play episodes ahead; 0 plays them in this one. Changes nothing that is learned.
+        worker_timeout_s: so long may the next batch take them; then they are ended, and the run with them.
         memory_gb: of what was seen, kept for the next time.
         half: leave the policy in float16.
 
@@ -94,6 +96,7 @@ class ImitationLearner:
         device: str = "cpu",
         precision: str = "float32",
         workers: int = 0,
+        worker_timeout_s: float = WORKER_TIMEOUT_S,
         memory_gb: float = 1.0,
         half: bool = True,
     ) -> None:
@@ -114,8 +117,9 @@ class ImitationLearner:
         check("at least 0", lambda x: 0 <= x < 1e9, decay=decay, memory_gb=memory_gb)
         check("at least 0 and below 1", lambda x: 0 <= x < 1, average=average)
         check("a whole number", lambda x: True, (int,), seed=seed)
+        check_timeout("learner.worker_timeout_s", worker_timeout_s)
         self.policy, self.make_env, self.loss, self.validation = policy, env, loss, validation
-        self.seed, self.batch, self.chunk, self.half, self.steps = seed, batch, chunk, half, steps
+        self.seed, self.batch, self.chunk, self.half = seed, batch, chunk, half
         self.act = cast(ActionPolicy, policy)
         if isinstance(levels, str) or not levels:
             raise ConfigError(f"learner.levels={brief(levels)}: expected a list of at least one habit level")
@@ -129,7 +133,8 @@ class ImitationLearner:
         check_parts(self.episodes, validation.all, entry_parts(self.dataset))
         self._initial = "" if initial is None else load_network(str(initial), cast(Any, policy))
         learns_from(policy, seen)
-        self.feeder = Feeder(policy, env, workers=workers, memory_bytes=int(memory_gb * (1 << 30)))
+        memory = {"workers": workers, "memory_bytes": int(memory_gb * (1 << 30))}
+        self.feeder = Feeder(policy, env, **memory, worker_timeout_s=worker_timeout_s)
         self.policy.to(self.device)
         self.updates = Updates(policy, lr=lr, clip=clip, steps=steps, warm_up=warm_up, decay=decay, average=average)
         self.done, self.frames, self.labels = 0, 0, 0
@@ -220,10 +225,14 @@ class ImitationLearner:
 
     def load_state_dict(self, state: State) -> None:
         """Go on after ``done`` steps."""
-        self.done, self.frames = int(state.values["done"]), int(state.values["frames"])
-        self.labels = int(state.values.get("labels", self.frames))  # runs of earlier versions did not keep them
+        self.done, self.frames = state.count("done"), state.count("frames")
+        self.labels = state.count("labels") if "labels" in state.values else self.frames  # earlier versions had none
         self.updates.load(state.tensors, self.done)
         self._stream = None
+
+    def lengthen(self, steps: int) -> bool:
+        """See :class:`ucon.learning.learner.Learner`."""
+        return self.updates.lengthen(steps)
 
     def product(self) -> Mapping[str, bytes]:
         """The policy, as :class:`models.agents.policy.PolicyAgent` loads it."""

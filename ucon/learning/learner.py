@@ -6,12 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
+from ucon.core.errors import DataError, brief
+
 if TYPE_CHECKING:
     from torch import Tensor
 
 Figures = dict[str, float]
 #: Name of the habit dataset that is shipped.
 BOOK: Final = "book"
+#: Far more steps or frames than anybody takes; seeds are made of such numbers.
+_MOST_COUNTED: Final = 1 << 53
 
 
 @dataclass(frozen=True)
@@ -20,6 +24,17 @@ class State:
 
     tensors: Mapping[str, Tensor]
     values: Mapping[str, Any] = field(default_factory=dict)
+
+    def count(self, name: str) -> int:
+        """A number of something among the values.
+
+        Raises:
+            DataError: there is none.
+        """
+        found = self.values.get(name)
+        if type(found) is not int or not 0 <= found < _MOST_COUNTED:
+            raise DataError(f"state of another learner: {name} is {brief(found)}, expected a whole number")
+        return found
 
 
 @dataclass(frozen=True)
@@ -68,6 +83,13 @@ class Learner(Protocol):
 
     def load_state_dict(self, state: State) -> None:
         """Go on from a state; raises :class:`~ucon.core.errors.DataError` where it does not fit."""
+        ...
+
+    def lengthen(self, steps: int) -> bool:
+        """Follow, from the next step on, the schedules of a run of so many steps; False where it has none.
+
+        A state does not hold it: whoever extends a run says it again after loading one.
+        """
         ...
 
     def product(self) -> Mapping[str, bytes]:

@@ -28,8 +28,8 @@ from ucon.learning.playing import Players
 from ucon.learning.policy import ActionPolicy, Outputs
 from ucon.learning.ppo_loss import PPOLoss, finite, inference_mode_but_memory, total
 from ucon.learning.ppo_options import check_choices, check_taught, collection_size
-from ucon.learning.run import SCORE
 from ucon.learning.saved import learns_from, load_network, network_files
+from ucon.learning.trainer_state import SCORE
 from ucon.learning.updates import DivergedError, Updates, require_finite
 from ucon.learning.validation import Validation, spaced
 from ucon.learning.view_policy import ViewPolicy
@@ -245,8 +245,12 @@ class PPOLearner:
 
     def load_state_dict(self, state: State) -> None:
         """Go on after ``done`` steps."""
-        self.done, self.frames = int(state.values["done"]), int(state.values["frames"])
+        self.done, self.frames = state.count("done"), state.count("frames")
         self.updates.load(state.tensors, self.done)
+
+    def lengthen(self, steps: int) -> bool:
+        """See :class:`ucon.learning.learner.Learner`."""
+        return self.updates.lengthen(steps)
 
     def product(self) -> Mapping[str, bytes]:
         """The network, as the agent that plays it loads it."""

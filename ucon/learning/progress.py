@@ -12,7 +12,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from ucon.core.errors import ConfigError, unknown_name
-from ucon.learning.run import SCORE, OnFigures
+from ucon.learning.run import OnFigures
+from ucon.learning.trainer_state import SCORE
 
 WANDB_MODES: Final = ("offline", "online")
 #: An online run without a network is given up after this long, and logged offline.

@@ -19,11 +19,12 @@ from torch import Tensor
 
 from ucon.core.device import torch_precision
 from ucon.core.errors import ConfigError, brief
+from ucon.core.files import sha256_file
 from ucon.core.rng import derived_seed
 from ucon.habits.knowledge import KnowledgeBase
 from ucon.habits.splits import entry_parts
 from ucon.habits.types import HabitDataset
-from ucon.language.adapter import adapter_bytes, add_adapters
+from ucon.language.adapter import adapter_bytes, add_adapters, begin_with, read_adapter
 from ucon.language.encoder import MINILM_SHA256, MiniLM
 from ucon.learning.learner import Card, Figures, State
 from ucon.learning.options import check
@@ -31,6 +32,7 @@ from ucon.learning.updates import Updates
 from ucon.retrieval.base import query_text, ranked
 from ucon.retrieval.measure import measure_retrieval
 from ucon.retrieval.sampling import part_kb
+from ucon.retrieval.tuned import adapter_file
 
 PRODUCT = "retriever.safetensors"
 CHUNK = 40
@@ -143,12 +145,15 @@ class RetrieverLearner:
         average: decay of the moving average of the adapter, which is what is chosen and kept.
         seed: of the adapter's start and of the knowledge bases.
         n_kbs: knowledge bases of one validation.
+        initial: folder of the adapter that it begins with, or a run of ``train.py``, of the same ``rank``; None: a new
+            one, which changes nothing.
         precision: ``bfloat16`` multiplies in half the bits (three times as fast where the processor can), else
             ``float32``.
         encoder: the frozen encoder; MiniLM by default.
 
     Raises:
         ConfigError: a value of the wrong type or outside its range.
+        DataError: no adapter in ``initial``, a damaged one, or one of another shape.
     """
 
     def __init__(
@@ -166,6 +171,7 @@ class RetrieverLearner:
         average: float = 0.95,
         seed: int = 0,
         n_kbs: int = 10,
+        initial: str | None = None,
         precision: str = "bfloat16",
         encoder: MiniLM | None = None,
     ) -> None:
@@ -181,14 +187,20 @@ class RetrieverLearner:
         self.lr, self.temperature, self.other_weight, self.rank = lr, temperature, other_weight, rank
         self.mask, self.owner = mask, owner
         tokenizer, model = (encoder or MiniLM()).parts()
-        self.updates = Updates(add_adapters(model, rank, seed), lr=lr, decay=decay, average=average)
+        adapters, self._initial = add_adapters(model, rank, seed), ""
+        if initial is not None:
+            path = adapter_file(str(initial))
+            begin_with(adapters, read_adapter(path, MINILM_SHA256), str(path))
+            self._initial = sha256_file(path)
+        self.updates = Updates(adapters, lr=lr, decay=decay, average=average)
         self._encode = BatchEncoder(tokenizer, model, kind)
         self._done = 0
 
     @property
     def identity(self) -> Mapping[str, str]:
-        """Hashes of the habits and of the frozen weights."""
-        return {"habits": self.dataset.sha256, "base": MINILM_SHA256}
+        """Hashes of the habits, of the frozen weights and of those that it began with."""
+        initial = {"initial": self._initial} if self._initial else {}
+        return {"habits": self.dataset.sha256, "base": MINILM_SHA256, **initial}
 
     def training_kb(self, step: int) -> KnowledgeBase:
         """What step number ``step`` learns from: entries of the ``train`` part alone."""
@@ -242,8 +254,13 @@ class RetrieverLearner:
 
     def load_state_dict(self, state: State) -> None:
         """Go on after ``done`` steps."""
-        self._done = int(state.values["done"])
+        self._done = state.count("done")
         self.updates.load(state.tensors, self._done)
+
+    def lengthen(self, steps: int) -> bool:
+        """See :class:`ucon.learning.learner.Learner`."""
+        self.steps = steps
+        return True
 
     def product(self) -> Mapping[str, bytes]:
         """The adapter, as :class:`ucon.language.adapted.AdaptedMiniLM` reads it."""

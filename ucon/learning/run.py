@@ -5,75 +5,45 @@ metrics.jsonl    a line a step and a validation: no times, so equal runs write e
 checkpoints/     see :mod:`ucon.learning.checkpoints`
 model/           what was learned, by the best checkpoint, with a manifest
 MODEL_CARD.md, summary.json
-seconds.json     while the run lasts: what its checkpoints took, over all interruptions
+seconds.json     what it took, over all interruptions: the only file that differs between equal runs
 """
 
 from __future__ import annotations
 
 import json
+import math
 import signal
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
 from pathlib import Path
 from types import FrameType
 from typing import Any, Final
 
-from ucon.core.errors import ConfigError, DataError, brief, unknown_name
+from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import canonical_json, sha256_bytes, write_atomic, write_manifest
-from ucon.learning.checkpoints import BEST, LATEST, Checkpoints
+from ucon.learning.checkpoints import LATEST, Checkpoints, step_name
 from ucon.learning.learner import Figures, Learner, State
+from ucon.learning.plan import Plan
+from ucon.learning.run_folder import (
+    CARD,
+    CHECKPOINTS,
+    CONFIG,
+    METRICS,
+    MODEL,
+    RECORDS,
+    SECONDS,
+    SUMMARY,
+    check_run_folder,
+    cut_metrics,
+    read_seconds,
+)
+from ucon.learning.trainer_state import SCORE, TrainerState
 
-CONFIG: Final = "config.yaml"
-METRICS: Final = "metrics.jsonl"
-CARD: Final = "MODEL_CARD.md"
-SUMMARY: Final = "summary.json"
-SECONDS: Final = "seconds.json"
-MODEL: Final = "model"
-CHECKPOINTS: Final = "checkpoints"
-#: Of an evaluation, see :mod:`ucon.evaluation.folder`.
-RECORDS: Final = "episodes.jsonl"
-#: Figure of :meth:`Learner.validate` that chooses the best checkpoint; larger is better.
-SCORE: Final = "score"
+#: A state has moments of the optimiser, and others of the kind, that a beginning one lacks.
+_MORE_TENSORS: Final = 16
 
 OnFigures = Callable[[int, Mapping[str, float]], None]
-
-
-@dataclass(frozen=True)
-class Plan:
-    """How long, and how often what.
-
-    Raises:
-        ConfigError: a number below 1.
-    """
-
-    steps: int
-    validate_every: int = 50
-    save_every: int = 50
-    keep: int = 2
-
-    def __post_init__(self) -> None:
-        for name in ("steps", "validate_every", "save_every", "keep"):
-            value = getattr(self, name)
-            if type(value) is not int or value < 1:
-                raise ConfigError(f"training.{name}={brief(value)}: expected a whole number from 1 up")
-
-    @classmethod
-    def of(cls, options: Any) -> Plan:
-        """The plan that a configuration describes.
-
-        Raises:
-            ConfigError: no options at all, an unknown or a missing one, or a number below 1.
-        """
-        names = [field.name for field in fields(cls)]
-        if not isinstance(options, Mapping):
-            raise ConfigError(f"training={brief(options)}: expected the options {', '.join(names)}")
-        if odd := next((name for name in options if name not in names), None):
-            raise ConfigError(unknown_name("option", f"training.{odd}", [f"training.{name}" for name in names]))
-        if "steps" not in options:
-            raise ConfigError("training.steps has no value; give training.steps=...")
-        return cls(**options)
 
 
 class Interrupted(Exception):  # noqa: N818 (no error: the run was asked to stop and did)
@@ -92,6 +62,8 @@ class TrainingRun:
         self.folder, self.learner, self.plan = folder, learner, plan
         self.checkpoints = Checkpoints(folder / CHECKPOINTS, {**identity, **learner.identity}, plan.keep)
         self.step = 0
+        self.rescheduled = False
+        """The run was extended, and schedules of the learner depend on its length."""
         self._saved = -1
         self.best: dict[str, float] = {}
         """Validation figures of the best checkpoint and its step; empty before the first validation."""
@@ -102,6 +74,7 @@ class TrainingRun:
 
         Raises:
             ConfigError: there is a run, or what one left, or the folder cannot be written.
+            DataError: something there leads elsewhere.
         """
         if (self.checkpoints.folder / LATEST).exists():
             raise ConfigError(
@@ -113,6 +86,7 @@ class TrainingRun:
                 f"out={self.folder}: {results[0]} there is of another run and would be overwritten; "
                 "choose another folder"
             )
+        check_run_folder(self.folder)
         try:
             write_atomic(self.folder / CONFIG, config_yaml)
             write_atomic(self.folder / METRICS, "")
@@ -121,19 +95,58 @@ class TrainingRun:
                 f"out={self.folder}: cannot be written ({error.strerror}); choose another folder"
             ) from None
 
-    def resume(self, checkpoint: str = LATEST) -> None:
-        """Go on from a checkpoint; what was logged after it is logged again."""
-        self.step, state = self.checkpoints.load(checkpoint)
-        self._saved = self.step
-        trainer = state.values["trainer"]
-        self.best = dict(trainer["best"])
-        self.learner.load_state_dict(State(state.tensors, state.values["learner"]))
+    def resume(self, checkpoint: str = LATEST, steps: int | None = None) -> None:
+        """Go on from a checkpoint; what was logged after it is logged again.
+
+        Args:
+            checkpoint: its name, or ``latest``.
+            steps: in all, more than were planned: :attr:`plan` then says so, and whoever wrote ``config.yaml`` is to
+                write it there before the run goes on. None: those that are planned.
+
+        Raises:
+            DataError: something in the folder is damaged, leads elsewhere, or is of another run.
+            ConfigError: not more ``steps``.
+        """
+        check_run_folder(self.folder)
+        step, state = self.checkpoints.load(checkpoint, self._most_bytes())
+        trainer = self._trainer(state, step)
+        plan = self.plan if steps is None else self.plan.extend(step, steps)
+        self._load(state)
+        self.step, self.plan, self._saved = step, plan, step
+        self._keep_to_schedule()
         if checkpoint != LATEST:
             self.checkpoints.rewind(checkpoint)
-        if not self.checkpoints.has_best:
-            self.best = {}  # the next validation finds one
-        self._cut_metrics()
-        self._seconds_before = self._kept_seconds()
+        # Where the best one is gone, the next validation finds another.
+        self.best = dict(trainer.best) if self.checkpoints.point_to_best(trainer.best_step) else {}
+        cut_metrics(self.folder, step)
+        self._seconds_before = read_seconds(self.folder)
+
+    def _trainer(self, state: State, step: int) -> TrainerState:
+        """What a checkpoint says of this run.
+
+        Raises:
+            CheckpointError: nothing that can be used, or it was extended otherwise than the run was.
+        """
+        try:
+            found = TrainerState.of(state.values.get("trainer"), step)
+        except DataError as error:
+            raise self.checkpoints.unusable(step, str(error)) from None
+        if found.extended != self.plan.followed(step):
+            raise self.checkpoints.unusable(step, f"{CONFIG} says of other extensions of the run")
+        return found
+
+    def _most_bytes(self) -> int:
+        """Bytes that a checkpoint's tensors may have: many times what the learner begins with."""
+        return _MORE_TENSORS * sum(tensor.nbytes for tensor in self.learner.state_dict().tensors.values()) + (1 << 26)
+
+    def _load(self, state: State) -> None:
+        learned = state.values.get("learner")
+        self.learner.load_state_dict(State(state.tensors, learned if isinstance(learned, dict) else {}))
+
+    def _keep_to_schedule(self) -> None:
+        """Tell the learner of how many steps its schedules are from here on."""
+        if self.plan.extended:
+            self.rescheduled = self.learner.lengthen(self.plan.length_at(self.step))
 
     def run(self, on_figures: OnFigures = lambda step, figures: None) -> dict[str, Any]:
         """Train to the end and write what is left of it; returns the content of ``summary.json``.
@@ -146,9 +159,9 @@ class TrainingRun:
         self._started = time.perf_counter()
         with _signals() as caught:
             self._begin(on_figures)
-            while self.step < self.plan.steps and not caught:
+            while self.step < self.plan.length and not caught:
                 self._one_step(on_figures)
-            if self.step < self.plan.steps:
+            if self.step < self.plan.length:
                 if self._saved != self.step:
                     self._save()
                 raise Interrupted(self.step, caught[0])
@@ -160,19 +173,23 @@ class TrainingRun:
             on_figures(self.step, self._validate())
 
     def _one_step(self, on_figures: OnFigures) -> None:
+        self._keep_to_schedule()
         figures = self.learner.step()
         self.step += 1
         self._log(figures)
         on_figures(self.step, figures)
-        last = self.step == self.plan.steps
-        if last or self.step % self.plan.validate_every == 0:
+        if self.plan.validates(self.step):
             on_figures(self.step, self._validate())
-        elif self.step % self.plan.save_every == 0:
+        elif self.plan.saves(self.step):
             self._save()
 
     def _validate(self) -> Figures:
         """Validate, log, save; the first of equally good states stays the best."""
         found = self.learner.validate()
+        if odd := next((name for name, value in found.items() if not math.isfinite(value)), None):
+            from ucon.learning.updates import DivergedError
+
+            raise DivergedError(f"step {self.step}: {odd} of the validation is not finite; learn with a smaller rate")
         self._log({f"val/{name}": value for name, value in found.items()})
         better = not self.best or found[SCORE] > self.best[SCORE]
         if better:
@@ -182,73 +199,71 @@ class TrainingRun:
 
     def _save(self) -> None:
         state = self.learner.state_dict()
-        values = {"learner": dict(state.values), "trainer": {"best": self.best}}
+        trainer = TrainerState(self.best, self.plan.followed(self.step))
+        values = {"learner": dict(state.values), "trainer": trainer.to_json()}
         self._saved = self.step
-        best = int(self.best["step"]) if self.best else None
-        self.checkpoints.save(self.step, State(state.tensors, values), best=best)
-        write_atomic(self.folder / SECONDS, json.dumps({"seconds": self._seconds()}) + "\n")
+        self.checkpoints.save(self.step, State(state.tensors, values), best=trainer.best_step, planned=self.plan.saves)
+        self._write_seconds()
 
-    def _seconds(self) -> float:
+    @property
+    def seconds(self) -> float:
         """What the run took so far, with what earlier calls took up to their last checkpoints."""
         return round(self._seconds_before + time.perf_counter() - self._started, 1)
 
-    def _kept_seconds(self) -> float:
-        """What earlier calls took; 0 where nothing says it, as in runs of earlier versions."""
-        for name in (SECONDS, SUMMARY):
-            try:
-                return float(json.loads((self.folder / name).read_text(encoding="utf-8"))["seconds"])
-            except (OSError, ValueError, LookupError, TypeError):
-                continue
-        return 0.0
+    def _write_seconds(self) -> None:
+        write_atomic(self.folder / SECONDS, json.dumps({"seconds": self.seconds}) + "\n")
 
     def _log(self, figures: Mapping[str, float]) -> None:
         with (self.folder / METRICS).open("a", encoding="utf-8") as file:
             file.write(canonical_json({"step": self.step, **figures}) + "\n")
 
-    def _cut_metrics(self) -> None:
-        """Keep the lines up to the checkpoint; a last line that was cut off goes too."""
-        path = self.folder / METRICS
-        text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
-        kept = []
-        for number, line in enumerate(text[: text.rfind("\n") + 1].splitlines(), 1):
-            try:
-                if int(json.loads(line)["step"]) <= self.step:
-                    kept.append(line + "\n")
-            except (ValueError, KeyError, TypeError):
-                raise DataError(f"{path}:{number}: not a line of metrics; restore it, or start the run anew") from None
-        write_atomic(path, "".join(kept))
-
     def _finish(self) -> dict[str, Any]:
-        _, state = self.checkpoints.load(BEST)
-        self.learner.load_state_dict(State(state.tensors, state.values["learner"]))
+        if not self.best:
+            raise self.checkpoints.unusable(self.step, "the best one of the run is gone")
+        _, state = self.checkpoints.load(step_name(int(self.best["step"])))
+        self._load(state)
         product = self.learner.product()
         for name, content in product.items():
             write_atomic(self.folder / MODEL / name, content)
         write_manifest(self.folder / MODEL, product)
+        extended = [one.to_json() for one in self.plan.extended]
         summary = {
             "steps": self.step,
+            **({"extended": extended} if extended else {}),
             "best": self.best,
-            "seconds": self._seconds(),
             "hashes": self.checkpoints.identity,
             "files": {name: {"bytes": len(c), "sha256": sha256_bytes(c)} for name, c in product.items()},
         }
         write_atomic(self.folder / CARD, self._card(summary))
         write_atomic(self.folder / SUMMARY, json.dumps(summary, indent=1) + "\n")
-        (self.folder / SECONDS).unlink(missing_ok=True)
+        self._write_seconds()
         return summary
 
     def _card(self, summary: Mapping[str, Any]) -> str:
-        card = self.learner.card()
+        card, extended = self.learner.card(), self.extended()
         rows = "".join(f"| {name} | {value:g} |\n" for name, value in self.best.items() if name != SCORE)
         hashes = "".join(f"- {name}: `{value}`\n" for name, value in summary["hashes"].items())
         files = "".join(
             f"- `{MODEL}/{name}`, {file['bytes']:,} bytes, SHA-256 `{file['sha256']}`\n"
             for name, file in summary["files"].items()
         )
+        extended = f"{extended.capitalize()}.\n\n" if extended else ""
         return (
-            f"# {card.title}\n\n{card.text}\n\n## Validation, best checkpoint\n\n| figure | value |\n|---|---|\n{rows}"
+            f"# {card.title}\n\n{card.text}\n\n{extended}"
+            f"## Validation, best checkpoint\n\n| figure | value |\n|---|---|\n{rows}"
             f"\n## Files\n\n{files}\n## Made from\n\n{hashes}\n## Licence\n\n{card.licence}\n"
         )
+
+    def extended(self) -> str:
+        """How the run was extended and what that means, in a line; empty where it was not."""
+        if not self.plan.extended:
+            return ""
+        more = "".join(f", after {one.at} extended to {one.steps}" for one in self.plan.extended)
+        if self.rescheduled:
+            then = "since then its learning rate is that of the longer schedule, which is not how such a run begins"
+        else:
+            then = "no schedule depends on their number"
+        return f"planned for {self.plan.steps} steps{more}; {then}"
 
 
 @contextmanager

@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json, read_verified, sha256_bytes
+from ucon.core.strict_json import parse_json
+from ucon.core.tensor_files import read_fitting
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -29,6 +31,9 @@ IN_RUN: Final = "model"
 FORMAT: Final = 1
 #: Habits of the longest list that environments give by default, in training too.
 MAX_HABITS: Final = 1024
+#: More than any environment gives.
+_MOST_HABITS: Final = 1 << 20
+_MOST_CONFIG: Final = 1 << 20
 
 
 class Network(Protocol):
@@ -103,9 +108,7 @@ def load_network(path: str, network: Network, *, how: str = "") -> str:
         missing = f"{path}: no trained weights there (no {CONFIG} and {WEIGHTS})"
         raise DataError(f"{missing}; {how}" if how else missing)
     most = _check_config(folder / CONFIG, network)
-    raw = read_verified(folder / WEIGHTS)
-    tensors = read_tensors(raw, folder / WEIGHTS)
-    check_tensors(tensors, network.state_dict(), folder / WEIGHTS)
+    tensors, raw = read_fitting(folder / WEIGHTS, network.state_dict())
     network.load_state_dict(tensors)
     if getattr(network, "max_habits", None) is not None:
         network.max_habits = most  # type: ignore[attr-defined]
@@ -115,11 +118,13 @@ def load_network(path: str, network: Network, *, how: str = "") -> str:
 def _check_config(path: Path, network: Network) -> int:
     """Refuse weights of another architecture or version of it; returns how many habits they learned from at most."""
     try:
-        config = json.loads(read_verified(path))
-        found, number, arguments = config["architecture"], config["format"], dict(config["arguments"])
-        most = int(config.get("max_habits", MAX_HABITS))
-    except (ValueError, LookupError, TypeError, RecursionError):
+        config = parse_json(read_verified(path, _MOST_CONFIG))
+        found, number, arguments = config["architecture"], config["format"], config["arguments"]
+        most = config.get("max_habits", MAX_HABITS)
+    except (ValueError, LookupError, TypeError):
         raise DataError(f"{path}: does not describe a network; train it anew") from None
+    if not isinstance(arguments, dict) or type(most) is not int or not 1 <= most <= _MOST_HABITS:
+        raise DataError(f"{path}: does not describe a network; train it anew")
     if number != FORMAT:
         raise DataError(f"{path}: format {brief(number)}, this version reads {FORMAT}; train it anew")
     if found != network.architecture:
@@ -132,42 +137,3 @@ def _check_config(path: Path, network: Network) -> int:
             made, here = brief(arguments.get(name)), brief(wanted.get(name))
             raise DataError(f"{path}: weights made with {name}={made}, the agent has {name}={here}; use the same")
     return most
-
-
-def read_tensors(raw: bytes, path: Path) -> dict[str, Tensor]:
-    """The tensors in the bytes of a safetensors file, by name.
-
-    Raises:
-        DataError: they are none; a pickle is called one.
-    """
-    from safetensors import SafetensorError
-    from safetensors.torch import load
-
-    try:
-        tensors: dict[str, Tensor] = load(raw)
-    except (SafetensorError, ValueError, KeyError) as error:
-        what = "a pickle, which is never read" if raw[:1] == b"\x80" or raw[:2] == b"PK" else brief(str(error))
-        raise DataError(f"{path}: no safetensors ({what}); restore it, or train anew") from None
-    return tensors
-
-
-def check_tensors(tensors: Mapping[str, Tensor], wanted: Mapping[str, Tensor], path: Path) -> None:
-    """Refuse other names, shapes, kinds of number, or values that are none.
-
-    Raises:
-        DataError: naming the first tensor in ``path`` that does not fit.
-    """
-    import torch
-
-    if odd := sorted(wanted.keys() ^ tensors.keys()):
-        what = "lacks" if odd[0] in wanted else "has the unknown"
-        raise DataError(f"{path}: {what} tensor {brief(odd[0])} ({len(odd)} differ); it belongs to another version")
-    for name, tensor in sorted(tensors.items()):
-        shape, expected = tuple(tensor.shape), tuple(wanted[name].shape)
-        if shape != expected:
-            raise DataError(f"{path}: {name} is {shape}, expected {expected}; it belongs to another version")
-        if tensor.is_floating_point() != wanted[name].is_floating_point():
-            kinds = f"{tensor.dtype}, expected {wanted[name].dtype}"
-            raise DataError(f"{path}: {name} is {kinds}; it belongs to another version")
-        if tensor.is_floating_point() and not bool(torch.isfinite(tensor.float()).all()):
-            raise DataError(f"{path}: {name} holds values that are no numbers; restore it, or train anew")

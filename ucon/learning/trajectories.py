@@ -6,7 +6,7 @@ of digits: a thousand of them are a few hundred kilobytes, in a checkpoint too, 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import DataError
+from ucon.retrieval.levels import LEVELS
 from ucon.task.actions import Action
 from ucon.task.episode import Episode
 
@@ -70,24 +71,24 @@ def demonstration(episode: Episode, level: str) -> Trajectory:
     return Trajectory(episode, level, episode.solution, episode.solution)
 
 
-def trajectories_from_json(rows: Sequence[Sequence[str]], episodes: Mapping[str, Episode]) -> list[Trajectory]:
+def trajectories_from_json(rows: Any, episodes: Mapping[str, Episode]) -> list[Trajectory]:
     """What :meth:`Trajectory.to_json` wrote; ``episodes`` by id.
 
     Raises:
         DataError: a row that is none, or of an episode that is not among them.
     """
-    digits = {NO_LABEL, *(str(int(action)) for action in Action)}
-    found = []
-    for row in rows:
-        try:
-            name, level, actions, labels = row
-            right = digits.issuperset(actions + labels) and len(actions) == len(labels)
-            found.append(Trajectory(episodes[name], str(level), actions, labels))
-        except (KeyError, TypeError, ValueError):
-            right = False
-        if not right:
-            raise DataError("state with a trajectory of other episodes; resume with the run's own configuration")
-    return found
+    if not isinstance(rows, list) or not all(_is_trajectory(row, episodes) for row in rows):
+        raise DataError("state with a trajectory of other episodes; resume with the run's own configuration")
+    return [Trajectory(episodes[name], level, actions, labels) for name, level, actions, labels in rows]
+
+
+def _is_trajectory(row: Any, episodes: Mapping[str, Episode]) -> bool:
+    if not (isinstance(row, list) and len(row) == 4 and all(isinstance(text, str) for text in row)):
+        return False
+    name, level, actions, labels = row
+    digits = {str(int(action)) for action in Action}
+    right = digits.issuperset(actions) and digits.issuperset(labels.replace(NO_LABEL, ""))
+    return name in episodes and level in LEVELS and right and len(actions) == len(labels) > 0
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,8 @@ from ucon.learning.average import MovingAverage
 from ucon.learning.learner import Figures
 
 _MOMENTS = ("exp_avg", "exp_avg_sq", "step")
+#: As the optimiser counts, and far more than it ever will.
+_STEP, _MOST_STEPS = torch.zeros(()), 1 << 40
 
 
 class DivergedError(UconError):
@@ -77,6 +79,13 @@ class Updates:
         self.taken += 1
         return {"gradient": float(norm), "rate": rate}
 
+    def lengthen(self, steps: int) -> bool:
+        """Follow the schedule of so many steps from now on; False where there is none."""
+        if not self.steps:
+            return False
+        self.steps = steps
+        return True
+
     @property
     def average(self) -> Mapping[str, Tensor]:
         """The moving average of the parameters by name."""
@@ -103,13 +112,16 @@ class Updates:
         Raises:
             DataError: tensors of another network.
         """
-        shapes = {f"learned/{name}": value.shape for name, value in self._held().items()}
-        shapes |= {f"average/{name}": value.shape for name, value in self.parameters.items()}
+        wanted = {f"learned/{name}": value for name, value in self._held().items()}
+        wanted |= {f"average/{name}": value for name, value in self.parameters.items()}
         for kind in _MOMENTS if done else ():  # a parameter that had no gradient yet has none
             had = [name for name in self.parameters if f"{kind}/{name}" in tensors]
-            shapes |= {f"{kind}/{n}": torch.Size() if kind == "step" else self.parameters[n].shape for n in had}
-        if {name: value.shape for name, value in tensors.items()} != shapes:
+            wanted |= {f"{kind}/{n}": _STEP if kind == "step" else self.parameters[n] for n in had}
+        if {name: (v.shape, v.dtype) for name, v in tensors.items()} != {
+            n: (v.shape, v.dtype) for n, v in wanted.items()
+        }:
             raise DataError("state of another learner: names or shapes differ; resume with the run's own configuration")
+        _require_sound(tensors)
         with torch.no_grad():
             for name, value in self._held().items():
                 value.copy_(tensors[f"learned/{name}"])
@@ -133,6 +145,23 @@ class Updates:
         done = min(1.0, (step - self.warm_up) / max(1, self.steps - self.warm_up))
         share = 0.5 * (1 + math.cos(math.pi * done))
         return self.lr * (0.1 + 0.9 * share)
+
+
+def _kinds(tensors: Mapping[str, Tensor]) -> dict[str, tuple[torch.Size, torch.dtype]]:
+    return {name: (value.shape, value.dtype) for name, value in tensors.items()}
+
+
+def _require_sound(tensors: Mapping[str, Tensor]) -> None:
+    """Refuse a state that no optimiser leaves.
+
+    Raises:
+        DataError: names the first tensor with a value that cannot be.
+    """
+    for name, value in tensors.items():
+        least, most = (0.0, _MOST_STEPS) if name.startswith("step/") else (-torch.inf, torch.inf)
+        least = 0.0 if name.startswith("exp_avg_sq/") else least
+        if value.is_floating_point() and not bool((torch.isfinite(value) & (value >= least) & (value <= most)).all()):
+            raise DataError(f"state with {name}, which holds values that cannot be; go on from an earlier checkpoint")
 
 
 def require_finite(tensors: Mapping[str, Tensor], step: int) -> None:

@@ -9,7 +9,7 @@ from functools import cached_property
 from ucon.core.errors import ConfigError, brief, unknown_name
 from ucon.learning.learner import Figures
 from ucon.learning.playing import Job, Players, PolicyChooser
-from ucon.learning.run import SCORE
+from ucon.learning.trainer_state import SCORE
 from ucon.learning.trajectories import Trajectory, demonstration
 from ucon.retrieval.levels import check_level
 from ucon.task.episode import Episode

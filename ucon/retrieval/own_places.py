@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ucon.core.errors import DataError
 from ucon.core.files import read_verified, sha256_bytes
 from ucon.language.adapted import AdaptedMiniLM
-from ucon.language.pairs import PairReader
+from ucon.language.pairs import N_FEATURES, PairReader
 from ucon.language.store import StoredEncoder
 from ucon.retrieval.base import phrase
 from ucon.retrieval.evidence import DECIMALS, REMEMBERED, Evidence, EvidenceReader
@@ -76,8 +76,17 @@ class OwnPlaces:
         self.known = tuple(arrays["anchors"].tobytes().decode().split("\n"))
         self._number = {name: i for i, name in enumerate(self.known)}
         self._x = {name: np.asarray(arrays[name], np.float64) for name in ARRAYS if name not in ("anchors", "owners")}
+        if odd := next((name for name, array in self._x.items() if not np.isfinite(array).all()), None):
+            raise DataError(f"{LAST}: {odd} holds values that are no numbers; train the head again")
         d = len(self._x["turn"])
-        shapes = {"added": (len(self.known), d), "bias": (len(self.known),), "turn": (d, d), "silence": (d,)}
+        shapes = {
+            "added": (len(self.known), d),
+            "bias": (len(self.known),),
+            "turn": (d, d),
+            "silence": (d,),
+            "ask": (d, d),
+        }
+        shapes |= {"silence_bias": (), "pair": (N_FEATURES,), "owner_pair": (N_FEATURES,)}
         if odd := next((name for name, shape in shapes.items() if self._x[name].shape != shape), None):
             raise DataError(f"{LAST}: {odd} {self._x[odd].shape}, expected {shapes[odd]}; train the head again")
         self._owners = tuple(arrays["owners"].tobytes().decode().split("\n"))
@@ -96,7 +105,10 @@ class OwnPlaces:
         arrays, sha256 = load_arrays(folder / LAST)
         encoder = StoredEncoder(AdaptedMiniLM(folder / ADAPTER))
         made_of = f"{sha256} {encoder.name} {getattr(relations, 'sha256', '')}"
-        out = cls(arrays, sha256_bytes(made_of.encode()), encoder, pairs, relations)
+        try:
+            out = cls(arrays, sha256_bytes(made_of.encode()), encoder, pairs, relations)
+        except (ValueError, TypeError, IndexError) as error:
+            raise DataError(f"{folder / LAST}: does not fit ({str(error)[:80]}); train the head again") from None
         out.files = {name: read_verified(folder / name) for name in (ADAPTER, LAST)}
         return out
 

@@ -23,12 +23,22 @@ def tuned_encoder(adapter: str | None = None) -> StoredEncoder:
     Raises:
         DataError: no such file, or one that was altered.
     """
-    path = ADAPTER if adapter is None else Path(adapter).expanduser()
+    return _encoder((ADAPTER if adapter is None else adapter_file(adapter)).resolve())
+
+
+def adapter_file(name: str) -> Path:
+    """The file of the adapter that ``name`` is, or that a run of that folder has left.
+
+    Raises:
+        DataError: there is none.
+    """
+    path = Path(name).expanduser()
     if path.is_dir():
-        path = path / "model" / ADAPTER.name
+        folder = path / "model" if (path / "model").is_dir() else path
+        path = folder / ADAPTER.name
     if not path.is_file():
         raise DataError(f"{path}: no adapter there; give a run of `train.py learner=retriever`, or none at all")
-    return _encoder(path.resolve())
+    return path
 
 
 @cache

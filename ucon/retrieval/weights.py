@@ -6,7 +6,6 @@ which texts are read together.
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -14,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.array_files import read_arrays
 from ucon.core.errors import DataError
 from ucon.core.files import read_verified, sha256_bytes
 
@@ -84,9 +84,8 @@ def load_arrays(path: Path) -> tuple[dict[str, NDArray], str]:
     """
     raw = read_verified(path)
     try:
-        with np.load(io.BytesIO(raw), allow_pickle=False) as file:
-            return {name: file[name] for name in file.files}, sha256_bytes(raw)
-    except (ValueError, OSError) as error:
+        return read_arrays(raw), sha256_bytes(raw)
+    except DataError as error:
         raise DataError(f"{path}: not a file of arrays ({error}); restore it from the release") from None
 
 
