@@ -144,7 +144,7 @@ class Run:
             with lock:
                 db.set_result(job, WorkResult(WorkerOutcome.NORMAL, tried.by, result, diff))
                 done[job] = outcome
-            what = f"killed by {tried.by}" if tried.killed else f"LIVED ({tried.by}; {len(tests[job])} tests)"
+            what = f"killed by {tried.by}" if tried.killed else f"LIVED ({tried.by})"
             return f"{jobs[job].file}:{jobs[job].line}  {outcome.mutation.text}  ->  {outcome.after}  {what}"
 
         context = multiprocessing.get_context("spawn")

@@ -56,7 +56,8 @@ def attempt(session: Path, number: int, mutation: Mutation, tests: Sequence[str]
         os.utime(path, ns=(dates.st_atime_ns, dates.st_mtime_ns))  # what is compiled of it stays good
     if outcome == TestOutcome.INCOMPETENT or ("no tests ran" in output and "ERROR" not in output):
         raise RuntimeError(f"{mutation.file}:{mutation.line}: {output}")
-    return Tried(outcome == TestOutcome.KILLED, _killer(output))
+    killed = outcome == TestOutcome.KILLED
+    return Tried(killed, _killer(output) if killed else f"{len(tests)} tests pass")
 
 
 def _killer(output: str) -> str:

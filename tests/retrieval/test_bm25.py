@@ -45,3 +45,8 @@ def test_names_of_several_words_add_up(kb: KnowledgeBase) -> None:
     retriever = BM25Retriever()
     both = retriever.scores("mug_socks", kb)
     assert both == pytest.approx(retriever.scores("mug", kb) + retriever.scores("socks", kb), abs=1e-6)
+
+
+def test_it_ranks_without_a_word(kb: KnowledgeBase, capfd: pytest.CaptureFixture[str]) -> None:
+    BM25Retriever().rank("mug", kb)
+    assert capfd.readouterr() == ("", "")
