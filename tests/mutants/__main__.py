@@ -30,7 +30,7 @@ from tests.mutants.reach import Reach, Recorded
 from tests.mutants.recording import follow, missing, record
 from tests.mutants.report import Outcome, killed_share, known, reason, report
 from tests.mutants.sample import PARTS, part_of, sampled
-from tests.mutants.trial import Tried, attempt
+from tests.mutants.trial import OUT_OF_TIME, Tried, attempt
 
 _Job = TypeVar("_Job")
 _Result = TypeVar("_Result")
@@ -51,6 +51,8 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--limit", type=int, help="try only so many now; the rest another time")
     args = parser.parse_args(words)
     root, session = Path.cwd(), args.session.resolve()
+    if not (root / ".git").exists():
+        parser.error(f"{root}: no clone; mutants live in copies of what git lists there")
     run, parts = Run(root, session, args.jobs, args.budget), args.part or list(PARTS)
     run.prepare(parts)
     chosen = [mutation for mutation in sampled(root, args.count, args.seed) if part_of(mutation.file) in parts]
@@ -100,7 +102,10 @@ class Run:
         outcomes = [done[job] for job in jobs if job in done]
         print(report(outcomes, equivalent))  # noqa: T201
         share = killed_share(outcomes) if outcomes else 0.0
-        tell(f"{len(outcomes)} of {len(jobs)} tried, {100 * share:.1f} % killed, {at_least:g} % expected")
+        late = sum(one.by == OUT_OF_TIME for one in outcomes)
+        tell(
+            f"{len(outcomes)} of {len(jobs)} tried, {100 * share:.1f} % killed, {at_least:g} % expected; {late} by time"
+        )
         return int(len(outcomes) < len(jobs) or 100 * share < at_least)
 
     def _jobs(self, db: WorkDB, mutations: Sequence[Mutation]) -> dict[str, Mutation]:
@@ -187,5 +192,5 @@ def _now(root: Path, file: str) -> str:
 
 
 if __name__ == "__main__":
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    os.environ.pop("NUMBA_CACHE_DIR", None)  # every copy has kernels of its own
     sys.exit(main())

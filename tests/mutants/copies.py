@@ -34,7 +34,7 @@ def refresh(root: Path, copy: Path) -> None:
 def environment(copy: Path, cache: Path) -> dict[str, str]:
     """What tests in a copy run with: its own code, its own cache, one thread."""
     return {
-        **{name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"},
+        **os.environ,
         "PYTHONPATH": str(copy),
         "UCON_CACHE": str(cache),
         "OMP_NUM_THREADS": "1",

@@ -20,6 +20,7 @@ from tests.mutants.places import Mutation
 
 #: No test needs more; a mutant that multiplies a size must not take the machine with it.
 MEMORY_BYTES: Final = 10 << 30
+OUT_OF_TIME: Final = "out of time"
 #: Tests of a mutant may take so many times as long as they took, and so much longer for starting and for compiling.
 _SLOWER, _STARTING_S, _COMPILING_S = 5.0, 90.0, 240.0
 
@@ -62,7 +63,7 @@ def attempt(session: Path, number: int, mutation: Mutation, tests: Sequence[str]
 
 def _killer(output: str) -> str:
     if output == "timeout":
-        return "out of time"
+        return OUT_OF_TIME
     failed = [line for line in output.splitlines() if line.startswith(("FAILED ", "ERROR "))]
     if failed:
         return failed[0].split(" ", 1)[1].split(" - ")[0]
