@@ -150,6 +150,14 @@ def test_sight_ends_at_walls_and_at_what_is_higher_than_the_line() -> None:
     assert sight(0.0, 0.0, CAMERA_M, 2.0, 0.0, 1.0, home.height, home.walls, HALF), "a thing does not hide itself"
 
 
+def test_a_wall_right_before_the_camera_hides_and_one_right_behind_it_does_not() -> None:
+    for ahead in (True, False):
+        home = Home([])
+        home.walls[0, HALF if ahead else HALF - 1, HALF] = 1
+        assert sight(0.0, 0.0, CAMERA_M, 2.0, 0.0, 1.0, home.height, home.walls, HALF) != ahead
+        assert sight(0.0, 0.0, CAMERA_M, -2.0, 0.0, 1.0, home.height, home.walls, HALF) == ahead
+
+
 def gained(weight: tuple[float, float], **cells: Any) -> np.ndarray:
     """(4,) square metres by heading, seen from the middle of a home of which only its cell was explored."""
     explored, height = np.zeros((SIZE, SIZE), np.uint8), np.full((SIZE, SIZE), -1.0, np.float32)
