@@ -83,6 +83,8 @@ def test_cells_of_things_and_of_the_floor() -> None:
     cell = (8 + BEHIND) * COLUMNS + 4 + ASIDE
     assert (found.pair_cell[0], found.pair_row[0]) == (cell, 0)
     cells = {(int(c), int(r)) for c, r in zip(found.pair_cell, found.pair_row, strict=True) if c >= 0}
+    assert {c % COLUMNS - ASIDE for c, r in cells if r == 0} == {2, 3, 4, 5, 6}, "0.6 to 1.5 m to the left"
+    assert {c % COLUMNS - ASIDE for c, r in cells if r == 1} == set(range(-8, 0)), "0.1 to 1.9 m to the right"
     assert {r for _, r in cells} == {0, 1}
     assert all(c // COLUMNS - BEHIND == 8 for c, _ in cells), "all that is seen is on the wall"
     ahead = found.patch[:, ASIDE] & EXPLORED
