@@ -14,7 +14,7 @@ PYTHON ?= $(shell for p in python3.11 python3.10 python3 python; do \
 JOBS   ?= 2
 TOGETHER = OMP_NUM_THREADS=1 $(PY) -m pytest -n $(JOBS) --dist worksteal
 
-.PHONY: help setup eval test test-slow lint format clean
+.PHONY: help setup eval test test-slow mutants lint format clean
 
 help: ## List the targets.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -43,6 +43,13 @@ test: setup ## Run the tests (some 11 minutes).
 test-slow: setup ## Run the long checks too.
 	$(TOGETHER) -m 'not timed'
 	$(PY) -m pytest -m timed
+
+$(VENV)/.mutants: $(STAMP)
+	$(PY) -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,mutants]'
+	@touch $@
+
+mutants: setup $(VENV)/.mutants ## Mutate the code in 150 places and see whether tests notice (hours; goes on where it was).
+	OMP_NUM_THREADS=1 $(PY) -m tests.mutants --jobs $(JOBS)
 
 lint: setup ## ruff and mypy.
 	$(VENV)/bin/ruff check .

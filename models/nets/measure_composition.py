@@ -54,12 +54,12 @@ def truth(kb: KnowledgeBase, target: str) -> dict[str, float]:
     return compose(target, own[target], own, lambda names: [own[name] for name in names], least=0.0)
 
 
-def main() -> None:
+def main(words: Sequence[str] | None = None) -> None:
     """Print hit@5 and NLL without and with the second hop, over targets that need it and over all."""
     parser = argparse.ArgumentParser(prog="models.nets.measure_composition", description="Measure the second hop.")
     parser.add_argument("--run", metavar="RUN", help="a run of learner=belief; default: the shipped head")
     parser.add_argument("--kbs", type=int, default=10, help="knowledge bases")
-    args = parser.parse_args()
+    args = parser.parse_args(words)
     if args.kbs < 1:
         raise ConfigError(f"--kbs {args.kbs}: expected a number of knowledge bases from 1 up")
     reader, names = HeadReader.load(args.run), book().anchors

@@ -298,3 +298,13 @@ print("fine")
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False)
     assert done.stdout.strip().endswith("fine"), done.stderr
+
+
+def test_an_episode_is_found_by_its_name(episodes: tuple[Episode, ...]) -> None:
+    """Whoever spells it: a name that was put together is the same name."""
+    env = UcONEnv(episodes)
+    for episode in episodes[:3]:
+        spelled = "".join(list(episode.id))
+        assert env.reset(options={"episode": spelled})[1]["episode"] == episode.id
+    with pytest.raises(EpisodeError, match="no episode 'nowhere/000' among the"):
+        env.reset(options={"episode": "nowhere/000"})

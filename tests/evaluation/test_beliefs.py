@@ -77,3 +77,12 @@ def test_scores_by_hand():
 def test_calibration_error_by_hand():
     p, y = np.asarray([0.1, 0.1, 0.9]), np.asarray([0.0, 0.2, 0.6])
     assert calibration_error(p, y) == pytest.approx(0.1)
+
+
+def test_hits_are_counted_up_to_the_one_named():
+    """Seven places, the truth spread over the first, the fifth and the sixth best."""
+    y = np.zeros((7, 4))
+    y[0, 0], y[4, 0], y[5, 0] = 0.5, 0.3, 0.2
+    found = scores(np.linspace(0.4, 0.1, 7), np.full((7, 4), 0.25), y)
+    assert found["hit_at_1"] == 0.5
+    assert found["hit_at_5"] == 0.8

@@ -52,6 +52,34 @@ def test_no_way_is_no_number_and_no_common_episode_an_error() -> None:
         distance_closed(start, [replace(r, episode=f"other {r.episode}") for r in start], start)
 
 
+def test_draws_without_a_way_say_nothing() -> None:
+    """One episode of four is between start and goal; about three draws in ten lack it, and have no share to give.
+
+    Wherever it is drawn the run has come half of the way, so that is the whole interval; what the run gains elsewhere
+    makes draws without it infinite, and those do not count either.
+    """
+    goal = [record(0), record(1, success=False), record(2, success=False), record(3, success=False)]
+    start = [replace(r, success=False, spl=0.0, success_150=False) for r in goal]
+    halfway = [replace(goal[0], spl=0.25), *goal[1:]]
+    share = distance_closed(halfway, start, goal)["SPL"]
+    assert (share.mean, share.low, share.high) == (0.5, 0.5, 0.5)
+    elsewhere = [halfway[0], replace(goal[1], spl=0.25), *goal[2:]]
+    share = distance_closed(elsewhere, start, goal)["SPL"]
+    assert share.mean == 1.0
+    assert share.low == 0.5
+    assert 1.0 < share.high < 10.0
+
+
+@pytest.mark.filterwarnings("error")
+def test_no_way_and_no_episodes_give_no_number_and_no_warning() -> None:
+    start = played([True, False], contained=False)
+    found = distance_closed(start, start, start)
+    assert all(np.isnan((share.mean, *share.ci95)).all() for share in found.values())
+    assert {name: share.n for name, share in found.items()} == {"SPL": 2, "SR 150": 2, "SR contained": 0}
+    better = distance_closed(played([True, True], contained=False), start, start)
+    assert all(np.isnan(share.mean) for share in better.values()), "not infinitely far"
+
+
 def test_intervals_hold_what_they_say() -> None:
     """Of 200 samples with a true share of 0.5, about 95 % of the intervals hold it."""
     rng, held = np.random.default_rng(0), 0

@@ -169,3 +169,37 @@ def test_a_run_without_choices_has_no_file(tmp_path: Path) -> None:
     finished(tmp_path, [made_up(0)])
     assert not (tmp_path / DECISIONS).exists()
     assert RunFolder(tmp_path, HASHES).open(["e0"]) == {0: made_up(0)}
+
+
+def asked(**changes: object) -> DecisionRecord:
+    base = DecisionRecord("e0", 0, 0, "frontier", ("a", "b"), 0, (0.5, 0.5))
+    return replace(base, **changes)  # type: ignore[arg-type]
+
+
+def test_figures_of_choices_by_hand() -> None:
+    """Two episodes, four choices, of which two asked: three questions in all, one of them in vain."""
+    decisions = [
+        asked(),
+        asked(asked=1, prompt_tokens=10, completion_tokens=2, seconds=0.5),
+        asked(asked=2, dropped=3, retries=1, fallback=True, failure="timeout", prompt_tokens=20, seconds=1.0),
+        asked(),
+    ]
+    assert language_figures(decisions, 2) == {
+        "decisions": 4,
+        "decisions_per_episode": 2.0,
+        "questions_per_episode": 1.5,
+        "fallback_rate": 0.5,
+        "failures": {"timeout": 1},
+        "dropped_rate": 0.5,
+        "dropped_per_decision": 1.5,
+        "retries": 1,
+        "prompt_tokens_per_decision": 15.0,
+        "completion_tokens_per_decision": 1.0,
+        "seconds_per_decision": 0.75,
+    }
+
+
+def test_without_questions_or_episodes_there_are_no_figures() -> None:
+    assert language_figures([asked()], 3) is None
+    assert language_figures([asked(asked=1)], 0) is None
+    assert language_figures([], 3) is None

@@ -160,3 +160,23 @@ def test_other_files(key, tmp_path):
     path.write_text("item,object\n")
     with pytest.raises(DataError, match=r"the key of"):
         read_key(path)
+
+
+def test_two_categories_are_enough():
+    """One item with a true place, one with a swapped one; of one category no survey can be made."""
+    whole = book()
+    names = {item.object.replace(" ", "_") for item in draw_items(whole, 2)}
+    two = replace(whole, entries=tuple(entry for entry in whole.entries if entry.category in names))
+    assert {item.truth for item in draw_items(two, 2)} == {"true", "swapped"}
+    one = replace(whole, entries=tuple(entry for entry in whole.entries if entry.category == min(names)))
+    with pytest.raises(ConfigError, match="1 of its categories"):
+        draw_items(one, 2)
+
+
+def test_figures_of_a_rater_have_four_digits(items, key, tmp_path):
+    """Of ten true places one is said to be looked at in vain, of three ratings the mean is 4 1/3."""
+    true = [item.item for item in items if item.truth == "true"]
+    said = {item.item: ("", "") for item in items} | {true[0]: (4, "yes"), true[1]: (4, "yes"), true[2]: (5, "no")}
+    (tmp_path / "ana.csv").write_text(filled(items, said))
+    figures = score_survey(key, read_sheet(tmp_path / "ana.csv", key))
+    assert figures["by_rater"]["ana"] == {"real": 4.3333, "yes_true": 0.6667, "yes_swapped": None}

@@ -303,3 +303,8 @@ def test_product_says_how_to_build_it():
     files = tiny_belief().product()
     assert json.loads(files[CONFIG])["head"]["width"] == 16
     assert set(files) == {WEIGHTS, CONFIG}
+
+
+def test_one_of_everything_is_enough_to_begin():
+    learner = BeliefLearner(partial(small_head), in_two_homes(), 1, households=1, n_kbs=1, warm_up=1)
+    assert learner.step()["loss"] > 0

@@ -33,6 +33,31 @@ def test_labels_are_the_part_of_each_move_that_counts() -> None:
     assert not shortened[0, 4:].any()
 
 
+def test_a_move_counts_for_no_more_than_it_is_long() -> None:
+    """Ways that are known only roughly may differ by more than the move between them: a label stays within [-1, 1]."""
+    shortened, _ = progress(decision([10, 10, 10], [5, 35, 12], 20.0))
+    assert shortened[0, :3].tolist() == pytest.approx([1.0, -1.0, 0.8])
+
+
+def test_turning_on_the_spot_is_no_move() -> None:
+    """A view less than half a move away tells nothing; from there to one move it counts as one."""
+    frames = decision([0.0, 0.4, 0.6, 1.0], [19.5] * 4, 20.0)
+    shortened, told = progress(frames)
+    assert told[0, :4].tolist() == [False, False, True, True]
+    assert shortened[0, :4].tolist() == pytest.approx([0.0, 0.0, 0.5, 0.5])
+
+
+def test_the_way_may_be_none() -> None:
+    """0 is a way like others, where the agent is and where it goes; less than 0 says that it is not known."""
+    _, told = progress(decision([10], [0.0], 10.0))
+    assert bool(told[0, 0])
+    shortened, told = progress(decision([10], [10.0], 0.0))
+    assert bool(told[0, 0])
+    assert float(shortened[0, 0]) == -1.0
+    _, told = progress(decision([10], [10.0], -1.0))
+    assert not told.any()
+
+
 def test_the_loss_counts_what_is_told_alone() -> None:
     frames = decision([10, 10], [10, 30], 20.0)
     foretold = torch.tensor([[0.5, -1.0, 9.0]], requires_grad=True)

@@ -192,3 +192,13 @@ def test_shipped_head_reaches_its_bars():
     assert hit(whole, "gt") >= 0.75 * hit(whole, "oracle")
     for found in (task, whole):
         assert max(found[level].calibration_error for level in ("none", "full", "retrieval", "gt")) <= 0.02
+
+
+def test_habits_count_as_retrieved_unless_it_is_said_that_all_are_of_the_target(reader):
+    """At level gt every habit is of the target and is trusted; nothing else is."""
+    for read in (reader.belief, lambda *given, **said: reader.read(*given[:2], **said).belief(given[2])):
+        plain, trusted, doubted = (
+            read("wallet", HABITS, NAMES, **said).p for said in ({}, {"trusted": True}, {"trusted": False})
+        )
+        assert np.array_equal(plain, doubted)
+        assert not np.allclose(doubted, trusted)

@@ -96,3 +96,10 @@ def test_videos_hold_thoughts_to_the_end(tmp_path: Path) -> None:
     assert last is not None
     assert last.shape[1] == 192
     assert abs(float(last[40:, 140:].mean()) - 200) < 10
+
+
+def test_lines_are_filled_and_long_words_left_whole() -> None:
+    assert wrapped("aa bb cc dd", 5) == ["aa bb", "cc dd"]
+    assert wrapped("aa bb cc dd", 6) == ["aa bb", "cc dd"]
+    assert wrapped("aa unbreakable bb", 5) == ["aa", "unbreakable", "bb"]
+    assert wrapped("", 5) == [""]

@@ -7,6 +7,7 @@ from toy import ToyEnv, two_rooms
 from ucon.objects import catalogue
 from ucon.perception.approach import Approach
 from ucon.perception.body import PAPER_BODY
+from ucon.perception.containers import Containers, open_reach_m
 from ucon.perception.map_kernels import shows
 from ucon.perception.places import INSIDE, NEXTTO, Places, affordance, has_room, sight_range_m, with_fallback
 from ucon.perception.planner import Planner
@@ -166,3 +167,36 @@ def test_what_was_not_seen_stays_behind_what_was() -> None:
         inside = (places.track == track) & (places.relation == INSIDE) & (places.share > 0)
         assert (places.xyz[inside, 0] > x + 2.05).all()
         assert (places.faces[inside] == (1 if turn == 0 else 2)).all()
+
+
+def test_what_is_larger_is_seen_from_farther() -> None:
+    """A cube of s metres covers s^2 f^2 / d^2 pixels of a view with focal length f = 64 at distance d."""
+    side = 0.1  # of a name outside the catalogue
+    assert sight_range_m("unicorn") == pytest.approx(64.0 * side / np.sqrt(5.0))
+    assert sight_range_m("unicorn", 20.0) == pytest.approx(64.0 * side / np.sqrt(20.0))
+    assert sight_range_m("unicorn", 1e6) == 1.2, "never nearer than that"
+    assert sight_range_m("sofa") == 4.5, "never farther"
+
+
+@pytest.mark.parametrize("name", ["sofa", "fridge", "coffee_cup", "bed"])
+def test_nothing_has_no_room_for_its_like(name: str) -> None:
+    """What is as large as the thing itself fits into its box exactly, turned as may be."""
+    assert has_room(name, name)[1]
+
+
+def test_open_reaches_a_little_less_far_than_the_body() -> None:
+    _, known, _, _ = started()
+    assert 0.9 * known.body.near_m < open_reach_m(known) < known.body.near_m
+
+
+def test_containers_that_were_never_detected_or_were_opened_are_not_closed() -> None:
+    _, known, _, _ = started()
+    containers = Containers()
+    before = set(containers.closed(known).tolist())
+    first, second = known.n_tracks, known.n_tracks + 1
+    known.category += ["fridge", "fridge"]
+    known.box[first] = (1.0, 1.0, 0.0, 1.7, 1.7, 1.8)  # the other has no box: no point of it was seen
+    assert set(containers.closed(known).tolist()) == before | {first}
+    known.opened[first] = True
+    assert second not in containers.closed(known)
+    assert set(containers.closed(known).tolist()) == before

@@ -51,3 +51,24 @@ def test_asked_once_a_hop_and_not_for_crumbs():
 
     compose("t", {"tray": 0.5, "book": 0.49, "cup": 0.001}, BELIEFS, beliefs)
     assert asked == [["tray", "book"], ["cup"]]
+
+
+def test_where_a_thing_cannot_be_is_not_named():
+    """A place of probability 0 is none: it gets no mass, and is not listed with 0 either."""
+    beliefs = lambda names: [{"table": 0.4, "shelf": 0.0, "desk": 0.1}]  # noqa: E731
+    found = compose("tea", {"tray": 1.0}, {"tray"}, beliefs)
+    assert found == pytest.approx({"table": 0.8, "desk": 0.2})
+    nowhere = lambda names: [{"shelf": 0.0}]  # noqa: E731
+    assert compose("tea", {"tray": 1.0}, {"tray"}, nowhere) == {"tray": 1.0}
+
+
+def test_the_least_mass_is_still_asked_for():
+    """``least`` itself is enough, anything below is not."""
+    asked = []
+
+    def beliefs(names):
+        asked.append(list(names))
+        return [{"table": 1.0} for _ in names]
+
+    compose("tea", {"tray": 0.25, "book": 0.2499}, {"tray", "book"}, beliefs, least=0.25)
+    assert asked == [["tray"]]

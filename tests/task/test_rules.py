@@ -80,3 +80,10 @@ def test_spl() -> None:
     assert _outcome(success=True, path_length_m=3.0).spl == 1.0  # never above 1
     assert _outcome().spl == 0.0
     assert _outcome().soft_spl == pytest.approx(0.75 * 0.5)
+
+
+def test_soft_spl_is_spl_where_it_succeeds_and_nothing_farther_away_than_at_first() -> None:
+    assert _outcome(success=True).soft_spl == _outcome(success=True).spl == pytest.approx(0.5)
+    assert _outcome(success=True, final_distance_m=3.0).soft_spl == pytest.approx(0.5)
+    assert _outcome(final_distance_m=5.0).soft_spl == 0.0
+    assert _outcome(final_distance_m=0.0, start_distance_m=0.0).soft_spl == pytest.approx(0.5)

@@ -135,3 +135,10 @@ def test_official_targets_of_held_out_episodes_are_never_learned_from():
     orders = list(set_orders(OFFICIAL_HELD_OUT, dataset))
     assert len({order.id for order in orders}) == 1000
     assert all((o.scene, name) in kept and len(o.targets) >= 3 for o in orders for name in o.targets)
+
+
+@pytest.mark.parametrize(("name", "homes", "episodes"), [("test", 20, 1000), ("test_large", 40, 2000)])
+def test_test_sets_have_the_sizes_that_results_name(name: str, homes: int, episodes: int) -> None:
+    orders = list(set_orders(book(), name))
+    assert len(orders) == episodes
+    assert len({order.scene for order in orders if order.scene.startswith("procedural:")}) == homes

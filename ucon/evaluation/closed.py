@@ -88,7 +88,7 @@ def _common(*runs: Records) -> list[list[EpisodeRecord]]:
 
 def _ratio(above: NDArray[np.float64], below: NDArray[np.float64], *what: str) -> Interval:
     """Sum over sum, with the interval of episodes drawn anew."""
-    if not len(above) or below.sum() <= 0:
+    if below.sum() <= 0:
         return Interval(np.nan, np.nan, np.nan, len(above))
     return _interval(float(above.sum() / below.sum()), _draws(above, below, *what), len(above))
 
@@ -103,7 +103,7 @@ def _draws(above: NDArray[np.float64], below: NDArray[np.float64], *what: str) -
 
 def _interval(share: float, draws: NDArray[np.float64], n: int) -> Interval:
     draws = draws[np.isfinite(draws)]
-    if np.isnan(share) or not len(draws):
+    if not len(draws):
         return Interval(np.nan, np.nan, np.nan, n)
     low, high = np.quantile(draws, (0.025, 0.975))
     return Interval(share, float(low), float(high), n)

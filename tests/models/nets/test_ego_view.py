@@ -3,7 +3,18 @@
 import numpy as np
 import pytest
 
-from models.nets.ego_view import ASIDE, BLOCKED, COLUMNS, N_CELLS, _block
+from models.nets.ego_view import (
+    ASIDE,
+    BEHIND,
+    BLOCKED,
+    COLUMNS,
+    EXPLORED,
+    FLOOR,
+    N_CELLS,
+    THING_FEATURES,
+    _block,
+    ego_view,
+)
 
 
 @pytest.mark.parametrize("left", [-ASIDE, ASIDE])
@@ -19,3 +30,64 @@ def test_an_obstacle_between_nodes_blocks_both() -> None:
     at = np.array([10 * COLUMNS + ASIDE])
     _block(flags, at, np.array([[0.0], [0.12]], np.float32))
     assert np.flatnonzero(flags == BLOCKED).tolist() == [at[0], at[0] + 1]
+
+
+def frame(**changes: object) -> tuple[np.ndarray, dict[str, object]]:
+    """A wall two metres ahead with a cup on it, in pixels 8 to 23 of rows 24 to 39 of 64, and a larger clock."""
+    tracks = np.full((64, 64), -1, np.int16)
+    tracks[24:40, 8:24], tracks[4:24, 34:64] = 0, 1
+    detections = {"track": np.array([1, 0]), "category": ["wall_clock", "coffee_cup"], "pixels": np.array([600, 256])}
+    info = {"detections": detections | changes, "tracks": tracks, "opened": (1,)}
+    return np.full((64, 64), 2.0, np.float32), info
+
+
+def test_features_of_a_thing_by_hand() -> None:
+    """Its middle lies half a unit to the left of the axis at two metres: one metre left, level with the camera."""
+    depth, info = frame()
+    found = ego_view(depth, 0.0, 1.25, info, "coffee_cup")
+    assert found.names == ("coffee_cup", "wall_clock"), "the target first, though it is smaller"
+    cup = dict(zip(THING_FEATURES, found.things[0].tolist(), strict=True))
+    assert cup == pytest.approx(
+        {
+            "ahead_m": 2.0,
+            "left_m": 1.0,
+            "up_m": 0.0,
+            "nearest_m": np.hypot(2.0, 2.0 * (32 - 23.5) / 32),
+            "sin": 1 / np.sqrt(5),
+            "cos": 2 / np.sqrt(5),
+            "u0": 8 / 64,
+            "v0": 24 / 64,
+            "u1": 24 / 64,
+            "v1": 40 / 64,
+            "pixels": np.log(256 * 4 / 64),
+            "score": 1.0,
+            "just_opened": 0.0,
+        },
+        abs=2e-3,
+    )
+    assert found.things[1, THING_FEATURES.index("just_opened")] == 1.0
+    assert found.tracks[:3].tolist() == [0, 1, -1]
+    assert ego_view(depth, 0.0, 1.25, info, "fridge").names == ("wall_clock", "coffee_cup"), "then the larger"
+
+
+def test_scores_are_the_detectors_where_it_gives_any() -> None:
+    depth, info = frame(score=np.array([0.25, 0.75]))
+    found = ego_view(depth, 0.0, 1.25, info, "coffee_cup")
+    assert found.things[:2, THING_FEATURES.index("score")].tolist() == [0.75, 0.25]
+
+
+def test_cells_of_things_and_of_the_floor() -> None:
+    """The cup is in the cell 8 ahead and 4 to the left; a wall two metres ahead hides what is behind it."""
+    depth, info = frame()
+    found = ego_view(depth, 0.0, 2.1, info, "coffee_cup")
+    cell = (8 + BEHIND) * COLUMNS + 4 + ASIDE
+    assert (found.pair_cell[0], found.pair_row[0]) == (cell, 0)
+    cells = {(int(c), int(r)) for c, r in zip(found.pair_cell, found.pair_row, strict=True) if c >= 0}
+    assert {c % COLUMNS - ASIDE for c, r in cells if r == 0} == {2, 3, 4, 5, 6}, "0.6 to 1.5 m to the left"
+    assert {c % COLUMNS - ASIDE for c, r in cells if r == 1} == set(range(-8, 0)), "0.1 to 1.9 m to the right"
+    assert {r for _, r in cells} == {0, 1}
+    assert all(c // COLUMNS - BEHIND == 8 for c, _ in cells), "all that is seen is on the wall"
+    ahead = found.patch[:, ASIDE] & EXPLORED
+    assert ahead[BEHIND : BEHIND + 9].all()
+    assert not ahead[BEHIND + 9 :].any()
+    assert not (found.patch & FLOOR).any(), "the lowest point in view is a tenth of a metre up"

@@ -171,3 +171,20 @@ def test_sentence_goals_are_the_environments_targets() -> None:
     assert goal.encode("coffee_cup").shape == (goal.dim,) == (384,)
     assert goal.name.startswith("all-MiniLM")
     assert np.linalg.norm(goal.encode("bed")) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_detr_is_shown_colours_as_it_was_trained(folders: dict[str, Path], monkeypatch: pytest.MonkeyPatch) -> None:
+    """ImageNet's mean colour is 0 in all channels, a deviation brighter is 1."""
+    tokens, shown = DetrTokens(str(folders["detr"]), image_px=64), []
+    whole = type(tokens._model).forward
+    monkeypatch.setattr(
+        type(tokens._model),
+        "forward",
+        lambda self, pixel_values, **k: shown.append(pixel_values) or whole(self, pixel_values, **k),
+    )
+    mean, deviation = torch.tensor([0.485, 0.456, 0.406]), torch.tensor([0.229, 0.224, 0.225])
+    for steps in (0.0, 1.0):
+        colour = ((mean + steps * deviation) * 255).round().to(torch.uint8)
+        tokens.features({"rgb": colour.expand(1, 32, 32, 3)})
+        by_channel = shown.pop()[0].mean((1, 2)).tolist()
+        assert by_channel == pytest.approx([steps] * 3, abs=0.5 / 255 / 0.224 + 1e-3)

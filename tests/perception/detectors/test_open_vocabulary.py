@@ -241,3 +241,11 @@ def test_chunks_hold_every_name_once_and_fit() -> None:
     assert [name for part in parts for name in part] == list(vocabulary())
     assert len(parts) > 5
     assert all(sum(len(plain(name).split()) + 1 for name in part) <= 254 for part in parts)
+
+
+def test_a_dot_after_each_name_takes_room() -> None:
+    """Names of two tokens take three: two fill a window of six, a seventh token is no room for a third."""
+    names, count = ("coffee cup", "toy car", "tea pot"), lambda text: len(text.split())
+    assert chunks(names, count, 6) == chunks(names, count, 7) == [names[:2], names[2:]]
+    assert chunks(names, count, 5) == [(name,) for name in names]
+    assert chunks(names, count, 9) == [names]

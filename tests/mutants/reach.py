@@ -1,0 +1,194 @@
+"""Which tests can notice a mutation: those that run its line, or lines that use what its line makes.
+
+Coverage does not see kernels, whose lines run compiled, and constants are made while a module is imported, before any
+test. For these it counts who runs a line that names the kernel, the constant or the field, in whatever file.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from pathlib import Path
+from typing import Final
+
+from tests.mutants.places import Mutation
+from tests.mutants.recorder import MEASURED
+from tests.mutants.sample import PARTS, part_of
+
+_KERNELS: Final = frozenset({"jit", "merged", "leaf", "inlined", "njit"})
+#: How often names are followed: a kernel is called by a kernel that is called by a kernel ...
+_DEPTH: Final = 5
+Line = tuple[str, int]
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """What was recorded of all tests."""
+
+    seconds: Mapping[str, float]
+    """By test; those that failed or were skipped by themselves are left out."""
+    by_line: Mapping[Line, frozenset[str]]
+
+    @classmethod
+    def read(cls, files: Iterable[Path]) -> Recorded:
+        """Put together what :mod:`tests.mutants.recorder` wrote."""
+        seconds: dict[str, float] = {}
+        by_line: dict[Line, set[str]] = defaultdict(set)
+        for file in files:
+            found = json.loads(file.read_text())
+            names = list(found["tests"])
+            good = {name for name, told in found["tests"].items() if told["passed"]}
+            seconds |= {name: found["tests"][name]["seconds"] for name in good}
+            for source, lines in found["lines"].items():
+                for line, tests in lines.items():
+                    by_line[source, int(line)] |= {names[k] for k in tests} & good
+        return cls(seconds, {line: frozenset(tests) for line, tests in by_line.items() if tests})
+
+
+class Reach:
+    """Finds tests for mutations of one tree."""
+
+    def __init__(self, root: Path, recorded: Recorded) -> None:
+        self._root, self._recorded = root, recorded
+
+    def tests(self, mutation: Mutation, budget_s: float) -> list[str]:
+        """Tests that may notice it, the quickest first, those of its own part before others, for so many seconds."""
+        own = PARTS[part_of(mutation.file)][1]
+        seconds = self._recorded.seconds
+        found = self._of_line((mutation.file, mutation.line), _DEPTH, set())
+        ranked = sorted(found, key=lambda test: (not test.startswith(f"{own}/"), seconds[test], test))
+        chosen, spent = [], 0.0
+        for test in ranked:
+            if chosen and spent + seconds[test] > budget_s:
+                continue
+            chosen.append(test)
+            spent += seconds[test]
+        return chosen
+
+    def seconds(self, tests: Iterable[str]) -> float:
+        """How long they took when they were recorded."""
+        return sum(self._recorded.seconds[test] for test in tests)
+
+    def _of_line(self, line: Line, depth: int, visited: set[Line]) -> frozenset[str]:
+        statement = _statement(self._tree(line[0]), line[1])
+        direct = self._ran(line[0], statement.lines)
+        if (direct and not statement.imported) or depth == 0 or line in visited:
+            return direct
+        visited.add(line)
+        if statement.body:  # defaults of a function: whoever runs it
+            inside = self._ran(line[0], statement.body)
+            if inside:
+                return inside
+        users = {user for name in statement.names for user in self._users(name, line[0])} - visited
+        found = [self._of_line(user, depth - 1, visited) for user in sorted(users)]
+        return frozenset().union(*found)
+
+    def _ran(self, file: str, lines: Iterable[int]) -> frozenset[str]:
+        return frozenset().union(*(self._recorded.by_line.get((file, line), frozenset()) for line in lines))
+
+    def _users(self, name: str, file: str) -> list[Line]:
+        """Lines that name something of a file: in the file, and where it is imported or is an attribute."""
+        module = file.removesuffix(".py").replace("/", ".")
+        return [
+            (other, line)
+            for other, line, attribute in self._names().get(name, ())
+            if other == file or attribute or module in self._imports(other)
+        ]
+
+    @cache  # noqa: B019 - one a run
+    def _tree(self, file: str) -> ast.Module:
+        return ast.parse((self._root / file).read_text())
+
+    @cache  # noqa: B019 - one a run
+    def _imports(self, file: str) -> frozenset[str]:
+        nodes = [node for node in ast.walk(self._tree(file)) if isinstance(node, ast.ImportFrom) and node.module]
+        return frozenset({f"{n.module}" for n in nodes} | {f"{n.module}.{a.name}" for n in nodes for a in n.names})
+
+    @lru_cache(maxsize=1)  # noqa: B019 - one a run
+    def _names(self) -> dict[str, list[tuple[str, int, bool]]]:
+        """Where each name is read: (file, line, whether as an attribute)."""
+        out: dict[str, list[tuple[str, int, bool]]] = defaultdict(list)
+        for folder in MEASURED:
+            for path in sorted((self._root / folder).rglob("*.py")):
+                file = path.relative_to(self._root).as_posix()
+                for node in ast.walk(self._tree(file)):
+                    if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
+                        out[node.id].append((file, node.lineno, False))
+                    elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load):
+                        out[node.attr].append((file, node.lineno, True))
+        return out
+
+
+@dataclass(frozen=True)
+class Statement:
+    """What stands around a line."""
+
+    lines: Sequence[int]
+    """Of the statement, or of the head of a compound one."""
+    names: Sequence[str]
+    """By which others use what it makes."""
+    imported: bool
+    """Whether it runs while the module is imported."""
+    body: Sequence[int] = ()
+    """Lines of the function whose head it is."""
+
+
+def _statement(tree: ast.Module, line: int) -> Statement:
+    path = _path(tree, line)
+    last = path[-1]
+    function = next((node for node in reversed(path) if isinstance(node, Function)), None)
+    inner = isinstance(last, Function) or function is not None
+    body = getattr(last, "body", None)
+    end = body[0].lineno - 1 if isinstance(body, list) and body[0].lineno > last.lineno else last.end_lineno or line
+    lines = range(last.lineno, end + 1)
+    if function is None:
+        names = _made(last) + [node.name for node in path[:-1] if isinstance(node, ast.ClassDef)][-1:]
+        return Statement(lines, names, True)
+    if function is last:
+        return Statement(
+            lines, [function.name], True, range(function.body[0].lineno, (function.end_lineno or line) + 1)
+        )
+    kernel = next((n for n in path if isinstance(n, Function) and _is_kernel(n)), None)
+    return Statement(lines, [kernel.name] if kernel and inner else [], False)
+
+
+def _path(tree: ast.Module, line: int) -> list[ast.stmt]:
+    """Statements around a line, outer ones first."""
+    out: list[ast.stmt] = []
+    inside: ast.AST | None = tree
+    while inside is not None:
+        statements = [node for node in _statements(inside) if node.lineno <= line <= (node.end_lineno or line)]
+        inside = statements[0] if statements else None
+        out += statements[:1]
+    return out
+
+
+def _statements(node: ast.AST) -> list[ast.stmt]:
+    """Statements directly below a node, in whatever branch."""
+    out: list[ast.stmt] = []
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.stmt):
+            out.append(child)
+        elif isinstance(child, ast.ExceptHandler | ast.match_case):
+            out += _statements(child)
+    return out
+
+
+def _made(node: ast.stmt) -> list[str]:
+    """Names that a statement binds."""
+    if isinstance(node, Function | ast.ClassDef):
+        return [node.name]
+    return [n.id for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)]
+
+
+def _is_kernel(node: Function) -> bool:
+    return any(
+        (d.id if isinstance(d, ast.Name) else getattr(d, "attr", "")) in _KERNELS
+        for decorator in node.decorator_list
+        for d in [decorator.func if isinstance(decorator, ast.Call) else decorator]
+    )
