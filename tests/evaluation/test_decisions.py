@@ -14,7 +14,7 @@ from models.agents.lgx import LGXAgent
 from tests.evaluation.records import played as made_up
 from ucon.core.errors import DataError
 from ucon.envs.ucon_env import UcONEnv
-from ucon.evaluation.decisions import DecisionRecord, language_figures, seconds_per_decision
+from ucon.evaluation.decisions import DecisionRecord, language_figures, seconds_per_decision, seconds_per_decision
 from ucon.evaluation.folder import DECISIONS, PARTIAL, TIMING, RunFolder
 from ucon.evaluation.play import Played, RunSpec
 from ucon.evaluation.report import summary
@@ -195,8 +195,8 @@ def test_figures_of_choices_by_hand() -> None:
         "retries": 1,
         "prompt_tokens_per_decision": 15.0,
         "completion_tokens_per_decision": 1.0,
-        "seconds_per_decision": 0.75,
     }
+    assert seconds_per_decision(decisions) == 0.75
 
 
 def test_without_questions_or_episodes_there_are_no_figures() -> None:
