@@ -1,10 +1,11 @@
-"""What the environment's options stand for: one of several names, a renderer, a detector."""
+"""What is given to an environment, checked: one of several names, a renderer, a detector, an action."""
 
 from __future__ import annotations
 
+from operator import index
 from typing import Any
 
-from ucon.core.errors import ConfigError
+from ucon.core.errors import ActionError, ConfigError, brief
 from ucon.perception.detectors import Detector, GtDetector
 from ucon.sim.render import RasterRenderer, Renderer
 
@@ -35,3 +36,18 @@ def make_detector(option: bool | Detector | None) -> Detector | None:
     if not callable(getattr(option, "detect", None)):
         raise ConfigError(f"detector={option!r}: expected true (gt), false, or a detector; see configs/detector/")
     return option
+
+
+def checked_action(action: Any, n: int) -> int:
+    """An action as a number below ``n``.
+
+    Raises:
+        ActionError: no whole number (1.0 is none), or out of range.
+    """
+    try:
+        number = index(action)
+    except TypeError:
+        number = -1
+    if not 0 <= number < n or isinstance(action, bool):
+        raise ActionError(f"action={brief(action)}: expected a whole number from 0 to {n - 1}")
+    return number
