@@ -67,7 +67,8 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
     seeds and logs), at level ``context`` ``reranking`` (:class:`ucon.retrieval.ContextHabits`: told what was seen, it
     ranks anew), with ``planner="true"`` ``nav`` (free grid in the agent's frame); with a detector (True is ``gt``)
     ``detections``, ``tracks`` and ``opened`` (tracks); at the end ``episode_metrics`` and ``is_success``. With
-    ``privileged=True`` also ``privileged`` (scene, episode, solution, locations, target instance, pose): for trainers and oracles only.
+    ``privileged=True`` also ``privileged`` (scene, episode, solution, locations, target instance, pose): for trainers
+    and oracles only.
 
     ### Rewards
     :class:`ucon.task.reward.Reward`: +10 for a successful Done and -0.01 a step by default.

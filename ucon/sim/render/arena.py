@@ -7,7 +7,6 @@ adds the objects of an episode and whose moved parts it bakes anew.
 from __future__ import annotations
 
 from collections.abc import Callable
-from copy import copy
 from functools import lru_cache
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -115,7 +114,8 @@ class Arena:
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Arena:
         """Shares all polygons until one of the two opens something."""
-        memo[id(self)] = new = copy(self)
+        memo[id(self)] = new = Arena.__new__(Arena)
+        new.__dict__.update(self.__dict__)
         new._fractions = dict(self._fractions)
         self._own = new._own = False
         return new
