@@ -68,6 +68,7 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
         near_m: float = 1.0,
         least_m: float = 2.0,
         observe: str = "pixels",
+        texts: bool = True,
         **options: Any,
     ) -> None:
         """Describe the environment.
@@ -77,6 +78,7 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
             reward: of a step.
             near_m: how near to the goal Done succeeds.
             least_m: how far the goal is at least, where the home is so large.
+            texts: see ``UcON-v0``.
             observe: ``pixels``; there is nothing to reach without images.
             **options: of ``UcON-v0``.
 
@@ -87,7 +89,7 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
             raise ConfigError(f"env.observe={observe}: goals are images; give env.observe=pixels")
         if not 0 <= near_m < 1e3 or not 0 <= least_m < 1e3:
             raise ConfigError(f"env.near_m={near_m}, env.least_m={least_m}: expected metres from 0 up")
-        self.env = UcONEnv(episodes, observe="pixels", **options)
+        self.env = UcONEnv(episodes, observe="pixels", texts=texts, **options)
         self.render_mode = self.env.render_mode
         self.action_space, self.observation_space = self.env.action_space, self.env.observation_space
         self._reward, self._near, self._least_m = reward or ImageGoalReward(), near_m, least_m

@@ -5,6 +5,8 @@ from __future__ import annotations
 from operator import index
 from typing import Any
 
+import numpy as np
+
 from ucon.core.errors import ActionError, ConfigError, brief
 from ucon.perception.detectors import Detector, GtDetector
 from ucon.sim.render import RasterRenderer, Renderer
@@ -51,3 +53,11 @@ def checked_action(action: Any, n: int) -> int:
     if not 0 <= number < n or isinstance(action, bool):
         raise ActionError(f"action={brief(action)}: expected a whole number from 0 to {n - 1}")
     return number
+
+
+def told(info: dict[str, Any], *, texts: bool) -> dict[str, Any]:
+    """An info as an environment gives it; without ``texts`` numbers and arrays alone.
+
+    TorchRL makes tensors of the infos of vector environments, under the names of observations.
+    """
+    return info if texts else {k: v for k, v in info.items() if isinstance(v, int | float | np.ndarray | np.generic)}

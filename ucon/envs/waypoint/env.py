@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError, unknown_name
 from ucon.core.sharing import PartlyShared
-from ucon.envs.options import checked_action
+from ucon.envs.options import checked_action, told
 from ucon.envs.ucon_env import Obs, UcONEnv
 from ucon.envs.waypoint.choosing import RENDER_MODES, Course
 from ucon.envs.waypoint.explorer import Explorer, Info, Manner
@@ -75,6 +75,7 @@ the left, actions to get there, cells of a frontier, share of a thing not looked
         seed: int = 0,
         observe: str = "symbolic",
         detector: Any = True,
+        texts: bool = True,
         render_mode: str | None = None,
         **options: Any,
     ) -> None:
@@ -88,6 +89,7 @@ the left, actions to get there, cells of a frontier, share of a thing not looked
             seed: of what the strategy draws.
             observe: see ``UcON-v0``.
             detector: what candidates come from; see ``UcON-v0``.
+            texts: see ``UcON-v0``.
             render_mode: ``rgb_array``, or ``rgb_array_list``: all frames since the last call, between choices too.
             **options: of ``UcON-v0``.
 
@@ -100,7 +102,7 @@ the left, actions to get there, cells of a frontier, share of a thing not looked
             raise ConfigError("detector=None: candidates come from what is detected; name a detector")
         self.env = UcONEnv(episodes, observe=observe, detector=detector, **options)  # type: ignore[arg-type]
         self._course = Course(render_mode)
-        self.render_mode = render_mode
+        self.render_mode, self._texts = render_mode, texts
         self._strategy = STRATEGIES[strategy] if isinstance(strategy, str) else strategy
         self._manner, self._most, self._seed = manner or Manner(), max_candidates, seed
         self._explorer: Explorer | None = None
@@ -138,7 +140,8 @@ the left, actions to get there, cells of a frontier, share of a thing not looked
         while self._pending is not None and not explorer.taking and not any(self._over):
             self._play(self._pending)
         obs, info = self._observed()
-        return obs, {name: value for name, value in start.items() if name not in _FRAME} | info
+        start = {name: value for name, value in start.items() if name not in _FRAME}
+        return obs, told(start | info, texts=self._texts)
 
     def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
         """Choose a candidate, and play until the next choice is due or the episode ends.
@@ -159,7 +162,7 @@ the left, actions to get there, cells of a frontier, share of a thing not looked
         reward, self._reward, self._primitives = self._reward, 0.0, 0
         terminated, truncated = self._over
         self._course.told(over=terminated or truncated)
-        return obs, reward, terminated, truncated, info | {"invalid": invalid}
+        return obs, reward, terminated, truncated, told(info | {"invalid": invalid}, texts=self._texts)
 
     def _play(self, action: Action) -> None:
         """One primitive step; what follows it is pending."""
@@ -190,8 +193,8 @@ the left, actions to get there, cells of a frontier, share of a thing not looked
             "action_mask": mask,
             **{name: obs[name] for name in _CARRIED},
         }
-        told = {name: value for name, value in info.items() if name not in _FRAME}
-        return out, told | {"candidates": found, "primitive_steps": self._primitives}
+        kept = {name: value for name, value in info.items() if name not in _FRAME}
+        return out, kept | {"candidates": found, "primitive_steps": self._primitives}
 
     def action_masks(self) -> NDArray[np.bool_]:
         """(C,) rows that may be chosen, as MaskablePPO asks: ``action_mask`` of the last observation.

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ucon.core.errors import ConfigError
 from ucon.core.sharing import PartlyShared
 from ucon.envs.knowledge import HabitSource
-from ucon.envs.options import checked_action
+from ucon.envs.options import checked_action, told
 from ucon.envs.ucon_env import Obs, UcONEnv
 from ucon.envs.waypoint.choosing import RENDER_MODES, Course
 from ucon.envs.waypoint.searcher import MISS, Searcher
@@ -102,6 +102,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         expert: bool = False,
         observe: str = "symbolic",
         detector: Any = True,
+        texts: bool = True,
         render_mode: str | None = None,
         **options: Any,
     ) -> None:
@@ -118,6 +119,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
             expert: add ``expert`` to observations, likewise. A walk through the home costs a second an episode.
             observe: see ``UcON-v0``.
             detector: what is mapped; see ``UcON-v0``.
+            texts: see ``UcON-v0``.
             render_mode: ``rgb_array``, or ``rgb_array_list``: all frames since the last call, between choices too.
             **options: of ``UcON-v0``.
 
@@ -128,7 +130,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
             raise ConfigError("detector=None: views are valued by what is detected; name a detector")
         self.env = UcONEnv(episodes, observe=observe, detector=detector, **options)  # type: ignore[arg-type]
         self._course = Course(render_mode)
-        self.render_mode = render_mode
+        self.render_mode, self._texts = render_mode, texts
         self._locate, self._miss, self._sizes = locate or ReadHabits(), miss, sizes or Sizes()
         self._text, self._returns = text or TextTokens(), returns or Returns()
         self._searcher: Searcher | None = None
@@ -164,7 +166,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         self._tokens: Tokens | None = None
         self._course.begin(self.env)
         self._until_due(None)
-        return self._observed(), {**_told(info), **_told(self._last[1])}
+        return self._observed(), told({**_kept(info), **_kept(self._last[1])}, texts=self._texts)
 
     def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
         """Choose a view, and play until there is something to choose again or the episode ends.
@@ -185,7 +187,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         rules = cast(UcONEnv, self.env.unwrapped).rules
         self._course.told(over=any(self._over))
         reward = self._returns(info["episode_metrics"], rules.max_steps) if any(self._over) else 0.0
-        return self._observed(), reward, *self._over, _told(info) | {"invalid": invalid}
+        return self._observed(), reward, *self._over, told(_kept(info) | {"invalid": invalid}, texts=self._texts)
 
     def _until_due(self, action: Action | None) -> None:
         """Play ``action`` and what follows until a choice among two views or more is due, or the episode ends."""
@@ -295,5 +297,5 @@ def observation_space(sizes: Sizes, text: TextTokens, *, to_go: bool = False, ex
     )
 
 
-def _told(info: dict[str, Any]) -> dict[str, Any]:
+def _kept(info: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in info.items() if name not in _FRAME}
