@@ -58,7 +58,7 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
-    _shared: ClassVar[frozenset[str]] = frozenset({"spec", "metadata", "_reward", "_goal", "_field"})
+    _shared: ClassVar[frozenset[str]] = frozenset({"spec", "metadata", "_reward", "_goal", "_field", "_shown"})
 
     def __init__(
         self,
@@ -90,7 +90,7 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
         if not 0 <= near_m < 1e3 or not 0 <= least_m < 1e3:
             raise ConfigError(f"env.near_m={near_m}, env.least_m={least_m}: expected metres from 0 up")
         self.env = UcONEnv(episodes, observe="pixels", texts=texts, **options)
-        self.render_mode = self.env.render_mode
+        self.render_mode, self._texts = self.env.render_mode, texts
         self.action_space, self.observation_space = self.env.action_space, self.env.observation_space
         self._reward, self._near, self._least_m = reward or ImageGoalReward(), near_m, least_m
         self._goal: Pose | None = None
@@ -119,7 +119,8 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
         self._goal = self._drawn()
         self._field = distances(self.env.search.world.free, [(self._goal.i, self._goal.j)])
         self._steps, self._moves, self._whole_m = 0, 0, self._to_go_m()
-        return obs, info | {"goal_image": self._image(self._goal)}
+        self._shown = self._image(self._goal)
+        return obs, info | {"goal_image": self._shown}
 
     def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
         """Carry out one action; see ``UcON-v0`` for what is refused."""
@@ -129,6 +130,8 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
         self._steps += 1
         self._moves += int(action == Action.MOVE_AHEAD and not obs["collision"])
         success = done and near
+        if not self._texts:
+            info["goal_image"] = self._shown
         weights = self._reward
         reward = weights.step + weights.progress * (before_m - self._to_go_m())
         if near and self._to_go_m() <= self._near:

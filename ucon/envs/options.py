@@ -58,6 +58,9 @@ def checked_action(action: Any, n: int) -> int:
 def told(info: dict[str, Any], *, texts: bool) -> dict[str, Any]:
     """An info as an environment gives it; without ``texts`` numbers and arrays alone.
 
-    TorchRL makes tensors of the infos of vector environments, under the names of observations.
+    TorchRL makes tensors of the infos of vector environments, by the names of observations, the same ones at all steps.
     """
-    return info if texts else {k: v for k, v in info.items() if isinstance(v, int | float | np.ndarray | np.generic)}
+    if texts:
+        return info
+    numbers = {name: v for name, v in info.items() if isinstance(v, int | float | np.ndarray | np.generic)}
+    return {"is_success": False, **numbers}

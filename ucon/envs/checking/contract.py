@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -12,6 +14,7 @@ from ucon.core.errors import UconError
 from ucon.envs.checking.findings import Finding, difference, same
 from ucon.envs.checking.subject import Env, Step, Subject, choice, core, reset, step
 from ucon.task.actions import Action
+from ucon.task.episode import Episode
 
 #: Walks, turns, looks and opens, which ends nothing.
 WALK: Final = (0, 0, 1, 0, 2, 3, 5, 4, 4, 0, 0, 1, 5, 0, 3, 0, 0, 2, 0, 0)
@@ -97,9 +100,8 @@ def actions(subject: Subject) -> Finding:
     """What is no action is refused, and nothing was done."""
     env, alone = subject.make(), subject.make()
     first, _ = reset(env, 0), reset(alone, 0)
-    taken = [
-        brief for brief in (-1, _many(env), 1.5, float("nan"), "0", None) if not _refused(lambda a=brief: env.step(a))
-    ]
+    none = (-1, int(env.action_space.n), 1.5, float("nan"), "0", None)  # type: ignore[attr-defined]
+    taken = [action for action in none if not _refused(partial(env.step, action))]
     run, plain = (played(subject, one, first, 3) for one in (env, alone))
     untouched = all(same(tuple(a), tuple(b)) for a, b in zip(run, plain, strict=True))
     found = f"{taken[0]!r} was taken" if taken else "all refused" if untouched else "they changed what follows"
@@ -113,7 +115,7 @@ def after_the_end(subject: Subject) -> Finding:
         last = to_the_end(subject, env, reset(env, episode))
         before = dict(last.info.get("episode_metrics", {}))
         for action in (0, 1, 0):
-            if not _refused(lambda a=action: env.step(a)):
+            if not _refused(partial(env.step, action)):
                 wrong.append(f"a step after {'Done' if last.terminated else 'the last step'} was taken")
                 break
         if not same(before, last.info.get("episode_metrics", {})):
@@ -127,12 +129,9 @@ def after_the_end(subject: Subject) -> Finding:
 def last_step(subject: Subject) -> Finding:
     """An episode that nobody ends is truncated at its last step, not before, not after."""
     env, most = subject.make(), core(subject.make()).rules.max_steps
-    seen, taken = reset(env, 0), 0
-    turn = int(env.action_space.n) - 1 if subject.chooses else int(Action.ROTATE_LEFT)  # type: ignore[attr-defined]
+    seen, taken = reset(env, without_target(subject.episodes()[0])), 0
     while not seen.over and taken <= most + 5:
-        if subject.chooses and seen.obs["action_mask"][turn]:
-            turn = choice(seen, 0)
-        seen, taken = step(env, turn), taken + 1
+        seen, taken = step(env, choice(seen, taken) if subject.chooses else int(Action.ROTATE_LEFT)), taken + 1
     steps = int(seen.info.get("episode_metrics", {}).get("steps", -1))
     ok = seen.truncated and not seen.terminated and steps == most and (subject.chooses or taken == most)
     ended = "truncated" if seen.truncated else "terminated" if seen.terminated else "going on"
@@ -153,6 +152,13 @@ def frames(subject: Subject) -> Finding:
     return Finding("frames", ok, "uint8 (H, W, 3) that shows something, and changes", found)
 
 
+def without_target(episode: Episode) -> Episode:
+    """The episode with its target far below the floor."""
+    objects = list(episode.arrangement.objects)
+    objects[episode.target] = replace(objects[episode.target], position=(0.0, 0.0, -50.0))
+    return replace(episode, arrangement=replace(episode.arrangement, objects=tuple(objects)))
+
+
 def to_the_end(subject: Subject, env: Env, first: Step) -> Step:
     """Play until the episode is over: choices, or three turns and Done."""
     seen, number = first, 0
@@ -160,10 +166,6 @@ def to_the_end(subject: Subject, env: Env, first: Step) -> Step:
         action = choice(seen, number) if subject.chooses else int(Action.DONE if number == 3 else Action.ROTATE_LEFT)
         seen, number = step(env, action), number + 1
     return seen
-
-
-def _many(env: Env) -> int:
-    return int(env.action_space.n)  # type: ignore[attr-defined]
 
 
 def _refused(call: Callable[[], Any]) -> bool:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass
 from typing import Any, Final
 
 import numpy as np
 
-from ucon.envs.checking.contract import WALK
+from ucon.envs.checking.contract import WALK, without_target
 from ucon.envs.checking.findings import Finding, difference, same
 from ucon.envs.checking.subject import Subject, choice, core, reset, step
 
@@ -33,9 +33,8 @@ def habits(subject: Subject) -> Finding:
         if "habit_table" in dir(env.unwrapped) and np.asarray(told.obs["habits"]).ndim == 1:
             given_rows, mask = np.asarray(told.obs["habits"]), np.asarray(told.obs["habits_mask"])
             if tuple(given_rows[given_rows >= 0].tolist()) != rows or not np.array_equal(mask == 1, given_rows >= 0):
-                found = (
-                    f"{int((given_rows >= 0).sum())} rows and a mask of {int(mask.sum())} for {len(rows)} at {level}"
-                )
+                n = int((given_rows >= 0).sum())
+                found = f"{n} rows and a mask of {int(mask.sum())} for {len(rows)} at level {level}"
                 return Finding("habits", False, expected, found)
         counts.append(f"{level} {len(rows)}")
     return Finding("habits", True, expected, ", ".join(counts))
@@ -85,10 +84,7 @@ def unseen_target(subject: Subject) -> Finding:
     known = subject.episodes()
     for number in (0, 2, 4):
         episode = known[number % len(known)]
-        objects = list(episode.arrangement.objects)
-        objects[episode.target] = replace(objects[episode.target], position=(0.0, 0.0, -50.0))
-        without = replace(episode, arrangement=replace(episode.arrangement, objects=tuple(objects)))
-        a, b = (reset(env, e) for env, e in zip(envs, (episode, without), strict=True))
+        a, b = (reset(env, e) for env, e in zip(envs, (episode, without_target(episode)), strict=True))
         for turn in range(len(WALK)):
             search = core(envs[0]).search
             if search.counts[search.target] or a.over or _was_seen(envs[0]):

@@ -15,14 +15,13 @@ Check = Callable[[Subject], Finding]
 _ALL: Final[tuple[Check, ...]] = (
     contract.spaces, contract.seeds, contract.episodes, contract.copies, contract.actions, contract.after_the_end,
     contract.last_step, contract.frames, knowledge.habits, knowledge.target, knowledge.no_secrets,
-    knowledge.unseen_target,
 )  # fmt: skip
 _SEVEN: Final[tuple[Check, ...]] = (senses.frame, senses.touch, senses.memory, senses.camera, choices.all_actions)
 _OF: Final[dict[str, Sequence[Check]]] = {
-    "UcON-v0": (*_ALL, *_SEVEN, outcomes.done, outcomes.rewards, outcomes.figures),
-    "UcONWaypoint-v0": (*_ALL, choices.masks, outcomes.figures_of_choices),
-    "UcONSearch-v0": (*_ALL, choices.masks, outcomes.figures_of_choices),
-    # Its goal is another one: the episode's target means nothing there.
+    "UcON-v0": (*_ALL, knowledge.unseen_target, *_SEVEN, outcomes.done, outcomes.rewards, outcomes.figures),
+    "UcONWaypoint-v0": (*_ALL, knowledge.unseen_target, choices.masks, outcomes.figures_of_choices),
+    "UcONSearch-v0": (*_ALL, knowledge.unseen_target, choices.masks, outcomes.figures_of_choices),
+    # Its goal is another one: the episode's target means nothing there, and may be in the image.
     "UcONImageGoal-v0": (*_ALL, *_SEVEN, outcomes.image_goal),
 }
 

@@ -141,7 +141,7 @@ the left, actions to get there, cells of a frontier, share of a thing not looked
             self._play(self._pending)
         obs, info = self._observed()
         start = {name: value for name, value in start.items() if name not in _FRAME}
-        return obs, told(start | info, texts=self._texts)
+        return obs, told(start | info | {"invalid": False}, texts=self._texts)
 
     def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
         """Choose a candidate, and play until the next choice is due or the episode ends.

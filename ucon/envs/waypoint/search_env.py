@@ -166,7 +166,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         self._tokens: Tokens | None = None
         self._course.begin(self.env)
         self._until_due(None)
-        return self._observed(), told({**_kept(info), **_kept(self._last[1])}, texts=self._texts)
+        return self._observed(), told({**_kept(info), **_kept(self._last[1]), "invalid": False}, texts=self._texts)
 
     def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
         """Choose a view, and play until there is something to choose again or the episode ends.
