@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any, Final
 
 import numpy as np
+from gymnasium import spaces as spaces_of
 
 from ucon.core.errors import UconError
 from ucon.envs.checking.findings import Finding, difference, same
@@ -35,7 +36,7 @@ def spaces(subject: Subject) -> Finding:
     env, wrong = subject.make(), []
     for episode in (0, 1):
         first = reset(env, episode)
-        if first.obs not in env.observation_space:
+        if not _fits(first.obs, env.observation_space):
             wrong.append("reset")
         raw: Any = None
         seen, number = first, 0
@@ -43,7 +44,7 @@ def spaces(subject: Subject) -> Finding:
             action = choice(seen, number) if subject.chooses else WALK[number]
             raw = env.step(action)
             seen, number = Step(raw[0], float(raw[1]), bool(raw[2]), bool(raw[3]), raw[4]), number + 1
-            if raw[0] not in env.observation_space:
+            if not _fits(raw[0], env.observation_space):
                 wrong.append(f"step {number}")
             if not np.isfinite(raw[1]) or not all(isinstance(end, bool | np.bool_) for end in raw[2:4]):
                 wrong.append(f"reward or end of step {number}")
@@ -166,6 +167,14 @@ def to_the_end(subject: Subject, env: Env, first: Step) -> Step:
         action = choice(seen, number) if subject.chooses else int(Action.DONE if number == 3 else Action.ROTATE_LEFT)
         seen, number = step(env, action), number + 1
     return seen
+
+
+def _fits(obs: Any, space: Any) -> bool:
+    """Whether an observation lies in its space and has its types: Gymnasium takes lists for arrays."""
+    if isinstance(space, spaces_of.Dict):
+        return obs.keys() == space.keys() and all(_fits(obs[name], space[name]) for name in space)
+    typed = not isinstance(space, spaces_of.Box) or getattr(obs, "dtype", None) == space.dtype
+    return typed and obs in space
 
 
 def _refused(call: Callable[[], Any]) -> bool:
