@@ -7,11 +7,13 @@ import contextlib
 import importlib
 import sys
 from collections.abc import Sequence
+from types import ModuleType
 
 from ucon import __version__
 from ucon.core.errors import UconError, unknown_name
 
-#: Command and what it does; its code is ``ucon/commands/<command>.py`` with ``add_arguments`` and ``run``.
+#: Command and what it does; its code is ``ucon/commands/<command>.py``, ``-`` as ``_``, with ``add_arguments`` and
+#: ``run``.
 COMMANDS = {
     "doctor": "check this machine and this installation, and say what to do",
     "bench": "measure renderer and environment speed",
@@ -23,6 +25,7 @@ COMMANDS = {
     "scenes": "list and draw the homes",
     "habits": "import a habit dataset, or print a dataset's statistics",
     "episodes": "make or verify fixed episode sets",
+    "check-env": "check that an environment, or a wrapper of one of ours, keeps what the task promises",
     "pack": "write episode sets and their compiled homes, for machines without PyBullet",
 }
 
@@ -39,13 +42,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     for name, text in COMMANDS.items():
         command = commands.add_parser(name, help=text.replace("%", "%%"), description=f"{text[0].upper()}{text[1:]}.")
         if name == chosen:
-            importlib.import_module(f"ucon.commands.{name}").add_arguments(command)
+            _module(name).add_arguments(command)
     args = parser.parse_args(arguments)
     if args.command is None:
         parser.print_help()
         return 0
     try:
-        return int(importlib.import_module(f"ucon.commands.{args.command}").run(args))
+        return int(_module(args.command).run(args))
     except UconError as error:
         return _error(str(error))
     except BrokenPipeError:
@@ -55,6 +58,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _error(f"{where}: {error.strerror or error}; check the path, its permissions and the room on the disk")
     except KeyboardInterrupt:
         return _error("interrupted", 130)
+
+
+def _module(command: str) -> ModuleType:
+    return importlib.import_module(f"ucon.commands.{command.replace('-', '_')}")
 
 
 def _error(message: str, code: int = 2) -> int:

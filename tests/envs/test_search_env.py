@@ -23,7 +23,7 @@ from ucon.task.episode import Episode
 
 INFO = {
     "target", "episode", "task", "context", "habit_level", "habits", "habit_rows", "nav", "camera_m", "fov_deg",
-    "episode_metrics", "invalid",
+    "episode_metrics", "is_success", "invalid",
 }  # fmt: skip
 Steps = list[tuple[Any, ...]]
 
@@ -116,7 +116,7 @@ def test_an_invalid_choice_costs_one_step(episodes: tuple[Episode, ...]) -> None
     env = UcONSearchEnv(episodes)
     inner = recorded(env)
     obs, _ = env.reset(options={"episode": 1})
-    before, beyond = len(inner.actions), len(obs["action_mask"])
+    before, beyond = len(inner.actions), len(obs["action_mask"]) - 1
     assert env.step(beyond)[4]["invalid"]
     assert len(inner.actions) == before + 1
 

@@ -134,6 +134,7 @@ def test_nothing_privileged_is_given(episodes: tuple[Episode, ...]) -> None:
     allowed_info = {
         "target", "episode", "task", "context", "habit_level", "habits", "habit_rows", "nav", "free", "start",
         "camera_m", "fov_deg", "detections", "tracks", "opened", "depth", "episode_metrics",
+        "is_success",
     }  # fmt: skip
     env = UcONEnv(episodes, observe="symbolic", detector=True)
     for episode in episodes:

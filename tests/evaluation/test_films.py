@@ -37,7 +37,7 @@ def played(name: str, level: str, folder: Path | None) -> Played:
 
 def thoughts(folder: Path) -> list[NDArray[np.uint8]]:
     """What is beside camera and map in each frame of the only film of a folder, (384, 384, 3)."""
-    (film,) = folder.glob("*.mp4")
+    (film,) = folder.glob("*.webm")
     video, frames = cv2.VideoCapture(str(film)), []
     while (read := video.read())[0]:
         frames.append(cv2.cvtColor(read[1], cv2.COLOR_BGR2RGB)[STRIP:])

@@ -33,6 +33,10 @@ class EpisodeError(UconError):
     """An episode that cannot be sampled, loaded or replayed."""
 
 
+class ActionError(UconError):
+    """An action that the environment does not have."""
+
+
 class DetectorError(UconError):
     """A detector that cannot be loaded, or stopped answering."""
 

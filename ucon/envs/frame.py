@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.geometry import HEADING_COS, HEADING_SIN
+from ucon.core.sharing import Shared
 from ucon.task.episode import Start
 from ucon.task.search import Pose
 
@@ -15,7 +16,7 @@ _YAW_RAD = (0.0, np.pi / 2, np.pi, -np.pi / 2)
 
 
 @dataclass(frozen=True, slots=True)
-class StartFrame:
+class StartFrame(Shared):
     """Turns world nodes and headings into the agent's frame."""
 
     start: Start

@@ -7,7 +7,7 @@ having been told one (Majumdar et al., NeurIPS 2022, section 3).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, SupportsFloat, cast
+from typing import Any, ClassVar, SupportsFloat, cast
 
 import gymnasium as gym
 import numpy as np
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError, EpisodeError
 from ucon.core.rng import stream
+from ucon.core.sharing import PartlyShared
 from ucon.envs.knowledge import HabitSource
 from ucon.envs.ucon_env import Obs, UcONEnv
 from ucon.sim.paths import UNREACHABLE, distances, metres
@@ -37,7 +38,7 @@ class ImageGoalReward:
     step: float = -0.01
 
 
-class UcONImageGoalEnv(gym.Env[Obs, int]):
+class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
     """Reach a place shown by an image.
 
     ### Description
@@ -53,10 +54,11 @@ class UcONImageGoalEnv(gym.Env[Obs, int]):
 
     ### Termination
     Done, right within ``near_m`` of the goal by the way there is; 300 steps. ``info["episode_metrics"]`` has
-    ``success``, ``spl`` and ``steps``.
+    ``success``, ``spl`` and ``steps``, ``info["is_success"]`` the first of them.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
+    _shared: ClassVar[frozenset[str]] = frozenset({"spec", "metadata", "_reward", "_goal", "_field", "_shown"})
 
     options_of = UcONEnv
     """Whose options it takes beside its own."""
@@ -69,6 +71,7 @@ class UcONImageGoalEnv(gym.Env[Obs, int]):
         near_m: float = 1.0,
         least_m: float = 2.0,
         observe: str = "pixels",
+        texts: bool = True,
         **options: Any,
     ) -> None:
         """Describe the environment.
@@ -78,6 +81,7 @@ class UcONImageGoalEnv(gym.Env[Obs, int]):
             reward: of a step.
             near_m: how near to the goal Done succeeds.
             least_m: how far the goal is at least, where the home is so large.
+            texts: see ``UcON-v0``.
             observe: ``pixels``; there is nothing to reach without images.
             **options: of ``UcON-v0``.
 
@@ -88,8 +92,8 @@ class UcONImageGoalEnv(gym.Env[Obs, int]):
             raise ConfigError(f"env.observe={observe}: goals are images; give env.observe=pixels")
         if not 0 <= near_m < 1e3 or not 0 <= least_m < 1e3:
             raise ConfigError(f"env.near_m={near_m}, env.least_m={least_m}: expected metres from 0 up")
-        self.env = UcONEnv(episodes, observe="pixels", **options)
-        self.render_mode = self.env.render_mode
+        self.env = UcONEnv(episodes, observe="pixels", texts=texts, **options)
+        self.render_mode, self._texts = self.env.render_mode, texts
         self.action_space, self.observation_space = self.env.action_space, self.env.observation_space
         self._reward, self._near, self._least_m = reward or ImageGoalReward(), near_m, least_m
         self._goal: Pose | None = None
@@ -107,37 +111,41 @@ class UcONImageGoalEnv(gym.Env[Obs, int]):
             EpisodeError: before the first reset.
         """
         if self._goal is None:
-            raise EpisodeError("no goal before reset: call reset() first")
+            raise EpisodeError("no goal before reset, or after close: call reset() first")
         return self._goal
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Obs, dict[str, Any]]:
         """Start an episode, as ``UcON-v0`` does, with an image to reach."""
         super().reset(seed=seed)
+        self._goal = None
         obs, info = self.env.reset(seed=seed, options=options)
         self._goal = self._drawn()
         self._field = distances(self.env.search.world.free, [(self._goal.i, self._goal.j)])
         self._steps, self._moves, self._whole_m = 0, 0, self._to_go_m()
-        return obs, info | {"goal_image": self._image(self._goal)}
+        self._shown = self._image(self._goal)
+        return obs, info | {"goal_image": self._shown}
 
     def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
-        """Carry out one action."""
+        """Carry out one action; see ``UcON-v0`` for what is refused."""
         goal, near = self.goal, self._to_go_m() <= self._near
         before_m, before_rad = self._to_go_m(), self._to_turn_rad()
         obs, _, done, truncated, info = self.env.step(action)
         self._steps += 1
         self._moves += int(action == Action.MOVE_AHEAD and not obs["collision"])
         success = done and near
+        if not self._texts:
+            info["goal_image"] = self._shown
         weights = self._reward
         reward = weights.step + weights.progress * (before_m - self._to_go_m())
         if near and self._to_go_m() <= self._near:
             reward += weights.turned * (before_rad - self._to_turn_rad())
         if success:
             reward += weights.success + weights.facing * (self.env.search.pose.heading == goal.heading)
-        info.pop("episode_metrics", None)
         if done or truncated:
             walked = metres(self._moves)
             spl = self._whole_m / max(walked, self._whole_m) if success and self._whole_m > 0 else float(success)
             info["episode_metrics"] = {"success": success, "spl": spl, "steps": self._steps}
+            info["is_success"] = success
         return obs, reward, done, truncated, info
 
     def _drawn(self) -> Pose:
@@ -165,10 +173,15 @@ class UcONImageGoalEnv(gym.Env[Obs, int]):
         quarters = (self.env.search.pose.heading - self.goal.heading) % 4
         return 0.5 * float(np.pi) * min(quarters, 4 - quarters)
 
+    def action_masks(self) -> NDArray[np.bool_]:
+        """See ``UcON-v0``."""
+        return self.env.action_masks()
+
     def render(self) -> NDArray[np.uint8] | None:
         """See ``UcON-v0``."""
         return self.env.render()
 
     def close(self) -> None:
         """See ``UcON-v0``."""
+        self._goal = None
         self.env.close()

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError, EpisodeError, unknown_name
+from ucon.core.sharing import PartlyShared, Shared
 from ucon.habits.book import book
 from ucon.habits.knowledge import MODES, KnowledgeBase
 from ucon.habits.types import Entry, HabitDataset
@@ -24,14 +26,14 @@ from ucon.task.episode import Episode
 
 
 @dataclass(frozen=True, eq=False)
-class Knowledge:
+class Knowledge(PartlyShared):
     """The habits of one episode at one level."""
+
+    _shared: ClassVar[frozenset[str]] = frozenset({"base", "rows", "target_embedding", "retriever", "texts"})
 
     base: KnowledgeBase
     rows: NDArray[np.int32]
     """(n,) rows of the dataset that the agent is given, in order."""
-    table: NDArray[np.float16]
-    """(N, D) embeddings of the whole dataset, read-only."""
     target_embedding: NDArray[np.float16]
     retriever: Retriever
     target: str
@@ -50,7 +52,7 @@ class Knowledge:
         return found | {"mrr": mrr(ranking, relevant)}
 
 
-class HabitSource:
+class HabitSource(Shared):
     """Gives every episode its habits.
 
     Args:
@@ -98,6 +100,11 @@ class HabitSource:
     def context(self) -> ContextRetriever:
         """Re-ranks at level ``context``."""
         return ContextRetriever(self.retriever, self._context)
+
+    @property
+    def table(self) -> NDArray[np.float16]:
+        """(N, D) embeddings of the whole dataset, read-only."""
+        return dataset_vectors(self.dataset, self.encoder)
 
     @property
     def dimension(self) -> int:
@@ -161,7 +168,6 @@ class HabitSource:
         return Knowledge(
             base=base,
             rows=habits_at_level(level, base, target, self.retriever, self.top_p),
-            table=dataset_vectors(dataset, self.encoder),
             target_embedding=self.encoder.encode_half([phrase(target)])[0],
             retriever=self.retriever,
             target=target,

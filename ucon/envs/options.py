@@ -1,10 +1,13 @@
-"""What the environment's options stand for: one of several names, a renderer, a detector."""
+"""What is given to an environment, checked: one of several names, a renderer, a detector, an action."""
 
 from __future__ import annotations
 
+from operator import index
 from typing import Any
 
-from ucon.core.errors import ConfigError
+import numpy as np
+
+from ucon.core.errors import ActionError, ConfigError, brief
 from ucon.perception.detectors import Detector, GtDetector
 from ucon.sim.render import RasterRenderer, Renderer
 
@@ -35,3 +38,29 @@ def make_detector(option: bool | Detector | None) -> Detector | None:
     if not callable(getattr(option, "detect", None)):
         raise ConfigError(f"detector={option!r}: expected true (gt), false, or a detector; see configs/detector/")
     return option
+
+
+def checked_action(action: Any, n: int) -> int:
+    """An action as a number below ``n``.
+
+    Raises:
+        ActionError: no whole number (1.0 is none), or out of range.
+    """
+    try:
+        number = index(action)
+    except TypeError:
+        number = -1
+    if not 0 <= number < n or isinstance(action, bool):
+        raise ActionError(f"action={brief(action)}: expected a whole number from 0 to {n - 1}")
+    return number
+
+
+def told(info: dict[str, Any], *, texts: bool) -> dict[str, Any]:
+    """An info as an environment gives it; without ``texts`` numbers and arrays alone.
+
+    TorchRL makes tensors of the infos of vector environments, by the names of observations, the same ones at all steps.
+    """
+    if texts:
+        return info
+    numbers = {name: v for name, v in info.items() if isinstance(v, int | float | np.ndarray | np.generic)}
+    return {"is_success": False, **numbers}

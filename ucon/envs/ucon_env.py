@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal, SupportsFloat
+from typing import Any, ClassVar, Literal, SupportsFloat
 
 import gymnasium as gym
 import numpy as np
@@ -12,16 +12,16 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from ucon.core.errors import EpisodeError
+from ucon.core.sharing import PartlyShared
 from ucon.envs.frame import StartFrame
 from ucon.envs.knowledge import HabitSource
-from ucon.envs.options import check_choice, make_detector, make_renderer
+from ucon.envs.options import check_choice, checked_action, make_detector, make_renderer, told
+from ucon.envs.painter import Moment, Painter
 from ucon.envs.spaces import NO_ACTION, observation_space, padded
-from ucon.envs.topdown import TopDownMap
 from ucon.envs.tour import Tour
 from ucon.perception.detectors import Detector, Frame
 from ucon.perception.nav import Nav
 from ucon.sim.cache import load_house
-from ucon.sim.render import RasterRenderer
 from ucon.sim.state import SceneState
 from ucon.task.actions import Action
 from ucon.task.check import check_home
@@ -34,12 +34,11 @@ from ucon.task.sets import load_episodes
 
 CANONICAL_PX = 128
 CANONICAL_FOV_DEG = 90.0
-FRAME_PX = 384
 
 Obs = dict[str, Any]
 
 
-class UcONEnv(gym.Env[Obs, int]):
+class UcONEnv(PartlyShared, gym.Env[Obs, int]):
     """Find the target where this household keeps it.
 
     ### Description
@@ -67,17 +66,27 @@ class UcONEnv(gym.Env[Obs, int]):
     ``context`` (a sentence or None), ``habits`` (texts), ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for
     seeds and logs), at level ``context`` ``reranking`` (:class:`ucon.retrieval.ContextHabits`: told what was seen, it
     ranks anew), with ``planner="true"`` ``nav`` (free grid in the agent's frame); with a detector (True is ``gt``)
-    ``detections``, ``tracks`` and ``opened`` (tracks); at the end ``episode_metrics``. With ``privileged=True`` also
-    ``privileged`` (scene, episode, solution, locations, target instance, pose): for trainers and oracles only.
+    ``detections``, ``tracks`` and ``opened`` (tracks); at the end ``episode_metrics`` and ``is_success``. With
+    ``privileged=True`` also ``privileged`` (scene, episode, solution, locations, target instance, pose): for trainers
+    and oracles only. With ``texts=False`` all but numbers and arrays is left out: some libraries take no more.
 
     ### Rewards
     :class:`ucon.task.reward.Reward`: +10 for a successful Done and -0.01 a step by default.
 
     ### Termination
-    Done terminates; 300 steps truncate.
+    Done terminates; 300 steps truncate. An episode that is over takes no step: reset first.
+
+    ### Copies
+    ``copy.deepcopy`` and ``pickle`` give an environment that goes its own way from where this one stands. Copies share
+    homes, habits, embeddings and episodes; a pickle names those that every installation has.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
+    _shared: ClassVar[frozenset[str]] = frozenset(
+        {"episodes", "episode", "source", "rules", "_reward", "_frame", "_locations", "_habit_rows", "_habits"}
+        | {"_habits_mask", "_target_embedding", "spec", "metadata"}
+    )
+    _left_out: ClassVar[frozenset[str]] = frozenset({"_painter"})
 
     def __init__(
         self,
@@ -97,6 +106,7 @@ class UcONEnv(gym.Env[Obs, int]):
         reward: Reward | None = None,
         max_habits: int = 1024,
         privileged: bool = False,
+        texts: bool = True,
         render_mode: str | None = None,
     ) -> None:
         check_choice("observe", observe, ("pixels", "symbolic"))
@@ -112,12 +122,14 @@ class UcONEnv(gym.Env[Obs, int]):
         self.render_mode = render_mode
         self._observe, self._planner, self._detector = observe, planner, make_detector(detector)
         self._world_kind, self._reward, self._privileged = world, reward or Reward(), privileged
-        self._max_habits = max_habits
+        self._max_habits, self._texts = max_habits, texts
         self._renderer = make_renderer(renderer, width_px, height_px, fov_deg)
         self._canonical = (width_px, height_px, fov_deg) == (CANONICAL_PX, CANONICAL_PX, CANONICAL_FOV_DEG)
         self._fov_deg = fov_deg
-        self._frame_renderer: RasterRenderer | None = None
+        self._painter: Painter | None = None
         self._world: Any = None
+        self._ledger: Ledger | None = None
+        self._over = False
         self.action_space = spaces.Discrete(len(Action))  # type: ignore[assignment]  # it draws NumPy integers
         image = (height_px, width_px) if observe == "pixels" else None
         self.observation_space = observation_space(image, self.source.dimension, max_habits, self.rules.max_steps)
@@ -131,7 +143,7 @@ class UcONEnv(gym.Env[Obs, int]):
     @property
     def habit_table(self) -> NDArray[np.float16]:
         """Embeddings of all habits of the dataset, (N, D) float16, read-only: what ``obs["habits"]`` numbers."""
-        return self._knowledge.table
+        return self.source.table
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Obs, dict[str, Any]]:
         """Start an episode: ``options["episode"]`` (an Episode, an id or an index), else one drawn by the seed.
@@ -139,6 +151,7 @@ class UcONEnv(gym.Env[Obs, int]):
         ``options["habit_level"]`` is the level of this episode alone, where it is to be another one.
         """
         super().reset(seed=seed)
+        self._ledger = None  # a reset that fails leaves nothing to go on with
         self.episode = self._choose(options or {})
         level = self.source.check_level((options or {}).get("habit_level", self.habit_level))
         house = load_house(self.episode.scene)
@@ -155,8 +168,8 @@ class UcONEnv(gym.Env[Obs, int]):
         if self._detector is not None:
             self._detector.reset(self.episode.id, self._world.categories)
         self._last_action, self._collision = NO_ACTION, 0
-        self._map: TopDownMap | None = None
-        self._ledger: Ledger | None = None
+        self._over = False
+        self._painter = None
         self._locations = self.source.locations(self.episode, house) if self._privileged else ()
         self._tour = Tour(self.search, self._renderer, self._detector, self._frame, self._fov_deg)
         obs, info = self._look(opened=())
@@ -173,13 +186,19 @@ class UcONEnv(gym.Env[Obs, int]):
             info["reranking"] = self._knowledge.reranking
         if self._planner == "true":
             info["nav"] = Nav(*self._frame.grid(self._world.free))
-        return obs, info
+        return obs, told(info, texts=self._texts)
 
     def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
-        """Carry out one action."""
-        action, ledger, potential = int(action), self._ledger, self._reward.progress != 0
-        if ledger is None:
-            raise EpisodeError("step before reset: call reset() first")
+        """Carry out one action.
+
+        Raises:
+            EpisodeError: before the first reset, or after the end of an episode.
+            ActionError: an action that is none; nothing was done.
+        """
+        ledger, potential = self._begun("step"), self._reward.progress != 0
+        if self._over:
+            raise EpisodeError(f"episode {self.episode.id} is over after {ledger.steps} steps: call reset() first")
+        action = checked_action(action, len(Action))
         before_m = ledger.to_goal_m() if potential else 0.0
         self._give_habits()
         outcome = self.search.step(action)
@@ -189,41 +208,47 @@ class UcONEnv(gym.Env[Obs, int]):
         ledger.note(action, outcome)
         obs["step"] = ledger.steps
         if outcome.done or truncated:
-            info["episode_metrics"] = ledger.outcome().to_json()
+            self._over = True
+            info["episode_metrics"], info["is_success"] = ledger.outcome().to_json(), ledger.success
         closer_m = before_m - ledger.to_goal_m() if potential else 0.0
         reward = self._reward(
             success=outcome.success, done=outcome.done, collision=outcome.collision, closer_m=closer_m
         )
-        return obs, reward, outcome.done, truncated, info
+        return obs, reward, outcome.done, truncated, told(info, texts=self._texts)
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """(7,) which actions may be chosen, as MaskablePPO asks: all of them, what they will do nobody is told."""
+        self._begun("action_masks")
+        return np.ones(len(Action), bool)
+
+    def moment(self) -> Moment:
+        """What a frame of now would show; :meth:`draw` draws it, now or later in the episode."""
+        return Moment.of(self.search, self._begun("moment"))
+
+    def draw(self, moment: Moment) -> NDArray[np.uint8]:
+        """First-person frame with the top-down map beside it, (384, 768, 3) uint8, of a moment of this episode."""
+        if self._painter is None:
+            self._painter = Painter(self.search, self._begun("draw"))
+        return self._painter.draw(moment)
 
     def render(self) -> NDArray[np.uint8] | None:
-        """First-person frame with the top-down map beside it, (384, 768, 3) uint8."""
-        if self.render_mode is None or self._ledger is None:
-            return None
-        if self._frame_renderer is None:
-            self._frame_renderer = RasterRenderer(FRAME_PX, FRAME_PX, CANONICAL_FOV_DEG)
-        renderer = self._frame_renderer
-        renderer.load(self._world.house, self.episode.arrangement)
-        for instance in np.flatnonzero(self.search.opened):
-            renderer.set_open(int(instance), 1.0)
-        frame = np.empty((FRAME_PX, FRAME_PX, 3), np.uint8)
-        renderer.render(*self.search.camera, rgb=frame)
-        if self._map is None:
-            self._map = TopDownMap(self._world.house, self._world.boxes, self._world.free, FRAME_PX)
-        boxes = self._world.boxes
-        top = self._map.draw(
-            self._ledger.path_xy, self.search.pose.heading, boxes[self.search.target], boxes[self.search.opened]
-        )
-        return np.concatenate([frame, top], axis=1)
+        """First-person frame with the top-down map beside it, (384, 768, 3) uint8; None without a ``render_mode``."""
+        return None if self.render_mode is None else self.draw(self.moment())
 
     def close(self) -> None:
-        """Release the renderer and, with ``world="live"``, the PyBullet client."""
+        """Release the renderer and, with ``world="live"``, the PyBullet client; a reset makes them anew."""
         self._renderer.close()
         if self._detector is not None:
             self._detector.close()
         if self._world is not None and self._world_kind == "live":
             self._world.close()
-        self._world = None
+        self._world = self._ledger = self._painter = None
+
+    def _begun(self, what: str) -> Ledger:
+        """The figures of the episode that is played."""
+        if self._ledger is None:
+            raise EpisodeError(f"{what} before reset, or after close: call reset() first")
+        return self._ledger
 
     def _enter(self, house: Any) -> None:
         arrangement = self.episode.arrangement

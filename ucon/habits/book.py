@@ -204,6 +204,20 @@ def book() -> HabitDataset:
     return load_dataset_file(BOOK_FILE, verified=True)
 
 
+def the_book(sha256: str) -> HabitDataset:
+    """The embedded book where it is the one of this hash: a pickle named it.
+
+    Raises:
+        DataError: the book of this installation is another edition.
+    """
+    found = book()
+    if found.sha256 != sha256:
+        raise DataError(
+            f"pickled with the habit book {sha256[:12]}, here it is {found.sha256[:12]}; load it where it was made"
+        )
+    return found
+
+
 def read_book(folder: Path, categories: Collection[str] | None = None, *, verified: bool = False) -> HabitDataset:
     """All ``*.txt`` of a folder in name order; its ``anchors.txt`` where it has one, else the book's.
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError, unknown_name
 from ucon.core.rng import stream
+from ucon.core.sharing import Shared
 from ucon.habits.types import Entry, HabitDataset
 
 Mode = Literal["category", "task"]
@@ -19,7 +20,7 @@ MODES: tuple[Mode, ...] = ("category", "task")
 
 
 @dataclass(frozen=True, eq=False)
-class KnowledgeBase:
+class KnowledgeBase(Shared):
     """Rows of a dataset in the order in which a user would tell them: none in particular."""
 
     dataset: HabitDataset

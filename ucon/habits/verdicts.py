@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Any, Final
 
 #: Reasons that speak of the home, not of the triple: elsewhere the anchor may stand.
@@ -25,7 +24,7 @@ class Verdict:
     """How a triple did: homes in which it was tried, and the reason in each home that refused it."""
 
     tried: int
-    refused: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    refused: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def reason(self) -> str | None:
@@ -43,7 +42,7 @@ class Verdict:
 class Verdicts:
     """All verdicts of a dataset; empty where it was not validated."""
 
-    of: Mapping[Triple, Verdict] = field(default_factory=lambda: MappingProxyType({}))
+    of: Mapping[Triple, Verdict] = field(default_factory=dict)
 
     def refusal(self, triple: Triple, home: str) -> str | None:
         """Why a triple cannot be realised in a home; None where it can, or nothing is known."""
@@ -62,8 +61,8 @@ class Verdicts:
         found: dict[Triple, Verdict] = {}
         for category, relation, anchor, tried, refused in rows:
             reasons = {str(home): str(reason) for home, reason in refused.items()}
-            found[str(category), str(relation), str(anchor)] = Verdict(int(tried), MappingProxyType(reasons))
-        return cls(MappingProxyType(found))
+            found[str(category), str(relation), str(anchor)] = Verdict(int(tried), reasons)
+        return cls(found)
 
 
 NO_VERDICTS = Verdicts()

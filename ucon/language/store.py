@@ -12,12 +12,14 @@ import sys
 from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import DataError
 from ucon.core.files import MANIFEST, read_verified, sha256_bytes, user_cache, write_atomic, write_manifest
+from ucon.core.sharing import Shared, is_the_one
 from ucon.language.encoder import MiniLM, TextEncoder, Vectors
 
 DATA = Path(__file__).parent / "data"
@@ -32,7 +34,7 @@ def text_key(text: str) -> bytes:
     return hashlib.sha256(text.encode()).digest()[:KEY_BYTES]
 
 
-class VectorTable:
+class VectorTable(Shared):
     """Read-only fp16 vectors addressed by text."""
 
     def __init__(self, keys: bytes, vectors: NDArray[np.float16]) -> None:
@@ -44,6 +46,10 @@ class VectorTable:
 
     def __len__(self) -> int:
         return len(self.vectors)
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        """Pickles name the shipped table, which is checked wherever it is loaded."""
+        return (shipped_table, ()) if is_the_one(shipped_table, self) else super().__reduce_ex__(protocol)
 
     def row(self, text: str) -> int:
         """Row of a text, -1 if it is not in the table."""
@@ -139,16 +145,31 @@ class TextCache:
                 path.unlink(missing_ok=True)
 
 
-class StoredEncoder:
+class StoredEncoder(Shared):
     """An encoder behind a table and a cache: each distinct text is encoded once, ever."""
 
     def __init__(self, encoder: TextEncoder, *, tables: Sequence[VectorTable] = (), folder: Path | None = None) -> None:
         """``folder`` is where the cache lives (default: the user's cache folder)."""
         self._encoder = encoder
         self._tables = tuple(tables)
-        self._cache = TextCache((folder or user_cache() / "text") / encoder.name)
+        self._folder = folder
+        self._forget()
+
+    def _forget(self) -> None:
+        self._cache = TextCache((self._folder or user_cache() / "text") / self._encoder.name)
         self._refreshed = False
         self._place: dict[str, tuple[int, int, NDArray[np.float16] | None]] = {}
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        """Pickles name the default encoder, and of others leave out what they remember."""
+        return (default_encoder, ()) if is_the_one(default_encoder, self) else super().__reduce_ex__(protocol)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"_encoder": self._encoder, "_tables": self._tables, "_folder": self._folder}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._forget()
 
     @property
     def name(self) -> str:

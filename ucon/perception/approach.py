@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.sharing import PartlyShared
 from ucon.perception.approach_kernels import best_views
 from ucon.perception.body import Body
 from ucon.perception.detections import MIN_PIXELS
@@ -18,8 +20,10 @@ from ucon.perception.semantic_map import CELL_M, HALF, SemanticMap, View
 DRAWER_NEAR_M = 0.55
 
 
-class Approach:
+class Approach(PartlyShared):
     """Finds poses from which a track is visible and in reach, forgetting those that did not work."""
+
+    _flat: ClassVar[frozenset[str]] = frozenset({"_failed"})
 
     def __init__(self) -> None:
         self._failed: dict[View, int] = {}

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.sharing import PartlyShared, Shared
 from ucon.perception.coverage import Indifferent
 from ucon.perception.neighbourhood import interest
 from ucon.perception.places import Places, with_fallback
@@ -25,7 +26,7 @@ _COVERAGE_UNITS = 450.0
 
 
 @dataclass(frozen=True)
-class Locations:
+class Locations(Shared):
     """A distribution over (anchor category, relation)."""
 
     names: tuple[str, ...]
@@ -40,7 +41,7 @@ class Locations:
 
 
 @dataclass(frozen=True)
-class BeliefWeights:
+class BeliefWeights(Shared):
     """How belief is turned into expected mass."""
 
     tail: float = 0.1
@@ -62,8 +63,10 @@ class BeliefWeights:
 KNOWN_HOME: Final = BeliefWeights(hidden=0.0, exists=0.0, home_m2=0.0, least_m2=0.01, least_share=0.0)
 
 
-class Believing:
+class Believing(PartlyShared):
     """Expects the target where the habits say, and a little everywhere."""
+
+    _shared: ClassVar[frozenset[str]] = frozenset({"_mass", "_interest", "_row"})
 
     def __init__(self, locations: Locations, coverage: Indifferent, weights: BeliefWeights) -> None:
         self._coverage, self._weights = coverage, weights

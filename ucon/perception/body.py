@@ -6,11 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from ucon.core.sharing import Shared
 from ucon.task.rules import PAPER, TaskRules, task_rules
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
+class Body(Shared):
     """A body under a rule set; rules are public. A *look* is what LookUp and LookDown have come to, 30 an action.
 
     Under most rules it is the camera's pitch in degrees. Where these actions move the camera instead, a look of 30 is

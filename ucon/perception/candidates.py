@@ -12,6 +12,7 @@ from typing import Literal
 import cv2
 import numpy as np
 
+from ucon.core.sharing import Shared
 from ucon.perception.approach import Approach
 from ucon.perception.frontier_kernels import edges, groups
 from ucon.perception.places import Places, affordance
@@ -23,7 +24,7 @@ KINDS: tuple[Kind, ...] = ("frontier", "landmark", "container", "view", "wander"
 
 
 @dataclass(frozen=True, slots=True)
-class Candidate:
+class Candidate(Shared):
     """Something to go to; ``view`` is the pose to go to and ``cost`` the actions it takes."""
 
     kind: Kind

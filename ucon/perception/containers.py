@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.sharing import PartlyShared
 from ucon.perception.detections import MIN_PIXELS
 from ucon.perception.places import affordance
 from ucon.perception.semantic_map import SemanticMap
@@ -18,8 +21,10 @@ def open_reach_m(known: SemanticMap) -> float:
     return known.body.near_m - _MARGIN_M
 
 
-class Containers:
+class Containers(PartlyShared):
     """The containers of one episode. What opens is the catalogue's knowledge, by category."""
+
+    _flat: ClassVar[frozenset[str]] = frozenset({"_openable"})
 
     def __init__(self) -> None:
         self._openable: list[bool] = []

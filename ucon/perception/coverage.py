@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
+from ucon.core.sharing import PartlyShared, Shared
 from ucon.perception.places import Kind, Places, affordance, has_room
 from ucon.perception.semantic_map import SemanticMap
 from ucon.perception.viewpoints import Expectation
@@ -36,7 +37,7 @@ def _by_kind() -> dict[Kind, PlaceWeights]:
 
 
 @dataclass(frozen=True)
-class CoverageWeights:
+class CoverageWeights(Shared):
     """How often targets are where, without regard to what they are; the top of a fixed piece of furniture is 1.
 
     The weights of things are maximum likelihood estimates (a target is by one of the things of its home, in proportion
@@ -50,8 +51,10 @@ class CoverageWeights:
     """A square metre seen from too far to have shown the target."""
 
 
-class Indifferent:
+class Indifferent(PartlyShared):
     """Expects the target anywhere that has room for it."""
+
+    _shared: ClassVar[frozenset[str]] = frozenset({"_mass"})
 
     #: It reads nothing.
     locations = None

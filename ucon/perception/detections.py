@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.sharing import Shared
+
 #: A thing counts as seen from this many pixels on, in a 128 x 128 view of 90 degrees.
 MIN_PIXELS = 4
 #: Tracks of these names are no things. Obstacles block, but what they are is not known: no thing, floor or wall.
@@ -20,7 +22,7 @@ STRUCTURE_KINDS = {"floors": 1, "walls": 2, "ceilings": 3, "obstacles": 4}
 
 
 @dataclass(frozen=True, slots=True)
-class Detections:
+class Detections(Shared):
     """Things seen in one frame; the first arrays have one row a track."""
 
     track: NDArray[np.signedinteger[Any]]

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections import deque
+from typing import ClassVar
 
+from ucon.core.sharing import PartlyShared
 from ucon.perception.approach import Approach
 from ucon.perception.planner import Planner
 from ucon.perception.semantic_map import SemanticMap
 from ucon.task.actions import Action
 
 
-class Homing:
+class Homing(PartlyShared):
     """Takes an agent to one track. The same for all agents, so that they differ in searching alone."""
+
+    _flat: ClassVar[frozenset[str]] = frozenset({"_plan"})
 
     REPLAN_STEPS = 5
 

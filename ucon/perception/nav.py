@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.sharing import Shared
+
 
 @dataclass(frozen=True, eq=False)
-class Nav:
+class Nav(Shared):
     """One home's grid. No plain dictionary: vector environments would pile the arrays up, and homes differ in shape."""
 
     free: NDArray[np.bool_]

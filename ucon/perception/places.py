@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.sharing import PartlyShared
 from ucon.objects.catalogue import catalogue
 from ucon.objects.models import build_model
 from ucon.perception.hollows import ALL_OPEN, fit, template
@@ -108,7 +109,7 @@ def has_room(target: str, category: str) -> tuple[bool, bool, bool]:
     return ontop, inside, small <= 0.7 * high
 
 
-class Places:
+class Places(PartlyShared):
     """The sample points of all tracks of one map.
 
     Attributes:
@@ -117,6 +118,8 @@ class Places:
         hollow: (n, 6) box of the compartment that a point is in. faces: (n,) uint8, bits of its sides that can be
         looked through (-x, +x, -y, +y, -z, +z), all of them for points in no compartment.
     """
+
+    _flat: ClassVar[frozenset[str]] = frozenset({"_rows", "_turn"})
 
     def __init__(self, target_height_m: float) -> None:
         self._lift_m = 0.5 * target_height_m

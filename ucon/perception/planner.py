@@ -7,12 +7,13 @@ come from the map. Blocked moves are marked in the map and disappear from the ne
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.jit import jit
+from ucon.core.sharing import PartlyShared
 from ucon.perception.nav import Nav
 from ucon.perception.semantic_map import HALF, SIZE, SemanticMap, View
 from ucon.task.actions import Action
@@ -56,7 +57,7 @@ def _search(
     return tail
 
 
-class Planner:
+class Planner(PartlyShared):
     """Distances and plans for one episode.
 
     Attributes:
@@ -64,13 +65,14 @@ class Planner:
         moves: the same, counting only moves ahead.
     """
 
+    _shared: ClassVar[frozenset[str]] = frozenset({"_true", "_used"})
+
     def __init__(self, nav: Nav | Mapping[str, Any] | None = None) -> None:
         """``nav``: the environment's true grid (free, start), or None to go by the map."""
         self._true = None if nav is None else _in_window(nav["free"], nav["start"])
         self.steps = np.full((SIZE, SIZE, 4), UNREACHED, np.int32)
         self.moves = np.zeros((SIZE, SIZE, 4), np.int32)
         self._came = np.zeros((SIZE, SIZE, 4), np.int8)
-        self._queue = np.zeros(SIZE * SIZE * 4, np.int32)
         self._used: NDArray[np.int32] = np.zeros(0, np.int32)
         self.origin = View(HALF, HALF, 0)
 
@@ -89,8 +91,9 @@ class Planner:
         self.steps.reshape(-1)[self._used] = UNREACHED
         free = self.free(known)
         free[view.i, view.j] = True
-        count = _search(free, view.i, view.j, view.heading, self.steps, self.moves, self._came, self._queue)
-        self._used = self._queue[:count].copy()
+        queue = np.empty(SIZE * SIZE * 4, np.int32)
+        count = _search(free, view.i, view.j, view.heading, self.steps, self.moves, self._came, queue)
+        self._used = queue[:count].copy()
 
     def cost(self, goal: View) -> int:
         """Actions to reach a view, pitch included; UNREACHED or more where there is no way."""

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ucon.core.errors import ConfigError, brief
+from ucon.core.sharing import Shared
 from ucon.perception.belief import BeliefWeights, Believing, Locations
 from ucon.perception.coverage import CoverageWeights, Indifferent
 from ucon.perception.places import Places, affordance
@@ -21,7 +22,7 @@ Info = Mapping[str, Any]
 Locate = Callable[[Info], Locations]
 
 
-class ReadHabits:
+class ReadHabits(Shared):
     """Locations by a reader: common sense, and what the given habits say."""
 
     def __init__(self, reader: Reader | None = None, *, follow: float = 0.0) -> None:
@@ -87,6 +88,8 @@ def expecting(
 
 class Rereading(Believing):
     """At habit level ``context``: says what it saw, and reads the list that comes of it."""
+
+    _shared: ClassVar[frozenset[str]] = Believing._shared | {"_locate"}
 
     def __init__(
         self, locations: Locations, coverage: Indifferent, weights: BeliefWeights, info: Info, locate: Locate

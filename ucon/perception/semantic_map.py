@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError
 from ucon.core.geometry import HEADING_COS, HEADING_SIN
+from ucon.core.sharing import PartlyShared, Shared
 from ucon.perception import map_kernels as kernels
 from ucon.perception.body import PAPER_BODY, Body
 from ucon.perception.detections import MIN_PIXELS, STRUCTURE_KINDS, Detections
@@ -28,7 +29,7 @@ _PITCH = {p: (float(np.cos(np.deg2rad(p))), float(np.sin(np.deg2rad(p)))) for p 
 
 
 @dataclass(frozen=True, slots=True)
-class View:
+class View(Shared):
     """A pose of the agent: cell (i, j), heading in quarter turns counter-clockwise, pitch in degrees, up positive.
 
     More generally the look of :class:`~ucon.perception.body.Body`, where the rules know no pitch.
@@ -45,7 +46,7 @@ class View:
         return (self.i - HALF) * CELL_M, (self.j - HALF) * CELL_M
 
 
-class SemanticMap:
+class SemanticMap(PartlyShared):
     """Everything one agent has seen in one episode. Arrays are (257, 257), indexed [i, j] = [x, y].
 
     Attributes:
@@ -58,6 +59,8 @@ class SemanticMap:
         opened: (T,) bool. pixels: (T,) int32 pixels in the last frame.
         last_seen: (T,) int32 step, -1 never. views: poses so far.
     """
+
+    _flat: ClassVar[frozenset[str]] = frozenset({"views", "category"})
 
     def __init__(self, body: Body = PAPER_BODY) -> None:
         self.body = body

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.sharing import Shared
 from ucon.perception.body import Body
 from ucon.perception.detections import STRUCTURE_KINDS, Detections
 from ucon.perception.semantic_map import SemanticMap, View, camera_of, frame_depth
@@ -18,7 +19,7 @@ FLOOR = STRUCTURE_KINDS["floors"]
 
 
 @dataclass(frozen=True, eq=False)
-class Sighting:
+class Sighting(Shared):
     """One frame, kept until the agent moves on."""
 
     view: View

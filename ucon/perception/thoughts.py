@@ -40,7 +40,8 @@ def letters(width: int) -> int:
 
 def page(drawn: Image, lines: Iterable[Line], height: int, width: int) -> Image:
     """A map and lines as one picture, (height, width, 3) uint8; a map that is too large is made smaller."""
-    image = np.full((height, width, 3), _PAPER, np.uint8)
+    image = np.empty((height, width, 3), np.uint8)
+    cv2.rectangle(image, (0, 0), (width, height), _PAPER, -1)  # many times faster than np.full of a colour
     room = map_room(height, width)
     drawn = _fitted(drawn, *room)
     top, left = (room[0] - drawn.shape[0]) // 2, (width - drawn.shape[1]) // 2

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.sharing import PartlyShared, Shared
 from ucon.perception import view_kernels as kernels
 from ucon.perception.containers import open_reach_m
 from ucon.perception.places import INSIDE, Places
@@ -21,7 +23,7 @@ SEEN = 0.15
 
 
 @dataclass(frozen=True, slots=True)
-class Expectation:
+class Expectation(Shared):
     """Where the target may be, in any common unit of mass."""
 
     mass: NDArray[np.float64]
@@ -35,7 +37,7 @@ class Expectation:
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
+class Choice(Shared):
     """A view worth going to."""
 
     view: View
@@ -46,7 +48,7 @@ class Choice:
 
 
 @dataclass(frozen=True, slots=True)
-class Costs:
+class Costs(Shared):
     """Weights of the score gain / (cost + overhead)."""
 
     overhead: float = 0.25
@@ -67,7 +69,7 @@ class Costs:
 
 
 @dataclass(frozen=True, eq=False)
-class Valued:
+class Valued(Shared):
     """What n nodes, looked from with 4 headings and the pitches of ``PITCHES_DEG``, would show and cost."""
 
     nodes: NDArray[np.int32]
@@ -110,8 +112,10 @@ class Valued:
         return self.at(*self.kept_at) if self.kept_at[0] >= 0 else None
 
 
-class Viewpoints:
+class Viewpoints(PartlyShared):
     """Values views on the map of one episode."""
+
+    _shared: ClassVar[frozenset[str]] = frozenset({"_even"})
 
     def __init__(self, reach_m: float, costs: Costs | None = None) -> None:
         self.reach_m = reach_m

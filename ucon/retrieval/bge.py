@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError
 from ucon.core.files import user_cache
+from ucon.core.sharing import Remembered, Shared
 from ucon.habits.knowledge import KnowledgeBase
 from ucon.habits.types import HabitDataset
 from ucon.language.bge import HUB_NAME, BgeM3
@@ -22,7 +22,7 @@ from ucon.retrieval.base import query_text, ranked
 from ucon.retrieval.dense import DenseRetriever
 
 
-class BgeRetriever:
+class BgeRetriever(Shared):
     """Ranks by ``dense_weight`` x cosine + ``sparse_weight`` x sum over shared tokens of the products of weights.
 
     A dataset is encoded once, with the queries of all its categories: afterwards no process loads the model.
@@ -56,7 +56,7 @@ class BgeRetriever:
         self.encoder = BgeM3(path, device=device)
         self._dense_weight, self._sparse_weight = dense_weight, sparse_weight
         self._cache = cache or user_cache()
-        self._lexical: WeakKeyDictionary[HabitDataset, SparseRows] = WeakKeyDictionary()
+        self._lexical: Remembered[HabitDataset, SparseRows] = Remembered()
 
     @property
     def name(self) -> str:

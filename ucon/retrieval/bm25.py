@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from weakref import WeakKeyDictionary
-
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.sharing import Remembered, Shared
 from ucon.habits.knowledge import KnowledgeBase
 from ucon.language.words import content_stems
 from ucon.retrieval.base import phrase, ranked
 
 
-class BM25Retriever:
+class BM25Retriever(Shared):
     """BM25 (Lucene's form, ``k1`` and ``b`` as usual) with the target's name as the query."""
 
     def __init__(self, k1: float = 1.5, b: float = 0.75) -> None:
         self._k1 = k1
         self._b = b
-        self._index: WeakKeyDictionary[KnowledgeBase, tuple[object, dict[str, int]]] = WeakKeyDictionary()
+        self._index: Remembered[KnowledgeBase, tuple[object, dict[str, int]]] = Remembered()
 
     def scores(self, target: str, kb: KnowledgeBase) -> NDArray[np.float64]:
         """Scores (N,) in the order of ``kb.rows``; 0 where no word is shared."""

@@ -10,12 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from weakref import WeakKeyDictionary
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError
+from ucon.core.sharing import PartlyShared, Remembered, Shared
 from ucon.habits.knowledge import KnowledgeBase
 from ucon.retrieval.base import Retriever, ranked
 from ucon.retrieval.levels import TOP_P
@@ -36,7 +37,7 @@ class ContextWeights:
             raise ConfigError(f"context weights seen={self.seen}, emptied={self.emptied}: expected 0 or more")
 
 
-class ContextRetriever:
+class ContextRetriever(Shared):
     """Re-ranks a retriever's list by what was seen. It keeps no state of an episode: the same facts, the same list."""
 
     def __init__(
@@ -46,8 +47,8 @@ class ContextRetriever:
         self.retriever = retriever
         self.weights = weights or ContextWeights()
         self._reader = reader
-        self._read: WeakKeyDictionary[KnowledgeBase, NDArray[np.float64]] = WeakKeyDictionary()
-        self._scores: WeakKeyDictionary[KnowledgeBase, dict[str, NDArray[np.float64]]] = WeakKeyDictionary()
+        self._read: Remembered[KnowledgeBase, NDArray[np.float64]] = Remembered()
+        self._scores: Remembered[KnowledgeBase, dict[str, NDArray[np.float64]]] = Remembered()
 
     @property
     def reader(self) -> AnchorReader:
@@ -94,13 +95,15 @@ class ContextRetriever:
         return self._read[kb]
 
 
-class ContextHabits:
+class ContextHabits(PartlyShared):
     """The list of one episode: ``info["reranking"]`` of the environments.
 
     An agent that keeps track of what it saw calls :meth:`update` where it decides; observations follow the list. An
     agent that does not is given the query's list, as at level ``retrieval``. The rest of the knowledge base is behind
     it, and is for the retriever only.
     """
+
+    _shared: ClassVar[frozenset[str]] = frozenset({"_retriever", "_kb", "_facts", "rows"})
 
     def __init__(self, retriever: ContextRetriever, kb: KnowledgeBase, target: str, p: int = TOP_P) -> None:
         self._retriever, self._kb, self._target, self._p = retriever, kb, target, p

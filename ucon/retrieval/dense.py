@@ -8,6 +8,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.sharing import Remembered, Shared
 from ucon.habits.knowledge import KnowledgeBase
 from ucon.habits.types import HabitDataset
 from ucon.language.store import StoredEncoder, default_encoder
@@ -34,7 +35,7 @@ def dataset_vectors(
     return known[encoder.name]
 
 
-class DenseRetriever:
+class DenseRetriever(Shared):
     """Ranks by cosine, summed in float64."""
 
     def __init__(self, encoder: StoredEncoder | None = None, *, whole: bool = True) -> None:
@@ -44,7 +45,7 @@ class DenseRetriever:
         """
         self.encoder = encoder or default_encoder()
         self._whole = whole
-        self._halves: WeakKeyDictionary[KnowledgeBase, NDArray[np.uint16]] = WeakKeyDictionary()
+        self._halves: Remembered[KnowledgeBase, NDArray[np.uint16]] = Remembered()
 
     @property
     def name(self) -> str:

@@ -10,9 +10,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 
+from ucon.core.sharing import Shared, is_the_one
 from ucon.habits.types import RELATIONS
 from ucon.language.pairs import PairReader, default_pair_reader
 from ucon.retrieval.base import phrase
@@ -41,7 +43,7 @@ class AnchorBelief:
     """That mass by category."""
 
 
-class Reading:
+class Reading(Shared):
     """What some habits say about one target. Candidates may grow while a home is explored."""
 
     def __init__(self, reader: AnchorReader, target: str, texts: tuple[str, ...], trusted: bool) -> None:
@@ -111,7 +113,7 @@ class Reading:
         return total / total.sum(axis=1, keepdims=True)
 
 
-class AnchorReader:
+class AnchorReader(Shared):
     """Reads habits. One per process: what it has read it remembers by text."""
 
     def __init__(self, weights: Weights | None = None, pairs: PairReader | None = None) -> None:
@@ -120,6 +122,10 @@ class AnchorReader:
         self.evidence = EvidenceReader(self.weights, self.pairs)
         self.known = self.weights.anchors
         self.number = {name: i for i, name in enumerate(self.known)}
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        """Pickles name the shipped reader, whose weights are checked wherever they are loaded."""
+        return (default_reader, ()) if is_the_one(default_reader, self) else super().__reduce_ex__(protocol)
 
     def read(self, target: str, texts: Sequence[str], *, trusted: bool = False) -> Reading:
         """Read habits once for an episode.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
+from ucon.core.sharing import Shared
 from ucon.objects.model import Relation, Vec3
 
 Quat = tuple[float, float, float, float]
@@ -33,7 +34,7 @@ class PlacedObject:
 
 
 @dataclass(frozen=True, slots=True)
-class Arrangement:
+class Arrangement(Shared):
     """The difference between a home and one episode in it."""
 
     removed: tuple[int, ...] = ()

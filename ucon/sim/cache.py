@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
+from weakref import WeakValueDictionary
 
 import ucon
 from ucon.core.errors import DataError, UconError
@@ -27,6 +28,10 @@ _SOURCES = ("core/geometry.py", "core/rng.py", "objects", "scenes", "sim")
 _IN_MEMORY = 32
 
 
+#: Homes by the name under which they were loaded.
+_LOADED: WeakValueDictionary[str, House] = WeakValueDictionary()
+
+
 @lru_cache(maxsize=_IN_MEMORY)
 def load_house(name: str) -> House:
     """The compiled home ``name``: ``Rs_int``, ``Rs_int~3`` or ``procedural:house:17``.
@@ -39,6 +44,11 @@ def load_house(name: str) -> House:
         ConfigError: no such home, or no such folder. SceneError: it cannot be built. DataError: a shipped or packed
             home is damaged, or it is in none of these places and PyBullet is missing.
     """
+    _LOADED[name] = house = _load(name)
+    return house
+
+
+def _load(name: str) -> House:
     file = file_name(name)
     for packed in (folder / file for folder in _packed_folders() if (folder / file).is_file()):
         return house_from_bytes(packed.read_bytes(), str(packed))
@@ -52,6 +62,23 @@ def load_house(name: str) -> House:
     house = build_house(name)
     with contextlib.suppress(OSError):  # A read-only cache costs time, not correctness.
         write_atomic(cached, house_to_bytes(house))
+    return house
+
+
+def loaded_by_name(house: House) -> bool:
+    """Whether :func:`load_house` gives this home by the name of its specification."""
+    return _LOADED.get(house.spec.name) is house
+
+
+def the_house(name: str, spec_hash: str) -> House:
+    """The home of a name where it is the one of this hash: a pickle named it.
+
+    Raises:
+        DataError: it is another version here, and as for :func:`load_house`.
+    """
+    house = load_house(name)
+    if house.spec.hash != spec_hash:
+        raise DataError(f"home '{name}': pickled as {spec_hash[:12]}, here it is {house.spec.hash[:12]}")
     return house
 
 

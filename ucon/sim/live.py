@@ -7,9 +7,12 @@ removed item stood on is not given back, and nobody walks under a placed thing.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.errors import SceneError
 from ucon.core.geometry import matrix_from_quat
 from ucon.sim.arrangement import Arrangement
 from ucon.sim.house import House
@@ -38,6 +41,10 @@ class LiveState:
         """Move the joints of an instance and what its drawers hold."""
         self._world.set_open(instance, 1.0 if is_open else 0.0)
         self.open[instance] = self._world.openness(instance) > 0.5
+
+    def __reduce__(self) -> Any:
+        """It holds a PyBullet client, which cannot be copied."""
+        raise SceneError("world=live: an environment with a PyBullet client can be neither copied nor pickled")
 
     def close(self) -> None:
         """Disconnect the client."""

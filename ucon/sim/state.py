@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import ClassVar
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import EpisodeError
+from ucon.core.sharing import PartlyShared
 from ucon.sim.arrangement import Arrangement, PlacedObject
 from ucon.sim.house import House
 from ucon.sim.shapes import item_solid, object_box, object_solid
@@ -16,7 +18,7 @@ from ucon.sim.shapes import item_solid, object_box, object_solid
 _openable_items: WeakKeyDictionary[House, NDArray[np.bool_]] = WeakKeyDictionary()
 
 
-class SceneState:
+class SceneState(PartlyShared):
     """A home with one arrangement: who is there, where, what is open, which nodes are free.
 
     Instances are numbered as in :class:`House`, objects of the arrangement last. Arrays have one row each.
@@ -32,6 +34,10 @@ class SceneState:
         open: (n,) bool, the only thing that changes during an episode.
         free: (nx, ny) bool, the grid's free nodes without those that objects on the floor take.
     """
+
+    _shared: ClassVar[frozenset[str]] = frozenset(
+        {"house", "arrangement", "categories", "boxes", "room", "removed", "openable", "free"}
+    )
 
     def __init__(self, house: House, arrangement: Arrangement | None = None) -> None:
         self.house = house

@@ -8,6 +8,7 @@ from typing import Any
 
 from ucon.core.errors import EpisodeError, brief
 from ucon.core.files import canonical_json, sha256_bytes
+from ucon.core.sharing import Shared
 from ucon.habits.contexts import Context
 from ucon.sim.arrangement import Arrangement, PlacedObject
 from ucon.task.check import check_data
@@ -25,7 +26,7 @@ class Start:
 
 
 @dataclass(frozen=True)
-class Episode:
+class Episode(Shared):
     """One search: a home, what was moved in it, what its people are known to do, and what is to be found.
 
     ``target`` indexes ``arrangement.objects``. ``solution`` holds the actions of a shortest solution as digits;

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.sharing import PartlyShared
 from ucon.scenes.spec import GRID_M
 from ucon.sim.paths import distances
 from ucon.task.actions import AHEAD, Action
@@ -13,8 +16,11 @@ from ucon.task.outcome import EpisodeOutcome
 from ucon.task.search import Search, StepOutcome
 
 
-class Ledger:
+class Ledger(PartlyShared):
     """The running figures of one episode."""
+
+    _shared: ClassVar[frozenset[str]] = frozenset({"episode"})
+    _flat: ClassVar[frozenset[str]] = frozenset({"path_xy", "_fields"})
 
     def __init__(self, episode: Episode, search: Search) -> None:
         self.episode, self.search = episode, search

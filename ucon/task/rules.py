@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError, unknown_name
+from ucon.core.sharing import Shared
 
 
 @dataclass(frozen=True, slots=True)
-class TaskRules:
+class TaskRules(Shared):
     """Every number and switch that decides an episode's outcome."""
 
     name: str

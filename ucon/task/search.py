@@ -7,11 +7,12 @@ renderer what is visible. The environments put observations around it; the sampl
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.sharing import PartlyShared, Shared
 from ucon.sim.arrangement import Arrangement
 from ucon.sim.house import House
 from ucon.task.actions import AHEAD, Action
@@ -45,7 +46,7 @@ class Eyes(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Pose:
+class Pose(Shared):
     """Where the agent is: node, heading in quarter turns, camera height index, pitch in degrees (up positive)."""
 
     i: int
@@ -65,8 +66,10 @@ class StepOutcome:
     success: bool = False
 
 
-class Search:
+class Search(PartlyShared):
     """A search in progress."""
+
+    _shared: ClassVar[frozenset[str]] = frozenset({"rules", "pose", "_alike", "_free", "_near_boxes", "_counts"})
 
     def __init__(self, world: SceneWorld, eyes: Eyes, target: int, start: Pose, rules: TaskRules = PAPER) -> None:
         self.world, self.eyes, self.target, self.rules = world, eyes, target, rules

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, SupportsFloat
+from typing import Any, ClassVar, SupportsFloat
 
 import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from ucon.core.errors import ConfigError, EpisodeError, unknown_name
+from ucon.core.errors import ConfigError, unknown_name
+from ucon.core.sharing import PartlyShared
+from ucon.envs.options import checked_action, told
 from ucon.envs.ucon_env import Obs, UcONEnv
+from ucon.envs.waypoint.choosing import RENDER_MODES, Course
 from ucon.envs.waypoint.explorer import Explorer, Info, Manner
 from ucon.envs.waypoint.features import N_FEATURES, N_THINGS, category_rows, features, things
 from ucon.envs.waypoint.strategies import STRATEGIES, Strategy
@@ -26,7 +29,7 @@ _FRAME = ("detections", "tracks", "opened", "depth")
 _CARRIED = ("pose", "target", "habits", "habits_mask", "step")
 
 
-class UcONWaypointEnv(gym.Env[Obs, int]):
+class UcONWaypointEnv(PartlyShared, gym.Env[Obs, int]):
     """Search a home by choosing among candidates.
 
     ### Description
@@ -59,7 +62,8 @@ the left, actions to get there, cells of a frontier, share of a thing not looked
     and any choice takes it.
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
+    metadata = {"render_modes": RENDER_MODES, "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
+    _shared: ClassVar[frozenset[str]] = frozenset({"spec", "metadata", "_strategy", "_manner", "_last"})
 
     options_of = UcONEnv
     """Whose options it takes beside its own."""
@@ -74,6 +78,8 @@ the left, actions to get there, cells of a frontier, share of a thing not looked
         seed: int = 0,
         observe: str = "symbolic",
         detector: Any = True,
+        texts: bool = True,
+        render_mode: str | None = None,
         **options: Any,
     ) -> None:
         """Describe the environment.
@@ -86,6 +92,8 @@ the left, actions to get there, cells of a frontier, share of a thing not looked
             seed: of what the strategy draws.
             observe: see ``UcON-v0``.
             detector: what candidates come from; see ``UcON-v0``.
+            texts: see ``UcON-v0``.
+            render_mode: ``rgb_array``, or ``rgb_array_list``: all frames since the last call, between choices too.
             **options: of ``UcON-v0``.
 
         Raises:
@@ -96,7 +104,8 @@ the left, actions to get there, cells of a frontier, share of a thing not looked
         if not detector:
             raise ConfigError("detector=None: candidates come from what is detected; name a detector")
         self.env = UcONEnv(episodes, observe=observe, detector=detector, **options)  # type: ignore[arg-type]
-        self.render_mode = self.env.render_mode
+        self._course = Course(render_mode)
+        self.render_mode, self._texts = render_mode, texts
         self._strategy = STRATEGIES[strategy] if isinstance(strategy, str) else strategy
         self._manner, self._most, self._seed = manner or Manner(), max_candidates, seed
         self._explorer: Explorer | None = None
@@ -125,34 +134,45 @@ the left, actions to get there, cells of a frontier, share of a thing not looked
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Obs, dict[str, Any]]:
         """Start an episode, as ``UcON-v0`` does, and look around."""
         super().reset(seed=seed)
+        self._course.close()  # a reset that fails leaves nothing to go on with
         obs, start = self.env.reset(seed=seed, options=options)
         self._explorer = explorer = Explorer(start, self._strategy(start), self._manner, self._seed)
+        self._course.begin(self.env)
         self._last, self._over, self._reward, self._primitives = (obs, dict(start)), (False, False), 0.0, 0
         self._pending = explorer.look(obs, start)
         while self._pending is not None and not explorer.taking and not any(self._over):
             self._play(self._pending)
         obs, info = self._observed()
-        return obs, {name: value for name, value in start.items() if name not in _FRAME} | info
+        start = {name: value for name, value in start.items() if name not in _FRAME}
+        return obs, told(start | info | {"invalid": False}, texts=self._texts)
 
     def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
-        """Choose a candidate, and play until the next choice is due or the episode ends."""
-        if self._explorer is None:
-            raise EpisodeError("step before reset: call reset() first")
-        invalid = not 0 <= int(action) < max(1, len(self._offered()))
+        """Choose a candidate, and play until the next choice is due or the episode ends.
+
+        Raises:
+            EpisodeError: before the first reset, or after the end of an episode.
+            ActionError: no row of the observation; nothing was done.
+        """
+        self._course.require_open("step")
+        assert self._explorer is not None
+        action = checked_action(action, self._most)
+        invalid = action >= max(1, len(self._offered()))
         if self._pending is None and not any(self._over):
-            self._pending = Action.ROTATE_LEFT if invalid else self._explorer.choose(int(action))
+            self._pending = Action.ROTATE_LEFT if invalid else self._explorer.choose(action)
         while self._pending is not None:
             self._play(self._pending)
         obs, info = self._observed()
         reward, self._reward, self._primitives = self._reward, 0.0, 0
         terminated, truncated = self._over
-        return obs, reward, terminated, truncated, info | {"invalid": invalid}
+        self._course.told(over=terminated or truncated)
+        return obs, reward, terminated, truncated, told(info | {"invalid": invalid}, texts=self._texts)
 
     def _play(self, action: Action) -> None:
         """One primitive step; what follows it is pending."""
         assert self._explorer is not None
         obs, reward, terminated, truncated, info = self.env.step(int(action))
         self._last, self._over = (obs, info), (terminated, truncated)
+        self._course.note(self.env)
         self._reward += float(reward)
         self._primitives += 1
         self._pending = None if terminated or truncated else self._explorer.look(obs, info)
@@ -169,21 +189,30 @@ the left, actions to get there, cells of a frontier, share of a thing not looked
     def _observed(self) -> tuple[Obs, dict[str, Any]]:
         assert self._explorer is not None
         (obs, info), found = self._last, self._offered()
-        mask = np.zeros(self._most, np.int8)
-        mask[: max(1, len(found))] = 1
+        mask = self.action_masks().astype(np.int8)
         out = {
             "candidates": features(found, self._explorer.map.view, self._most),
             "candidate_things": things(found, self._most),
             "action_mask": mask,
             **{name: obs[name] for name in _CARRIED},
         }
-        told = {name: value for name, value in info.items() if name not in _FRAME}
-        return out, told | {"candidates": found, "primitive_steps": self._primitives}
+        kept = {name: value for name, value in info.items() if name not in _FRAME}
+        return out, kept | {"candidates": found, "primitive_steps": self._primitives}
 
-    def render(self) -> NDArray[np.uint8] | None:
-        """See ``UcON-v0``."""
-        return self.env.render()
+    def action_masks(self) -> NDArray[np.bool_]:
+        """(C,) rows that may be chosen, as MaskablePPO asks: ``action_mask`` of the last observation.
+
+        Raises:
+            EpisodeError: before the first reset.
+        """
+        self._course.require("action_masks")
+        return np.arange(self._most) < max(1, len(self._offered()))
+
+    def render(self) -> NDArray[np.uint8] | list[NDArray[np.uint8]] | None:
+        """A frame as in ``UcON-v0``, or with ``rgb_array_list`` those of all primitive steps since the last call."""
+        return self._course.render(self.env)
 
     def close(self) -> None:
         """See ``UcON-v0``."""
+        self._course.close()
         self.env.close()

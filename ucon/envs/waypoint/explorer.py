@@ -8,12 +8,13 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from ucon.core.errors import ConfigError, brief
 from ucon.core.rng import stream
+from ucon.core.sharing import PartlyShared
 from ucon.envs.waypoint.strategies import Strategy
 from ucon.perception.body import Body
 from ucon.perception.candidates import Candidate
@@ -65,8 +66,10 @@ class Decision:
     """For what is drawn at random in this decision; depends on seed, episode and number alone."""
 
 
-class Explorer:
+class Explorer(PartlyShared):
     """One search in one home."""
+
+    _flat: ClassVar[frozenset[str]] = frozenset({"_plan", "_opened_at", "_stood", "_visited"})
 
     def __init__(self, info: Info, strategy: Strategy, manner: Manner | None = None, seed: int = 0) -> None:
         """``info``: of the reset; ``strategy``: this episode's own; ``seed``: of what is drawn at random."""

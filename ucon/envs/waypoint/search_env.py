@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from copy import deepcopy
 from dataclasses import dataclass
-from typing import Any, SupportsFloat, cast
+from typing import Any, ClassVar, SupportsFloat, cast
 
 import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from ucon.core.errors import ConfigError, EpisodeError
+from ucon.core.errors import ConfigError
+from ucon.core.sharing import PartlyShared
 from ucon.envs.knowledge import HabitSource
+from ucon.envs.options import checked_action, told
 from ucon.envs.ucon_env import Obs, UcONEnv
+from ucon.envs.waypoint.choosing import RENDER_MODES, Course
 from ucon.envs.waypoint.searcher import MISS, Searcher
 from ucon.envs.waypoint.text_tokens import SaidTokens, TextTokens
 from ucon.envs.waypoint.to_go import ToGo
@@ -49,7 +52,7 @@ class Returns:
         return worth + (self.contained if metrics["contained"] else 0.0)
 
 
-class UcONSearchEnv(gym.Env[Obs, int]):
+class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
     """Search a home by choosing among views.
 
     ### Description
@@ -81,7 +84,10 @@ class UcONSearchEnv(gym.Env[Obs, int]):
     That of ``UcON-v0``.
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
+    metadata = {"render_modes": RENDER_MODES, "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
+    _shared: ClassVar[frozenset[str]] = frozenset(
+        {"spec", "metadata", "_locate", "_sizes", "_text", "_returns", "_to_go", "_last", "_tokens"}
+    )
 
     options_of = UcONEnv
     """Whose options it takes beside its own."""
@@ -99,6 +105,8 @@ class UcONSearchEnv(gym.Env[Obs, int]):
         expert: bool = False,
         observe: str = "symbolic",
         detector: Any = True,
+        texts: bool = True,
+        render_mode: str | None = None,
         **options: Any,
     ) -> None:
         """Describe the environment.
@@ -114,6 +122,8 @@ class UcONSearchEnv(gym.Env[Obs, int]):
             expert: add ``expert`` to observations, likewise. A walk through the home costs a second an episode.
             observe: see ``UcON-v0``.
             detector: what is mapped; see ``UcON-v0``.
+            texts: see ``UcON-v0``.
+            render_mode: ``rgb_array``, or ``rgb_array_list``: all frames since the last call, between choices too.
             **options: of ``UcON-v0``.
 
         Raises:
@@ -122,7 +132,8 @@ class UcONSearchEnv(gym.Env[Obs, int]):
         if not detector:
             raise ConfigError("detector=None: views are valued by what is detected; name a detector")
         self.env = UcONEnv(episodes, observe=observe, detector=detector, **options)  # type: ignore[arg-type]
-        self.render_mode = self.env.render_mode
+        self._course = Course(render_mode)
+        self.render_mode, self._texts = render_mode, texts
         self._locate, self._miss, self._sizes = locate or ReadHabits(), miss, sizes or Sizes()
         self._text, self._returns = text or TextTokens(), returns or Returns()
         self._searcher: Searcher | None = None
@@ -144,6 +155,7 @@ class UcONSearchEnv(gym.Env[Obs, int]):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Obs, dict[str, Any]]:
         """Start an episode, as ``UcON-v0`` does, and play until there is something to choose."""
         super().reset(seed=seed)
+        self._course.close()  # a reset that fails leaves nothing to go on with
         obs, info = self.env.reset(seed=seed, options=options)
         locations = self._locate(info)
         believing = expecting(info, self._locate, locations=locations)
@@ -155,22 +167,30 @@ class UcONSearchEnv(gym.Env[Obs, int]):
             self._expert.begin(self.env.episode, info["habit_level"], locations)
         self._last, self._over = (obs, info), (False, False)
         self._tokens: Tokens | None = None
+        self._course.begin(self.env)
         self._until_due(None)
-        return self._observed(), {**_told(info), **_told(self._last[1])}
+        return self._observed(), told({**_kept(info), **_kept(self._last[1]), "invalid": False}, texts=self._texts)
 
     def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
-        """Choose a view, and play until there is something to choose again or the episode ends."""
-        if self._searcher is None:
-            raise EpisodeError("step before reset: call reset() first")
+        """Choose a view, and play until there is something to choose again or the episode ends.
+
+        Raises:
+            EpisodeError: before the first reset, or after the end of an episode.
+            ActionError: no row of the observation; nothing was done.
+        """
+        self._course.require_open("step")
+        assert self._searcher is not None
+        action = checked_action(action, self._sizes.views)
         offered = self._tokens.choices if self._tokens is not None else ()
-        invalid = not 0 <= int(action) < max(1, len(offered))
+        invalid = action >= max(1, len(offered))
         if not any(self._over):
-            choice = None if invalid or not offered else offered[int(action)]
+            choice = None if invalid or not offered else offered[action]
             self._until_due(self._searcher.choose(choice))
         info = self._last[1]
         rules = cast(UcONEnv, self.env.unwrapped).rules
+        self._course.told(over=any(self._over))
         reward = self._returns(info["episode_metrics"], rules.max_steps) if any(self._over) else 0.0
-        return self._observed(), reward, *self._over, _told(info) | {"invalid": invalid}
+        return self._observed(), reward, *self._over, told(_kept(info) | {"invalid": invalid}, texts=self._texts)
 
     def _until_due(self, action: Action | None) -> None:
         """Play ``action`` and what follows until a choice among two views or more is due, or the episode ends."""
@@ -180,6 +200,7 @@ class UcONSearchEnv(gym.Env[Obs, int]):
             if action is not None:
                 obs, _, *over, info = self.env.step(int(action))
                 self._last, self._over = (obs, info), (over[0], over[1])
+                self._course.note(self.env)
                 if any(over):
                     return
                 if self._expert is not None:
@@ -224,12 +245,23 @@ class UcONSearchEnv(gym.Env[Obs, int]):
         """Copies: whoever keeps an observation owns it."""
         return {name: array.copy() for name, array in self._said().items()}
 
-    def render(self) -> NDArray[np.uint8] | None:
-        """See ``UcON-v0``."""
-        return self.env.render()
+    def action_masks(self) -> NDArray[np.bool_]:
+        """(V,) rows that may be chosen, as MaskablePPO asks: ``action_mask`` of the last observation.
+
+        Raises:
+            EpisodeError: before the first reset.
+        """
+        self._course.require("action_masks")
+        offered = 0 if self._tokens is None else len(self._tokens.choices)
+        return np.arange(self._sizes.views) < max(1, offered)
+
+    def render(self) -> NDArray[np.uint8] | list[NDArray[np.uint8]] | None:
+        """A frame as in ``UcON-v0``, or with ``rgb_array_list`` those of all primitive steps since the last call."""
+        return self._course.render(self.env)
 
     def close(self) -> None:
         """See ``UcON-v0``."""
+        self._course.close()
         self.env.close()
         if self._expert is not None:
             self._expert.close()
@@ -268,5 +300,5 @@ def observation_space(sizes: Sizes, text: TextTokens, *, to_go: bool = False, ex
     )
 
 
-def _told(info: dict[str, Any]) -> dict[str, Any]:
+def _kept(info: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in info.items() if name not in _FRAME}

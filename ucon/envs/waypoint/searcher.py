@@ -10,11 +10,12 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.sharing import PartlyShared, Shared
 from ucon.objects.catalogue import catalogue
 from ucon.perception.body import Body
 from ucon.perception.containers import Containers, open_reach_m
@@ -36,7 +37,7 @@ MISS = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class SearchDecision:
+class SearchDecision(Shared):
     """A choice that is due."""
 
     number: int
@@ -49,8 +50,10 @@ class SearchDecision:
     expected: Expectation
 
 
-class Searcher:
+class Searcher(PartlyShared):
     """One search in one home for one target."""
+
+    _flat: ClassVar[frozenset[str]] = frozenset({"refused", "_plan"})
 
     REPLAN_STEPS = 5
 

@@ -142,14 +142,26 @@ class Landmarks:
         return []
 
 
+def _views(info: Info) -> Views:
+    return Views()
+
+
+def _frontiers(info: Info) -> Frontiers:
+    return Frontiers()
+
+
+def _fine_frontiers(info: Info) -> FineFrontiers:
+    return FineFrontiers(Body.of(info))
+
+
 def _landmarks(info: Info) -> Landmarks:
     return Landmarks(str(info["target"]))
 
 
 #: By the name that configurations use: makes the strategy of an episode from the info at its reset.
 STRATEGIES: dict[str, Callable[[Info], Strategy]] = {
-    "views": lambda info: Views(),
-    "frontiers": lambda info: Frontiers(),
-    "fine_frontiers": lambda info: FineFrontiers(Body.of(info)),
+    "views": _views,
+    "frontiers": _frontiers,
+    "fine_frontiers": _fine_frontiers,
     "landmarks": _landmarks,
 }

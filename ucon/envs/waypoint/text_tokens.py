@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.sharing import PartlyShared, Shared
 from ucon.envs.waypoint.features import category_rows
 from ucon.language.store import StoredEncoder, default_encoder
 from ucon.perception.belief import Believing, Locations
 from ucon.retrieval.base import phrase
 
 
-class TextTokens:
+class TextTokens(Shared):
     """Embeds names and habits; what it has embedded the encoder remembers."""
 
     def __init__(self, encoder: StoredEncoder | None = None, n_habits: int = 8) -> None:
@@ -45,8 +46,10 @@ class TextTokens:
         return {"target": target, "habits": habits, "habits_relevance": relevance, "habits_mask": mask}
 
 
-class SaidTokens:
+class SaidTokens(PartlyShared):
     """The text arrays of one search, read again when the list of habits changes (level ``context``)."""
+
+    _shared: ClassVar[frozenset[str]] = frozenset({"_read"})
 
     def __init__(self, text: TextTokens, name: str, believing: Believing) -> None:
         """``name`` of the target, and who reads its habits."""

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.sharing import PartlyShared, Shared
 from ucon.envs.waypoint.features import category_rows
 from ucon.envs.waypoint.searcher import SearchDecision, Searcher
 from ucon.envs.waypoint.view_tokens import N_VIEW, Surroundings, ego, lg, view_rows
@@ -43,7 +44,7 @@ class Sizes:
 
 
 @dataclass(frozen=True, eq=False)
-class Tokens:
+class Tokens(Shared):
     """One decision."""
 
     arrays: Mapping[str, NDArray[Any]]
@@ -55,8 +56,10 @@ class Tokens:
     """The choice behind each row of ``views`` whose mask is 1."""
 
 
-class TokenReader:
+class TokenReader(PartlyShared):
     """Turns the decisions of one search into arrays."""
+
+    _shared: ClassVar[frozenset[str]] = frozenset({"sizes", "_fixed"})
 
     def __init__(self, searcher: Searcher, info: Mapping[str, Any], sizes: Sizes | None = None) -> None:
         """``info``: of the reset."""

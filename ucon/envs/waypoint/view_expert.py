@@ -10,12 +10,13 @@ the view that the expert would go to.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError
+from ucon.core.sharing import PartlyShared
 from ucon.envs.frame import StartFrame
 from ucon.envs.ucon_env import UcONEnv
 from ucon.envs.waypoint.searcher import Searcher
@@ -34,7 +35,7 @@ NOTHING: Final = -1.0
 NEAR: Final = 6.0
 
 
-class ViewExpert:
+class ViewExpert(PartlyShared):
     """Goes along in an environment of its own: on its walk a detector numbers things that the agent never saw.
 
     Args:
@@ -42,6 +43,8 @@ class ViewExpert:
         locate: reads the habits, as the agent does.
         miss: chance that a look at a place misses the target there.
     """
+
+    _shared: ClassVar[frozenset[str]] = frozenset({"_locate", "_free"})
 
     def __init__(self, env: UcONEnv, locate: Locate, miss: float) -> None:
         self._env, self._locate, self._miss = env, locate, miss

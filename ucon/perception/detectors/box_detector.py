@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 
+from ucon.core.sharing import PartlyShared
 from ucon.perception.detections import Detections
 from ucon.perception.detectors.base import Frame
 from ucon.perception.detectors.boxes import Boxes
@@ -11,7 +12,7 @@ from ucon.perception.detectors.owners import Owners
 from ucon.perception.detectors.tracker import GATE_M, STRUCTURE, Tracker
 
 
-class BoxDetector(ABC):
+class BoxDetector(PartlyShared, ABC):
     """A detector by :meth:`find`. ``gate_m`` is the tracker's."""
 
     name = ""
@@ -40,5 +41,5 @@ class BoxDetector(ABC):
         """Tracks most of whose pixels lay on one of the instances when they were last seen."""
         return self._owners.of(instances)
 
-    def close(self) -> None:  # noqa: B027 (most detectors hold nothing)
+    def close(self) -> None:
         """Release what the detector holds."""

@@ -6,16 +6,21 @@ which the episode's objects come last) never reaches an agent.
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError
+from ucon.core.sharing import PartlyShared
 from ucon.perception.detections import MIN_PIXELS, Detections
 from ucon.perception.detectors.base import Frame
 
 
-class GtDetector:
+class GtDetector(PartlyShared):
     """Reports every instance with at least ``min_pixels`` pixels in the canonical 128 x 128 view, and no other."""
+
+    _shared: ClassVar[frozenset[str]] = frozenset({"_categories"})
 
     name = "gt"
     needs_rgb = False

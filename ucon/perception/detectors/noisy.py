@@ -25,12 +25,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError
 from ucon.core.rng import stream
+from ucon.core.sharing import Shared
 from ucon.objects.catalogue import catalogue
 from ucon.perception.detections import MIN_PIXELS, STRUCTURE_KINDS
 from ucon.perception.detectors import noisy_kernels as kernels
@@ -45,7 +47,7 @@ GRID = 8
 
 
 @dataclass(frozen=True, slots=True)
-class Rates:
+class Rates(Shared):
     """How often what goes wrong.
 
     Attributes:
@@ -85,7 +87,7 @@ EXACT = Rates(recall=(1.0,), recall_px=(1.0,), false_labels=0.0, false_positives
 
 
 @dataclass(frozen=True, slots=True)
-class _Look:
+class _Look(Shared):
     """What was drawn for one thing or spot from one side and distance: numbers from [0, 1) and normal edges."""
 
     found: float
@@ -97,6 +99,9 @@ class _Look:
 
 class NoisyDetector(BoxDetector):
     """Boxes of the instances with at least ``min_pixels`` canonical pixels, with errors at ``rates``."""
+
+    _shared: ClassVar[frozenset[str]] = frozenset({"_rates", "_categories", "_thing"})
+    _flat: ClassVar[frozenset[str]] = frozenset({"_looks"})
 
     name = "noisy"
     needs_rgb = False

@@ -6,14 +6,19 @@ frame that showed it, lay on that instance.
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
+from ucon.core.sharing import PartlyShared
 from ucon.perception.detections import Detections
 from ucon.perception.detectors.base import Frame
 
 
-class Owners:
+class Owners(PartlyShared):
     """The instance behind every track, as far as there is one (privileged)."""
+
+    _flat: ClassVar[frozenset[str]] = frozenset({"_behind"})
 
     def __init__(self) -> None:
         #: of every track: the instance behind it (-1 none), and how many of its pixels lay on that

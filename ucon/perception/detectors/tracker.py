@@ -6,9 +6,12 @@ in no box are floor, wall, ceiling or obstacle by geometry, under four tracks th
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.sharing import PartlyShared
 from ucon.objects.catalogue import catalogue
 from ucon.perception.detections import MIN_PIXELS, Detections
 from ucon.perception.detectors import tracker_kernels as kernels
@@ -25,8 +28,10 @@ MOST_TRACKS = 32000
 _NOTHING = np.array([1e3, 1e3, 1e3, -1e3, -1e3, -1e3])
 
 
-class Tracker:
+class Tracker(PartlyShared):
     """Tracks of one episode. ``gate_m`` is the largest gap between what two frames show of one thing."""
+
+    _flat: ClassVar[frozenset[str]] = frozenset({"category", "_box"})
 
     def __init__(self, gate_m: float = GATE_M) -> None:
         self._gate_m = gate_m

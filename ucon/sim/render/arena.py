@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -19,7 +20,7 @@ from ucon.scenes.spec import HomeSpec
 from ucon.sim.arrangement import Arrangement, PlacedObject
 from ucon.sim.house import House
 from ucon.sim.render.shapes import BOTTOM, TOP
-from ucon.sim.render.tables import Tables, bake, copy_tables, empty_tables, tables_nbytes, write_group
+from ucon.sim.render.tables import Tables, bake, copied_tables, copy_tables, empty_tables, tables_nbytes, write_group
 from ucon.sim.render.tessellate import CEILING, WALL, Mesh, mesh_of_model, mesh_of_parts
 from ucon.sim.structure import structure_parts
 
@@ -82,7 +83,7 @@ class Arena:
     """One renderer's polygons of a home in an episode.
 
     Attributes:
-        tables: own copy, written by :meth:`set_open`.
+        tables: own copy, written by :meth:`set_open`; deep copies share it until then.
         room_start, room_groups: groups that touch each room, ``room_groups[room_start[r]:room_start[r + 1]]``.
         rooms: (nr, 4) rectangles; portals: (n, 7) axis, coord, lo, hi, room a, room b, height.
     """
@@ -92,6 +93,7 @@ class Arena:
         self.arrangement = arrangement
         self._builder = builder
         self._fractions: dict[int, float] = {}
+        self._own = True
         base = home_tables(house, builder)
         added = [_mesh(builder, o.category, None, o.tint)[1] for o in arrangement.objects]
         counts = (len(base.groups), len(base.parts), len(base.face_planes), len(base.vertices))
@@ -110,6 +112,18 @@ class Arena:
         self._tall = _tall_rooms(house.spec)
         self._list_rooms()
 
+    def __deepcopy__(self, memo: dict[int, Any]) -> Arena:
+        """Shares all polygons until one of the two opens something."""
+        memo[id(self)] = new = Arena.__new__(Arena)
+        new.__dict__.update(self.__dict__)
+        new._fractions = dict(self._fractions)
+        self._own = new._own = False
+        return new
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickles hold what is open; the polygons are baked again."""
+        return _opened, (self.house, self.arrangement, self._builder, self._fractions)
+
     @property
     def n_instances(self) -> int:
         """Instances of the home and objects of the episode."""
@@ -126,6 +140,8 @@ class Arena:
         if not model.joints or self._fractions.get(instance, 0.0) == fraction:
             return []
         self._fractions[instance] = fraction
+        if not self._own:
+            self.tables, self._own = copied_tables(self.tables), True
         turn, shift = self._pose(instance)
         for link in range(len(model.joints)):
             self._bake_link(instance, mesh, (turn, shift), link)
@@ -208,6 +224,13 @@ class Arena:
             pairs,
         )
         self.room_groups = pairs[:count].copy()
+
+
+def _opened(house: House, arrangement: Arrangement, builder: ModelBuilder, fractions: dict[int, float]) -> Arena:
+    arena = Arena(house, arrangement, builder)
+    for instance, fraction in fractions.items():
+        arena.set_open(instance, fraction)
+    return arena
 
 
 def _placed_pose(placed: PlacedObject) -> Pose:

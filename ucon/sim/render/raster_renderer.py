@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import SceneError
+from ucon.core.sharing import PartlyShared
 from ucon.objects.model import Material, ObjectModel, Part
 from ucon.scenes.spec import HomeSpec, Item, Room
 from ucon.sim.arrangement import Arrangement, PlacedObject
@@ -30,7 +33,7 @@ _NO_INSTANCE = np.empty((0, 0), np.int16)
 _NO_COUNTS = np.empty(0, np.int32)
 
 
-class RasterRenderer:
+class RasterRenderer(PartlyShared):
     """Numba visibility-buffer rasteriser with portal culling; see :class:`~ucon.sim.render.base.Renderer`.
 
     Args:
@@ -59,11 +62,22 @@ class RasterRenderer:
         self._builder = builder
         self._cull = cull
         self._camera = np.array([0, 0, 0, 1, 0, 1, 0, tan_half(fov_deg), *sample], np.float64)
-        self._depth = np.empty(height * width + int(BLOCK_PX), np.float32)
-        self._faces = np.empty(height * width + int(BLOCK_PX), np.int32)
+        self._make_buffers()
         canonical = width == height == VIEW_PX and fov_deg == VIEW_FOV_DEG and sample == (0.5, 0.5)
         self._view: RasterRenderer | None = None if canonical else self._counting_view()
         self._arena: Arena | None = None
+
+    def _make_buffers(self) -> None:
+        self._depth = np.empty(self.height * self.width + int(BLOCK_PX), np.float32)
+        self._faces = np.empty(self.height * self.width + int(BLOCK_PX), np.int32)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For pickles: without the buffers."""
+        return {name: value for name, value in self.__dict__.items() if name not in ("_depth", "_faces")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._make_buffers()
 
     def _counting_view(self) -> RasterRenderer:
         return RasterRenderer(textured=False, builder=self._builder, cull=self._cull)

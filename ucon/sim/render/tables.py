@@ -61,6 +61,14 @@ def copy_tables(source: Tables, target: Tables) -> None:
         getattr(target, name)[: len(shared)] = shared
 
 
+def copied_tables(source: Tables) -> Tables:
+    """Tables of the same contents, to be written to."""
+    rows = (source.groups, source.parts, source.face_planes, source.vertices)
+    target = empty_tables(*map(len, rows))
+    copy_tables(source, target)
+    return target
+
+
 def tables_nbytes(tables: Tables) -> int:
     """Memory of all tables."""
     return sum(table.nbytes for table in tables)

@@ -75,6 +75,10 @@ class TinyRenderer:
         self._instance_of = np.empty(0, np.int16)
         self._arena: Arena | None = None
 
+    def __reduce__(self) -> Any:
+        """It holds a PyBullet client, which cannot be copied."""
+        raise SceneError("renderer=tiny: an environment with a PyBullet client can be neither copied nor pickled")
+
     def close(self) -> None:
         """Disconnect from PyBullet."""
         if self._client >= 0:
@@ -100,6 +104,8 @@ class TinyRenderer:
     def load(self, house: House, arrangement: Arrangement | None = None) -> None:
         """See :meth:`Renderer.load <ucon.sim.render.base.Renderer.load>`."""
         self._arena = Arena(house, arrangement or Arrangement(), self._builder)
+        if self._client < 0:  # it was closed
+            self._client = self._bullet.connect(self._bullet.DIRECT)
         self._bullet.resetSimulation(physicsClientId=self._client)
         self._bodies = {}
         for instance in range(self.n_instances):

@@ -1,0 +1,61 @@
+"""``check-env``: our environments keep their promises, and whatever breaks one is caught."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import gymnasium as gym
+import pytest
+
+from tests.envs.mutants import OF_ACTIONS, OF_CHOICES
+from ucon.__main__ import main
+from ucon.core.errors import ConfigError
+from ucon.envs.checking import check, subject_of
+from ucon.envs.checking.subject import OURS, wrapped
+
+pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
+
+
+@pytest.mark.parametrize("name", OURS)
+def test_our_environments_keep_what_the_task_promises(name: str) -> None:
+    findings = list(check(subject_of(name)))
+    assert len(findings) >= 14
+    assert [finding.line() for finding in findings if not finding.ok] == []
+
+
+@pytest.mark.parametrize("mutant", OF_ACTIONS, ids=lambda cls: cls.__name__)
+def test_a_broken_environment_is_caught(mutant: Any) -> None:
+    assert any(not finding.ok for finding in check(wrapped(subject_of("UcON-v0"), mutant)))
+
+
+@pytest.mark.parametrize("name", ["UcONWaypoint-v0", "UcONSearch-v0"])
+@pytest.mark.parametrize("mutant", OF_CHOICES, ids=lambda cls: cls.__name__)
+def test_a_broken_mask_is_caught(mutant: Any, name: str) -> None:
+    assert any(not finding.ok for finding in check(wrapped(subject_of(name), mutant)))
+
+
+def test_the_command_prints_a_line_a_check_and_counts_failures(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check-env", "tests.envs.mutants:NeverCollides", "--json"]) == 1
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [line["check"] for line in lines if not line["ok"]] == ["collision"]
+    assert all(line["expected"] and line["found"] for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("word", "said"),
+    [
+        ("UcON-v7", "cannot be made"),
+        ("CartPole-v1", "made of CartPoleEnv"),
+        ("nothing_here:Env", "not found"),
+        ("json:__doc__", "expected a class or a function"),
+    ],
+)
+def test_what_is_no_environment_of_ours_is_one_line(word: str, said: str) -> None:
+    with pytest.raises(ConfigError, match=said):
+        subject_of(word)
+
+
+def test_a_harmless_wrapper_passes() -> None:
+    findings = list(check(wrapped(subject_of("UcON-v0"), gym.wrappers.RecordEpisodeStatistics)))
+    assert [finding.line() for finding in findings if not finding.ok] == []

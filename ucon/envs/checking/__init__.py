@@ -1,0 +1,7 @@
+"""Checks that an environment, or somebody's wrapper of one of ours, keeps what the task promises."""
+
+from ucon.envs.checking.findings import Finding
+from ucon.envs.checking.run import check
+from ucon.envs.checking.subject import Subject, subject_of
+
+__all__ = ["Finding", "Subject", "check", "subject_of"]

@@ -1,0 +1,46 @@
+"""What environments of choices promise beside: which rows may be chosen, and what another one costs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ucon.envs.checking.findings import Finding
+from ucon.envs.checking.subject import Subject, choice, core, reset, step
+
+
+def masks(subject: Subject) -> Finding:
+    """``action_mask`` is 1 for rows that are choices and for no others, and ``action_masks()`` says the same."""
+    expected = "1 for the rows that may be chosen, as action_masks() says, and one step for any other"
+    env = subject.make()
+    for episode in (0, 1):
+        seen = reset(env, episode)
+        for number in range(3):
+            if seen.over:
+                break
+            mask = np.asarray(seen.obs["action_mask"]) == 1
+            inner: Any = env.unwrapped
+            asked: Any = env.get_wrapper_attr("action_masks")()
+            if not mask.any() or not np.array_equal(mask, inner.action_masks()) or not np.array_equal(asked, mask):
+                found = f"{int(mask.sum())} rows, where {int(inner.action_masks().sum())} may be chosen"
+                return Finding("masks", False, expected, found)
+            seen = step(env, choice(seen, number))
+            if seen.info["invalid"]:
+                return Finding("masks", False, expected, "a row whose mask is 1 was no choice")
+        if not seen.over and not seen.obs["action_mask"].all():
+            before = core(env)._ledger.steps  # type: ignore[union-attr]
+            seen = step(env, int(np.flatnonzero(seen.obs["action_mask"] == 0)[0]))
+            spent = core(env)._ledger.steps - before  # type: ignore[union-attr]
+            if not seen.info["invalid"] or spent < 1:
+                return Finding("masks", False, expected, f"a row whose mask is 0 was taken, for {spent} steps")
+    return Finding("masks", True, expected, "so")
+
+
+def all_actions(subject: Subject) -> Finding:
+    """The seven actions may always be chosen: what they will do nobody is told."""
+    env = subject.make()
+    reset(env, 0)
+    asked = np.asarray(env.get_wrapper_attr("action_masks")())
+    ok = asked.dtype == bool and asked.tolist() == [True] * 7
+    return Finding("masks", ok, "action_masks() that allow all seven", f"{asked.astype(int).tolist()}")

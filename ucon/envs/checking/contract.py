@@ -1,0 +1,186 @@
+"""What every environment promises to whoever trains on it: spaces, seeds, copies, ends, frames for people."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any, Final
+
+import numpy as np
+from gymnasium import spaces as spaces_of
+
+from ucon.core.errors import UconError
+from ucon.envs.checking.findings import Finding, difference, same
+from ucon.envs.checking.subject import Env, Step, Subject, choice, core, reset, step
+from ucon.task.actions import Action
+from ucon.task.episode import Episode
+
+#: Walks, turns, looks and opens, which ends nothing.
+WALK: Final = (0, 0, 1, 0, 2, 3, 5, 4, 4, 0, 0, 1, 5, 0, 3, 0, 0, 2, 0, 0)
+
+
+def played(subject: Subject, env: Env, first: Step, actions: int = len(WALK), start: int = 0) -> list[Step]:
+    """Some steps after ``first``, the same in every run, at most until the episode is over."""
+    seen = [first]
+    for number in range(start, start + actions):
+        if seen[-1].over:
+            break
+        seen.append(step(env, choice(seen[-1], number) if subject.chooses else WALK[number % len(WALK)]))
+    return seen[1:]
+
+
+def spaces(subject: Subject) -> Finding:
+    """Observations lie in their space, rewards are finite numbers, ends are truth values."""
+    env, wrong = subject.make(), []
+    for episode in (0, 1):
+        first = reset(env, episode)
+        if not _fits(first.obs, env.observation_space):
+            wrong.append("reset")
+        raw: Any = None
+        seen, number = first, 0
+        while not seen.over and number < len(WALK):
+            action = choice(seen, number) if subject.chooses else WALK[number]
+            raw = env.step(action)
+            seen, number = Step(raw[0], float(raw[1]), bool(raw[2]), bool(raw[3]), raw[4]), number + 1
+            if not _fits(raw[0], env.observation_space):
+                wrong.append(f"step {number}")
+            if not np.isfinite(raw[1]) or not all(isinstance(end, bool | np.bool_) for end in raw[2:4]):
+                wrong.append(f"reward or end of step {number}")
+    expected = "observations in their space, finite rewards, truth values as ends"
+    return Finding("spaces", not wrong, expected, wrong[0] if wrong else "so at all steps")
+
+
+def seeds(subject: Subject) -> Finding:
+    """The same seed gives the same bytes, and others other episodes."""
+    envs = [subject.make() for _ in range(2)]
+    runs = [[first := reset(env, seed=3), *played(subject, env, first)] for env in envs]
+    runs.append([first := reset(envs[0], seed=3), *played(subject, envs[0], first)])
+    for run in runs[1:]:
+        for number, (a, b) in enumerate(zip(runs[0], run, strict=False)):
+            if len(run) != len(runs[0]) or not same(tuple(a), tuple(b)):
+                found = f"{difference(a.obs, b.obs)} differs at step {number}"
+                return Finding("seeds", False, "the same bytes from the same seed", found)
+    drawn = {reset(envs[0], seed=seed).info["episode"] for seed in range(8)}
+    expected = "the same bytes from the same seed, other episodes from others"
+    return Finding("seeds", len(drawn) > 1, expected, f"{len(drawn)} episodes from 8 seeds")
+
+
+def episodes(subject: Subject) -> Finding:
+    """``options["episode"]`` is honoured, as an index, as an id and as an episode."""
+    env, known = subject.make(), subject.episodes()
+    numbers = [0, len(known) - 1, len(known) // 2]
+    asked = [numbers[0], known[numbers[1]].id, known[numbers[2]]]
+    found = [reset(env, which).info["episode"] for which in asked]
+    wanted = [known[number].id for number in numbers]
+    return Finding("episodes", found == wanted, f"the episodes asked for ({wanted[1]})", f"{found[1]}")
+
+
+def copies(subject: Subject) -> Finding:
+    """A deep copy goes on from the same place to the same bytes, and changes nothing in the other."""
+    env, alone = subject.make(), subject.make()
+    half = 2 if subject.chooses else len(WALK) // 2
+    played(subject, env, first := reset(env, 0), half)
+    last = ([first, *played(subject, alone, reset(alone, 0), half)])[-1]
+    twin = copy.deepcopy(env)
+    for number in range(half):  # the copy turns another way
+        if step(twin, 0 if subject.chooses else int((Action.ROTATE_LEFT, Action.MOVE_AHEAD)[number % 2])).over:
+            break
+    again = copy.deepcopy(env)
+    runs = [played(subject, one, last, half, half) for one in (alone, env, again)]
+    for name, run in zip(("the original", "the copy"), runs[1:], strict=True):
+        for number, (a, b) in enumerate(zip(runs[0], run, strict=False)):
+            if len(run) != len(runs[0]) or not same(tuple(a), tuple(b)):
+                found = f"{name} differs in {difference(a.obs, b.obs)}, {number + 1} steps later"
+                return Finding("copies", False, "a copy that goes its own way", found)
+    return Finding("copies", True, "a copy that goes its own way", "so")
+
+
+def actions(subject: Subject) -> Finding:
+    """What is no action is refused, and nothing was done."""
+    env, alone = subject.make(), subject.make()
+    first, _ = reset(env, 0), reset(alone, 0)
+    none = (-1, int(env.action_space.n), 1.5, float("nan"), "0", None)  # type: ignore[attr-defined]
+    taken = [action for action in none if not _refused(partial(env.step, action))]
+    run, plain = (played(subject, one, first, 3) for one in (env, alone))
+    untouched = all(same(tuple(a), tuple(b)) for a, b in zip(run, plain, strict=True))
+    found = f"{taken[0]!r} was taken" if taken else "all refused" if untouched else "they changed what follows"
+    return Finding("actions", not taken and untouched, "what is no action refused, and nothing done", found)
+
+
+def after_the_end(subject: Subject) -> Finding:
+    """An episode that is over takes no step, however it ended, and figures stay."""
+    env, wrong = subject.make(), []
+    for episode in (0, 1):
+        last = to_the_end(subject, env, reset(env, episode))
+        before = dict(last.info.get("episode_metrics", {}))
+        for action in (0, 1, 0):
+            if not _refused(partial(env.step, action)):
+                wrong.append(f"a step after {'Done' if last.terminated else 'the last step'} was taken")
+                break
+        if not same(before, last.info.get("episode_metrics", {})):
+            wrong.append("episode_metrics changed")
+    if not reset(env, 0).obs:
+        wrong.append("no observation after a new reset")
+    expected = "an error that says to reset, figures as they were"
+    return Finding("after the end", not wrong, expected, wrong[0] if wrong else "so")
+
+
+def last_step(subject: Subject) -> Finding:
+    """An episode that nobody ends is truncated at its last step, not before, not after."""
+    env, most = subject.make(), core(subject.make()).rules.max_steps
+    seen, taken = reset(env, without_target(subject.episodes()[0])), 0
+    while not seen.over and taken <= most + 5:
+        seen, taken = step(env, choice(seen, taken) if subject.chooses else int(Action.ROTATE_LEFT)), taken + 1
+    steps = int(seen.info.get("episode_metrics", {}).get("steps", -1))
+    ok = seen.truncated and not seen.terminated and steps == most and (subject.chooses or taken == most)
+    ended = "truncated" if seen.truncated else "terminated" if seen.terminated else "going on"
+    return Finding("last step", ok, f"truncated at step {most}", f"{ended} after {taken}, which says {steps}")
+
+
+def frames(subject: Subject) -> Finding:
+    """``render`` gives pictures that change as the agent moves."""
+    env = subject.make(render_mode="rgb_array")
+    first = reset(env, 0)
+    one: Any = env.render()
+    played(subject, env, first, 3)
+    two: Any = env.render()
+    right = isinstance(one, np.ndarray) and one.dtype == np.uint8 and one.ndim == 3 and one.shape[2] == 3
+    ok = bool(right and one.std() > 5 and not np.array_equal(one, two))
+    found = f"{getattr(one, 'shape', type(one).__name__)}, {'changing' if not same(one, two) else 'always the same'}"
+    env.close()
+    return Finding("frames", ok, "uint8 (H, W, 3) that shows something, and changes", found)
+
+
+def without_target(episode: Episode) -> Episode:
+    """The episode with its target far below the floor."""
+    objects = list(episode.arrangement.objects)
+    objects[episode.target] = replace(objects[episode.target], position=(0.0, 0.0, -50.0))
+    return replace(episode, arrangement=replace(episode.arrangement, objects=tuple(objects)))
+
+
+def to_the_end(subject: Subject, env: Env, first: Step) -> Step:
+    """Play until the episode is over: choices, or three turns and Done."""
+    seen, number = first, 0
+    while not seen.over and number < 400:
+        action = choice(seen, number) if subject.chooses else int(Action.DONE if number == 3 else Action.ROTATE_LEFT)
+        seen, number = step(env, action), number + 1
+    return seen
+
+
+def _fits(obs: Any, space: Any) -> bool:
+    """Whether an observation lies in its space and has its types: Gymnasium takes lists for arrays."""
+    if isinstance(space, spaces_of.Dict):
+        return obs.keys() == space.keys() and all(_fits(obs[name], space[name]) for name in space)
+    typed = not isinstance(space, spaces_of.Box) or getattr(obs, "dtype", None) == space.dtype
+    return typed and obs in space
+
+
+def _refused(call: Callable[[], Any]) -> bool:
+    """Whether an environment says no: by an error of ours, or as Gymnasium's own wrappers do."""
+    try:
+        call()
+    except (UconError, AssertionError, ValueError, TypeError):
+        return True
+    return False

@@ -1,0 +1,99 @@
+"""How episodes end: Done, success, rewards, and figures that say what was done."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ucon.envs.checking.contract import to_the_end
+from ucon.envs.checking.findings import Finding
+from ucon.envs.checking.subject import Env, Step, Subject, choice, core, reset, step
+from ucon.task.actions import Action
+
+
+def done(subject: Subject) -> Finding:
+    """Done ends the episode: with success where the target is in view and in reach, without elsewhere."""
+    expected = "Done to end it: success at the end of the stored solution, none at the start"
+    env, known = subject.make(), subject.episodes()
+    for episode in (0, 1, 2):
+        reset(env, episode)
+        early = step(env, int(Action.DONE))
+        seen = _solved(env, reset(env, episode), known[episode].solution)
+        found = [(s.terminated, s.truncated, _success(s)) for s in (early, seen)]
+        if found != [(True, False, False), (True, False, True)]:
+            said = "; ".join(f"terminated {t}, truncated {u}, success {s}" for t, u, s in found)
+            return Finding("done", False, expected, f"at the start and at the end: {said}")
+    return Finding("done", True, expected, "so in 3 episodes")
+
+
+def rewards(subject: Subject) -> Finding:
+    """Success pays more than anything else, and a Done elsewhere no more than any step."""
+    expected = "success to pay most, a Done elsewhere no more than a step"
+    env, known = subject.make(), subject.episodes()
+    reset(env, 0)
+    usual = [step(env, action).reward for action in (2, 2, 1, 3, 4, 2, 2)]
+    failed = step(env, int(Action.DONE)).reward
+    success = _solved(env, reset(env, 1), known[1].solution).reward
+    ok = success > max(*usual, failed) + 1e-9 and failed <= max(usual) + 1e-9
+    return Finding("rewards", ok, expected, f"a step {max(usual):g}, a failed Done {failed:g}, success {success:g}")
+
+
+def figures(subject: Subject) -> Finding:
+    """``episode_metrics`` and ``is_success`` at the end, and only there, say what was done."""
+    expected = "steps, moves, opens, collisions and success as they were, SPL by its formula, at the end alone"
+    env, ours, known = subject.make(), subject.reference(), subject.episodes()
+    plans = [known[1].solution, "2206", "0" * 20 + "3540" + "6", "00100200050000026"]
+    for plan in plans:
+        seen, right = reset(env, 1), reset(ours, 1)
+        for digit in plan:
+            early = "episode_metrics" in seen.info or "is_success" in seen.info
+            seen, right = step(env, int(digit)), step(ours, int(digit))
+            if early:
+                return Finding("figures", False, expected, "some before the end")
+        wanted = {**right.info["episode_metrics"], "is_success": right.info["is_success"]}
+        told = {**seen.info.get("episode_metrics", {}), "is_success": seen.info.get("is_success")}
+        wrong = [name for name, value in wanted.items() if told.get(name) != value]
+        if wrong:
+            found = f"{wrong[0]} {told.get(wrong[0])!r}, where it is {wanted[wrong[0]]!r}"
+            return Finding("figures", False, expected, found)
+    return Finding("figures", True, expected, f"so in {len(plans)} episodes")
+
+
+def figures_of_choices(subject: Subject) -> Finding:
+    """Figures of an episode of choices are those of its steps."""
+    expected = "steps, path and success of what was done, SPL by its formula, at the end alone"
+    env = subject.make()
+    for episode in (0, 1):
+        seen, number = reset(env, episode), 0
+        while not seen.over and number < 400:
+            if "episode_metrics" in seen.info or "is_success" in seen.info:
+                break
+            seen, number = step(env, choice(seen, number)), number + 1
+        told = dict(seen.info.get("episode_metrics", {}))
+        ledger: Any = core(env)._ledger
+        right = ledger.outcome().to_json()
+        wrong = [name for name in right if told.get(name) != right[name]]
+        if not seen.over or wrong or seen.info.get("is_success") is not bool(right["success"]):
+            name = wrong[0] if wrong else "is_success"
+            return Finding("figures", False, expected, f"{name} {told.get(name)!r}, where it is {right.get(name)!r}")
+    return Finding("figures", True, expected, "so in 2 episodes")
+
+
+def image_goal(subject: Subject) -> Finding:
+    """Done at the goal succeeds, elsewhere it does not, and pays so."""
+    expected = "Done away from the goal to end it without success"
+    env = subject.make()
+    early = to_the_end(subject, env, reset(env, 0))
+    found = (early.terminated, _success(early), early.info["episode_metrics"]["steps"])
+    return Finding("done", found == (True, False, 4), expected, f"terminated, success, steps: {found}")
+
+
+def _solved(env: Env, seen: Step, solution: str) -> Step:
+    for digit in solution:
+        if seen.over:
+            break
+        seen = step(env, int(digit))
+    return seen
+
+
+def _success(seen: Step) -> bool:
+    return bool(seen.info.get("episode_metrics", {}).get("success")) and seen.info.get("is_success") is not False

@@ -1,0 +1,68 @@
+"""Frames for people: what the camera sees, with the map of the home beside it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.sharing import Shared
+from ucon.envs.topdown import TopDownMap
+from ucon.sim.render import RasterRenderer
+from ucon.task.ledger import Ledger
+from ucon.task.search import Pose, Search
+
+FRAME_PX: Final = 384
+_FOV_DEG: Final = 90.0
+
+
+@dataclass(frozen=True)
+class Moment(Shared):
+    """What a frame shows, kept in passing and drawn when somebody wants to see it."""
+
+    pose: Pose
+    opened: tuple[int, ...]
+    """Instances, in ascending order."""
+    nodes: int
+    """Length of the path so far."""
+
+    @classmethod
+    def of(cls, search: Search, ledger: Ledger) -> Moment:
+        """How a search stands."""
+        return cls(search.pose, tuple(np.flatnonzero(search.opened).tolist()), len(ledger.path_xy))
+
+
+class Painter:
+    """Draws the moments of one episode. The home is loaded once, and opened further as the episode goes on."""
+
+    def __init__(self, search: Search, ledger: Ledger) -> None:
+        self._renderer = RasterRenderer(FRAME_PX, FRAME_PX, _FOV_DEG)
+        self._search, self._ledger = search, ledger
+        world: Any = search.world
+        self._map = TopDownMap(world.house, world.boxes, world.free, FRAME_PX)
+        self._shown: set[int] = set()
+        self._renderer.load(world.house, world.arrangement)
+
+    def draw(self, moment: Moment) -> NDArray[np.uint8]:
+        """First-person frame with the top-down map beside it, (384, 768, 3) uint8."""
+        world: Any = self._search.world
+        if not self._shown.issubset(moment.opened):  # a moment long past
+            self._renderer.load(world.house, world.arrangement)
+            self._shown = set()
+        for instance in moment.opened:
+            if instance not in self._shown:
+                self._renderer.set_open(instance, 1.0)
+        self._shown = set(moment.opened)
+        frame = np.empty((FRAME_PX, 2 * FRAME_PX, 3), np.uint8)
+        camera = np.empty((FRAME_PX, FRAME_PX, 3), np.uint8)
+        rules, path = self._search.rules, self._ledger.path_xy[: moment.nodes]
+        height_m = rules.camera_heights_m[moment.pose.height]
+        self._renderer.render(*path[-1], height_m, moment.pose.heading, moment.pose.pitch_deg, rgb=camera)
+        frame[:, :FRAME_PX] = camera
+        boxes = world.boxes
+        frame[:, FRAME_PX:] = self._map.draw(
+            path, moment.pose.heading, boxes[self._search.target], boxes[list(moment.opened)]
+        )
+        return frame
