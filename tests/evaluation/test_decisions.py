@@ -14,7 +14,7 @@ from models.agents.lgx import LGXAgent
 from tests.evaluation.records import played as made_up
 from ucon.core.errors import DataError
 from ucon.envs.ucon_env import UcONEnv
-from ucon.evaluation.decisions import DecisionRecord, language_figures, seconds_per_decision, seconds_per_decision
+from ucon.evaluation.decisions import DecisionRecord, language_figures, seconds_per_decision
 from ucon.evaluation.folder import DECISIONS, PARTIAL, TIMING, RunFolder
 from ucon.evaluation.play import Played, RunSpec
 from ucon.evaluation.report import summary
