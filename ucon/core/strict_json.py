@@ -1,0 +1,141 @@
+"""The one reader of JSON that others wrote: of bounded size, depth and numbers, with every key once.
+
+Python's own reader takes NaN, whole numbers of a thousand digits, a key that stands twice, and lists nested until the
+interpreter's stack is full. Whatever reads such values has to guard against each of them; here they are refused once.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, Final
+
+from ucon.core.errors import DataError, brief
+
+#: Of one text. Files that may be larger say so.
+MAX_BYTES: Final = 64 * 2**20
+MAX_DEPTH: Final = 64
+#: Whole numbers are those of 64 bits with a sign, as arrays hold them.
+MAX_INT: Final = 2**63 - 1
+_SURROGATE: Final = re.compile(r"\\u[dD][89a-fA-F]")
+
+
+class JsonError(ValueError):
+    """A text that is not read; the message says why in a few words, without a place."""
+
+
+def parse_json(
+    text: str | bytes, *, max_bytes: int = MAX_BYTES, twice: list[str] | None = None, surrogates: bool = False
+) -> Any:
+    """The value of a JSON text; bytes are UTF-8, with or without a byte-order mark.
+
+    Args:
+        text: one value with nothing but blanks around it.
+        max_bytes: of bytes, or characters of a text.
+        twice: where keys that one object has twice are noted, and the last value counts; None refuses them.
+        surrogates: whether texts may hold halves of characters, which no file can be written with.
+
+    Raises:
+        JsonError: it is none, too large, nested too deeply, or holds what is refused.
+    """
+    if len(text) > max_bytes:
+        raise JsonError(f"{len(text):,} bytes, expected at most {max_bytes:,}")
+    try:
+        plain = text.decode("utf-8-sig") if isinstance(text, bytes) else text
+        value = json.loads(
+            plain,
+            parse_int=_whole,
+            parse_float=_finite,
+            parse_constant=_no_constant,
+            object_pairs_hook=_object(twice),
+        )
+    except UnicodeDecodeError as error:
+        raise JsonError(f"not UTF-8 from byte {error.start + 1} on") from None
+    except json.JSONDecodeError as error:
+        raise JsonError(f"not JSON (line {error.lineno}, column {error.colno}: {error.msg})") from None
+    except RecursionError:
+        raise JsonError(_TOO_DEEP) from None
+    _require_shallow(plain, value)
+    if not surrogates and _SURROGATE.search(plain):
+        _require_whole_characters(value)
+    return value
+
+
+def read_json(path: Path, remedy: str, *, max_bytes: int = MAX_BYTES) -> Any:
+    """The value of a JSON file; ``remedy`` ends the message where it cannot be had.
+
+    Raises:
+        DataError: the file cannot be read, or :func:`parse_json` refuses it; names the file.
+    """
+    try:
+        return parse_json(read_bounded(path, max_bytes), max_bytes=max_bytes)
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read ({error.strerror}); {remedy}") from None
+    except JsonError as error:
+        raise DataError(f"{path}: {error}; {remedy}") from None
+
+
+def read_bounded(path: Path, max_bytes: int) -> bytes:
+    """Bytes of a file, one more than ``max_bytes`` at most: enough for a reader to refuse it."""
+    with path.open("rb") as file:
+        return file.read(max_bytes + 1)
+
+
+_TOO_DEEP: Final = f"nested deeper than {MAX_DEPTH} levels"
+
+
+def _whole(digits: str) -> int:
+    if len(digits) > 20 or not -MAX_INT <= (number := int(digits)) <= MAX_INT:
+        raise JsonError(f"the number {brief(digits)}, expected whole numbers of at most 63 bits")
+    return number
+
+
+def _finite(digits: str) -> float:
+    if not math.isfinite(number := float(digits)):
+        raise JsonError(f"the number {brief(digits)}, expected one that is finite")
+    return number
+
+
+def _no_constant(name: str) -> Any:
+    raise JsonError(f"{name}, expected numbers that are finite")
+
+
+def _object(twice: list[str] | None) -> Callable[[list[tuple[str, Any]]], dict[str, Any]]:
+    def made(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        found = dict(pairs)
+        if len(found) < len(pairs):
+            names = [name for name, _ in pairs]
+            again = sorted({name for name in names if names.count(name) > 1})
+            if twice is None:
+                raise JsonError(f"the key '{brief(again[0])}' twice in one object")
+            twice.extend(again)
+        return found
+
+    return made
+
+
+def _require_shallow(text: str, value: Any) -> None:
+    if text.count("[") + text.count("{") <= MAX_DEPTH:
+        return
+    level = [value]
+    for _ in range(MAX_DEPTH):
+        level = [child for node in level for child in _children(node) if type(child) in (dict, list)]
+        if not level:
+            return
+    raise JsonError(_TOO_DEEP)
+
+
+def _children(node: Any) -> Iterable[Any]:
+    if type(node) is dict:
+        return node.values()
+    return node if type(node) is list else ()
+
+
+def _require_whole_characters(value: Any) -> None:
+    try:
+        json.dumps(value, ensure_ascii=False).encode()
+    except UnicodeEncodeError:
+        raise JsonError("half of a character (a lone surrogate), expected whole ones") from None
