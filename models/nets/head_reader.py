@@ -5,11 +5,10 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import torch
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 from models.nets.belief_head import NEVER, BeliefHead, Outputs
 from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import MANIFEST, read_verified, sha256_file
+from ucon.core.strict_json import JsonError, parse_json
 from ucon.habits.types import RELATIONS
 from ucon.language.encoder import one_thread
 from ucon.learning.belief import CONFIG, PRIOR, WEIGHTS, head_tensors
@@ -116,7 +116,7 @@ class HeadReader:
             DataError: see :func:`load_head`; or it was trained on other fitted parts than the shipped ones.
         """
         path = _model_folder(SHIPPED if folder is None else Path(folder))
-        head, described = load_head(path), json.loads(read_verified(path / CONFIG))
+        head, described = load_head(path), _described(path / CONFIG)
         parts = default_parts()
         if isinstance(names := described.get("anchors"), list):
             prior = AnchorPrior.from_bytes(read_verified(path / PRIOR), names, str(path / PRIOR))
@@ -173,19 +173,34 @@ def load_head(folder: Path) -> BeliefHead:
         DataError: a file is missing or altered, or holds no head of this architecture.
     """
     folder = _model_folder(folder)
-    head = _built(folder / CONFIG)
-    head.load_state_dict(head_tensors(folder / WEIGHTS, head))
-    return head.eval()
-
-
-def _built(config: Path) -> BeliefHead:
-    """The head that ``config`` describes, not yet trained."""
+    config = folder / CONFIG
     try:
-        return BeliefHead(**dict(json.loads(read_verified(config))["head"]))
-    except (ValueError, LookupError, TypeError, RecursionError):
+        options = dict(_described(config)["head"])
+        with torch.device("meta"):  # takes no memory, however large the sizes
+            shapes = BeliefHead(**options)
+        tensors = head_tensors(folder / WEIGHTS, shapes)
+        head = BeliefHead(**options)
+    except (ValueError, LookupError, TypeError):
         raise DataError(f"{config}: describes no belief head of this version; train one with learner=belief") from None
     except ConfigError as error:
         raise DataError(f"{config}: describes no belief head ({error}); train one with learner=belief") from None
+    head.load_state_dict(tensors)
+    return head.eval()
+
+
+def _described(config: Path) -> dict[str, Any]:
+    """What the file beside a head's weights says of it.
+
+    Raises:
+        DataError: it is missing or altered, or no JSON object.
+    """
+    try:
+        found = parse_json(read_verified(config))
+    except JsonError as error:
+        raise DataError(f"{config}{error.at}: {error}; train one with learner=belief") from None
+    if not isinstance(found, dict):
+        raise DataError(f"{config}: describes no belief head of this version; train one with learner=belief")
+    return found
 
 
 def _model_folder(folder: Path) -> Path:

@@ -103,6 +103,7 @@ def _told(shares: Any) -> Any:
 def print_sweep(folder: Path) -> None:
     """Tables of all finished runs below a sweep's folder, and what habits and agents are worth in it."""
     from ucon.commands.output import wide_console
+    from ucon.core.strict_json import read_json
     from ucon.evaluation.compare import compare_records, comparison_table
     from ucon.evaluation.naming import answers_something, level, player
     from ucon.evaluation.record import read_records
@@ -111,7 +112,7 @@ def print_sweep(folder: Path) -> None:
     paths = sorted(p.parent for p in folder.glob("*/summary.json"))
     if len(paths) < 2:
         return
-    runs = [(json.loads((p / "summary.json").read_text()), read_records(p)) for p in paths]
+    runs = [(read_json(p / "summary.json", "evaluate again"), read_records(p)) for p in paths]
     runs.sort(key=lambda run: (player(run[0]), _LEVEL_ORDER.get(level(run[0]), 9)))
     console = wide_console()
     console.print(results_table([summary for summary, _ in runs], title=str(folder)))

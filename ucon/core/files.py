@@ -14,8 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from ucon.core.errors import ConfigError, DataError, brief
+from ucon.core.strict_json import JsonError, parse_json, read_bounded
 
 MANIFEST = "MANIFEST.json"
+#: Of a file that is read whole.
+_MOST_BYTES = 4 * 2**30
 
 
 def user_cache() -> Path:
@@ -67,7 +70,7 @@ def remembered_sha256(path: Path) -> str:
     note = user_cache() / "sha256" / f"{sha256_bytes(name.encode())[:32]}.json"
     state = {"bytes": stat.st_size, "mtime_ns": stat.st_mtime_ns}
     try:
-        known = json.loads(note.read_text())
+        known = parse_json(read_bounded(note, 4096))
         if {key: known[key] for key in state} == state:
             return str(known["sha256"])
     except (OSError, ValueError, KeyError, TypeError):
@@ -131,6 +134,24 @@ def write_manifest(folder: Path, names: Iterable[str]) -> None:
     write_atomic(folder / MANIFEST, json.dumps({"files": entries}, indent=1) + "\n")
 
 
+def listed_files(folder: Path) -> dict[str, Any]:
+    """What the manifest of a folder says of each file; raises :class:`DataError` where it is no usable one.
+
+    Raises:
+        FileNotFoundError: there is none.
+    """
+    manifest = folder / MANIFEST
+    try:
+        files = parse_json(read_bounded(manifest, 64 * 2**20))["files"]
+    except FileNotFoundError:
+        raise
+    except (OSError, JsonError, LookupError, TypeError):
+        files = None
+    if not isinstance(files, dict):
+        raise DataError(f"{manifest}: not a usable manifest; restore it from the release")
+    return files
+
+
 def read_verified(path: Path) -> bytes:
     """Bytes of ``path``, checked against the manifest in its folder.
 
@@ -141,18 +162,22 @@ def read_verified(path: Path) -> bytes:
     if not path.is_file():
         raise DataError(f"{path}: no such file")
     try:
-        entry = json.loads(manifest.read_text())["files"][path.name]
+        entry = listed_files(path.parent)[path.name]
         expected, size = str(entry["sha256"]), int(entry["bytes"])
     except FileNotFoundError:
         raise DataError(
             f"{manifest}: missing, so {path.name} cannot be verified; restore it from the release"
         ) from None
-    except (ValueError, LookupError, TypeError, OverflowError, RecursionError):
+    except (ValueError, LookupError, TypeError):
         raise DataError(f"{manifest}: no usable entry for {path.name}; restore it from the release") from None
-    data = path.read_bytes()
+    try:
+        data = read_bounded(path, min(size, _MOST_BYTES))
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read ({error.strerror}); restore it from the release") from None
     if len(data) != size or sha256_bytes(data) != expected:
+        found = path.stat().st_size
         raise DataError(
-            f"{path}: {len(data)} bytes with SHA-256 {sha256_bytes(data)[:12]}, expected {brief(size)} bytes with "
+            f"{path}: {found} bytes with SHA-256 {sha256_bytes(data)[:12]}, expected {brief(size)} bytes with "
             f"{brief(expected[:12])}; the file is truncated or altered, restore it from the release"
         )
     return data

@@ -8,6 +8,7 @@ from typing import Any
 
 from ucon.core.errors import DataError
 from ucon.core.files import canonical_json
+from ucon.core.text import shown
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class DecisionRecord:
         """One line of canonical JSON without the line break."""
         values: dict[str, Any] = asdict(self)
         values.pop("seconds")
-        values["text"] = "".join(c if c.isprintable() else " " for c in self.text)  # servers say anything
+        values["text"] = shown(self.text)  # servers say anything
         return canonical_json(values)
 
     @classmethod

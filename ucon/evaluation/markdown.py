@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from ucon.core.errors import ConfigError, DataError
+from ucon.core.strict_json import read_json
 from ucon.evaluation.closed import CELLS, DISTANCES, carried_over, distance_closed
 from ucon.evaluation.compare import Comparison
 from ucon.evaluation.folder import SUMMARY
@@ -46,10 +46,7 @@ def read_run(folder: Path) -> Run:
 
 
 def _summary(path: Path) -> dict[str, Any]:
-    try:
-        said = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
-    except ValueError:
-        said = None
+    said = read_json(path, "the file is altered, evaluate again") if path.is_file() else {}
     if not isinstance(said, dict):
         raise DataError(f"{path}: no summary of a run; the file is altered, evaluate again")
     return said

@@ -6,13 +6,13 @@ are compared as they are written, byte by byte; without them the figures of the 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ucon.core.errors import DataError
+from ucon.core.strict_json import MAX_BYTES, parse_json, read_bounded
 from ucon.evaluation.folder import SUMMARY
 from ucon.evaluation.metrics import summarise
 from ucon.evaluation.naming import level, player
@@ -55,7 +55,7 @@ class Kept:
         """
         path = folder / SUMMARY
         try:
-            figures = json.loads(path.read_text(encoding="utf-8"))
+            figures = parse_json(read_bounded(path, MAX_BYTES))
             label = f"{player(figures)}, {level(figures)}"
             _main(figures)
         except (OSError, ValueError, LookupError, AttributeError, TypeError):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +9,7 @@ from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 from yaml import YAMLError
 
+from ucon.core.strict_json import MAX_BYTES, parse_json, read_bounded
 from ucon.evaluation.folder import CONFIG, SUMMARY
 from ucon.evaluation.report import NEUTRAL_OPTIONS
 
@@ -21,7 +21,7 @@ def twin_of(out: Path, config: dict[str, Any], hashes: dict[str, str]) -> Path |
         if path.parent == out:
             continue
         try:
-            found = json.loads(path.read_text(encoding="utf-8"))["hashes"]
+            found = parse_json(read_bounded(path, MAX_BYTES))["hashes"]
             other: Any = OmegaConf.to_container(OmegaConf.load(path.parent / CONFIG))
             same = all(found.get(name) == value for name, value in hashes.items() if name != "config")
             if same and without_level(other) == wanted:

@@ -63,7 +63,7 @@ def read_lines(path: Path) -> list[str]:
 
 def _lines(path: Path, raw: bytes) -> list[str]:
     try:
-        text = raw.decode("utf-8")
+        text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         bad = raw.count(b"\n", 0, error.start) + 1
         raise DataError(f"{path}:{bad}: not UTF-8 ({error.reason}); save the file as UTF-8") from None

@@ -8,7 +8,6 @@ Imported where torch is needed anyway; :mod:`ucon.language.adapted` is the cheap
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
@@ -18,9 +17,10 @@ from safetensors import SafetensorError
 from safetensors.torch import load, save
 from torch import Tensor, nn
 
-from ucon.core.errors import DataError
+from ucon.core.errors import DataError, brief
 from ucon.core.files import read_verified
 from ucon.core.rng import derived_seed
+from ucon.core.strict_json import parse_json
 
 BASE_KEY: Final = "base_sha256"
 
@@ -90,12 +90,13 @@ def read_adapter(path: Path, base_sha256: str) -> dict[str, Tensor]:
     try:
         tensors: dict[str, Tensor] = load(raw)
         size = int.from_bytes(raw[:8], "little")
-        base = json.loads(raw[8 : 8 + size]).get("__metadata__", {}).get(BASE_KEY)
-    except (SafetensorError, ValueError) as error:
-        raise DataError(f"{path}: not an adapter ({error}); train one with `train.py learner=retriever`") from None
+        base = parse_json(raw[8 : 8 + size]).get("__metadata__", {}).get(BASE_KEY)
+    except (SafetensorError, ValueError, KeyError) as error:
+        why = brief(str(error))
+        raise DataError(f"{path}: not an adapter ({why}); train one with `train.py learner=retriever`") from None
     if base != base_sha256:
         raise DataError(
-            f"{path}: made for weights {str(base)[:12]}, the encoder has {base_sha256[:12]}; use its own encoder"
+            f"{path}: made for weights {brief(str(base)[:12])}, the encoder has {base_sha256[:12]}; use its own encoder"
         )
     return tensors
 

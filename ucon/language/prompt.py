@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Final
 
 from ucon.core.errors import ConfigError, DataError
+from ucon.core.text import shown
 
 PARTS: Final = ("system", "situation", "cloze")
 _NEEDED: Final = ("system", "situation")
@@ -52,7 +53,7 @@ class Prompt:
         """
         path = Path(path)
         try:
-            text = path.read_text(encoding="utf-8")
+            text = path.read_text(encoding="utf-8-sig")
         except (OSError, UnicodeDecodeError) as error:
             raise DataError(f"{path}: cannot be read as text ({error}); give the path of a prompt file") from None
         return cls.parse(text, str(path))
@@ -127,7 +128,7 @@ class Prompt:
 
 def neutral(text: str) -> str:
     """A habit as one line of plain data: no line breaks or control characters, no signs that marks are made of."""
-    return " ".join("".join(c if c.isprintable() else " " for c in text).translate(_SIGNS).split())
+    return " ".join(shown(text).translate(_SIGNS).split())
 
 
 def habit_block(habits: Sequence[str], *, numbered: bool = True) -> str:

@@ -11,16 +11,17 @@ refused.
 
 from __future__ import annotations
 
-import json
 import os
+import re
 import shutil
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from ucon.core.errors import DataError
+from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json, read_verified, write_atomic, write_manifest
+from ucon.core.strict_json import MAX_BYTES, parse_json, read_bounded
 from ucon.learning.learner import State
 
 TENSORS: Final = "tensors.safetensors"
@@ -28,6 +29,9 @@ VALUES: Final = "state.json"
 LATEST: Final = "latest"
 BEST: Final = "best"
 FORMAT: Final = 1
+#: Of one run, and so of the number in a checkpoint's name.
+MOST_STEPS: Final = 10**12
+_NAME: Final = re.compile(r"step_\d{8,12}")
 
 
 class CheckpointError(DataError):
@@ -76,11 +80,15 @@ class Checkpoints:
         try:
             raw, values = read_verified(folder / TENSORS), read_verified(folder / VALUES)
             content = _content(values)
-            step, found, own = int(content["step"]), dict(content["identity"]), content["values"]
+            step, found, own = content["step"], content["identity"], content["values"]
+            if type(step) is not int or not 0 <= step < MOST_STEPS or not isinstance(own, dict):
+                raise ValueError(f"step {brief(step)} with {type(own).__name__} values")
+            if not isinstance(found, dict):
+                raise ValueError(f"{type(found).__name__} for the hashes of the run")
         except (DataError, ValueError, KeyError, TypeError) as error:
             raise CheckpointError(f"checkpoint {folder}: {_reason(error)}; {self._others(folder.name)}") from None
         if found != self.identity:
-            differ = sorted(k for k in {*found, *self.identity} if found.get(k) != self.identity.get(k))
+            differ = sorted(brief(k) for k in {*found, *self.identity} if found.get(k) != self.identity.get(k))
             raise CheckpointError(
                 f"checkpoint {folder}: of another run (different {', '.join(differ)}); "
                 "resume with the configuration and the data that it was made with"
@@ -136,8 +144,11 @@ class Checkpoints:
 
     def _named(self, pointer: str) -> str:
         try:
-            return (self.folder / pointer).read_text().strip()
-        except (OSError, UnicodeDecodeError):
+            name = read_bounded(self.folder / pointer, 100).decode().strip()
+            if not _NAME.fullmatch(name):
+                raise ValueError(name)
+            return name
+        except (OSError, ValueError):
             raise CheckpointError(
                 f"{self.folder / pointer}: missing or damaged, so no checkpoint is {pointer}; {self._others()}"
             ) from None
@@ -164,10 +175,10 @@ class Checkpoints:
     def _best_of(folder: Path) -> str:
         """Name of the checkpoint that was best when this one was written; empty if none was, or it cannot be told."""
         try:
-            best = _content((folder / VALUES).read_bytes()).get("best")
+            best = _content(read_bounded(folder / VALUES, MAX_BYTES)).get("best")
         except (OSError, ValueError, KeyError, TypeError):
             return ""
-        return "" if best is None else step_name(int(best))
+        return step_name(best) if type(best) is int and 0 <= best < MOST_STEPS else ""
 
 
 def _content(values: bytes) -> dict[str, Any]:
@@ -176,9 +187,9 @@ def _content(values: bytes) -> dict[str, Any]:
     Raises:
         ValueError: no JSON, or of another format.
     """
-    content: dict[str, Any] = json.loads(values)
+    content: dict[str, Any] = parse_json(values)
     if content["format"] != FORMAT:
-        raise ValueError(f"format {content['format']}, this version reads {FORMAT}")
+        raise ValueError(f"format {brief(content['format'])}, this version reads {FORMAT}")
     return content
 
 
@@ -193,9 +204,10 @@ def _tensors(raw: bytes, folder: Path) -> Mapping[str, Any]:
 
     try:
         return load(raw)
-    except SafetensorError as error:
-        raise CheckpointError(f"checkpoint {folder}: {TENSORS} is no safetensors file ({error})") from None
+    except (SafetensorError, ValueError, KeyError) as error:
+        why = brief(str(error))
+        raise CheckpointError(f"checkpoint {folder}: {TENSORS} is no safetensors file ({why})") from None
 
 
 def _reason(error: Exception) -> str:
-    return str(error) if isinstance(error, DataError) else f"{VALUES} does not say what it should ({error})"
+    return str(error) if isinstance(error, DataError) else f"{VALUES} does not say what it should ({brief(str(error))})"

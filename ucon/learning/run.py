@@ -22,6 +22,7 @@ from typing import Any, Final
 
 from ucon.core.errors import ConfigError, DataError, brief, unknown_name
 from ucon.core.files import canonical_json, sha256_bytes, write_atomic, write_manifest
+from ucon.core.strict_json import MAX_BYTES, parse_json, read_bounded
 from ucon.learning.checkpoints import BEST, LATEST, Checkpoints
 from ucon.learning.learner import Figures, Learner, State
 
@@ -196,9 +197,11 @@ class TrainingRun:
         """What earlier calls took; 0 where nothing says it, as in runs of earlier versions."""
         for name in (SECONDS, SUMMARY):
             try:
-                return float(json.loads((self.folder / name).read_text(encoding="utf-8"))["seconds"])
+                seconds = float(parse_json(read_bounded(self.folder / name, MAX_BYTES))["seconds"])
             except (OSError, ValueError, LookupError, TypeError):
                 continue
+            if seconds >= 0:
+                return seconds
         return 0.0
 
     def _log(self, figures: Mapping[str, float]) -> None:
@@ -208,15 +211,15 @@ class TrainingRun:
     def _cut_metrics(self) -> None:
         """Keep the lines up to the checkpoint; a last line that was cut off goes too."""
         path = self.folder / METRICS
-        text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+        raw = path.read_bytes() if path.is_file() else b""
         kept = []
-        for number, line in enumerate(text[: text.rfind("\n") + 1].splitlines(), 1):
+        for number, line in enumerate(raw[: raw.rfind(b"\n") + 1].splitlines(), 1):
             try:
-                if int(json.loads(line)["step"]) <= self.step:
-                    kept.append(line + "\n")
-            except (ValueError, KeyError, TypeError):
+                if int(parse_json(line)["step"]) <= self.step:
+                    kept.append(line + b"\n")
+            except (ValueError, LookupError, TypeError):
                 raise DataError(f"{path}:{number}: not a line of metrics; restore it, or start the run anew") from None
-        write_atomic(path, "".join(kept))
+        write_atomic(path, b"".join(kept))
 
     def _finish(self) -> dict[str, Any]:
         _, state = self.checkpoints.load(BEST)

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json, read_verified, sha256_bytes
+from ucon.core.strict_json import parse_json
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -29,6 +30,8 @@ IN_RUN: Final = "model"
 FORMAT: Final = 1
 #: Habits of the longest list that environments give by default, in training too.
 MAX_HABITS: Final = 1024
+#: More than any household has.
+MOST_HABITS: Final = 1_000_000
 
 
 class Network(Protocol):
@@ -115,10 +118,12 @@ def load_network(path: str, network: Network, *, how: str = "") -> str:
 def _check_config(path: Path, network: Network) -> int:
     """Refuse weights of another architecture or version of it; returns how many habits they learned from at most."""
     try:
-        config = json.loads(read_verified(path))
+        config = parse_json(read_verified(path))
         found, number, arguments = config["architecture"], config["format"], dict(config["arguments"])
-        most = int(config.get("max_habits", MAX_HABITS))
-    except (ValueError, LookupError, TypeError, RecursionError):
+        most = config.get("max_habits", MAX_HABITS)
+        if type(most) is not int or not 0 < most <= MOST_HABITS:
+            raise ValueError("max_habits")
+    except (ValueError, LookupError, TypeError, AttributeError):
         raise DataError(f"{path}: does not describe a network; train it anew") from None
     if number != FORMAT:
         raise DataError(f"{path}: format {brief(number)}, this version reads {FORMAT}; train it anew")

@@ -7,7 +7,6 @@ its own: softmax regression on the target's sentence vector, among the anchors t
 from __future__ import annotations
 
 import io
-import zipfile
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,6 +15,7 @@ from typing import Final
 import numpy as np
 
 from ucon.core.errors import DataError
+from ucon.core.unpack import MAX_BYTES, read_arrays
 from ucon.habits.types import RELATIONS, Entry
 from ucon.retrieval.weights import Array, softmax
 
@@ -61,9 +61,9 @@ class AnchorPrior:
             DataError: it is something else, or for other names.
         """
         try:
-            with np.load(io.BytesIO(raw), allow_pickle=False) as file:
-                dense, bias, relation = (file[name].astype(np.float64) for name in _KEPT)
-        except (ValueError, KeyError, OSError, EOFError, zipfile.BadZipFile) as error:
+            file = read_arrays(raw, MAX_BYTES)
+            dense, bias, relation = (file[name].astype(np.float64) for name in _KEPT)
+        except (ValueError, KeyError, TypeError) as error:
             raise DataError(f"{where}: no anchor prior ({str(error)[:80]}); train the head again") from None
         shapes = dense.shape[1:] == bias.shape == (len(names),) and relation.shape == (len(names), len(RELATIONS))
         if dense.ndim != 2 or not shapes:

@@ -6,7 +6,6 @@ which texts are read together.
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import DataError
 from ucon.core.files import read_verified, sha256_bytes
+from ucon.core.unpack import MAX_BYTES, UnpackError, read_arrays
 
 WEIGHTS = Path(__file__).parent / "data" / "reader.npz"
 Array = NDArray[np.float64]
@@ -84,9 +84,8 @@ def load_arrays(path: Path) -> tuple[dict[str, NDArray], str]:
     """
     raw = read_verified(path)
     try:
-        with np.load(io.BytesIO(raw), allow_pickle=False) as file:
-            return {name: file[name] for name in file.files}, sha256_bytes(raw)
-    except (ValueError, OSError) as error:
+        return read_arrays(raw, MAX_BYTES), sha256_bytes(raw)
+    except UnpackError as error:
         raise DataError(f"{path}: not a file of arrays ({error}); restore it from the release") from None
 
 
