@@ -23,7 +23,7 @@ from typing import Any, Final
 from ucon.core.errors import ConfigError, DataError, brief, unknown_name
 from ucon.core.files import canonical_json, sha256_bytes, write_atomic, write_manifest
 from ucon.core.strict_json import MAX_BYTES, parse_json, read_bounded
-from ucon.learning.checkpoints import BEST, LATEST, Checkpoints
+from ucon.learning.checkpoints import BEST, LATEST, CheckpointError, Checkpoints
 from ucon.learning.learner import Figures, Learner, State
 
 CONFIG: Final = "config.yaml"
@@ -126,15 +126,31 @@ class TrainingRun:
         """Go on from a checkpoint; what was logged after it is logged again."""
         self.step, state = self.checkpoints.load(checkpoint)
         self._saved = self.step
-        trainer = state.values["trainer"]
-        self.best = dict(trainer["best"])
-        self.learner.load_state_dict(State(state.tensors, state.values["learner"]))
+        self._take(state, checkpoint)
         if checkpoint != LATEST:
             self.checkpoints.rewind(checkpoint)
         if not self.checkpoints.has_best:
             self.best = {}  # the next validation finds one
         self._cut_metrics()
         self._seconds_before = self._kept_seconds()
+
+    def _take(self, state: State, checkpoint: str) -> None:
+        """Give learner and trainer a state.
+
+        Raises:
+            CheckpointError: it is whole, but not the state of such a run.
+        """
+        try:
+            best = dict(state.values["trainer"]["best"])
+            if odd := [value for value in best.values() if type(value) not in (int, float)]:
+                raise TypeError(f"{brief(odd[0])} among the best figures")
+            self.best = best
+            self.learner.load_state_dict(State(state.tensors, state.values["learner"]))
+        except (LookupError, TypeError, ValueError, AttributeError, RuntimeError) as error:
+            raise CheckpointError(
+                f"checkpoint {self.checkpoints.folder / checkpoint}: not the state of this learner "
+                f"({type(error).__name__}: {brief(str(error))}); start the run anew"
+            ) from None
 
     def run(self, on_figures: OnFigures = lambda step, figures: None) -> dict[str, Any]:
         """Train to the end and write what is left of it; returns the content of ``summary.json``.
@@ -222,8 +238,9 @@ class TrainingRun:
         write_atomic(path, b"".join(kept))
 
     def _finish(self) -> dict[str, Any]:
-        _, state = self.checkpoints.load(BEST)
-        self.learner.load_state_dict(State(state.tensors, state.values["learner"]))
+        best, (_, state) = self.best, self.checkpoints.load(BEST)
+        self._take(state, BEST)
+        self.best = best
         product = self.learner.product()
         for name, content in product.items():
             write_atomic(self.folder / MODEL / name, content)
