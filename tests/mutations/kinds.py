@@ -64,14 +64,14 @@ class Kind:
     """Bring the folder's checksums up to date, as whoever forges a file does; other values are then no damage."""
 
 
-def command(*arguments: str) -> Any:
-    """What ``python -m ucon`` prints; raises :class:`UconError` with the line where it ends with 2."""
+def command(copy: Path, *arguments: str) -> Any:
+    """What ``python -m ucon`` prints, wherever the files lie; raises :class:`UconError` where it ends with 2 or 1."""
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         code = main(list(arguments))
     if code:
         raise UconError(err.getvalue().strip() if code == 2 else f"ends with {code}")
-    return out.getvalue()
+    return out.getvalue().replace(str(copy), "")
 
 
 def run_of(folder: Path, agent: str, *, finish: bool = True) -> dict[str, Any]:
@@ -104,7 +104,7 @@ def _two_runs(folder: Path) -> None:
 
 
 def _compared(folder: Path) -> Any:
-    return command("compare", str(folder / "oracle"), str(folder / "random"), "--json")
+    return command(folder, "compare", str(folder / "oracle"), str(folder / "random"), "--json")
 
 
 def records(folder: Path) -> Kind:
@@ -131,13 +131,12 @@ def partial(folder: Path) -> Kind:
 
 def stored_configuration(folder: Path) -> Kind:
     _two_runs(folder)
-    return Kind(
-        ("oracle/config.yaml",),
-        lambda copy: command(
-            "replay", str(copy / "oracle"), "--workers", "0", "--out", str(copy / "replayed"), "--json"
-        ),
-        (folder / "random/config.yaml").read_bytes(),
-    )
+
+    def replayed(copy: Path) -> Any:
+        out = copy / "replayed"
+        return command(copy, "replay", str(copy / "oracle"), "--workers", "0", "--out", str(out), "--json")
+
+    return Kind(("oracle/config.yaml",), replayed, (folder / "random/config.yaml").read_bytes())
 
 
 def _home_inside(raw: bytes) -> bytes:
@@ -337,7 +336,7 @@ def survey_sheet(folder: Path) -> Kind:
     (folder / "other.csv").write_text(sheet_csv(draw_items(book(), 8, 4)))
 
     def read(copy: Path) -> Any:
-        return command("habits", "survey", "score", str(copy / "key.csv"), str(copy / "rater.csv"), "--json")
+        return command(copy, "habits", "survey", "score", str(copy / "key.csv"), str(copy / "rater.csv"), "--json")
 
     return Kind(("rater.csv", "key.csv"), read, (folder / "other.csv").read_bytes(), authored=True)
 
