@@ -211,6 +211,21 @@ def _built(options: Any, config: Path) -> BeliefHead:
         raise DataError(f"{config}: describes no belief head ({error}); train one with learner=belief") from None
 
 
+def _described(config: Path) -> dict[str, Any]:
+    """What the file beside a head's weights says of it.
+
+    Raises:
+        DataError: it is missing or altered, or no JSON object.
+    """
+    try:
+        found = parse_json(read_verified(config))
+    except JsonError as error:
+        raise DataError(f"{config}{error.at}: {error}; train one with learner=belief") from None
+    if not isinstance(found, dict):
+        raise DataError(f"{config}: describes no belief head of this version; train one with learner=belief")
+    return found
+
+
 def _model_folder(folder: Path) -> Path:
     """``folder``, or the ``model`` in it where it is that of a run."""
     folder = folder.expanduser()

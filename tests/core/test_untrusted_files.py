@@ -1,16 +1,12 @@
 """Reading files of others: plain files, tensors and arrays are no more than they may be, or one line."""
 
-import io
 import json
 import os
-import zipfile
 
-import numpy as np
 import pytest
 import torch
 from safetensors.torch import load, save
 
-from ucon.core.array_files import read_arrays
 from ucon.core.errors import DataError
 from ucon.core.files import MANIFEST, read_verified, write_manifest
 from ucon.core.plain_file import read_plain
@@ -122,47 +118,3 @@ def test_what_holds_no_tensors(tmp_path, raw):
         with pytest.raises(DataError, match="no safetensors") as caught:
             read()
         in_a_line(caught)
-
-
-def arrays_of(**arrays):
-    buffer = io.BytesIO()
-    np.savez_compressed(buffer, **arrays)
-    return buffer.getvalue()
-
-
-def test_arrays_come_back():
-    given = {"a": np.arange(6.0).reshape(2, 3), "b": np.arange(6, dtype=np.int16).reshape(2, 3).T, "c": np.array(0.5)}
-    found = read_arrays(arrays_of(**given))
-    assert found.keys() == given.keys()
-    for name, array in given.items():
-        assert found[name].dtype == array.dtype
-        assert np.array_equal(found[name], array)
-        assert found[name].flags.writeable
-
-
-def lying(shape, data=bytes(8)):
-    buffer = io.BytesIO()
-    np.lib.format.write_array_header_1_0(buffer, {"descr": "<f8", "fortran_order": False, "shape": shape})
-    out = io.BytesIO()
-    with zipfile.ZipFile(out, "w") as archive:
-        archive.writestr("a.npy", buffer.getvalue() + data)
-    return out.getvalue()
-
-
-@pytest.mark.parametrize(
-    "raw",
-    [b"", b"nonsense", arrays_of(a=np.array([{}], object)), lying((1 << 40, 1 << 20)), lying((2,)), lying((0,)),
-     arrays_of(a=np.zeros(3))[:-30], lying((-1,))],
-)  # fmt: skip
-def test_what_holds_no_arrays(raw):
-    with pytest.raises(DataError) as caught:
-        read_arrays(raw)
-    in_a_line(caught)
-
-
-def test_arrays_that_unpack_without_end_are_refused():
-    raw = arrays_of(a=np.zeros(1 << 20))
-    assert len(raw) < 1 << 15
-    assert read_arrays(raw, 9 << 20)["a"].shape == (1 << 20,)
-    with pytest.raises(DataError, match="more than 1000000 bytes when unpacked"):
-        read_arrays(raw, 1_000_000)

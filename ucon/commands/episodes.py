@@ -61,7 +61,7 @@ def _make(args: argparse.Namespace) -> int:
         raise ConfigError(f"{given[0]} without --out: set '{args.name}' itself would be replaced; give --out FILE")
     dataset = load_dataset(args.habits)
     name = set_name(args.name, args.task, context=args.context)
-    orders = list(set_orders(args.name, dataset, args.task, context=args.context))[: args.limit]
+    orders = list(set_orders(args.name, dataset, args.task, context=args.context, left_out=_say))[: args.limit]
     path = args.out or set_path(name)
     journal = path.with_name(f"{path.name}.part")
     require_writable(journal)
@@ -80,6 +80,10 @@ def _make(args: argparse.Namespace) -> int:
     journal.unlink()
     sys.stderr.write(f"{len(episodes)} episodes written to {path} ({path.stat().st_size / 1024:.0f} KB)\n")
     return _report(path, episodes)
+
+
+def _say(line: str) -> None:
+    sys.stderr.write(f"{line}\n")
 
 
 def _verify(args: argparse.Namespace) -> int:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -34,3 +36,10 @@ def stdout_to_stderr() -> Iterator[None]:
         sys.stdout.flush()
         os.dup2(saved, 1)
         os.close(saved)
+
+
+@cache
+def say_once(line: str) -> None:
+    """Print a line to standard error, once, and not again from the worker processes."""
+    if multiprocessing.parent_process() is None:
+        print(line, file=sys.stderr)

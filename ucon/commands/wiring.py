@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ucon.commands.arguments import check_arguments
+from ucon.commands.output import say_once
 from ucon.core.errors import ConfigError, UconError
 
 if TYPE_CHECKING:
@@ -66,14 +67,18 @@ def _missing(target: str, module: str) -> str:
 def official_habits(path: str) -> HabitDataset:
     """Dataset of the official release at ``path``, without what is not in the catalogue.
 
-    Its verdicts are those of the shapes, so that sampling gives the same on every machine; the sampler settles what it
-    places anyway. What really trying them says is told by ``habits import``.
+    What is left out, and why, is told in one line, and also where most sentences are not English. Its verdicts are
+    those of the shapes, so that sampling gives the same on every machine; the sampler settles what it places anyway.
+    What really trying them says is told by ``habits import``.
     """
     from ucon.generation.kept import shape_verdicts
     from ucon.habits import official
     from ucon.objects.catalogue import catalogue
 
-    dataset, _ = official(existing(path, "habits.path"), catalogue().names)
+    dataset, report = official(existing(path, "habits.path"), catalogue().names)
+    if (lost := report.left_out(len(dataset))) is not None:
+        say_once(f"warning: {lost}")
+    _warn_of_language(dataset)
     return replace(dataset, verdicts=shape_verdicts(dataset))
 
 
@@ -88,7 +93,17 @@ def folder_habits(path: str) -> HabitDataset:
 
     found = existing(path, "habits.path")
     read = load_dataset_file if found.name.endswith(SUFFIX) else read_book
-    return read(found, catalogue().names)
+    dataset = read(found, catalogue().names)
+    _warn_of_language(dataset)
+    return dataset
+
+
+def _warn_of_language(dataset: HabitDataset) -> None:
+    from ucon.language.english import language_warning
+
+    texts = [habit.text for entry in dataset.entries for habit in entry.habits]
+    if (warning := language_warning(dataset.name, texts)) is not None:
+        say_once(warning)
 
 
 def existing(path: str, option: str) -> Path:

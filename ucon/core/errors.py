@@ -8,6 +8,8 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+from ucon.core.text import is_shown
+
 
 class UconError(Exception):
     """Base of every error that a user can cause and mend."""
@@ -74,7 +76,7 @@ def brief(value: object) -> str:
     """A value as messages show it: one line, safe to print, its first 80 characters."""
     text = value if isinstance(value, str) else repr(value)
     text = text if len(text) <= 80 else f"{text[:80]}..."
-    return text if text.isprintable() else ascii(text)[1:-1]
+    return text if is_shown(text) else ascii(text)[1:-1]
 
 
 def unknown_name(kind: str, name: str, known: Iterable[str], *, remedy: str = "") -> str:

@@ -15,10 +15,11 @@ from typing import Any
 
 from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.plain_file import read_plain
-from ucon.core.strict_json import parse_json
+from ucon.core.strict_json import JsonError, parse_json, read_bounded
 
 MANIFEST = "MANIFEST.json"
-_MOST_MANIFEST = 16 << 20
+#: Bytes of a manifest.
+_MOST_MANIFEST = 64 << 20
 
 
 def user_cache() -> Path:
@@ -70,7 +71,7 @@ def remembered_sha256(path: Path) -> str:
     note = user_cache() / "sha256" / f"{sha256_bytes(name.encode())[:32]}.json"
     state = {"bytes": stat.st_size, "mtime_ns": stat.st_mtime_ns}
     try:
-        known = json.loads(note.read_text())
+        known = parse_json(read_bounded(note, 4096))
         if {key: known[key] for key in state} == state:
             return str(known["sha256"])
     except (OSError, ValueError, KeyError, TypeError):
@@ -134,6 +135,24 @@ def write_manifest(folder: Path, names: Iterable[str]) -> None:
     write_atomic(folder / MANIFEST, json.dumps({"files": entries}, indent=1) + "\n")
 
 
+def listed_files(folder: Path) -> dict[str, Any]:
+    """What the manifest of a folder says of each file.
+
+    Raises:
+        FileNotFoundError: there is none.
+        DataError: it is no usable one.
+    """
+    manifest = folder / MANIFEST
+    raw = read_plain(manifest, _MOST_MANIFEST)
+    try:
+        files = parse_json(raw)["files"]
+    except (JsonError, LookupError, TypeError):
+        files = None
+    if not isinstance(files, dict):
+        raise DataError(f"{manifest}: not a usable manifest; restore it from the release")
+    return files
+
+
 def read_verified(path: Path, most: int | None = None) -> bytes:
     """Bytes of ``path``, checked against the manifest in its folder.
 
@@ -148,7 +167,7 @@ def read_verified(path: Path, most: int | None = None) -> bytes:
     if not path.is_file():
         raise DataError(f"{path}: no such file")
     try:
-        entry = parse_json(read_plain(manifest, _MOST_MANIFEST))["files"][path.name]
+        entry = listed_files(path.parent)[path.name]
         expected, size = str(entry["sha256"]), entry["bytes"]
         if type(size) is not int:
             raise TypeError
@@ -156,7 +175,7 @@ def read_verified(path: Path, most: int | None = None) -> bytes:
         raise DataError(
             f"{manifest}: missing, so {path.name} cannot be verified; restore it from the release"
         ) from None
-    except (ValueError, LookupError, TypeError, OverflowError):
+    except (LookupError, TypeError):
         raise DataError(f"{manifest}: no usable entry for {path.name}; restore it from the release") from None
     found = path.stat().st_size
     if found != size:

@@ -6,8 +6,10 @@ interpreter's stack is full. Whatever reads such values has to guard against eac
 
 from __future__ import annotations
 
+import errno
 import json
 import math
+import os
 import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -24,7 +26,11 @@ _SURROGATE: Final = re.compile(r"\\u[dD][89a-fA-F]")
 
 
 class JsonError(ValueError):
-    """A text that is not read; the message says why in a few words, without a place."""
+    """A text that is not read; the message says why in a few words, ``at`` where: ``:3`` or ``:3:14``, or nothing."""
+
+    def __init__(self, message: str, at: str = "") -> None:
+        super().__init__(message)
+        self.at = at
 
 
 def parse_json(
@@ -53,9 +59,9 @@ def parse_json(
             object_pairs_hook=_object(twice),
         )
     except UnicodeDecodeError as error:
-        raise JsonError(f"not UTF-8 from byte {error.start + 1} on") from None
+        raise JsonError(f"not UTF-8 ({error.reason})", f":{error.object.count(10, 0, error.start) + 1}") from None
     except json.JSONDecodeError as error:
-        raise JsonError(f"not JSON (line {error.lineno}, column {error.colno}: {error.msg})") from None
+        raise JsonError(f"not JSON ({error.msg})", f":{error.lineno}:{error.colno}") from None
     except RecursionError:
         raise JsonError(_TOO_DEEP) from None
     _require_shallow(plain, value)
@@ -75,11 +81,34 @@ def read_json(path: Path, remedy: str, *, max_bytes: int = MAX_BYTES) -> Any:
     except OSError as error:
         raise DataError(f"{path}: cannot be read ({error.strerror}); {remedy}") from None
     except JsonError as error:
-        raise DataError(f"{path}: {error}; {remedy}") from None
+        raise DataError(f"{path}{error.at}: {error}; {remedy}") from None
+
+
+def parse_first(text: str) -> tuple[Any, int]:
+    """The JSON value that a text begins with, and its length; of keys that stand twice the last value counts.
+
+    Raises:
+        JsonError: as :func:`parse_json`.
+    """
+    try:
+        value, end = _FIRST.raw_decode(text)
+    except json.JSONDecodeError as error:
+        raise JsonError(f"not JSON ({error.msg})", f":{error.lineno}:{error.colno}") from None
+    except RecursionError:
+        raise JsonError(_TOO_DEEP) from None
+    _require_shallow(text[:end], value)
+    return value, end
 
 
 def read_bounded(path: Path, max_bytes: int) -> bytes:
-    """Bytes of a file, one more than ``max_bytes`` at most: enough for a reader to refuse it."""
+    """Bytes of a file, one more than ``max_bytes`` at most: enough for a reader to refuse it.
+
+    Raises:
+        OSError: it cannot be read, or is no file; a pipe would be waited for without end.
+    """
+    if not path.is_file():
+        number = errno.EISDIR if path.is_dir() else errno.ENOENT
+        raise OSError(number, os.strerror(number), str(path))
     with path.open("rb") as file:
         return file.read(max_bytes + 1)
 
@@ -101,6 +130,9 @@ def _finite(digits: str) -> float:
 
 def _no_constant(name: str) -> Any:
     raise JsonError(f"{name}, expected numbers that are finite")
+
+
+_FIRST: Final = json.JSONDecoder(parse_int=_whole, parse_float=_finite, parse_constant=_no_constant)
 
 
 def _object(twice: list[str] | None) -> Callable[[list[tuple[str, Any]]], dict[str, Any]]:

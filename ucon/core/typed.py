@@ -5,15 +5,15 @@ Nothing is converted: ``true`` is no number, ``1`` no float, ``"no"`` no truth v
 
 from __future__ import annotations
 
-import json
 import math
 import types
 from collections.abc import Callable
 from dataclasses import fields
 from functools import lru_cache
-from typing import Any, NoReturn, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from ucon.core.errors import DataError, brief
+from ucon.core.strict_json import JsonError, parse_json
 
 T = TypeVar("T")
 #: Whole numbers beyond this are exact in no float, and count nothing.
@@ -21,16 +21,16 @@ _LARGEST = 1 << 53
 _ALTERED = "the file is altered, evaluate again"
 
 
-def parse_json(raw: bytes | str, where: str, remedy: str = _ALTERED) -> Any:
-    """A JSON value.
+def parse_line(raw: bytes | str, where: str, remedy: str = _ALTERED) -> Any:
+    """The value of a JSON text, such as a line of records; see :func:`ucon.core.strict_json.parse_json`.
 
     Raises:
-        DataError: it is none, is not UTF-8, is nested too deeply, or has a number that is none.
+        DataError: it is none.
     """
     try:
-        return json.loads(raw.decode() if isinstance(raw, bytes) else raw, parse_constant=_no_number)
-    except (ValueError, RecursionError):
-        raise DataError(f"{where}: not JSON; {remedy}") from None
+        return parse_json(raw)
+    except JsonError as error:
+        raise DataError(f"{where}: not JSON ({error}); {remedy}") from None
 
 
 def read_as(cls: type[T], data: Any, where: str, what: str, *, without: tuple[str, ...] = ()) -> T:
@@ -128,7 +128,3 @@ def _float(value: Any) -> float:
 
 
 _SIMPLE: dict[Any, Callable[[Any], Any]] = {str: _str, bool: _bool, int: _int, float: _float}
-
-
-def _no_number(text: str) -> NoReturn:
-    raise ValueError(text)

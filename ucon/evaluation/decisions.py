@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from ucon.core.errors import DataError
 from ucon.core.files import canonical_json
+from ucon.core.text import shown
 from ucon.core.typed import read_as
 
 _COUNTS: Final = (
@@ -55,7 +56,7 @@ class DecisionRecord:
         values: dict[str, Any] = asdict(self)
         values.pop("seconds")
         values["scores"] = [float(s) if s is not None and isfinite(s) else None for s in self.scores]
-        values["text"] = "".join(c if c.isprintable() else " " for c in self.text)  # servers say anything
+        values["text"] = shown(self.text)  # servers say anything
         return values
 
     def to_line(self) -> str:

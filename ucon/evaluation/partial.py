@@ -12,7 +12,7 @@ from typing import Any, Final
 
 from ucon.core.errors import DataError
 from ucon.core.files import canonical_json, sha256_bytes
-from ucon.core.typed import parse_json, read_as
+from ucon.core.typed import parse_line, read_as
 from ucon.evaluation.decisions import DecisionRecord
 from ucon.evaluation.finished import as_played
 from ucon.evaluation.play import Played
@@ -104,7 +104,7 @@ def _value(line: bytes, path: Path) -> dict[str, Any]:
         DataError: its checksum is of other content, or it says nothing.
     """
     checksum, _, body = line.removesuffix(b"\n").partition(b" ")
-    value = parse_json(body, str(path)) if checksum == sha256_bytes(body).encode() else None
+    value = parse_line(body, str(path)) if checksum == sha256_bytes(body).encode() else None
     if not isinstance(value, dict):
         raise DataError(
             f"{path}: its first line is damaged, or of an older version; remove the folder or choose another"

@@ -12,7 +12,7 @@ from typing import Any, Final, get_args
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json
-from ucon.core.typed import parse_json, read_as
+from ucon.core.typed import parse_line, read_as
 from ucon.evaluation.seal import RECORDS, has_summary, read_bytes, read_file, read_files
 from ucon.retrieval.levels import LEVELS
 from ucon.task.outcome import FailureCause
@@ -150,7 +150,7 @@ def json_lines(raw: bytes, path: Path) -> Iterator[tuple[Any, str]]:
     """
     lines = raw.split(b"\n")
     for number, line in enumerate(lines[:-1], 1):
-        yield parse_json(line, f"{path}:{number}", "the file is cut off or altered, evaluate again"), f"{path}:{number}"
+        yield parse_line(line, f"{path}:{number}", "the file is cut off or altered, evaluate again"), f"{path}:{number}"
     if lines[-1]:
         raise DataError(f"{path}:{len(lines)}: not JSON with a line break; the file is cut off, evaluate again")
 

@@ -7,7 +7,6 @@ Packed records (``.xz``) count by the bytes that were packed.
 
 from __future__ import annotations
 
-import lzma
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,7 +16,8 @@ from typing import Any, Final
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import sha256_bytes
-from ucon.core.typed import parse_json
+from ucon.core.typed import parse_line
+from ucon.core.unpack import UnpackError, unpack_xz
 
 RECORDS, DECISIONS, SUMMARY = "episodes.jsonl", "decisions.jsonl", "summary.json"
 TIMING, CONFIG, SECONDS = "timing.jsonl", "config.yaml", "seconds.json"
@@ -105,16 +105,10 @@ def read_bytes(path: Path) -> bytes:
     """
     if path.suffix != ".xz":
         return path.read_bytes()
-    unpacker = lzma.LZMADecompressor()
     try:
-        data = unpacker.decompress(path.read_bytes(), max_length=_MAX_BYTES)
-        problem = "" if unpacker.eof else "it ends too early, or is larger than any run"
-        problem = problem or ("" if not unpacker.unused_data else "something follows its end")
-    except (lzma.LZMAError, EOFError) as error:
-        problem = str(error)
-    if problem:
-        raise DataError(f"{path}: not whole ({problem}); {_RESTORE}")
-    return data
+        return unpack_xz(path.read_bytes(), _MAX_BYTES)
+    except UnpackError as error:
+        raise DataError(f"{path}: not whole ({error}); {_RESTORE}") from None
 
 
 def read_object(path: Path) -> dict[str, Any]:
@@ -125,7 +119,7 @@ def read_object(path: Path) -> dict[str, Any]:
     """
     if not path.is_file():
         raise DataError(f"{path}: no such file; give the folder of a finished run of eval.py")
-    value = parse_json(path.read_bytes(), str(path), f"{_NO_SUMMARY}; {_RESTORE}")
+    value = parse_line(path.read_bytes(), str(path), f"{_NO_SUMMARY}; {_RESTORE}")
     if not isinstance(value, dict):
         raise DataError(f"{path}: {_NO_SUMMARY}; {_RESTORE}")
     return value

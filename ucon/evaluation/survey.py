@@ -17,8 +17,9 @@ from typing import Final
 
 import numpy as np
 
-from ucon.core.errors import ConfigError, DataError
+from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.rng import stream
+from ucon.core.strict_json import read_bounded
 from ucon.habits import Entry, HabitDataset, Placement
 
 QUESTIONS: Final = (
@@ -27,6 +28,8 @@ QUESTIONS: Final = (
 )
 SHEET_FIELDS: Final = ("item", "object", "habit", "place", "real_1_to_5", "look_yes_no_unsure")
 LOOK: Final = ("yes", "unsure", "no")
+#: Of a sheet or a key.
+_MAX_BYTES: Final = 16 * 2**20
 _WORDS: Final = {"ontop": "on top of", "inside": "inside", "under": "under", "nextto": "next to"}
 
 
@@ -125,7 +128,7 @@ def read_key(path: Path) -> dict[int, Item]:
     for line, row in _rows(path, tuple(field.name for field in fields(Item)), "the key of `habits survey make`"):
         number = _number(path, line, row["item"])
         if row["truth"] not in ("true", "swapped"):
-            raise DataError(f"{path}:{line}: truth '{row['truth'][:20]}', expected true or swapped; restore the key")
+            raise DataError(f"{path}:{line}: truth '{brief(row['truth'])}', expected true or swapped; restore the key")
         if number in found:
             raise DataError(f"{path}:{line}: item {number} is listed twice; restore the key")
         found[number] = Item(number, *(row[field.name] for field in fields(Item)[1:]))
@@ -151,9 +154,9 @@ def read_sheet(path: Path, key: dict[int, Item]) -> list[Answer]:
             )
         real, look = row["real_1_to_5"], row["look_yes_no_unsure"].lower()
         if real not in ("", "1", "2", "3", "4", "5"):
-            raise DataError(f"{where}: real_1_to_5 is '{real[:20]}', expected a whole number from 1 to 5, or nothing")
+            raise DataError(f"{where}: real_1_to_5 is '{brief(real)}', expected a whole number from 1 to 5, or nothing")
         if look not in ("", *LOOK):
-            raise DataError(f"{where}: look_yes_no_unsure is '{look[:20]}', expected yes, no, unsure, or nothing")
+            raise DataError(f"{where}: look_yes_no_unsure is '{brief(look)}', expected yes, no, unsure, or nothing")
         answers[number] = Answer(number, path.stem, int(real) if real else None, look or None)
     if missing := sorted(set(key) - set(answers)):
         raise DataError(
@@ -166,7 +169,7 @@ def read_sheet(path: Path, key: dict[int, Item]) -> list[Answer]:
 
 def _number(path: Path, line: int, text: str) -> int:
     if not text.isdecimal() or len(text) > 9:  # int() refuses thousands of digits
-        raise DataError(f"{path}:{line}: item '{text[:20]}', expected the item's number")
+        raise DataError(f"{path}:{line}: item '{brief(text)}', expected the item's number")
     return int(text)
 
 
@@ -181,7 +184,10 @@ def _csv(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
 def _rows(path: Path, head: Sequence[str], what: str) -> list[tuple[int, dict[str, str]]]:
     """Rows of a CSV file with their line numbers; commas or, as some spreadsheets write, semicolons."""
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        raw = read_bounded(path, _MAX_BYTES)
+        if len(raw) > _MAX_BYTES:
+            raise DataError(f"{path}: more than {_MAX_BYTES:,} bytes; expected {what}")
+        text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = error.object.count(b"\n", 0, error.start) + 1
         raise DataError(f"{path}:{line}: not UTF-8; save it as 'CSV UTF-8'") from None
@@ -192,7 +198,7 @@ def _rows(path: Path, head: Sequence[str], what: str) -> list[tuple[int, dict[st
     rows: list[tuple[int, dict[str, str]]] = []
     try:
         if (first := next(reader, [])) != list(head):
-            raise DataError(f"{path}:1: columns '{', '.join(first)[:60]}', expected {', '.join(head)} ({what})")
+            raise DataError(f"{path}:1: columns '{brief(', '.join(first))}', expected {', '.join(head)} ({what})")
         for row in reader:
             if not any(row):
                 continue

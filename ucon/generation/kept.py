@@ -6,11 +6,11 @@ apart for every version of the code that decides them.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from ucon.core.errors import DataError
 from ucon.core.files import canonical_json, user_cache, write_atomic
+from ucon.core.strict_json import MAX_BYTES, parse_json, read_bounded
 from ucon.generation.validate import ANCHORS_TRIED, Progress, code_version, dataset_triples, validate
 from ucon.habits.types import HabitDataset
 from ucon.habits.verdicts import Triple, Verdict, Verdicts
@@ -68,11 +68,13 @@ def _path(folder: Path, home: str) -> Path:
 
 
 def _read(path: Path) -> Tried:
-    if not path.is_file():
-        return {}
     try:
-        rows = json.loads(path.read_text(encoding="utf-8"))
-        found: Tried = {(str(c), str(r), str(a)): None if why is None else str(why) for c, r, a, why in rows}
-    except (ValueError, TypeError):
+        rows = parse_json(read_bounded(path, MAX_BYTES))
+        found: Tried = {(c, r, a): why for c, r, a, why in rows}
+        if not all(isinstance(text, str) for triple, why in found.items() for text in (*triple, why or "")):
+            raise TypeError("texts")
+    except FileNotFoundError:
+        return {}
+    except (OSError, ValueError, TypeError):
         raise DataError(f"{path}: not a list of verdicts; remove the file, it is made again") from None
     return found

@@ -10,7 +10,6 @@ many processes share them; finished blocks are kept on disk, and the same call g
 
 from __future__ import annotations
 
-import json
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -23,6 +22,7 @@ from ucon.core.errors import DataError
 from ucon.core.files import canonical_json, require_writable, sha256_bytes, write_atomic
 from ucon.core.pool import Pool
 from ucon.core.rng import stream
+from ucon.core.strict_json import MAX_BYTES, parse_json, read_bounded
 from ucon.habits.types import HabitDataset
 from ucon.habits.verdicts import NEVER_SEEN, Triple, Verdict, Verdicts
 from ucon.scenes import SCENES
@@ -212,9 +212,10 @@ def _path(folder: Path, block: Block) -> Path:
 
 def _read(path: Path, block: Block) -> list[str | None]:
     try:
-        reasons = json.loads(path.read_text(encoding="utf-8"))
-        if len(reasons) == len(block.triples) and all(r is None or isinstance(r, str) for r in reasons):
+        reasons = parse_json(read_bounded(path, MAX_BYTES))
+        whole = isinstance(reasons, list) and len(reasons) == len(block.triples)
+        if whole and all(r is None or isinstance(r, str) for r in reasons):
             return list(reasons)
-    except (ValueError, TypeError):
+    except (OSError, ValueError):
         pass
     raise DataError(f"{path}: not the verdicts of {len(block.triples)} triples; remove the file, it is made again")

@@ -21,6 +21,7 @@ from typing import Final, cast
 
 from ucon.core.errors import DataError, unknown_name
 from ucon.core.files import read_verified
+from ucon.core.strict_json import read_bounded
 from ucon.habits.datafile import load_dataset_file
 from ucon.habits.rules import Anchors, count_fault, habit_fault, header_fault, line_fault, placement_fault
 from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
@@ -29,6 +30,8 @@ BOOK_FOLDER: Final = Path(__file__).parent / "book"
 BOOK_FILE: Final = Path(__file__).parent / "data" / "book.habits.xz"
 """The book as ``python -m ucon habits build`` makes it of the text: entries with PyBullet's verdicts."""
 ANCHORS: Final = "anchors.txt"
+#: Of one file of text.
+_MAX_BYTES: Final = 64 * 2**20
 
 _HEADER = re.compile(r"# (\w+) \| (\S[^{}]*?)(?: \{(\w+)\})?")
 _PLACEMENT = re.compile(r"@ (\w+) (\w+)(?: \{([^{}]+)\})?")
@@ -55,15 +58,17 @@ def read_lines(path: Path) -> list[str]:
             not end with a line break.
     """
     try:
-        raw = path.read_bytes()
+        raw = read_bounded(path, _MAX_BYTES)
     except OSError as error:
         raise DataError(f"{path}: cannot be read ({error.strerror}); expected a habit file") from None
     return _lines(path, raw)
 
 
 def _lines(path: Path, raw: bytes) -> list[str]:
+    if len(raw) > _MAX_BYTES:
+        raise DataError(f"{path}: more than {_MAX_BYTES:,} bytes; expected a habit file")
     try:
-        text = raw.decode("utf-8")
+        text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         bad = raw.count(b"\n", 0, error.start) + 1
         raise DataError(f"{path}:{bad}: not UTF-8 ({error.reason}); save the file as UTF-8") from None

@@ -21,6 +21,7 @@ from typing import Any, Final
 import numpy as np
 
 from ucon.core.errors import DataError
+from ucon.core.text import is_shown
 
 DAYS: Final = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
 SEASONS: Final = ("spring", "summer", "autumn", "winter")
@@ -154,7 +155,7 @@ def read_contexts(path: Path) -> dict[str, Condition]:
     table: dict[str, Condition] = {}
     for number, line in enumerate(lines, 1):
         where = f"{path}:{number}"
-        if len(line) > MAX_LINE or not line.isprintable():
+        if len(line) > MAX_LINE or not is_shown(line):
             raise DataError(f"{where}: expected plain text of at most {MAX_LINE} characters; mend the line")
         if not line.strip() or line.startswith("#"):
             continue

@@ -6,7 +6,6 @@ Equal datasets give equal bytes. Loading takes a fraction of a second, where par
 
 from __future__ import annotations
 
-import json
 import lzma
 from collections.abc import Collection, Iterator
 from pathlib import Path
@@ -14,6 +13,9 @@ from typing import Any, Final, cast
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json, read_verified, sha256_bytes, write_atomic
+from ucon.core.strict_json import parse_json, read_bounded
+from ucon.core.text import is_shown
+from ucon.core.unpack import UnpackError, unpack_xz
 from ucon.habits.rules import Anchors, count_fault, habit_fault, header_fault, line_fault, placement_fault
 from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
 from ucon.habits.verdicts import Verdicts
@@ -75,36 +77,31 @@ def load_dataset_file(path: Path, categories: Collection[str] | None = None, *, 
     if not verified:
         _check(path, entries, categories)
     try:
-        verdicts = Verdicts.from_json(json.loads(rows[-1]))
-    except (ValueError, TypeError, AttributeError, OverflowError, RecursionError):
+        verdicts = Verdicts.from_json(parse_json(rows[-1]))
+    except (ValueError, LookupError, TypeError, AttributeError):
         raise DataError(f"{path}:{len(rows) + 1}: not a list of verdicts; build the file anew") from None
     return HabitDataset(str(header["name"]), entries, labelled=bool(header["labelled"]), verdicts=verdicts)
 
 
 def _lines(path: Path, *, verified: bool = False) -> list[str]:
     try:
-        raw = read_verified(path) if verified else path.read_bytes()
+        raw = read_verified(path) if verified else read_bounded(path, _MAX_BYTES)
     except OSError as error:
         raise DataError(f"{path}: cannot be read ({error.strerror}); expected a dataset file (*{SUFFIX})") from None
-    unpacker = lzma.LZMADecompressor()
     try:
-        text = unpacker.decompress(raw, max_length=_MAX_BYTES).decode("utf-8")
-        problem = "" if unpacker.eof else "it ends too early, or is larger than any dataset"
-    except (lzma.LZMAError, EOFError, UnicodeDecodeError) as error:
-        problem = str(error)
-    if problem:
-        raise DataError(f"{path}: not a whole dataset file ({problem}); restore it or build it anew")
-    return text.split("\n")
+        return unpack_xz(raw, _MAX_BYTES).decode("utf-8").split("\n")
+    except (UnpackError, UnicodeDecodeError) as error:
+        raise DataError(f"{path}: not a whole dataset file ({error}); restore it or build it anew") from None
 
 
 def _header(path: Path, line: str) -> dict[str, Any]:
     try:
-        header = json.loads(line)
+        header = parse_json(line)
         found = (header["format"], header["version"])
         types = {"entries": int, "steps": dict, "body_sha256": str, "name": str, "labelled": bool}
         if not all(isinstance(header[key], kind) for key, kind in types.items()) or line_fault(header["name"]):
             raise TypeError("header")
-    except (ValueError, KeyError, TypeError, RecursionError):
+    except (ValueError, LookupError, TypeError):
         raise DataError(f"{path}:1: not the header of a habit dataset; expected a file of `habits build`") from None
     if found != (FORMAT, VERSION):
         other = brief(f"{found[0]} {found[1]}")
@@ -126,13 +123,13 @@ def _entry_row(entry: Entry) -> list[Any]:
 
 def _entry(row: str, where: str) -> Entry:
     try:
-        name, category, household, scene, kind, places, habits = json.loads(row)
+        name, category, household, scene, kind, places, habits = parse_json(row)
         placements = tuple(Placement(cast(Relation, relation), anchor, told) for relation, anchor, told in places)
         sentences = tuple(Habit(text, tuple(supports)) for text, supports in habits)
         entry = Entry(name, category, household, placements, sentences, scene, kind)
         if not _usable(entry):
             raise ValueError(row)
-    except (ValueError, TypeError, RecursionError):
+    except (ValueError, TypeError):
         raise DataError(f"{where}: not an entry of a habit dataset; build the file anew") from None
     return entry
 
@@ -170,7 +167,7 @@ def _usable(entry: Entry) -> bool:
     known = range(len(entry.placements))
     supports: list[Any] = [index for habit in entry.habits for index in habit.supports]
     return (
-        all(isinstance(text, str) and text.isprintable() for text in texts)
+        all(isinstance(text, str) and is_shown(text) for text in texts)
         and all(type(index) is int and index in known for index in supports)
         and all(p.relation in RELATIONS for p in entry.placements)
         and bool(entry.placements and entry.habits)

@@ -9,6 +9,7 @@ at. Whatever does not fit is reported with its file and position.
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -29,6 +30,7 @@ from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, 
 
 MAX_TEXT: Final = 2000
 """Characters of one sentence; the release's longest has 259."""
+_REASONS: Final = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +67,18 @@ class ImportReport:
     problems: list[Problem] = field(default_factory=list)
     located: list[Located] = field(default_factory=list)
     """Every placement of the dataset, in the order of the file."""
+
+    def left_out(self, habits: int) -> str | None:
+        """One line on what a dataset of ``habits`` sentences lacks of the file, and why; None if nothing."""
+        lost = {"habits": (self.habits - habits, self.habits)}
+        lost["locations"] = (self.locations - len(self.located), self.locations)
+        if not any(count for count, _ in lost.values()):
+            return None
+        counts = " and ".join(f"{count} of {total} {name}" for name, (count, total) in lost.items() if count)
+        kinds = Counter(re.sub(r"'.*?'|\d[\d,]*", "...", problem.message) for problem in self.problems)
+        why = "; ".join(f"{count} x {kind}" for kind, count in kinds.most_common(_REASONS))
+        more = f"; and {len(kinds) - _REASONS} other reasons" if len(kinds) > _REASONS else ""
+        return f"{self.path}: {counts} left out ({why}{more}); `python -m ucon habits import` lists each"
 
     def add(self, where: str, message: str) -> None:
         """Report one malformed thing."""

@@ -7,7 +7,6 @@ put quotes around locations, and give some tasks as texts that hold JSON.
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Collection, Iterator
 from fnmatch import fnmatch
@@ -15,6 +14,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from ucon.core.errors import DataError, brief
+from ucon.core.strict_json import JsonError, parse_json, read_bounded
+from ucon.core.text import is_shown
 
 DEFAULT_FILE: Final = "seen_obj_seen_scene.json"
 #: Which categories stand in which scene.
@@ -37,6 +38,8 @@ _PATTERNS: Final = ("*seen_obj_*seen_scene*.json", "task*.json", "test*.json", f
 
 _RELATION_NAMES: Final = {"on": "ontop", "on_top": "ontop", "on_top_of": "ontop", "next_to": "nextto", "in": "inside"}
 _LOCATION: Final = re.compile(r"""['"\s]*([^.()]+)\.place_(\w+)\(([^()]+)\)['"\s]*""")
+#: Of one file; the release's largest has some tens of megabytes.
+_MAX_BYTES: Final = 256 * 2**20
 _MODEL: Final = re.compile(r"[a-z0-9]{6}")
 
 
@@ -91,24 +94,14 @@ def load_release_file(file: Path) -> tuple[dict[str, Any], list[str]]:
         DataError: the file cannot be read, or is no JSON object.
     """
     try:
-        raw = file.read_bytes()
+        raw = read_bounded(file, _MAX_BYTES)
     except OSError as error:
         raise DataError(f"{file}: cannot be read ({error.strerror}); expected a task file of the release") from None
     twice: list[str] = []
     try:
-        content = json.loads(raw.decode("utf-8-sig"), object_pairs_hook=lambda pairs: _object(pairs, twice))
-    except UnicodeDecodeError as error:
-        line = raw.count(b"\n", 0, error.start) + 1
-        raise DataError(f"{file}:{line}: not UTF-8 ({error.reason}); download the file again") from None
-    except json.JSONDecodeError as error:
-        raise DataError(
-            f"{file}:{error.lineno}:{error.colno}: not JSON ({error.msg}); the file is cut off or altered, "
-            "download it again"
-        ) from None
-    except ValueError:
-        raise DataError(f"{file}: a number of thousands of digits; download the file again") from None
-    except RecursionError:
-        raise DataError(f"{file}: nested too deeply; expected scene -> category -> list of tasks") from None
+        content = parse_json(raw, max_bytes=_MAX_BYTES, twice=twice, surrogates=True)
+    except JsonError as error:
+        raise DataError(f"{file}{error.at}: {error}; the file is cut off or altered, download it again") from None
     if not isinstance(content, dict) or not content:
         raise DataError(f"{file}: {kind(content)} at the top, expected an object whose keys are scenes")
     return content, twice
@@ -119,8 +112,8 @@ def unpacked(task: Any) -> Any:
     if not isinstance(task, str):
         return task
     try:
-        return json.loads(task)
-    except (ValueError, RecursionError):
+        return parse_json(task, surrogates=True)
+    except JsonError:
         return task
 
 
@@ -133,8 +126,8 @@ def plain(text: Any) -> str | None:
     """A text on one line, without what cannot be shown; None for anything else."""
     if not isinstance(text, str):
         return None
-    line = text if text.isprintable() else " ".join(text.split())
-    return line if line.strip() and line.isprintable() else None
+    line = text if is_shown(text) else " ".join(text.split())
+    return line if line.strip() and is_shown(line) else None
 
 
 def category_name(text: str, categories: Collection[str] | None) -> str:
@@ -169,14 +162,6 @@ def _shorter(name: str) -> Iterator[str]:
         yield "_".join(parts)
     if len(parts) > 1 and _MODEL.fullmatch(parts[-1]):
         yield "_".join(parts[:-1])
-
-
-def _object(pairs: list[tuple[str, Any]], twice: list[str]) -> dict[str, Any]:
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        names = [name for name, _ in pairs]
-        twice += sorted({name for name in names if names.count(name) > 1})
-    return found
 
 
 def _json_files(folder: Path) -> list[Path]:

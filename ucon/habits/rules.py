@@ -10,6 +10,7 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Final
 
 from ucon.core.errors import unknown_name
+from ucon.core.text import is_shown
 from ucon.habits.types import KINDS, RELATIONS, Placement
 
 MAX_LINE: Final = 400
@@ -28,7 +29,7 @@ def line_fault(line: str) -> str | None:
     """What keeps a text from being one line of a habit file: its length, or a character that cannot be seen."""
     if len(line) > MAX_LINE:
         return f"{len(line)} characters, at most {MAX_LINE} are allowed; shorten it"
-    if not line.isprintable():
+    if not is_shown(line):
         return "a control character; expected plain text, remove it"
     return None
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from pathlib import Path
 from typing import Any
 
 from ucon.core.files import canonical_json, sha256_bytes, user_cache, write_atomic
-from ucon.language.answers import Said
+from ucon.core.strict_json import MAX_BYTES, parse_json, read_bounded
+from ucon.language.answers import MOST_TOKENS, Said
 
 
 class AnswerCache:
@@ -23,11 +25,12 @@ class AnswerCache:
         """The answer to a request and the seconds that it took; None where it is not kept."""
         path = self._path(key)
         try:
-            kept: dict[str, Any] = json.loads(path.read_bytes().decode("utf-8"))
+            kept: dict[str, Any] = parse_json(read_bounded(path, MAX_BYTES), surrogates=True)
             if kept.pop("sha256") != sha256_bytes(canonical_json(kept).encode()) or kept.pop("request") != key:
                 raise ValueError("checksum")
-            seconds = float(kept.pop("seconds"))
-            return Said(**kept), seconds
+            seconds, said = float(kept.pop("seconds")), Said(**kept)
+            _require_usable(said, seconds)
+            return said, seconds
         except OSError:
             return None
         except (ValueError, KeyError, TypeError, AttributeError):
@@ -57,3 +60,10 @@ class AnswerCache:
 
     def _warn(self, text: str) -> None:
         print(text, file=sys.stderr)  # noqa: T201
+
+
+def _require_usable(said: Said, seconds: float) -> None:
+    counts = (said.prompt_tokens, said.completion_tokens)
+    right = isinstance(said.text, str) and type(said.cut_off) is bool and math.isfinite(seconds) and seconds >= 0
+    if not (right and all(type(count) is int and 0 <= count <= MOST_TOKENS for count in counts)):
+        raise ValueError("values")

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-import json
 import re
 from dataclasses import dataclass
 from typing import Any, Final
 
+from ucon.core.strict_json import JsonError, parse_first, parse_json
+from ucon.core.text import shown
+
 _THOUGHT = re.compile(r"<(think|thinking|reasoning)>.*?</\1>", re.DOTALL)
 _FENCED = re.compile(r"\s*```\w*\s*\n(.*?)\n?\s*```\s*", re.DOTALL)
 _MOST_BRACES: Final = 200
+#: Of one answer or question: more than any model reads.
+MOST_TOKENS: Final = 10**9
 CUT_OFF: Final = " that was cut off at max_tokens (raise it)"
 
 
@@ -64,11 +68,9 @@ def read_answer(body: bytes) -> Said:
         ValueError: the body is no UTF-8, no JSON, or no chat completion.
     """
     try:
-        answer = json.loads(body.decode("utf-8"))
-    except UnicodeDecodeError:
-        raise ValueError("an answer that is not UTF-8") from None
-    except (ValueError, RecursionError):
-        raise ValueError("an answer that is not JSON") from None
+        answer = parse_json(body, surrogates=True)
+    except JsonError as error:
+        raise ValueError(f"an answer that is not usable: {error}") from None
     try:
         choice = answer["choices"][0]
         text = choice["message"]["content"]
@@ -85,13 +87,13 @@ def refusal(body: bytes, key: str) -> str:
     """What a server says about its refusal, in a few plain words in brackets, without the key; empty if nothing."""
     text = body[:4000].decode("utf-8", "replace")
     try:
-        error = json.loads(text)
+        error = parse_json(text)
         error = error.get("error", error)
         text = str(error.get("message", text) if isinstance(error, dict) else error)
-    except (ValueError, AttributeError, RecursionError):
+    except (JsonError, AttributeError):
         pass
     text = text.replace(key, "***") if key else text
-    text = " ".join("".join(c if c.isprintable() else " " for c in text).split())[:200]
+    text = " ".join(shown(text).split())[:200]
     return f" ('{text}')" if text else ""
 
 
@@ -126,11 +128,19 @@ def _decoded(text: str, *, all_of_it: bool = True) -> tuple[dict[str, Any], int]
     """The object at the start of a text and its length."""
     stripped = text.strip() if all_of_it else text
     try:
-        value, end = json.JSONDecoder().raw_decode(stripped)
-    except (ValueError, RecursionError):
+        value, end = parse_first(stripped)
+    except JsonError:
         return None
     return (value, end) if isinstance(value, dict) and (not all_of_it or end == len(stripped)) else None
 
 
 def _count(value: object) -> int:
-    return value if isinstance(value, int) and value > 0 else 0
+    """A number of tokens; 0 where the server does not count them.
+
+    Raises:
+        ValueError: more than any answer has.
+    """
+    count = value if type(value) is int and value > 0 else 0
+    if count > MOST_TOKENS:
+        raise ValueError(f"an answer of {count} tokens")
+    return count

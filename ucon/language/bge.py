@@ -7,7 +7,6 @@ one at a time on one thread and what comes out is rounded to fp16, so a text's b
 
 from __future__ import annotations
 
-import json
 import os
 import warnings
 from collections.abc import Iterator, Sequence
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json, remembered_sha256, sha256_bytes
+from ucon.core.strict_json import read_json
 from ucon.language.encoder import Progress, Vectors, one_thread, quiet
 from ucon.language.sparse import SparseRows
 
@@ -215,8 +215,8 @@ def _output(model: Any, text: str) -> dict[str, Any]:
 def _check_modules(file: Path) -> None:
     """Refuse a folder that brings a class of its own: some versions of the library would run its code."""
     try:
-        kinds = [str(module["type"]) for module in json.loads(file.read_text())]
-    except (ValueError, LookupError, TypeError, RecursionError):
+        kinds = [str(module["type"]) for module in read_json(file, _HOW)]
+    except (LookupError, TypeError):
         raise DataError(f"{file}: no list of modules with their types; {_HOW}") from None
     if odd := next((kind for kind in kinds if not kind.startswith("sentence_transformers.")), None):
         raise DataError(
@@ -225,10 +225,7 @@ def _check_modules(file: Path) -> None:
 
 
 def _settings(file: Path) -> dict[str, Any]:
-    try:
-        found = json.loads(file.read_text())
-    except ValueError as error:
-        raise DataError(f"{file}: not JSON ({error}); {_HOW}") from None
+    found = read_json(file, _HOW)
     return found if isinstance(found, dict) else {}
 
 

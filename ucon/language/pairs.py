@@ -6,7 +6,6 @@ and depend only on the two texts, so a new category gets its column when it is f
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from functools import cache, lru_cache
 
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.files import read_verified
+from ucon.core.unpack import MAX_BYTES, read_arrays
 from ucon.language.lexicon import LEXICAL, Lexicon, catalogue_lexicon
 from ucon.language.quantise import Quantised, cosines, quantise
 from ucon.language.store import DATA, StoredEncoder, default_encoder
@@ -36,9 +36,9 @@ class WordVectors:
     @classmethod
     def load(cls, encoder: StoredEncoder) -> WordVectors:
         """The shipped words."""
-        with np.load(io.BytesIO(read_verified(DATA / "words.npz")), allow_pickle=False) as file:
-            words = file["words"].tobytes().decode().split("\n")
-            return cls(words, Quantised(file["codes"], file["scale"]), encoder)
+        file = read_arrays(read_verified(DATA / "words.npz"), MAX_BYTES)
+        words = file["words"].tobytes().decode().split("\n")
+        return cls(words, Quantised(file["codes"], file["scale"]), encoder)
 
     def rows(self, words: Sequence[str]) -> NDArray[np.int64]:
         """Row numbers of words, encoding those that are new."""

@@ -23,7 +23,10 @@ from pathlib import Path
 from typing import Final
 
 from ucon.core.errors import ConfigError, DataError
+from ucon.core.strict_json import read_bounded
+from ucon.core.text import shown
 
+_MAX_BYTES: Final = 2**20
 PARTS: Final = ("system", "situation", "cloze")
 _NEEDED: Final = ("system", "situation")
 _HEADING: Final = re.compile(r"\[(\w+)\]\s*")
@@ -52,7 +55,7 @@ class Prompt:
         """
         path = Path(path)
         try:
-            text = path.read_text(encoding="utf-8")
+            text = read_bounded(path, _MAX_BYTES)[:_MAX_BYTES].decode("utf-8-sig")
         except (OSError, UnicodeDecodeError) as error:
             raise DataError(f"{path}: cannot be read as text ({error}); give the path of a prompt file") from None
         return cls.parse(text, str(path))
@@ -127,7 +130,7 @@ class Prompt:
 
 def neutral(text: str) -> str:
     """A habit as one line of plain data: no line breaks or control characters, no signs that marks are made of."""
-    return " ".join("".join(c if c.isprintable() else " " for c in text).translate(_SIGNS).split())
+    return " ".join(shown(text).translate(_SIGNS).split())
 
 
 def habit_block(habits: Sequence[str], *, numbered: bool = True) -> str:

@@ -17,9 +17,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.core.errors import DataError
+from ucon.core.errors import DataError, brief
 from ucon.core.files import MANIFEST, read_verified, sha256_bytes, user_cache, write_atomic, write_manifest
 from ucon.core.sharing import Shared, is_the_one
+from ucon.core.strict_json import read_bounded
+from ucon.core.unpack import read_arrays
 from ucon.language.encoder import MiniLM, TextEncoder, Vectors
 
 DATA = Path(__file__).parent / "data"
@@ -27,6 +29,8 @@ KEY_BYTES = 16
 SHARD_TEXTS = 2000
 MAX_SHARDS = 32
 REMEMBERED = 60_000
+#: Of one file: half a million vectors.
+_MAX_BYTES = 2**30
 
 
 def text_key(text: str) -> bytes:
@@ -67,7 +71,11 @@ class VectorTable(Shared):
         """Table of ``stem.npy`` (mapped, not read twice) and ``stem.keys``, both checked against the manifest."""
         keys = read_verified(stem.with_suffix(".keys"))
         read_verified(stem.with_suffix(".npy"))  # one pass over the file; the pages stay in the system's cache
-        return cls(keys, np.load(stem.with_suffix(".npy"), mmap_mode="r", allow_pickle=False))
+        try:
+            vectors = np.load(stem.with_suffix(".npy"), mmap_mode="r", allow_pickle=False)
+        except (ValueError, OSError, EOFError) as error:
+            raise DataError(f"{stem}.npy: no table of vectors ({brief(str(error))}); restore it") from None
+        return cls(keys, vectors)
 
     @staticmethod
     def save(stem: Path, texts: Sequence[str], vectors: NDArray[np.float16]) -> None:
@@ -84,8 +92,9 @@ class TextCache:
     Processes may share a folder: each adds files of its own under a temporary name and renames them.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
+    def __init__(self, folder: Path, dim: int) -> None:
+        """``dim``: length of a vector."""
+        self._folder, self._dim = folder, dim
         self._known: dict[bytes, NDArray[np.float16]] = {}
         self._read: set[str] = set()
 
@@ -100,11 +109,13 @@ class TextCache:
                 continue
             self._read.add(path.name)
             try:
-                raw = path.read_bytes()
+                raw = read_bounded(path, _MAX_BYTES)
                 if sha256_bytes(raw)[:32] != path.stem:
                     raise ValueError("checksum")
-                with np.load(io.BytesIO(raw), allow_pickle=False) as shard:
-                    keys, vectors = shard["keys"].tobytes(), shard["vectors"]
+                shard = read_arrays(raw, _MAX_BYTES)
+                keys, vectors = shard["keys"].tobytes(), shard["vectors"]
+                if vectors.dtype != np.float16 or vectors.shape != (len(keys) // KEY_BYTES, self._dim):
+                    raise ValueError("vectors")
             except FileNotFoundError:  # another process merged it into a larger file
                 continue
             except (ValueError, OSError, KeyError):
@@ -156,7 +167,7 @@ class StoredEncoder(Shared):
         self._forget()
 
     def _forget(self) -> None:
-        self._cache = TextCache((self._folder or user_cache() / "text") / self._encoder.name)
+        self._cache = TextCache((self._folder or user_cache() / "text") / self._encoder.name, self._encoder.dim)
         self._refreshed = False
         self._place: dict[str, tuple[int, int, NDArray[np.float16] | None]] = {}
 

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
+from ucon.core.errors import DataError
 from ucon.core.files import (
     MANIFEST,
     canonical_json,
@@ -34,6 +35,7 @@ from ucon.core.files import (
     write_manifest,
 )
 from ucon.core.rng import derived_seed, stream
+from ucon.core.unpack import UnpackError, read_array
 from ucon.habits.types import Entry, HabitDataset
 from ucon.language.adapted import AdaptedMiniLM
 from ucon.language.adapter import adapter_bytes, add_adapters
@@ -290,4 +292,7 @@ def told_beforehand(folder: Path, texts: Sequence[str]) -> Told:
         np.save(buffer, np.concatenate(vectors).astype(np.float16), allow_pickle=False)
         write_atomic(path, buffer.getvalue())
         write_manifest(path.parent, [path.name])
-    return Told(distinct, np.load(io.BytesIO(read_verified(path)), allow_pickle=False))
+    try:
+        return Told(distinct, read_array(read_verified(path)))
+    except UnpackError as error:
+        raise DataError(f"{path}: {error}; remove its folder, it is made again") from None

@@ -14,8 +14,8 @@ from typing import Final
 
 import numpy as np
 
-from ucon.core.array_files import read_arrays
 from ucon.core.errors import DataError
+from ucon.core.unpack import MAX_BYTES, read_arrays
 from ucon.habits.types import RELATIONS, Entry
 from ucon.retrieval.weights import Array, softmax
 
@@ -61,9 +61,9 @@ class AnchorPrior:
             DataError: it is something else, or for other names.
         """
         try:
-            arrays = read_arrays(raw)
-            dense, bias, relation = (arrays[name].astype(np.float64) for name in _KEPT)
-        except (DataError, ValueError, KeyError, TypeError) as error:
+            file = read_arrays(raw, MAX_BYTES)
+            dense, bias, relation = (file[name].astype(np.float64) for name in _KEPT)
+        except (ValueError, KeyError, TypeError) as error:
             raise DataError(f"{where}: no anchor prior ({str(error)[:80]}); train the head again") from None
         if not all(np.isfinite(array).all() for array in (dense, bias, relation)):
             raise DataError(f"{where}: values that are no numbers; train the head again")

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.core.array_files import read_arrays
 from ucon.core.errors import DataError
 from ucon.core.files import read_verified, sha256_bytes
+from ucon.core.unpack import MAX_BYTES, UnpackError, read_arrays
 
 WEIGHTS = Path(__file__).parent / "data" / "reader.npz"
 Array = NDArray[np.float64]
@@ -84,8 +84,8 @@ def load_arrays(path: Path) -> tuple[dict[str, NDArray], str]:
     """
     raw = read_verified(path)
     try:
-        return read_arrays(raw), sha256_bytes(raw)
-    except DataError as error:
+        return read_arrays(raw, MAX_BYTES), sha256_bytes(raw)
+    except UnpackError as error:
         raise DataError(f"{path}: not a file of arrays ({error}); restore it from the release") from None
 
 

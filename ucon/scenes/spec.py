@@ -6,7 +6,7 @@ the grid line between rooms, so a room's free floor is its rectangle shrunk by 0
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any, Literal
 
@@ -78,7 +78,7 @@ class HomeSpec:
     @cached_property
     def hash(self) -> str:
         """SHA-256 of the canonical JSON, lengths rounded to 1e-6 m."""
-        return sha256_bytes(canonical_json(_rounded(asdict(self))).encode())
+        return sha256_bytes(canonical_json({f.name: _plain(getattr(self, f.name)) for f in fields(self)}).encode())
 
     @property
     def area_m2(self) -> float:
@@ -86,11 +86,12 @@ class HomeSpec:
         return sum((r.rect[2] - r.rect[0]) * (r.rect[3] - r.rect[1]) for r in self.rooms)
 
 
-def _rounded(value: Any) -> Any:
+def _plain(value: Any) -> Any:
+    """Rooms, openings and items as dictionaries, tuples as lists, lengths rounded."""
     if isinstance(value, float):
         return round(value, 6) + 0.0
-    if isinstance(value, dict):
-        return {key: _rounded(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_rounded(item) for item in value]
+        return [_plain(item) for item in value]
+    if isinstance(value, Room | Opening | Item):
+        return {name: _plain(item) for name, item in vars(value).items()}
     return value

@@ -8,16 +8,18 @@ from __future__ import annotations
 
 import contextlib
 import re
+import sys
 from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
 from weakref import WeakValueDictionary
 
 import ucon
-from ucon.core.errors import DataError, UconError
-from ucon.core.files import sha256_bytes, user_cache, user_pack, write_atomic, write_manifest
+from ucon.core.errors import DataError, UconError, brief
+from ucon.core.files import read_verified, sha256_bytes, user_cache, user_pack, write_atomic, write_manifest
+from ucon.core.strict_json import read_bounded
 from ucon.sim.bullet import bullet
-from ucon.sim.homefile import FORMAT, house_from_bytes, house_to_bytes
+from ucon.sim.homefile import FORMAT, REMEDY, house_from_bytes, house_to_bytes
 from ucon.sim.house import House
 
 SUFFIX = ".home"
@@ -26,6 +28,8 @@ IN_PACK = "homes"
 PACKED = Path(ucon.__file__).parent / "scenes" / "data" / "homes"
 _SOURCES = ("core/geometry.py", "core/rng.py", "objects", "scenes", "sim")
 _IN_MEMORY = 32
+#: Of a file in the cache; the largest named home takes 19 KB.
+_MAX_FILE = 16 * 2**20
 
 
 #: Homes by the name under which they were loaded.
@@ -37,8 +41,8 @@ def load_house(name: str) -> House:
     """The compiled home ``name``: ``Rs_int``, ``Rs_int~3`` or ``procedural:house:17``.
 
     Looks in memory, among the homes shipped with the package, in the folder that ``UCON_PACK`` names, in the user's
-    cache, and builds it with PyBullet as the last resort. A damaged cache file is built again; a damaged shipped or
-    packed file is an error.
+    cache, and builds it with PyBullet as the last resort. A damaged cache file is built again, with one line of
+    warning; a damaged shipped or packed file is an error.
 
     Raises:
         ConfigError: no such home, or no such folder. SceneError: it cannot be built. DataError: a shipped or packed
@@ -51,13 +55,10 @@ def load_house(name: str) -> House:
 def _load(name: str) -> House:
     file = file_name(name)
     for packed in (folder / file for folder in _packed_folders() if (folder / file).is_file()):
-        return house_from_bytes(packed.read_bytes(), str(packed))
+        return _named(name, house_from_bytes(read_verified(packed), str(packed)), packed)
     cached = cache_folder() / file
-    if cached.is_file():
-        try:
-            return house_from_bytes(cached.read_bytes(), str(cached))
-        except DataError:
-            cached.unlink(missing_ok=True)
+    if (kept := _kept(name, cached)) is not None:
+        return kept
     _require_bullet(name)
     house = build_house(name)
     with contextlib.suppress(OSError):  # A read-only cache costs time, not correctness.
@@ -79,6 +80,24 @@ def the_house(name: str, spec_hash: str) -> House:
     house = load_house(name)
     if house.spec.hash != spec_hash:
         raise DataError(f"home '{name}': pickled as {spec_hash[:12]}, here it is {house.spec.hash[:12]}")
+    return house
+
+
+def _kept(name: str, cached: Path) -> House | None:
+    """The home of a file in the cache; None where it has to be built, with a warning where the file is damaged."""
+    try:
+        return _named(name, house_from_bytes(read_bounded(cached, _MAX_FILE), str(cached)), cached)
+    except FileNotFoundError:
+        return None
+    except (DataError, OSError) as error:
+        why = str(error) if isinstance(error, DataError) else f"{cached}: cannot be read ({error.strerror})"
+        print(f"warning: {why.removesuffix(f'; {REMEDY}')}; home '{name}' is built again", file=sys.stderr)  # noqa: T201
+        return None
+
+
+def _named(name: str, house: House, path: Path) -> House:
+    if house.spec.name != name:
+        raise DataError(f"{path}: home '{brief(house.spec.name)}', expected '{name}'; {REMEDY}")
     return house
 
 

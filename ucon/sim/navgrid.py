@@ -9,6 +9,7 @@ from ucon.core.errors import SceneError
 from ucon.scenes.spec import GRID_M, HomeSpec
 from ucon.sim.house import NavGrid
 from ucon.sim.paths import components
+from ucon.sim.rooms import room_grid
 from ucon.sim.world import World
 
 AGENT_RADIUS_M = 0.18
@@ -16,18 +17,6 @@ AGENT_BOTTOM_M = 0.05
 AGENT_TOP_M = 1.80
 MAIN_COMPONENT_SHARE = 0.99
 """The largest component must hold this share of the free nodes; the rest become unfree."""
-
-
-def room_grid(spec: HomeSpec) -> tuple[tuple[float, float], NDArray[np.int16]]:
-    """Origin and room number of every cell, (nx, ny) int16; -1 outside all rooms."""
-    rects = np.array([room.rect for room in spec.rooms])
-    origin = (float(rects[:, 0].min()), float(rects[:, 1].min()))
-    nx, ny = np.rint((rects[:, 2:].max(axis=0) - origin) / GRID_M).astype(int)
-    rooms = np.full((nx, ny), -1, np.int16)
-    for number, rect in enumerate(rects):
-        i0, j0, i1, j1 = np.rint((rect - (*origin, *origin)) / GRID_M).astype(int)
-        rooms[i0:i1, j0:j1] = number
-    return origin, rooms
 
 
 def free_cells(world: World, origin: tuple[float, float], rooms: NDArray[np.int16]) -> NDArray[np.bool_]:

@@ -9,6 +9,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from ucon.core.errors import ConfigError, EpisodeError, brief
+from ucon.core.text import is_shown
 from ucon.objects.catalogue import catalogue
 from ucon.objects.model import RELATIONS
 from ucon.sim.arrangement import PlacedObject
@@ -125,7 +126,7 @@ def _expect(right: bool, where: str, what: str, found: Any, expected: str) -> No
 
 
 def _is_text(value: Any) -> bool:
-    return isinstance(value, str) and value.isprintable()
+    return isinstance(value, str) and is_shown(value)
 
 
 def _is_index(value: Any, count: int) -> bool:

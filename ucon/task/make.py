@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import nullcontext
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 from ucon.core.errors import EpisodeError, UconError
 from ucon.core.files import canonical_json, write_atomic
 from ucon.core.pool import Pool
+from ucon.core.strict_json import JsonError, parse_json
 from ucon.habits.book import book
 from ucon.habits.types import HabitDataset
 from ucon.sim.cache import load_house
@@ -73,14 +73,14 @@ def _collect(
 def _noted(journal: Path, orders: Sequence[Order], habits_hash: str) -> list[Episode]:
     """The episodes of the first orders that a journal holds; what does not belong to them is cut off."""
     found: list[Episode] = []
-    text = journal.read_text(encoding="utf-8") if journal.is_file() else ""
-    for order, line in zip(orders, text[: text.rfind("\n") + 1].splitlines(), strict=False):
+    raw = journal.read_bytes() if journal.is_file() else b""
+    for order, line in zip(orders, raw[: raw.rfind(b"\n") + 1].split(b"\n"), strict=False):
         try:
-            episode = Episode.from_json(json.loads(line))
-        except (ValueError, EpisodeError):
-            break
-        same = (episode.id, episode.seed % RETRY_SEED_STEP, episode.habits_hash) == (order.id, order.seed, habits_hash)
-        if not same or load_house(episode.scene).spec.hash != episode.home_hash:
+            episode = Episode.from_json(parse_json(line))
+            same = (episode.id, episode.seed % RETRY_SEED_STEP, episode.habits_hash)
+            if same != (order.id, order.seed, habits_hash) or load_house(episode.scene).spec.hash != episode.home_hash:
+                break
+        except (JsonError, UconError):
             break
         found.append(episode)
     write_atomic(journal, "".join(canonical_json(episode.to_json()) + "\n" for episode in found))

@@ -11,10 +11,10 @@ generated homes), with targets and people of the ``train`` part alone.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from ucon.core.errors import ConfigError, unknown_name
+from ucon.core.errors import ConfigError, UconError, brief, unknown_name
 from ucon.core.rng import derived_seed
 from ucon.habits.splits import Split, entry_parts, split_categories
 from ucon.habits.types import HabitDataset
@@ -99,15 +99,23 @@ def generated(first_seed: int, count: int) -> tuple[str, ...]:
     return tuple(f"procedural:{KINDS[k % len(KINDS)]}:{first_seed + k}" for k in range(count))
 
 
-def set_orders(name: str, dataset: HabitDataset, task: str = PAPER.name, *, context: bool = False) -> Iterator[Order]:
+def set_orders(
+    name: str,
+    dataset: HabitDataset,
+    task: str = PAPER.name,
+    *,
+    context: bool = False,
+    left_out: Callable[[str], None] = lambda line: None,
+) -> Iterator[Order]:
     """What to sample for every episode of a named set under the rules ``task``, scenes taken in turn.
 
     Scenes and seeds are the same under all rules, so that the sets of two rule sets differ by the rules alone.
-    The sets ``official`` need a dataset whose entries are bound to scenes, as those of the official release are.
+    The sets ``official`` need a dataset whose entries are bound to scenes, as those of the official release are. A
+    scene that is no home, or where no category can be placed, is left out: ``left_out`` is given a line that says why.
     """
     label = set_name(name, task, context=context)
     if name in OFFICIAL_SETS:
-        yield from _official_orders(name, dataset, label)
+        yield from _official_orders(name, dataset, label, left_out)
         return
     for cell in set_cells(name):
         targets = split_categories(dataset.categories, cell.category_split)
@@ -117,7 +125,7 @@ def set_orders(name: str, dataset: HabitDataset, task: str = PAPER.name, *, cont
             yield Order(f"{label}/{cell.label}/{number:03d}", scene, seed, cell.label, targets, cell.part)
 
 
-def _official_orders(name: str, dataset: HabitDataset, label: str) -> Iterator[Order]:
+def _official_orders(name: str, dataset: HabitDataset, label: str, left_out: Callable[[str], None]) -> Iterator[Order]:
     if not dataset.scenes:
         raise ConfigError(
             f"episode set '{name}' with dataset '{dataset.name}', whose entries belong to no scene; "
@@ -127,17 +135,29 @@ def _official_orders(name: str, dataset: HabitDataset, label: str) -> Iterator[O
     held = {(e.scene, e.category) for e in dataset.entries if parts[e.id] == "test"}
     targets: dict[str, dict[str, tuple[str, ...]]] = {}
     for scene in dataset.scenes:
-        hosted = sampler.target_categories(scene)
+        try:
+            hosted = sampler.target_categories(scene)
+        except UconError as error:
+            left_out(f"{brief(scene)}: left out, {error}")
+            continue
+        if not hosted:
+            left_out(f"{scene}: left out, no category of dataset '{dataset.name}' can be placed there")
+            continue
         unseen = tuple(name for name in hosted if (scene, name) in held)
         learned = tuple(name for name in hosted if (scene, name) not in held)
+        if not learned and len(unseen) < MIN_HELD_OUT:
+            left_out(f"{scene}: left out, all that can be placed there is held out, and is less than {MIN_HELD_OUT}")
+            continue
         targets[scene] = {HELD_OUT: unseen if len(unseen) >= MIN_HELD_OUT else (), LEARNED: learned}
     only_held = name == OFFICIAL_HELD_OUT
-    scenes = [scene for scene in dataset.scenes if targets[scene][HELD_OUT] or not only_held]
+    scenes = [scene for scene, of in targets.items() if of[HELD_OUT] or not only_held]
+    if not targets:
+        raise ConfigError(f"episode set '{name}': in no scene of '{dataset.name}' can enough of it be placed")
     if not scenes:
         raise ConfigError(f"episode set '{name}': no scene of '{dataset.name}' has {MIN_HELD_OUT} categories held out")
     for number in range(OFFICIAL_SETS[name]):
         scene = scenes[number % len(scenes)]
         odd = only_held or number // len(scenes) % 2
-        kind = HELD_OUT if odd and targets[scene][HELD_OUT] else LEARNED
+        kind = HELD_OUT if targets[scene][HELD_OUT] and (odd or not targets[scene][LEARNED]) else LEARNED
         seed = derived_seed(0, "set", name, number) % (1 << 31)
         yield Order(f"{label}/{scene}/{number:04d}", scene, seed, kind, targets[scene][kind])

@@ -6,7 +6,6 @@ paper's, ``mini.released_code`` the released environment's, ``mini.context`` tha
 
 from __future__ import annotations
 
-import json
 import lzma
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
@@ -14,7 +13,9 @@ from pathlib import Path
 
 import ucon
 from ucon.core.errors import DataError, EpisodeError, unknown_name
-from ucon.core.files import MANIFEST, canonical_json, read_verified, user_pack, write_atomic, write_manifest
+from ucon.core.files import canonical_json, listed_files, read_verified, user_pack, write_atomic, write_manifest
+from ucon.core.strict_json import JsonError, parse_json, read_bounded
+from ucon.core.unpack import UnpackError, unpack_xz
 from ucon.task.episode import Episode
 from ucon.task.rules import PAPER, RULES, task_rules
 
@@ -22,6 +23,8 @@ SUFFIX = ".jsonl.xz"
 CONTEXT = "context"
 #: Folder of episode sets in a pack, see :func:`pack_sets`.
 IN_PACK = "episodes"
+#: Of one set, unpacked: some thirty thousand episodes.
+_MAX_BYTES = 256 * 2**20
 _PACKAGE = Path(__file__).parent / "data"
 _CLONE = Path(ucon.__file__).parents[1] / "episodes"
 
@@ -93,18 +96,19 @@ def _made_under(wanted: str, name: str, sets: Iterable[str]) -> list[str]:
 
 @lru_cache(maxsize=8)
 def _load(path: Path, _mtime: int) -> tuple[Episode, ...]:
-    verified = _in_manifest(path)
-    raw = read_verified(path) if verified else path.read_bytes()
     try:
-        text = lzma.decompress(raw).decode()
-    except (lzma.LZMAError, EOFError, UnicodeDecodeError) as error:
+        raw = read_verified(path) if _in_manifest(path) else read_bounded(path, _MAX_BYTES)
+        text = unpack_xz(raw, _MAX_BYTES).decode("utf-8-sig")
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read ({error.strerror}); restore it or make it anew") from None
+    except (UnpackError, UnicodeDecodeError) as error:
         raise DataError(f"{path}: not a whole episode file ({error}); restore it or make it anew") from None
     episodes = []
-    for number, line in enumerate(text.splitlines(), 1):
+    for number, line in enumerate(text.removesuffix("\n").split("\n") if text else (), 1):
         try:
-            data = json.loads(line)
-        except (ValueError, RecursionError) as error:
-            raise EpisodeError(f"{path}:{number}: not JSON ({error}); restore it or make it anew") from None
+            data = parse_json(line)
+        except JsonError as error:
+            raise EpisodeError(f"{path}:{number}: {error}; restore it or make it anew") from None
         episodes.append(Episode.from_json(data, where=f"{path}:{number}"))
     if not episodes:
         raise EpisodeError(f"{path}: no episodes in it, expected one a line")
@@ -135,10 +139,7 @@ def pack_sets(names: Iterable[str], folder: Path) -> list[Path]:
 
 
 def _in_manifest(path: Path) -> bool:
-    manifest = path.parent / MANIFEST
     try:
-        return path.name in json.loads(manifest.read_text())["files"]
+        return path.name in listed_files(path.parent)
     except FileNotFoundError:
         return False
-    except (ValueError, LookupError, TypeError, RecursionError):
-        raise DataError(f"{manifest}: not a usable manifest; restore it from the release") from None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import select
 import struct
@@ -14,6 +13,7 @@ from collections.abc import Sequence
 from typing import IO, Any
 
 from ucon.core.errors import DetectorError, brief
+from ucon.core.strict_json import JsonError, parse_json
 
 #: Larger answers are taken for something else that was printed.
 MOST_BYTES = 1 << 24
@@ -51,8 +51,8 @@ class WorkerLink:
             raise self._failure(f"answered {size} bytes, expected at most {MOST_BYTES}")
         body = self._read(size, deadline, timeout_s)
         try:
-            answer = json.loads(body)
-        except ValueError:
+            answer = parse_json(body)
+        except JsonError:
             answer = None
         if not isinstance(answer, dict):
             raise self._failure(f"answered {brief(repr(body[:60]))}, expected a JSON object")

@@ -1,0 +1,131 @@
+"""Whatever happened to a file, its reader gives the very same result or one line: no traceback, no other figure.
+
+And it starts no program and opens no socket. To repeat what failed: ``pytest tests/mutations -k 'KIND and 17'``.
+"""
+
+import random
+import shutil
+import traceback
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.mutations.kinds import KINDS, Kind
+from tests.mutations.mutate import BYTES, INSIDE, PLACES
+from tests.mutations.watch import limited, watched
+from ucon.core.errors import UconError
+
+#: Mutations of all kinds together; those that `make test` draws come first.
+FAST, ALL = 48, 336
+_EACH = ALL // len(KINDS)
+
+
+@dataclass(frozen=True)
+class Made:
+    """A kind's files, and what their reader says of them as they are."""
+
+    kind: Kind
+    folder: Path
+    right: Any
+
+
+@pytest.fixture(scope="session")
+def made(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Made]:
+    """Kinds that were made already; each is made when it is first asked for."""
+    return {}
+
+
+def _made(name: str, made: dict[str, Made], factory: pytest.TempPathFactory) -> Made:
+    if name not in made:
+        folder = factory.mktemp(name)
+        kind = KINDS[name](folder)
+        copy = factory.mktemp(f"{name}-right") / "copy"
+        shutil.copytree(folder, copy, symlinks=True)
+        made[name] = Made(kind, folder, kind.read(copy))
+    return made[name]
+
+
+def mutate(kind: Kind, folder: Path, rng: random.Random) -> tuple[str, bool]:
+    """Change one file; what was done, and whether other values are now right."""
+    path = folder / rng.choice(kind.files)
+    raw = path.read_bytes()
+    forged = kind.seal is not None and path.name != "MANIFEST.json" and rng.random() < 0.4
+    if rng.random() < 0.12:
+        what, forged = rng.choice(sorted(PLACES)), False
+        path.unlink()
+        PLACES[what](path)
+    elif kind.unpack and kind.pack and path.name != "MANIFEST.json" and rng.random() < 0.6:
+        what = rng.choice(INSIDE)
+        path.write_bytes(kind.pack(BYTES[what](kind.unpack(raw), rng, kind.other)))
+        what = f"{what} inside"
+    else:
+        what = rng.choice(sorted(BYTES))
+        path.write_bytes(BYTES[what](raw, rng, kind.other))
+    if forged and kind.seal:
+        kind.seal(folder)
+    return f"{what} of {path.name}{', forged' if forged else ''}", forged or kind.authored
+
+
+def verdict(kind: Kind, folder: Path, right: Any, *, free: bool) -> str:
+    """What is wrong with how a mutated file was read; empty if nothing."""
+    found: Any = right
+    with watched() as events, limited():
+        try:
+            found = kind.read(folder)
+        except UconError as error:
+            if "\n" in str(error) or not str(error).isprintable() or not 0 < len(str(error)) < 2000:
+                return f"no single line: {str(error)[:300]!r}"
+        except Exception:  # a MemoryError too: it took more than any file may
+            return traceback.format_exc(limit=-6)
+    if events:
+        return f"it did {events[:3]}"
+    return (
+        "" if free or found == right else f"another result without a word: {str(found)[:300]}, was {str(right)[:300]}"
+    )
+
+
+def _numbers() -> list[Any]:
+    fast = FAST // len(KINDS)
+    cases = [(name, number) for name in KINDS for number in range(_EACH)]
+    return [
+        pytest.param(name, number, marks=() if number < fast else pytest.mark.slow, id=f"{name}-{number}")
+        for name, number in cases
+    ]
+
+
+@pytest.mark.parametrize(("name", "number"), _numbers())
+def test_a_mutated_file_is_refused_in_one_line_or_read_as_it_was(
+    name: str, number: int, made: dict[str, Made], tmp_path_factory: pytest.TempPathFactory, tmp_path: Path
+) -> None:
+    one, folder = _made(name, made, tmp_path_factory), tmp_path / "copy"
+    shutil.copytree(one.folder, folder, symlinks=True)
+    what, free = mutate(one.kind, folder, random.Random(f"{name} {number}"))
+    wrong = verdict(one.kind, folder, one.right, free=free)
+    assert not wrong, f"{name}, number {number}, {what}: {wrong}"
+
+
+def test_what_a_reader_does_beside_reading_is_seen(tmp_path: Path) -> None:
+    import socket
+    import subprocess
+    import sys
+
+    def program(folder: Path) -> int:
+        return subprocess.run([sys.executable, "--version"], capture_output=True, check=True).returncode
+
+    def network(folder: Path) -> int:
+        socket.socket().close()
+        return 0
+
+    def several_lines(folder: Path) -> int:
+        raise UconError("one\ntwo")
+
+    def bug(folder: Path) -> int:
+        return int("x")
+
+    readers = {program: "subprocess", network: "socket", several_lines: "no single line", bug: "ValueError"}
+    for reader, message in readers.items():
+        assert message in verdict(Kind((), reader), tmp_path, 0, free=False)
+    assert "another result" in verdict(Kind((), lambda folder: 1), tmp_path, 0, free=False)
+    assert not verdict(Kind((), lambda folder: 1), tmp_path, 0, free=True)

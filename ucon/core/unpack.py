@@ -1,0 +1,148 @@
+"""Unpacking what others packed: never more than a limit that is known beforehand, whatever the file claims.
+
+A few hundred kilobytes of xz or zlib hold gigabytes, and the header of an array may claim any number of elements. So
+data are unpacked piece by piece until the limit, and arrays are made only where their bytes are there.
+"""
+
+from __future__ import annotations
+
+import io
+import lzma
+import math
+import zipfile
+import zlib
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
+
+from ucon.core.errors import brief
+
+#: Of the arrays of one file, where nothing else is known about it.
+MAX_BYTES: Final = 256 * 2**20
+_PIECE: Final = 1 << 20
+#: For the dictionary of one xz stream; those of the highest preset take 65 MB.
+_XZ_MEMORY: Final = 128 * 2**20
+_NPY_VERSIONS: Final = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
+
+
+class UnpackError(ValueError):
+    """Packed data that are not whole, or larger than allowed; the message says why in a few words, without a place."""
+
+
+def unpack_xz(raw: bytes, max_bytes: int) -> bytes:
+    """The content of one xz stream or several in a row.
+
+    Raises:
+        UnpackError: it is none, cut off, followed by something else, or holds more than ``max_bytes``.
+    """
+    pieces: list[bytes] = []
+    size, left = 0, raw
+    try:
+        while True:
+            stream = lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=_XZ_MEMORY)
+            for piece in _pieces(stream, left):
+                pieces.append(piece)
+                size = _within(size + len(piece), max_bytes)
+            if not stream.eof:
+                raise UnpackError("it ends too early")
+            left = stream.unused_data.lstrip(b"\0")  # padding between streams
+            if not left:
+                return b"".join(pieces)
+    except (lzma.LZMAError, EOFError) as error:
+        raise UnpackError(f"no whole xz data: {error}") from None
+
+
+def unpack_zlib(raw: bytes, max_bytes: int) -> bytes:
+    """The content of zlib data.
+
+    Raises:
+        UnpackError: they are none, cut off, followed by something else, or hold more than ``max_bytes``.
+    """
+    stream = zlib.decompressobj()
+    try:
+        found = stream.decompress(raw, max_bytes + 1)
+        _within(len(found), max_bytes)
+    except zlib.error as error:
+        raise UnpackError(f"no whole zlib data: {error}") from None
+    if not stream.eof:
+        raise UnpackError("it ends too early")
+    if stream.unused_data:
+        raise UnpackError("something follows its end")
+    return found
+
+
+def read_arrays(raw: bytes, max_bytes: int) -> dict[str, NDArray]:
+    """The arrays of an ``.npz`` file by name; objects, which would be pickles, are refused.
+
+    Raises:
+        UnpackError: it is none, not whole, or its arrays take more than ``max_bytes``.
+    """
+    found: dict[str, NDArray] = {}
+    left = max_bytes
+    try:
+        with zipfile.ZipFile(io.BytesIO(raw)) as file:
+            for entry in file.infolist():
+                name = entry.filename.removesuffix(".npy")
+                if name in found:
+                    raise UnpackError("an array is there twice")
+                if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+                    raise UnpackError("packed in a way that has no limit")  # zipfile unpacks bzip2 and LZMA at once
+                left -= _within(entry.file_size, left)
+                with file.open(entry) as packed:
+                    found[name] = read_array(packed.read(entry.file_size + 1))
+    except UnpackError:
+        raise
+    except _ZIP_ERRORS as error:
+        raise UnpackError(f"no whole file of arrays: {error}") from None
+    return found
+
+
+#: What ``zipfile`` raises for altered archives, beside its own error.
+_ZIP_ERRORS: Final = (
+    *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, OSError, ValueError, OverflowError),
+    *(NotImplementedError, RuntimeError, LookupError, AttributeError, TypeError),
+)
+
+
+def read_array(raw: bytes) -> NDArray:
+    """The array of an ``.npy`` file, whose bytes must be there to the last.
+
+    Raises:
+        UnpackError: it is none, of objects, or its header claims another size than it has.
+    """
+    file = io.BytesIO(raw)
+    try:
+        header = _NPY_VERSIONS.get(npy.read_magic(file))
+        if header is None:
+            raise UnpackError("an array of an unknown format")
+        shape, fortran, dtype = header(file)
+        wanted = math.prod(shape) * dtype.itemsize
+    except UnpackError:
+        raise
+    except Exception as error:  # numpy's reader of headers evaluates a text, and passes on whatever that raises
+        raise UnpackError(f"no array: {type(error).__name__} in its header") from None
+    if dtype.hasobject or not dtype.itemsize:
+        raise UnpackError("an array of objects or of nothing, which is never read")
+    there = len(raw) - file.tell()
+    if min(shape, default=0) < 0 or wanted != there:
+        raise UnpackError(f"an array whose header claims {brief(wanted)} bytes, {there:,} are there")
+    flat = np.frombuffer(raw, dtype, offset=file.tell()) if there else np.empty(0, dtype)
+    return flat.reshape(shape, order="F" if fortran else "C").copy(order="K")
+
+
+def _pieces(stream: lzma.LZMADecompressor, raw: bytes) -> Iterator[bytes]:
+    piece = stream.decompress(raw, _PIECE)
+    while piece:
+        yield piece
+        if stream.eof or stream.needs_input:
+            return
+        piece = stream.decompress(b"", _PIECE)
+
+
+def _within(size: int, limit: int) -> int:
+    if size > limit:
+        raise UnpackError(f"it holds more than {limit:,} bytes, more than any such file")
+    return size
