@@ -60,7 +60,7 @@ def whole(data: dict[str, Any]) -> dict[str, Any]:
 IN_THE_FILE = {
     "category": (put(target, 0, "coffee_cupp"), "did you mean coffee_cup"),
     "position": (put(target, 1, ["a", 0, 0]), "expected x, y, z in metres"),
-    "nowhere": (put(target, 1, [float("nan"), 0, 0]), "expected x, y, z in metres"),
+    "nowhere": (put(target, 1, [float("nan"), 0, 0]), "NaN, expected numbers that are finite"),
     "quaternion": (put(target, 2, [0, 0, 0, 2]), "expected a unit quaternion"),
     "relation": (put(target, 4, "above"), "expected one of"),
     "anchor": (put(target, 5, "table"), "expected a whole number"),

@@ -222,7 +222,7 @@ def _cut(file: Path) -> None:
 
 
 DAMAGE: dict[str, tuple[Callable[[Path], object], str]] = {
-    "config": (lambda f: (f / "config.json").write_text("{"), r"config\.json: not JSON"),
+    "config": (lambda f: (f / "config.json").write_text("{"), r"config\.json:1:2: not JSON"),
     "another kind": (lambda f: _set(f / "config.json", model_type="bert"), "model type 'bert', expected 'xlm-roberta'"),
     "cut weights": (lambda f: _cut(f / "pytorch_model.bin"), r"cannot be loaded|weights lack"),
     "wrong shape": (lambda f: _set(f / "config.json", intermediate_size=128), "cannot be loaded"),
