@@ -85,16 +85,24 @@ def test_seconds_of_interrupted_calls_are_added_up(tmp_path, monkeypatch):
     assert again.seconds == 17.0
 
 
+FIRST = line_of({"hashes": HASHES, "versions": {}})
+
+
+def whole_line(number, seconds, first=FIRST):
+    return line_of_played(played(number), seconds, first)
+
+
 def lines_of(value, number=0):
     """A line as it should be, but for what ``value`` says otherwise."""
-    line = json.loads(line_of_played(played(number), 1.0).partition(b" ")[2])
-    return line_of({**line, **value})
+    line = json.loads(whole_line(number, 1.0).partition(b" ")[2])
+    return line_of({**line, **value}, FIRST)
 
 
 DAMAGED = {
     "no JSON": b"hello\n",
-    "no checksum": line_of_played(played(1), 1.0).partition(b" ")[2],
-    "another checksum": b"0" + line_of_played(played(1), 1.0)[1:],
+    "no checksum": whole_line(1, 1.0).partition(b" ")[2],
+    "another checksum": b"0" + whole_line(1, 1.0)[1:],
+    "of another run": whole_line(1, 1.0, line_of({"hashes": {"config": "other"}, "versions": {}})),
     "cut inside a letter": lines_of({}, 1)[:-20] + "\u00e9".encode()[:1] + b"\n",
     "index out of range": lines_of({"index": 999}, 1),
     "index of another episode": lines_of({"index": 2}, 1),
@@ -105,7 +113,7 @@ DAMAGED = {
     "no record": lines_of({"record": {}}, 1),
     "timing of another": lines_of({"timing": json.loads(played(2).timing.to_line())}, 1),
     "decisions that are none": lines_of({"decisions": [[]]}, 1),
-    "deeply nested": b" ".join((sha256_bytes(b"[" * 99999).encode(), b"[" * 99999)) + b"\n",
+    "deeply nested": b" ".join((sha256_bytes(FIRST[:64] + b"[" * 99999).encode(), b"[" * 99999)) + b"\n",
     "one thing more": lines_of({"more": 1}, 1),
 }
 
@@ -114,11 +122,11 @@ DAMAGED = {
 def test_a_damaged_line_costs_its_own_episode_alone(tmp_path, name):
     partial = interrupted(tmp_path, [0])
     whole = partial.read_bytes()
-    partial.write_bytes(whole + DAMAGED[name] + line_of_played(played(2), 2.0))
+    partial.write_bytes(whole + DAMAGED[name] + whole_line(2, 2.0))
     folder = RunFolder(tmp_path, HASHES)
     assert folder.open(IDS) == {0: played(0), 2: played(2)}
     assert folder.damaged == 1
-    assert partial.read_bytes() == whole + line_of_played(played(2), 2.0)
+    assert partial.read_bytes() == whole + whole_line(2, 2.0)
     again = RunFolder(tmp_path, HASHES)
     assert (set(again.open(IDS)), again.damaged) == ({0, 2}, 0)
 

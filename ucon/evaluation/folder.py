@@ -32,6 +32,7 @@ class RunFolder:
         self.summary: dict[str, Any] | None = None
         """Of a finished run, once it is open."""
         self._versions = dict(versions or {})
+        self._first = line_of({"hashes": hashes, "versions": self._versions})
         self.damaged = 0
         """Lines of the partial file that were left out; their episodes are played again."""
         self._partial: BinaryIO | None = None
@@ -68,13 +69,13 @@ class RunFolder:
         except OSError as error:
             raise ConfigError(f"out={self.path}: cannot be written ({error.strerror}); choose another folder") from None
         if self._partial.tell() == 0:
-            self._append(line_of({"hashes": self.hashes, "versions": self._versions}))
+            self._append(self._first)
         self._opened = time.perf_counter()
         return done
 
     def add(self, played: Played) -> None:
         """Keep a finished episode, so that it survives an interruption."""
-        self._append(line_of_played(played, self.seconds))
+        self._append(line_of_played(played, self.seconds, self._first))
 
     def finish(self, played: Sequence[Played], summary: Mapping[str, Any], config_yaml: str) -> None:
         """Write the final files and remove the partial one. ``summary.json`` comes last: it says that all is there."""
@@ -121,6 +122,7 @@ class RunFolder:
         left = read_partial(partial, episodes)
         if left.header is not None:
             self._refuse_other(self._named, _names(left.header), PARTIAL)
+            self._first = left.whole[: left.whole.index(b"\n") + 1]
         if len(left.whole) != partial.stat().st_size:
             write_atomic(partial, left.whole)
         self._seconds_before, self.damaged = left.seconds, left.damaged

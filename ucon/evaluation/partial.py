@@ -1,6 +1,7 @@
 """The file of an unfinished run: a line for each episode as it ends, with a checksum before it.
 
-The first line names the run. A line that is damaged costs the episode that it kept, and no other.
+The first line names the run; the checksums of the others are of its checksum too, so that a line of another run is
+none of this one. A line that is damaged costs the episode that it kept, and no other.
 """
 
 from __future__ import annotations
@@ -22,6 +23,8 @@ from ucon.evaluation.seal import RECORDS
 PARTIAL: Final = f"{RECORDS}.partial"
 #: Of a first line, in bytes.
 _LONGEST: Final = 1 << 16
+#: Letters of a checksum.
+_CHECKSUM: Final = 64
 
 
 @dataclass(frozen=True)
@@ -48,14 +51,14 @@ class Left:
     """The file without them."""
 
 
-def line_of(value: Mapping[str, Any]) -> bytes:
-    """A line: checksum, space, JSON."""
+def line_of(value: Mapping[str, Any], first: bytes = b"") -> bytes:
+    """A line: checksum, space, JSON. ``first``: the first line, of the others."""
     body = canonical_json(value).encode()
-    return f"{sha256_bytes(body)} ".encode() + body + b"\n"
+    return f"{_checksum(body, first)} ".encode() + body + b"\n"
 
 
-def line_of_played(played: Played, seconds: float) -> bytes:
-    """The line of an episode, with the seconds of the run so far."""
+def line_of_played(played: Played, seconds: float, first: bytes) -> bytes:
+    """The line of an episode, with the seconds of the run so far; ``first``: the first line."""
     value: dict[str, Any] = {
         "index": played.index,
         "seconds": round(float(seconds), 3),
@@ -63,7 +66,7 @@ def line_of_played(played: Played, seconds: float) -> bytes:
         "timing": asdict(played.timing),
         "decisions": [d.to_json() for d in played.decisions],
     }
-    return line_of(value)
+    return line_of(value, first)
 
 
 def read_partial(path: Path, episodes: Sequence[str]) -> Left:
@@ -79,7 +82,7 @@ def read_partial(path: Path, episodes: Sequence[str]) -> Left:
     seconds, kept = 0.0, lines[:1]
     for number, line in enumerate(lines[1:], 2):
         try:
-            played, seconds_then = _played(_value(line, path), f"{path}:{number}", episodes, done)
+            played, seconds_then = _played(_value(line, path, lines[0]), f"{path}:{number}", episodes, done)
         except DataError:
             continue
         done[played.index], seconds = played, max(seconds, seconds_then)
@@ -97,14 +100,18 @@ def read_header(path: Path) -> dict[str, Any]:
         return _value(file.readline(_LONGEST), path)
 
 
-def _value(line: bytes, path: Path) -> dict[str, Any]:
-    """What a line says.
+def _checksum(body: bytes, first: bytes) -> str:
+    return sha256_bytes(first[:_CHECKSUM] + body)
+
+
+def _value(line: bytes, path: Path, first: bytes = b"") -> dict[str, Any]:
+    """What a line says; ``first``: the first line, of the others.
 
     Raises:
         DataError: its checksum is of other content, or it says nothing.
     """
     checksum, _, body = line.removesuffix(b"\n").partition(b" ")
-    value = parse_line(body, str(path)) if checksum == sha256_bytes(body).encode() else None
+    value = parse_line(body, str(path)) if checksum == _checksum(body, first).encode() else None
     if not isinstance(value, dict):
         raise DataError(
             f"{path}: its first line is damaged, or of an older version; remove the folder or choose another"
