@@ -89,6 +89,10 @@ WHOLE = "learner: {_target_: ucon.learning.retriever.RetrieverLearner}\ntraining
             f"{WHOLE}agent: {{of: [{{_target_: os.mkdir}}]}}\n".encode(),
             r"config\.yaml: agent\.of\.0\._target_=os\.mkdir",
         ),
+        (
+            WHOLE.replace("3", "x").encode(),
+            r"config\.yaml: training\.steps=x: expected a whole number from 1 up; restore",
+        ),
         (WHOLE.replace("3", "'${oc.env:HOME}'").encode(), r"training\.steps=\$.*has no interpolations"),
     ],
 )

@@ -162,6 +162,10 @@ def _stored(path: Path, raw: bytes, said: Mapping[str, Any]) -> dict[str, Any]:
     """
     config = _parsed(path, raw)
     allowed: dict[str, Any] = checked(config, str(path), ("learner",), said, "++")
+    try:
+        check_options(config, TRAINING)
+    except ConfigError as error:
+        raise DataError(f"{path}: {error}; {_REMEDY}") from None
     if allowed != config:
         raise ConfigError(f"{path}: the run has other values than ++{', ++'.join(said)}; say those that it has")
     return allowed
@@ -188,7 +192,6 @@ def _parsed(path: Path, raw: bytes) -> dict[str, Any]:
         raise DataError(f"{path}: not the configuration of a run; {_REMEDY}") from None
     try:
         _check(config, str(path))
-        check_options(config, TRAINING)
     except ConfigError as error:
         raise DataError(f"{error}; {_REMEDY}") from None
     return dict(config)
