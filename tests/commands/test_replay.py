@@ -16,6 +16,7 @@ from ucon.evaluation.folder import RunFolder
 from ucon.evaluation.play import Played
 from ucon.evaluation.record import EpisodeTiming, read_records
 from ucon.evaluation.report import versions
+from ucon.evaluation.seal import sealed
 
 ROOT = Path(__file__).parents[2]
 RESULTS = ROOT / "results"
@@ -138,7 +139,8 @@ def test_figures_are_compared_where_no_episodes_are_kept(kept, tmp_path):
 
 
 def test_a_summary_without_figures_is_none(kept, tmp_path):
-    (kept / "summary.json").write_text('{"agent": "frontier", "habit_level": "none"}')
+    said, records = {"agent": "frontier", "habit_level": "none"}, (kept / "episodes.jsonl").read_bytes()
+    (kept / "summary.json").write_text(sealed(said, {"episodes.jsonl": records}))
     result = replay(tmp_path, kept)
     assert (result.returncode, result.stdout) == (1, "")
     assert "no summary of a finished run" in result.stderr
