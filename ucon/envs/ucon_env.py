@@ -223,7 +223,8 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
 
     def moment(self) -> Moment:
         """What a frame of now would show; :meth:`draw` draws it, now or later in the episode."""
-        return Moment.of(self.search, self._begun("moment"))
+        ledger = self._begun("moment")
+        return Moment.of(self.search, ledger)
 
     def draw(self, moment: Moment) -> NDArray[np.uint8]:
         """First-person frame with the top-down map beside it, (384, 768, 3) uint8, of a moment of this episode."""
