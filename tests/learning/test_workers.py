@@ -2,8 +2,10 @@
 
 import functools
 import multiprocessing
+import multiprocessing.connection
 import os
 import signal
+import time
 
 import pytest
 import torch
@@ -121,6 +123,32 @@ def test_who_plays_ahead_of_learning_is_not_waited_for_for_ever(tmp_path, number
         assert "\n" not in str(caught.value)
     finally:
         learner.close()
+
+
+@pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGKILL, signal.SIGCONT])
+def test_who_does_not_answer_is_named_and_ended(number):
+    """Of two that sleep: the stopped one, the killed one, or both, which only take too long."""
+    context = multiprocessing.get_context("fork")  # which runs nothing of ours
+    workers = [context.Process(target=time.sleep, args=(600,), daemon=True) for _ in range(2)]
+    for worker in workers:
+        worker.start()
+    pid = stop(workers, number)
+    try:
+        with pytest.raises(WorkerError, match=rf"\(process {pid}\).*resume=RUN goes on") as caught:
+            wait_for(workers)
+        named = sum(f"(process {worker.pid})" in str(caught.value) for worker in workers)
+        assert named == (2 if number == signal.SIGCONT else 1)
+    finally:
+        for worker in workers:
+            worker.kill()
+            worker.join()
+
+
+def wait_for(workers):
+    """As those who hand out work do: until one is gone."""
+    with answered_within(1.0, lambda: workers, "x"):
+        multiprocessing.connection.wait([worker.sentinel for worker in workers])
+        raise RuntimeError("lost one")
 
 
 def test_what_a_worker_raises_is_not_hidden():
