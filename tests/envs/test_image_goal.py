@@ -141,7 +141,7 @@ def test_zson_looks_for_the_image_in_the_space_of_names(tmp_path: Path) -> None:
         assert np.linalg.norm(goals[-1]) == pytest.approx(1.0, abs=1e-3)
         assert not np.allclose(goals[-1], named, atol=1e-2)
     assert not np.allclose(*goals, atol=1e-3)
-    with pytest.raises(ConfigError, match="ClipGoal,path:FOLDER"):
+    with pytest.raises(ConfigError, match="part=clip_goal agent"):
         ZSON(SentenceGoal()).context(info)
 
 
