@@ -2,9 +2,9 @@
 
 import functools
 import multiprocessing
-import multiprocessing.connection
 import os
 import signal
+import threading
 import time
 
 import pytest
@@ -14,10 +14,11 @@ from tests.learning.tiny_policy import TinyPolicy, tiny_imitation, training_file
 from tests.learning.tiny_ppo import tiny_ppo
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
+from ucon.learning import workers as workers_module
 from ucon.learning.collecting import InWorkers
 from ucon.learning.feeding import Feeder
 from ucon.learning.trajectories import demonstration
-from ucon.learning.workers import WorkerError, answered_within, begin_worker
+from ucon.learning.workers import WorkerError, ask, begin_worker
 from ucon.task.sets import load_episodes
 
 
@@ -126,7 +127,7 @@ def test_who_plays_ahead_of_learning_is_not_waited_for_for_ever(tmp_path, number
 
 
 @pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGKILL, signal.SIGCONT])
-def test_who_does_not_answer_is_named_and_ended(number):
+def test_who_does_not_answer_is_named_and_ended(monkeypatch, number):
     """Of two that sleep: the stopped one, the killed one, or both, which only take too long."""
     context = multiprocessing.get_context("fork")  # which runs nothing of ours
     workers = [context.Process(target=time.sleep, args=(600,), daemon=True) for _ in range(2)]
@@ -134,6 +135,7 @@ def test_who_does_not_answer_is_named_and_ended(number):
         worker.start()
     pid = stop(workers, number)
     try:
+        monkeypatch.setattr(workers_module, "_GRACE_S", 0.5)
         with pytest.raises(WorkerError, match=rf"\(process {pid}\).*resume=RUN goes on") as caught:
             wait_for(workers)
         named = sum(f"(process {worker.pid})" in str(caught.value) for worker in workers)
@@ -145,15 +147,18 @@ def test_who_does_not_answer_is_named_and_ended(number):
 
 
 def wait_for(workers):
-    """As those who hand out work do: until one is gone."""
-    with answered_within(1.0, lambda: workers, "x"):
-        multiprocessing.connection.wait([worker.sentinel for worker in workers])
-        raise RuntimeError("lost one")
+    """As those who hand out work do, and never learn that somebody is gone."""
+    ask(threading.Event().wait, 3.0, lambda: workers, "x")
 
 
 def test_what_a_worker_raises_is_not_hidden():
-    with pytest.raises(KeyError), answered_within(10.0, list, "x"):
+    def wrong():
         raise KeyError
+
+    for crew in ([], [multiprocessing.current_process()]):
+        with pytest.raises(KeyError):
+            ask(wrong, 10.0, lambda crew=crew: crew, "x")
+        assert ask(lambda: 7, 10.0, lambda crew=crew: crew, "x") == 7
 
 
 @pytest.mark.parametrize("value", [0, -1, "x", True, None, float("nan"), float("inf"), 1e9])

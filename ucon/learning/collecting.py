@@ -12,7 +12,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from multiprocessing.process import BaseProcess
-from typing import Any, Protocol
+from typing import Any, Protocol, cast
 
 # Both are read when torchrl is imported: a worker that hangs is an error after so many seconds, not never.
 os.environ.setdefault("MAX_IDLE_COUNT", "3600")
@@ -26,7 +26,7 @@ from torchrl.collectors import Collector, MultiSyncCollector
 from ucon.core.errors import ConfigError, brief
 from ucon.learning.actor import rollout_actor
 from ucon.learning.rollout_env import rollout_env
-from ucon.learning.workers import WORKER_TIMEOUT_S, answered_within, begin_worker, check_timeout
+from ucon.learning.workers import WORKER_TIMEOUT_S, ask, begin_worker, check_timeout
 from ucon.task.episode import Episode
 
 MakeEnv = Callable[[], Any]
@@ -140,12 +140,15 @@ class Rollouts:
             self._batches = iter(self._collector)
             atexit.register(self.close)  # before Python waits for processes that nobody ended
         self._playing.load_state_dict(self._policy.state_dict())
-        limit = self._collecting.worker_timeout_s
-        with answered_within(limit, self._workers, "collector.worker_timeout_s"):
-            self._collector.update_policy_weights_()
-            self._collector.set_seed(seed % (1 << 31))
-            torch.manual_seed(seed)
-            return next(self._batches).reshape(self.shape)
+        question = functools.partial(self._collected, seed)
+        return ask(question, self._collecting.worker_timeout_s, self._workers, "collector.worker_timeout_s")
+
+    def _collected(self, seed: int) -> TensorDictBase:
+        self._collector.update_policy_weights_()
+        self._collector.set_seed(seed % (1 << 31))
+        torch.manual_seed(seed)
+        batches = cast("Iterator[TensorDictBase]", self._batches)
+        return next(batches).reshape(self.shape)
 
     def _workers(self) -> list[BaseProcess]:
         return list(getattr(self._collector, "procs", ()))

@@ -13,13 +13,14 @@ import zlib
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from multiprocessing.process import BaseProcess
 from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
 from ucon.learning.trajectories import Replay, Replayer, Trajectory
-from ucon.learning.workers import WORKER_TIMEOUT_S, answered_within, begin_worker
+from ucon.learning.workers import WORKER_TIMEOUT_S, ask, begin_worker, lost_one
 
 if TYPE_CHECKING:
     from torch import nn
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
 #: Batches that workers are ahead of the learner.
 _AHEAD: Final = 3
 _OPTION: Final = "learner.worker_timeout_s"
-#: Seconds that workers have to end when nobody asks for more.
-_CLOSE_S: Final = 10.0
 _CONTEXT, _FRAMES, _REWARDS = "context/", "frames/", "rewards"
 
 _replayer: Replayer | None = None
@@ -74,8 +73,9 @@ class Feeder:
     def close(self) -> None:
         """End the workers, without what they were asked for ahead; from then on this process plays."""
         if self._pool is not None:
-            with answered_within(_CLOSE_S, self._workers, ""):  # they hold nothing that is worth waiting for
-                self._pool.shutdown(cancel_futures=True)
+            self._pool.shutdown(wait=False, cancel_futures=True)
+            for worker in self._workers():
+                worker.kill()  # it may be stopped, and holds nothing that is worth waiting for
             self._pool = None
         self._play.close()
 
@@ -93,8 +93,12 @@ class Feeder:
         """Have it played, unless it is in memory or nobody else can."""
         if self._pool is None or self._key(trajectory) in self._kept:
             return None
-        with answered_within(self._timeout_s, self._workers, _OPTION):  # a pool that lost one takes no more
+        try:
             asked = self._pool.submit(_work, trajectory)
+        except BrokenProcessPool:  # one that lost a worker takes no more
+            if lost := lost_one(self._workers()):
+                raise lost from None
+            raise
         self._crew |= self._pool._processes or {}
         return asked
 
@@ -117,8 +121,7 @@ class Feeder:
         """
         if played.done() and played.exception() is None:
             return played.result()
-        with answered_within(self._timeout_s, self._workers, _OPTION):
-            return played.result()
+        return ask(played.result, self._timeout_s, self._workers, _OPTION)
 
     def _workers(self) -> list[BaseProcess]:
         return list(self._crew.values())

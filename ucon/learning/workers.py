@@ -6,20 +6,26 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, wait
 from multiprocessing.process import BaseProcess
-from typing import Final
+from typing import Final, TypeVar
 
 from ucon.core.errors import ConfigError, UconError, brief
 from ucon.core.memory import keep_freed_memory
 
 #: So long may workers take for what one step asks of them, unless another limit is given.
 WORKER_TIMEOUT_S: Final = 3600.0
-#: So long is waited for the exit code of a worker that is gone.
-_JOIN_S: Final = 5.0
+#: So long is waited for the exit code of a worker that is gone, and until whoever waits for it notices.
+_JOIN_S, _GRACE_S = 5.0, 5.0
+#: How often is looked after the workers while they work.
+_TICK_S: Final = 0.5
+_KEPT: Final = "what is saved is kept: resume=RUN goes on"
 #: What threads can wait for.
 _MOST_S: Final = 1e6
+
+T = TypeVar("T")
 
 
 class WorkerError(UconError):
@@ -52,49 +58,71 @@ def check_timeout(option: str, value: object) -> None:
         raise ConfigError(f"{option}={brief(value)}: expected seconds, above 0 and at most {_MOST_S:g}")
 
 
-@contextmanager
-def answered_within(seconds: float, workers: Callable[[], Sequence[BaseProcess]], option: str) -> Iterator[None]:
-    """What is asked of workers inside comes within a limit, or they are ended and the wait for them with them.
+def ask(question: Callable[[], T], seconds: float, workers: Callable[[], Sequence[BaseProcess]], option: str) -> T:
+    """What comes of a question to workers; they are ended where it takes longer than a limit.
+
+    It is asked in a thread, which is left behind where it waits for ever: libraries do, for workers that are gone.
 
     Args:
+        question: waits for the answer.
         seconds: the limit.
-        workers: those who are asked.
+        workers: those who are asked; where there are none, the answer is made here.
         option: what gives them more time.
 
     Raises:
-        WorkerError: naming those who did not answer in time, or were killed. What a worker raised itself passes.
+        WorkerError: naming those who did not answer in time, or are gone. What a worker raised itself passes.
     """
-    late: list[str] = []
-
-    def end() -> None:
-        alive = [worker for worker in workers() if _code(worker) is None]
-        late.extend(_names(alive))
-        for worker in alive:
-            worker.kill()  # whoever waits for them learns that they are gone
-
-    timer = threading.Timer(seconds, end)
-    timer.daemon = True
-    timer.start()
     asked = list(workers())
+    if not asked:
+        return question()
+    answer: Future[T] = Future()
+    threading.Thread(target=_answer, args=(question, answer), daemon=True).start()
+    limit, gone_since = time.monotonic() + seconds, None
+    while not wait([answer], timeout=_TICK_S).done:
+        now = time.monotonic()
+        if now > limit:
+            raise _late(asked, seconds, option)
+        if any(_code(worker) is not None for worker in asked):
+            gone_since = gone_since or now
+            if now > gone_since + _GRACE_S:  # whoever waits has not noticed
+                break
+    error = answer.exception() if answer.done() else None
+    if answer.done() and error is None:
+        return answer.result()
+    if lost := lost_one(asked, killed_only=error is not None):
+        raise lost from None
+    return answer.result(timeout=0)
+
+
+def _answer(question: Callable[[], T], answer: Future[T]) -> None:
     try:
-        yield
-    except Exception:
-        if late:
-            raise WorkerError(
-                f"{', '.join(late)}: no answer within {seconds:g} s, so they were ended; what is saved is kept: "
-                f"resume=RUN goes on, {option} gives them more time"
-            ) from None
-        codes = {worker: _code(worker, _JOIN_S) or 0 for worker in asked}
-        killed = [worker for worker, code in codes.items() if code < 0]
-        # Where one is lost, the others are sent home.
-        if first := [worker for worker in killed if codes[worker] != -signal.SIGTERM] or killed:
-            raise WorkerError(
-                f"{', '.join(_names(first))}: killed by signal {-codes[first[0]]}, as where memory runs out; what is "
-                "saved is kept: resume=RUN goes on"
-            ) from None
-        raise
-    finally:
-        timer.cancel()
+        answer.set_result(question())
+    except BaseException as error:  # of whoever asked
+        answer.set_exception(error)
+
+
+def _late(asked: Sequence[BaseProcess], seconds: float, option: str) -> WorkerError:
+    """End those who were asked."""
+    alive = [worker for worker in asked if _code(worker) is None]
+    names = ", ".join(_names(alive or asked))
+    for worker in alive:
+        worker.kill()
+    return WorkerError(
+        f"{names}: no answer within {seconds:g} s, so the workers were ended; {_KEPT}, {option} gives them more time"
+    )
+
+
+def lost_one(asked: Sequence[BaseProcess], *, killed_only: bool = True) -> WorkerError | None:
+    """What to raise where a worker is gone; None where none is, or where one ended by itself and has said why."""
+    codes = {worker: _code(worker, _JOIN_S) for worker in asked}
+    gone = [worker for worker, code in codes.items() if code is not None and (code < 0 or not killed_only)]
+    # Where one is lost, others are sent home.
+    first = next((worker for worker in gone if codes[worker] != -signal.SIGTERM), gone[0] if gone else None)
+    if first is None:
+        return None
+    code = codes[first] or 0
+    how = f"killed by signal {-code}, as where memory runs out" if code < 0 else f"ended with code {code}"
+    return WorkerError(f"{_names([first])[0]}: {how}; {_KEPT}")
 
 
 def _code(worker: BaseProcess, wait_s: float = 0.0) -> int | None:
