@@ -56,13 +56,17 @@ def test_torchrl_accepts_two_side_by_side(name: str) -> None:
 
     modes = gym.vector.AutoresetMode
     mode = modes.DISABLED if name == "UcONSearch-v0" else modes.SAME_STEP
-    env = GymWrapper(gym.vector.SyncVectorEnv([make] * 2, autoreset_mode=mode), categorical_action_encoding=True)
-    check_env_specs(env)
+
+    def two() -> Any:
+        vector = gym.vector.SyncVectorEnv([make] * 2, autoreset_mode=mode)
+        return GymWrapper(vector, categorical_action_encoding=True)
+
+    check_env_specs(two())
     if name != "UcON-v0":
         return
     import torch
 
-    played = env.rollout(8, lambda td: td.set("action", torch.tensor([6, 2])), break_when_any_done=False)
+    played = two().rollout(8, lambda td: td.set("action", torch.tensor([6, 2])), break_when_any_done=False)
     assert played["next", "done"][0].all()  # Done ends it, and the next one begins
     assert not played["next", "done"][1].any()
     assert played["step"][0].max() == 0
