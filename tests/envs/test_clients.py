@@ -173,13 +173,14 @@ def test_recorded_videos_show_what_lies_between_choices(tmp_path: Path) -> None:
 
     inner = gym.make("UcONSearch-v0", render_mode="rgb_array_list")
     env = RecordVideo(inner, str(tmp_path), episode_trigger=lambda number: number == 0, disable_logger=True)
-    env.reset(options={"episode": 1})
-    for _ in range(3):
+    env.reset(options={"episode": 0})
+    for _ in range(5):
         env.step(0)
     steps = env.unwrapped.env._ledger.steps  # type: ignore[attr-defined]
+    assert len(env.recorded_frames) == steps + 1 > 10
     env.close()
     video = cv2.VideoCapture(str(next(tmp_path.glob("*.mp4"))))
     shown = 0
     while video.read()[0]:
         shown += 1
-    assert shown == steps + 1 > 4
+    assert shown >= steps  # the writer may round the last one off
