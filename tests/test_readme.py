@@ -23,7 +23,7 @@ def test_python_runs_as_printed(code: str, tmp_path: Path) -> None:
 
 
 def test_every_command_exists() -> None:
-    named = set(re.findall(r"python -m ucon (\w+)", README))
+    named = set(re.findall(r"python -m ucon ([\w-]+)", README))
     assert named
     assert named <= set(COMMANDS)
 

@@ -7,7 +7,7 @@ from typing import Any
 import gymnasium as gym
 
 
-class RecordVideo(gym.wrappers.RecordVideo[Any, Any, Any]):
+class RecordVideo(gym.wrappers.RecordVideo):
     """Records every frame of an environment whose ``render_mode`` is ``rgb_array_list``.
 
     Gymnasium's own keeps the last one of each step: of a choice, which takes many actions, only where it led to.

@@ -31,6 +31,11 @@ def played(subject: Subject, env: Env, first: Step, actions: int = len(WALK), st
     return seen[1:]
 
 
+def _begun(subject: Subject, env: Env) -> list[Step]:
+    first = reset(env, seed=3)
+    return [first, *played(subject, env, first)]
+
+
 def spaces(subject: Subject) -> Finding:
     """Observations lie in their space, rewards are finite numbers, ends are truth values."""
     env, wrong = subject.make(), []
@@ -55,8 +60,7 @@ def spaces(subject: Subject) -> Finding:
 def seeds(subject: Subject) -> Finding:
     """The same seed gives the same bytes, and others other episodes."""
     envs = [subject.make() for _ in range(2)]
-    runs = [[first := reset(env, seed=3), *played(subject, env, first)] for env in envs]
-    runs.append([first := reset(envs[0], seed=3), *played(subject, envs[0], first)])
+    runs = [_begun(subject, env) for env in (*envs, envs[0])]
     for run in runs[1:]:
         for number, (a, b) in enumerate(zip(runs[0], run, strict=False)):
             if len(run) != len(runs[0]) or not same(tuple(a), tuple(b)):
@@ -81,7 +85,8 @@ def copies(subject: Subject) -> Finding:
     """A deep copy goes on from the same place to the same bytes, and changes nothing in the other."""
     env, alone = subject.make(), subject.make()
     half = 2 if subject.chooses else len(WALK) // 2
-    played(subject, env, first := reset(env, 0), half)
+    first = reset(env, 0)
+    played(subject, env, first, half)
     last = ([first, *played(subject, alone, reset(alone, 0), half)])[-1]
     twin = copy.deepcopy(env)
     for number in range(half):  # the copy turns another way

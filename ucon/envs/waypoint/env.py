@@ -208,7 +208,7 @@ the left, actions to get there, cells of a frontier, share of a thing not looked
         self._course.require("action_masks")
         return np.arange(self._most) < max(1, len(self._offered()))
 
-    def render(self) -> NDArray[np.uint8] | list[NDArray[np.uint8]] | None:
+    def render(self) -> NDArray[np.uint8] | list[Any] | None:
         """A frame as in ``UcON-v0``, or with ``rgb_array_list`` those of all primitive steps since the last call."""
         return self._course.render(self.env)
 

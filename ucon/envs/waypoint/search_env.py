@@ -255,7 +255,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         offered = 0 if self._tokens is None else len(self._tokens.choices)
         return np.arange(self._sizes.views) < max(1, offered)
 
-    def render(self) -> NDArray[np.uint8] | list[NDArray[np.uint8]] | None:
+    def render(self) -> NDArray[np.uint8] | list[Any] | None:
         """A frame as in ``UcON-v0``, or with ``rgb_array_list`` those of all primitive steps since the last call."""
         return self._course.render(self.env)
 
