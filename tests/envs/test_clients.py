@@ -75,9 +75,9 @@ def test_torchrl_accepts_two_side_by_side(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", OURS)
 def test_torchrl_makes_two_in_processes(name: str) -> None:
-    from torchrl.envs import GymEnv
+    from torchrl.envs import GymEnv  # its processes know our ids by `ucon:` alone
 
-    env = GymEnv(name, num_envs=2, texts=False, categorical_action_encoding=True, **options(name))
+    env = GymEnv(f"ucon:{name}", num_envs=2, texts=False, categorical_action_encoding=True, **options(name))
     try:
         assert env.rollout(6, break_when_any_done=False).shape == (2, 6)
     finally:

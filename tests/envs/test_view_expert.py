@@ -36,7 +36,9 @@ def test_nobody_but_the_trainer_learns_of_it(episodes: tuple[Episode, ...]) -> N
             assert obs in env.observation_space
             views = obs["action_mask"] > 0
             assert (obs["expert"][~views] == NOTHING).all()
-            (obs, *_, told), (unaware, *_, said) = env.step(0), plain.step(0)
+            (obs, _, *over, told), (unaware, *_, said) = env.step(0), plain.step(0)
+            if any(over):
+                break
 
 
 def test_who_knows_home_and_place_points_there(episodes: tuple[Episode, ...]) -> None:
