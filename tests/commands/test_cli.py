@@ -154,7 +154,7 @@ def test_all_files_of_a_folder_are_reported_each_by_itself(tmp_path):
     assert result.returncode == 1, result.stderr
     found = json.loads(result.stdout)
     assert {name: file["placed"] for name, file in found["files"].items()} == {"task.json": 1, "test.json": 1}
-    assert [line.partition("task_nodoor.json")[2][:18] for line in found["unusable"]] == [": nested too deepl"]
+    assert [line.partition("task_nodoor.json")[2][:18] for line in found["unusable"]] == [": nested deeper th"]
     assert any("seen_obj_seen_scene.json: missing" in line for line in found["warnings"])
     shown = run("habits", "import", str(tmp_path), "--all", "--static")
     assert "== test.json" in shown.stdout

@@ -183,7 +183,7 @@ ODD = [
         {"_target_": "ucon.habits.book", "_args_": 7},
         "env.source.dataset is called with _args_: 7, and never so in configs/",
     ),
-    ("agent", {"_target_": "models.agents.belief.BeliefAgent", "locate": 7}, "'int' object is not callable"),
+    ("agent", {"_target_": "models.agents.belief.BeliefAgent", "locate": 7}, "BeliefAgent.locate=7: expected a part"),
 ]
 
 

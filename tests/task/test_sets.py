@@ -139,6 +139,6 @@ def test_official_targets_of_held_out_episodes_are_never_learned_from():
 
 @pytest.mark.parametrize(("name", "homes", "episodes"), [("test", 20, 1000), ("test_large", 40, 2000)])
 def test_test_sets_have_the_sizes_that_results_name(name: str, homes: int, episodes: int) -> None:
-    orders = list(set_orders(book(), name))
+    orders = list(set_orders(name, book()))
     assert len(orders) == episodes
     assert len({order.scene for order in orders if order.scene.startswith("procedural:")}) == homes

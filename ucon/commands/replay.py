@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ucon.evaluation.replayed import Replayed
 
 #: Options that older configurations lack, at what they were then.
-_LATER = {"limit": None, "every": 1, "batch": 1, "seed": 0, "worker_timeout_s": 3600}
+_LATER = {"limit": None, "every": 1, "batch": 1, "seed": 0, "worker_timeout_s": 3600.0}
 #: What a configuration must say, and how: nobody would notice before the middle of a run.
 _NEEDED: Mapping[str, type] = {
     "episodes": str,

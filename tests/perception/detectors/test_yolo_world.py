@@ -138,7 +138,7 @@ def test_no_box_is_no_error(make) -> None:
         ("bad weights", "ValueError: not a model$"),
         ("crash", "ended with exit code 7; it printed last: out of memory"),
         ("nonsense", "expected rows"),
-        ("nan", "expected rows"),
+        ("nan", "expected a JSON object"),
     ],
 )
 def test_what_goes_wrong_is_one_line_and_ends_the_process(make, mode: str, message: str) -> None:
