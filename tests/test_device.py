@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from ucon.core.device import batch_size, torch_device, torch_precision
+from ucon.core.device import batch_size, cpu_precision, torch_device, torch_precision
 from ucon.core.errors import ConfigError
 
 
@@ -46,3 +46,10 @@ def test_unknown_precisions_are_refused(name):
     with pytest.raises(ConfigError, match="unknown precision") as caught:
         torch_precision(name)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("has", [True, False])
+def test_halves_are_multiplied_where_the_processor_can(has, monkeypatch):
+    monkeypatch.setattr(torch.ops.mkldnn, "_is_mkldnn_bf16_supported", lambda: has)
+    assert cpu_precision(torch.bfloat16) == (torch.bfloat16 if has else torch.float32)
+    assert cpu_precision(torch.float32) == torch.float32

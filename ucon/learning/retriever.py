@@ -17,7 +17,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from ucon.core.device import torch_precision
+from ucon.core.device import cpu_precision, torch_precision
 from ucon.core.errors import ConfigError, brief
 from ucon.core.files import sha256_file
 from ucon.core.rng import derived_seed
@@ -81,7 +81,7 @@ class BatchEncoder:
     """Encodes many texts at once, with gradients. Last bits depend on the batch: for training and choosing only."""
 
     def __init__(self, tokenizer: Any, model: Any, precision: torch.dtype) -> None:
-        self._tokenizer, self._model, self._precision = tokenizer, model, precision
+        self._tokenizer, self._model, self._precision = tokenizer, model, cpu_precision(precision)
 
     def __call__(self, texts: Sequence[str], hidden: float = 0.0, seed: int = 0) -> Tensor:
         """Unit vectors (n, dim) float32 in the order of ``texts``.
