@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from tests.evaluation.records import record
@@ -48,10 +50,11 @@ def test_failures_are_counted_by_cause() -> None:
 
 
 def test_spl_may_be_rounded_but_not_wrong() -> None:
-    assert summarise([record(0, spl=0.5 + 0.9e-5)])["n"] == 1
-    for wrong in (0.5 + 2e-5, 0.5 - 2e-5):
+    right = record(0)
+    assert summarise([replace(right, spl=right.spl + 0.9e-5)])["n"] == 1
+    for wrong in (right.spl + 2e-5, right.spl - 2e-5):
         with pytest.raises(DataError, match="episode e0: SPL"):
-            summarise([record(0, spl=wrong)])
+            summarise([replace(right, spl=wrong)])
     with pytest.raises(DataError, match="no records"):
         summarise([])
 

@@ -202,7 +202,8 @@ def asked(folder, *overrides, steps=None):
 
 
 def test_only_more_steps_are_taken_beside_resume(tmp_path):
-    (tmp_path / CONFIG).write_text(OmegaConf.to_yaml(OmegaConf.create(STORED)))
+    ours = STORED | {"learner": {"_target_": "ucon.learning.retriever.RetrieverLearner"}}
+    (tmp_path / CONFIG).write_text(OmegaConf.to_yaml(OmegaConf.create(ours)))
     assert asked(tmp_path, f"resume={tmp_path}", steps=4).steps is None, "the default of another learner"
     assert asked(tmp_path, "training.steps=40", steps=40).steps == 40
     assert asked(tmp_path, "++training.steps=23", steps=23).steps == 23

@@ -141,7 +141,7 @@ UNFIT = {
     "an impossible option": (CONFIG, with_options(width=-1), rf"{CONFIG}: describes no belief head \(learner\.head\."),
     "no head": (CONFIG, lambda raw: b"{}", rf"{CONFIG}: describes no belief head of this version; train one"),
     "no options": (CONFIG, lambda raw: b'{"head": 3}', rf"{CONFIG}: describes no belief head of this version"),
-    "no JSON": (CONFIG, lambda raw: b"{", rf"{CONFIG}: describes no belief head of this version"),
+    "no JSON": (CONFIG, lambda raw: b"{", rf"{CONFIG}:1:2: not JSON"),
     "a pickle": (WEIGHTS, pickled, rf"{WEIGHTS}: no safetensors \(a pickle, which is never read\)"),
     "a tensor less": (WEIGHTS, with_tensors(lambda t: dict(sorted(t.items())[1:])), r"lacks tensor \w"),
     "a tensor more": (WEIGHTS, with_tensors(lambda t: t | {"z": torch.zeros(2)}), "has the unknown tensor z"),

@@ -23,10 +23,12 @@ from ucon.language.models.encoder import EncoderModel
 
 CONFIGS = Path(__file__).resolve().parents[3] / "configs"
 AGENT = "habit_policy_e2e"
-#: The switches as the agent's configuration spells them out for users to copy.
-SPELT_OUT = re.findall(
-    r"^ *#.*'(agent\.policy\.[^']+)'", (CONFIGS / "agent" / f"{AGENT}.yaml").read_text(), re.MULTILINE
-)
+#: Optional parts of the agent, by name, with the options that their files spell out for users to copy.
+SPELT_OUT = {
+    file.stem: found[1].split()
+    for file in sorted((CONFIGS / "part").glob("*.yaml"))
+    if (found := re.search(rf"^#\s+agent={AGENT} (part=.*)$", file.read_text(), re.MULTILINE))
+}
 
 
 def clip_folder(folder: Path) -> Path:
@@ -110,16 +112,17 @@ def test_retrieval_scores_are_given_only_when_asked_for(first):
 
 
 @pytest.mark.parametrize("program", ["train", "eval"])
-@pytest.mark.parametrize("switch", SPELT_OUT)
-def test_switches_work_as_they_are_spelt_out(program: str, switch: str, tmp_path: Path) -> None:
-    override = switch.replace("FOLDER", str(clip_folder(tmp_path / "clip")))
+@pytest.mark.parametrize("part", SPELT_OUT)
+def test_parts_work_as_they_are_spelt_out(program: str, part: str, tmp_path: Path) -> None:
+    words = [word for word in SPELT_OUT[part] if not word.startswith("language")]  # the encoder needs no folder
+    folder = str(clip_folder(tmp_path / "clip"))
+    overrides = [f"agent={AGENT}", *(word.replace("FOLDER", folder) for word in words)]
     with initialize_config_dir(str(CONFIGS), version_base="1.3"):
-        config = OmegaConf.to_container(compose(program, [f"agent={AGENT}", override]).agent.policy, resolve=True)
+        config = OmegaConf.to_container(compose(program, overrides).agent.policy, resolve=True)
     policy = Factory(config)()
     policy.check()
-    name = switch.split("=")[0].rsplit(".", 1)[-1]
-    assert policy.arguments[name]
+    assert policy.arguments[part]
 
 
-def test_there_are_switches_spelt_out() -> None:
+def test_there_are_parts_spelt_out() -> None:
     assert len(SPELT_OUT) >= 2
