@@ -75,7 +75,7 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
         folder, checkpoint = path.resolve().parent.parent, path.name
     try:
         raw = read_config(folder)
-    except FileNotFoundError:
+    except OSError:  # there is none, or no file has such a name
         raise ConfigError(f"resume={cfg.resume}: no run there (no config.yaml); give the folder of a run") from None
     config = _stored(folder / CONFIG, raw, said)
     _check_device(config["learner"], str(cfg.resume))
