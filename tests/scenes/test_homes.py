@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from audit import box_of, nav_grid, overlap, problems, walk_problems
 
-from tests.timing import fastest_s
+from tests.timing import fastest_s, where_it_was_set
 from ucon.core.errors import UconError
 from ucon.objects.models import build_model
 from ucon.scenes import SCENES, built_home, home_spec, scene_split
@@ -115,6 +115,7 @@ def test_seeds_give_different_homes() -> None:
 
 @pytest.mark.parametrize("scene", SCENES)
 @pytest.mark.timed
+@where_it_was_set
 def test_specification_is_quick(scene: str) -> None:
     def build() -> None:
         built_home.cache_clear()
