@@ -20,7 +20,7 @@ from models.nets.sizes import check_heads, check_sizes
 from models.nets.token_transformer import TokenTransformer
 from ucon.core.rng import derived_seed
 from ucon.envs.waypoint.searcher import LOYALTY
-from ucon.envs.waypoint.tokens import N_FRONTIER, N_STATE, N_THING, THING_AHEAD
+from ucon.envs.waypoint.tokens import N_FRONTIER, N_EGO, N_THING, THING_AHEAD
 from ucon.envs.waypoint.view_tokens import AHEAD, IS_KEPT, N_VIEW
 
 #: Width of sentence and name embeddings.
@@ -50,7 +50,7 @@ class Scores(NamedTuple):
 class Attended(NamedTuple):
     """Of B decisions: what share of a view's attention goes to each token, mean over blocks and heads; sums to 1."""
 
-    state: Tensor
+    ego: Tensor
     """(B, V, 1)."""
     views: Tensor
     """(B, V, V)."""
@@ -92,7 +92,8 @@ class HabitPolicy(nn.Module):
 
     def _build(self, width: int, layers: int, heads: int) -> None:
         self.view, self.thing = nn.Linear(N_VIEW, width), nn.Linear(N_THING, width)
-        self.frontier, self.state = nn.Linear(N_FRONTIER, width), nn.Linear(N_STATE, width)
+        self.frontier = nn.Linear(N_FRONTIER, width)
+        self.state = nn.Linear(N_EGO, width)  # of ``ego``, by the name that it has in checkpoints
         self.name = nn.Linear(TEXT, width, bias=False)
         self.habit, self.relevance = nn.Linear(TEXT, width), nn.Linear(1, width, bias=False)
         self.body = TokenTransformer(width, layers, heads, 2 * width)
@@ -136,8 +137,8 @@ class HabitPolicy(nn.Module):
         return any(bool(parameter.any()) for layer in last for parameter in layer.parameters())
 
     def _embedded(self, tokens: Mapping[str, Tensor]) -> list[Tensor]:
-        """State, views, things, frontiers and habits: (B, N, width) each."""
-        own = self.state(tokens["state"]) + self.name(tokens["target"])
+        """Ego, views, things, frontiers and habits: (B, N, width) each."""
+        own = self.state(tokens["ego"]) + self.name(tokens["target"])
         habits = self.habit(tokens["habits"]) + self.relevance(tokens["habits_relevance"][..., None])
         things = self.thing(tokens["things"]) + self.name(tokens["thing_names"])
         return [own[:, None], self.view(tokens["views"]), things, self.frontier(tokens["frontiers"]), habits]
@@ -157,8 +158,8 @@ class HabitPolicy(nn.Module):
 
 
 def _positions(tokens: Mapping[str, Tensor]) -> tuple[Tensor, Tensor, Tensor]:
-    """Of state, views, things, frontiers and habits: metres (B, N, 2), which have a position, and which are there."""
-    zero = torch.zeros_like(tokens["state"][:, None, :2])
+    """Of ego, views, things, frontiers and habits: metres (B, N, 2), which have a position, and which are there."""
+    zero = torch.zeros_like(tokens["ego"][:, None, :2])
     nowhere = torch.zeros_like(tokens["habits"][..., :2])
     xy = [zero, tokens["views"][..., AHEAD], tokens["things"][..., THING_AHEAD], tokens["frontiers"][..., :2], nowhere]
     masks = [tokens[name] for name in ("action_mask", "things_mask", "frontiers_mask", "habits_mask")]

@@ -158,7 +158,7 @@ class HabitPolicyAgent:
         with torch.inference_mode():
             attended = self.policy.attention(self._tensors({slot: tokens}))
         shares = {kind: float(part[0, row].sum()) for kind, part in attended._asdict().items()}
-        return "attends to: " + ", ".join(f"{kind} {share:.0%}" for kind, share in shares.items() if kind != "state")
+        return "attends to: " + ", ".join(f"{kind} {share:.0%}" for kind, share in shares.items() if kind != "ego")
 
     def _chosen(self, due: dict[int, Tokens]) -> list[int]:
         """Rows of the views that are chosen in the slots where a choice is due."""

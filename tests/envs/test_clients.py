@@ -18,6 +18,9 @@ pytestmark = pytest.mark.filterwarnings("ignore")
 #: Symbolic where there is a choice: these are about interfaces, not about images.
 SYMBOLIC: dict[str, dict[str, Any]] = {name: {"observe": "symbolic"} for name in OURS if name != "UcONImageGoal-v0"}
 
+#: The column of ``ego`` that says how much of the episode is over.
+_STEP = 6
+
 
 def options(name: str) -> dict[str, Any]:
     return SYMBOLIC.get(name, {})
@@ -44,32 +47,49 @@ def test_torchrl_accepts_them(name: str) -> None:
 
 @pytest.mark.parametrize("name", OURS)
 def test_torchrl_accepts_two_side_by_side(name: str) -> None:
-    """What ``GymEnv(name, num_envs=2, ...)`` makes, in one process; over the end of an episode.
-
-    TorchRL calls an entry ``state`` otherwise, and looks in vain for it at the end: with ``UcONSearch-v0`` it resets.
-    """
+    """What ``GymEnv(name, num_envs=2, ...)`` makes, in one process."""
     from torchrl.envs import GymWrapper
     from torchrl.envs.utils import check_env_specs
 
     def make() -> Any:
         return gym.make(name, texts=False, **options(name))
 
-    modes = gym.vector.AutoresetMode
-    mode = modes.DISABLED if name == "UcONSearch-v0" else modes.SAME_STEP
-
     def two() -> Any:
-        vector = gym.vector.SyncVectorEnv([make] * 2, autoreset_mode=mode)
+        vector = gym.vector.SyncVectorEnv([make] * 2, autoreset_mode=gym.vector.AutoresetMode.SAME_STEP)
         return GymWrapper(vector, categorical_action_encoding=True)
 
     check_env_specs(two())
-    if name != "UcON-v0":
-        return
-    import torch
+    assert "state" not in two().observation_spec.keys(), "TorchRL gives it another name, and misses it at the end"
 
-    played = two().rollout(8, lambda td: td.set("action", torch.tensor([6, 2])), break_when_any_done=False)
+
+def test_torchrl_goes_on_after_the_end() -> None:
+    import torch
+    from torchrl.envs import GymWrapper
+
+    def make() -> Any:
+        return gym.make("UcON-v0", texts=False, observe="symbolic")
+
+    vector = gym.vector.SyncVectorEnv([make] * 2, autoreset_mode=gym.vector.AutoresetMode.SAME_STEP)
+    env = GymWrapper(vector, categorical_action_encoding=True)
+    played = env.rollout(8, lambda td: td.set("action", torch.tensor([6, 2])), break_when_any_done=False)
     assert played["next", "done"][0].all()  # Done ends it, and the next one begins
     assert not played["next", "done"][1].any()
     assert played["step"][0].max() == 0
+
+
+def test_torchrl_goes_on_after_the_end_of_a_search_by_views() -> None:
+    from torchrl.envs import GymWrapper
+
+    def make() -> Any:
+        return gym.make("UcONSearch-v0", texts=False)
+
+    vector = gym.vector.SyncVectorEnv([make] * 2, autoreset_mode=gym.vector.AutoresetMode.SAME_STEP)
+    played = GymWrapper(vector, categorical_action_encoding=True).rollout(
+        80, lambda td: td.set("action", td["action_mask"].long().argmax(-1)), break_when_any_done=False
+    )
+    ended, steps = played["next", "done"][:, :-1, 0], played["ego"][..., _STEP]
+    assert ended.any()
+    assert (steps[:, 1:][ended] < steps[:, :-1][ended]).all()
 
 
 @pytest.mark.slow

@@ -92,7 +92,7 @@ def test_what_is_not_there_changes_nothing() -> None:
 
 
 @torch.no_grad()
-@pytest.mark.parametrize("name", ["views", "things", "thing_names", "frontiers", "habits", "state", "target"])
+@pytest.mark.parametrize("name", ["views", "things", "thing_names", "frontiers", "habits", "ego", "target"])
 def test_everything_that_is_there_matters(name: str) -> None:
     policy, tokens = random_policy(), some_tokens()
     changed = policy(tokens | {name: tokens[name] + 0.5})

@@ -80,7 +80,7 @@ class ViewPolicy(nn.Module):
 
     def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
         """Score T decisions of B episodes; each by itself. Logits (T, B, V)."""
-        steps, batch = frames["state"].shape[:2]
+        steps, batch = frames["ego"].shape[:2]
         tokens = {name: tensor.flatten(0, 1).float() for name, tensor in frames.items() if name != "thing_rows"}
         names: Any = self.names
         tokens["thing_names"] = names[frames["thing_rows"].flatten(0, 1).long()]  # row -1 is the last: none

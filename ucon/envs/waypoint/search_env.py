@@ -20,7 +20,7 @@ from ucon.envs.waypoint.choosing import RENDER_MODES, Course
 from ucon.envs.waypoint.searcher import MISS, Searcher
 from ucon.envs.waypoint.text_tokens import SaidTokens, TextTokens
 from ucon.envs.waypoint.to_go import ToGo
-from ucon.envs.waypoint.tokens import N_FRONTIER, N_STATE, N_THING, Sizes, TokenReader, Tokens
+from ucon.envs.waypoint.tokens import N_FRONTIER, N_EGO, N_THING, Sizes, TokenReader, Tokens
 from ucon.envs.waypoint.view_expert import NOTHING, ViewExpert
 from ucon.envs.waypoint.view_tokens import N_VIEW
 from ucon.objects.catalogue import catalogue
@@ -68,7 +68,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
 
     ### Observation space
     ``views``, ``prior``, ``unexplored``, ``things``, ``thing_rows``, ``things_mask``, ``frontiers``,
-    ``frontiers_mask``, ``state``: see :class:`ucon.envs.waypoint.tokens.Tokens`; ``target``, ``habits``,
+    ``frontiers_mask``, ``ego``: see :class:`ucon.envs.waypoint.tokens.Tokens`; ``target``, ``habits``,
     ``habits_relevance``, ``habits_mask``: see :meth:`ucon.envs.waypoint.text_tokens.TextTokens.read`; ``action_mask``
     int8 (V,), 1 where a view stands.
 
@@ -289,7 +289,7 @@ def observation_space(sizes: Sizes, text: TextTokens, *, to_go: bool = False, ex
             "things_mask": spaces.MultiBinary(sizes.things),
             "frontiers": box(sizes.frontiers, N_FRONTIER),
             "frontiers_mask": spaces.MultiBinary(sizes.frontiers),
-            "state": box(N_STATE),
+            "ego": box(N_EGO),
             "target": box(d),
             "habits": box(habits, d),
             "habits_relevance": box(habits),

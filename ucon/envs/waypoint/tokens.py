@@ -31,7 +31,7 @@ N_THING: Final = 14 + len(KINDS)
 #: Columns of metres ahead and to the left, in units of 5 m.
 THING_AHEAD: Final = slice(4, 6)
 N_FRONTIER: Final = 6
-N_STATE: Final = 18 + len(PITCHES_DEG)
+N_EGO: Final = 18 + len(PITCHES_DEG)
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Tokens(Shared):
     """One decision."""
 
     arrays: Mapping[str, NDArray[Any]]
-    """``views`` (V, N_VIEW), ``things`` (T, N_THING), ``frontiers`` (F, N_FRONTIER), ``state`` (N_STATE,) float32;
+    """``views`` (V, N_VIEW), ``things`` (T, N_THING), ``frontiers`` (F, N_FRONTIER), ``ego`` (N_EGO,) float32;
     ``thing_rows`` (T,) int32 rows of the catalogue, -1 for none; ``prior`` (V,) float32, the logarithm of each view's
     gain over cost; ``unexplored`` (V,) float32, the part of that gain in space not explored; ``action_mask`` (of the
     views), ``things_mask``, ``frontiers_mask`` int8. Rows past what there is are zero."""
@@ -88,7 +88,7 @@ class TokenReader(PartlyShared):
             "things_mask": _mask(len(things), sizes.things),
             "frontiers": _padded(edges, sizes.frontiers, N_FRONTIER),
             "frontiers_mask": _mask(len(edges), sizes.frontiers),
-            "state": self._state(decision, mass),
+            "ego": self._ego(decision, mass),
         }
         return Tokens(arrays, choices)
 
@@ -157,7 +157,7 @@ class TokenReader(PartlyShared):
             row[5] = np.hypot(*edge.view.xy) / 5.0
         return rows
 
-    def _state(self, decision: SearchDecision, mass: NDArray[np.float64]) -> F32:
+    def _ego(self, decision: SearchDecision, mass: NDArray[np.float64]) -> F32:
         known, expected, best = self._searcher.map, decision.expected, decision.best
         shut = self._searcher.openable_now()
         area = float(np.count_nonzero(known.floor)) * CELL_M**2
