@@ -222,14 +222,15 @@ def hostile_builds(folder: Path, parts: dict[str, Any], how: str) -> dict[str, A
 def test_hostile_arguments_start_nothing(tmp_path: Path) -> None:
     parts = {target: part for target, part in each().items() if not target.endswith("Learner")}
     found = hostile_builds(tmp_path, parts, "fast")
-    assert found["tried"] > 2000
-    assert found["built"] > 500, "what is let through is tried"
+    assert found["tried"] > 500
+    assert found["built"] > 120, "what is let through is tried"
 
 
 @pytest.mark.slow
-def test_hostile_arguments_of_learners_start_nothing(tmp_path: Path) -> None:
-    parts = {target: part for target, part in each().items() if target.endswith("Learner")}
-    assert hostile_builds(tmp_path, parts, "all")["tried"] > 300
+def test_all_hostile_arguments_start_nothing(tmp_path: Path) -> None:
+    found = hostile_builds(tmp_path, each(), "all")
+    assert found["tried"] > 2300
+    assert found["built"] > 500
 
 
 def test_the_watch_sees_what_it_should(tmp_path: Path) -> None:

@@ -56,8 +56,8 @@ def visible(folder):
 @pytest.mark.parametrize(
     ("kind", "kills"),
     [
-        ("imitation", 3),
-        ("ppo", 3),
+        ("imitation", 2),
+        ("ppo", 1),
         pytest.param("imitation", 20, marks=pytest.mark.slow),
         pytest.param("dagger", 20, marks=pytest.mark.slow),
         pytest.param("ppo", 20, marks=pytest.mark.slow),
@@ -78,7 +78,7 @@ def test_a_run_that_is_killed_at_random_ends_in_the_same_bytes(tmp_path, kind, k
     draw = stream(kills, "kill", kind)
     done = sum(killed(start, parts, draw) for _ in range(kills))
     start(parts).join()
-    assert done >= kills * 2 // 3, "most of them were finished before they could be killed"
+    assert done >= max(1, kills * 2 // 3), "most of them were finished before they could be killed"
     ours, theirs = visible(parts), visible(whole)
     assert ours.keys() == theirs.keys()
     assert [name for name in ours if ours[name] != theirs[name]] == []
