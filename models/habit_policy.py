@@ -20,7 +20,7 @@ from models.nets.sizes import check_heads, check_sizes
 from models.nets.token_transformer import TokenTransformer
 from ucon.core.rng import derived_seed
 from ucon.envs.waypoint.searcher import LOYALTY
-from ucon.envs.waypoint.tokens import N_FRONTIER, N_EGO, N_THING, THING_AHEAD
+from ucon.envs.waypoint.tokens import N_EGO, N_FRONTIER, N_THING, THING_AHEAD
 from ucon.envs.waypoint.view_tokens import AHEAD, IS_KEPT, N_VIEW
 
 #: Width of sentence and name embeddings.

@@ -2,8 +2,9 @@
 
     python -m tests.commands.hostile FOLDER (fast | all) < parts.json
 
-``fast`` tries every fourth value, and learners with one alone. Standard input is a JSON object: a constructor's name to its place and what is stored there. What it did that no stored
+Standard input is a JSON object: a constructor's name to its place and what is stored there. What it did that no stored
 configuration may (programs, sockets, code out of ``FOLDER``) is written as a JSON list, with the number of builds.
+``fast`` tries every fourth value, and of learners one alone.
 """
 
 from __future__ import annotations
@@ -114,7 +115,5 @@ def _quietly(place: list[str], node: dict[str, Any]) -> bool:
 
 if __name__ == "__main__":
     everything = sys.argv[2] == "all"
-    found = main(
-        Path(sys.argv[1]), lambda target: everything or not target.endswith("Learner"), 1 if everything else 4
-    )
+    found = main(Path(sys.argv[1]), lambda target: everything or not target.endswith("Learner"), 1 if everything else 4)
     sys.stdout.write(f"\n{json.dumps(found)}\n")

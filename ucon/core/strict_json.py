@@ -6,16 +6,15 @@ interpreter's stack is full. Whatever reads such values has to guard against eac
 
 from __future__ import annotations
 
-import errno
 import json
 import math
-import os
 import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, Final
 
 from ucon.core.errors import DataError, brief
+from ucon.core.plain_file import read_bounded
 
 #: Of one text. Files that may be larger say so.
 MAX_BYTES: Final = 64 * 2**20
@@ -98,19 +97,6 @@ def parse_first(text: str) -> tuple[Any, int]:
         raise JsonError(_TOO_DEEP) from None
     _require_shallow(text[:end], value)
     return value, end
-
-
-def read_bounded(path: Path, max_bytes: int) -> bytes:
-    """Bytes of a file, one more than ``max_bytes`` at most: enough for a reader to refuse it.
-
-    Raises:
-        OSError: it cannot be read, or is no file; a pipe would be waited for without end.
-    """
-    if not path.is_file():
-        number = errno.EISDIR if path.is_dir() else errno.ENOENT
-        raise OSError(number, os.strerror(number), str(path))
-    with path.open("rb") as file:
-        return file.read(max_bytes + 1)
 
 
 _TOO_DEEP: Final = f"nested deeper than {MAX_DEPTH} levels"

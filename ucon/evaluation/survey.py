@@ -18,8 +18,8 @@ from typing import Final
 import numpy as np
 
 from ucon.core.errors import ConfigError, DataError, brief
+from ucon.core.plain_file import read_bounded
 from ucon.core.rng import stream
-from ucon.core.strict_json import read_bounded
 from ucon.habits import Entry, HabitDataset, Placement
 
 QUESTIONS: Final = (

@@ -20,9 +20,10 @@ from typing import Final
 import ucon
 from ucon.core.errors import DataError
 from ucon.core.files import canonical_json, require_writable, sha256_bytes, write_atomic
+from ucon.core.plain_file import read_bounded
 from ucon.core.pool import Pool
 from ucon.core.rng import stream
-from ucon.core.strict_json import MAX_BYTES, parse_json, read_bounded
+from ucon.core.strict_json import MAX_BYTES, parse_json
 from ucon.habits.types import HabitDataset
 from ucon.habits.verdicts import NEVER_SEEN, Triple, Verdict, Verdicts
 from ucon.scenes import SCENES

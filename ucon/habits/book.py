@@ -21,7 +21,7 @@ from typing import Final, cast
 
 from ucon.core.errors import DataError, unknown_name
 from ucon.core.files import read_verified
-from ucon.core.strict_json import read_bounded
+from ucon.core.plain_file import read_bounded
 from ucon.habits.datafile import load_dataset_file
 from ucon.habits.rules import Anchors, count_fault, habit_fault, header_fault, line_fault, placement_fault
 from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation

@@ -13,7 +13,8 @@ from typing import Any, Final, cast
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json, read_verified, sha256_bytes, write_atomic
-from ucon.core.strict_json import parse_json, read_bounded
+from ucon.core.plain_file import read_bounded
+from ucon.core.strict_json import parse_json
 from ucon.core.text import is_shown
 from ucon.core.unpack import UnpackError, unpack_xz
 from ucon.habits.rules import Anchors, count_fault, habit_fault, header_fault, line_fault, placement_fault

@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Final
 
 from ucon.core.errors import ConfigError, DataError
-from ucon.core.strict_json import read_bounded
+from ucon.core.plain_file import read_bounded
 from ucon.core.text import shown
 
 _MAX_BYTES: Final = 2**20

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.files import sha256_bytes, write_atomic
-from ucon.core.strict_json import read_bounded
+from ucon.core.plain_file import read_bounded
 from ucon.core.unpack import read_arrays
 
 #: Of one part: two thousand texts.

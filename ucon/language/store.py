@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import MANIFEST, read_verified, sha256_bytes, user_cache, write_atomic, write_manifest
+from ucon.core.plain_file import read_bounded
 from ucon.core.sharing import Shared, is_the_one
-from ucon.core.strict_json import read_bounded
 from ucon.core.unpack import read_arrays
 from ucon.language.encoder import MiniLM, TextEncoder, Vectors
 

@@ -20,7 +20,7 @@ from ucon.envs.waypoint.choosing import RENDER_MODES, Course
 from ucon.envs.waypoint.searcher import MISS, Searcher
 from ucon.envs.waypoint.text_tokens import SaidTokens, TextTokens
 from ucon.envs.waypoint.to_go import ToGo
-from ucon.envs.waypoint.tokens import N_FRONTIER, N_EGO, N_THING, Sizes, TokenReader, Tokens
+from ucon.envs.waypoint.tokens import N_EGO, N_FRONTIER, N_THING, Sizes, TokenReader, Tokens
 from ucon.envs.waypoint.view_expert import NOTHING, ViewExpert
 from ucon.envs.waypoint.view_tokens import N_VIEW
 from ucon.objects.catalogue import catalogue
