@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
+import pytest
 
 from models.agents.belief import BeliefAgent
 from models.agents.frontier import FrontierAgent
 from ucon.envs.ucon_env import UcONEnv
+from ucon.evaluation import pictures
 from ucon.evaluation.pictures import save_film
 from ucon.perception.belief import Locations
 from ucon.perception.draw_search import _lines, _mass_left, draw_search
@@ -96,6 +99,21 @@ def test_videos_hold_thoughts_to_the_end(tmp_path: Path) -> None:
     assert last is not None
     assert last.shape[1] == 192
     assert abs(float(last[40:, 140:].mean()) - 200) < 10
+
+
+def test_without_pyav_there_is_the_map_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "av", None)
+    pictures._pyav.cache_clear()
+    try:
+        for name in ("one", "two"):
+            assert save_film([np.zeros((64, 128, 3), np.uint8)], ["caption"], tmp_path, name) == [
+                tmp_path / f"{name}.png"
+            ]
+    finally:
+        pictures._pyav.cache_clear()
+    assert capsys.readouterr().err == "warning: no films, since the package av is missing; run `make setup`\n"
 
 
 def test_lines_are_filled_and_long_words_left_whole() -> None:

