@@ -40,12 +40,12 @@ def test_the_example_is_written_as_the_project_writes(clone, check):
 def test_the_example_plays_and_reads_habits(clone):
     chosen = {}
     for level in ("none", "gt"):
-        command = [sys.executable, "eval.py", "agent=mentioned", f"habit_level={level}", "episodes=mini", "limit=12"]
+        command = [sys.executable, "eval.py", "agent=mentioned", f"habit_level={level}", "episodes=mini", "limit=6"]
         options = [f"out={clone / level}", "workers=0", "pictures=0", "progress=false"]
         subprocess.run([*command, *options], cwd=clone, check=True, capture_output=True, text=True)
         summary = json.loads((clone / level / "summary.json").read_text())
         assert summary["agent"] == "mentioned"
-        assert summary["n"] == 12
+        assert summary["n"] == 6
         played = [json.loads(line) for line in (clone / level / "episodes.jsonl").read_text().splitlines()]
         assert not [episode for episode in played if re.search("2{13}|1{13}", episode["actions"])]
         lines = (clone / level / "decisions.jsonl").read_text().splitlines()

@@ -14,6 +14,7 @@ from hydra.core.override_parser.overrides_parser import OverridesParser
 from omegaconf import OmegaConf
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
+from tests.programs import outcomes
 from ucon.commands.training import chosen_run, use_threads
 from ucon.core.errors import ConfigError, DataError
 
@@ -34,26 +35,31 @@ def error_line(result: subprocess.CompletedProcess[str]) -> str:
 
 
 def test_mistakes_end_in_one_line(tmp_path):
-    assert "no run there" in error_line(train(f"resume={tmp_path}/nothing"))
+    run, broken = f"out={tmp_path}/run", tmp_path / "broken"
+    broken.mkdir()
+    (broken / "config.yaml").write_text("learner: [")
+    told = {
+        (f"resume={tmp_path}/nothing",): "no run there",
+        (f"resume={tmp_path}", "training.keep=3"): "leave out training.keep=3",
+        ("learner=retreiver",): "unknown learner 'retreiver': did you mean retriever",
+        ("threads=0", run): "threads=0: expected a whole number",
+        ("wandb=onlin", run): "wandb=onlin: expected false or null or offline or online",
+        ("+training.foo=1", run): "unknown option 'training.foo'",
+        ("seed=abc", run): "seed=abc: expected a whole number",
+        ("learner=imitation",): "scores views, and stored solutions name actions",
+        ("agent=frontier",): "or one that has: habit_policy, ",
+        ("agent=frontier", "learner=imitation"): "no policy that could be trained",
+        ("agent=vtn", "learner=retriever"): "trains no policy; give learner=imitation",
+        ("agent=vtn", f"agent.checkpoint={tmp_path}"): "agent.checkpoint is of playing; give learner.initial=FOLDER",
+        (f"learner.initial={tmp_path}", run): "no trained weights there",
+        ("agent=vtn", "learner=dagger", "learner.device=cuda:9"): "torch sees no such GPU",
+        (f"resume={broken}",): "not YAML",
+    }
+    for words, (code, error) in zip(told, outcomes([("train.py", *words) for words in told]), strict=True):
+        assert code == 2, (words, error)
+        assert error.count("\n") == 1, (words, error)
+        assert told[words] in error
     assert not (tmp_path / "nothing").exists()
-    assert "leave out training.keep=3" in error_line(train(f"resume={tmp_path}", "training.keep=3"))
-    assert "unknown learner 'retreiver': did you mean retriever" in error_line(train("learner=retreiver"))
-    assert "threads=0: expected a whole number" in error_line(train("threads=0", f"out={tmp_path}/run"))
-    assert "wandb=onlin: expected false or null or offline or online" in error_line(
-        train("wandb=onlin", f"out={tmp_path}/run")
-    )
-    assert "unknown option 'training.foo'" in error_line(train("+training.foo=1", f"out={tmp_path}/run"))
-    assert "seed=abc: expected a whole number" in error_line(train("seed=abc", f"out={tmp_path}/run"))
-    assert "scores views, and stored solutions name actions" in error_line(train("learner=imitation"))
-    assert "or one that has: habit_policy, " in error_line(train("agent=frontier"))
-    assert "no policy that could be trained" in error_line(train("agent=frontier", "learner=imitation"))
-    assert "trains no policy; give learner=imitation" in error_line(train("agent=vtn", "learner=retriever"))
-    played = error_line(train("agent=vtn", f"agent.checkpoint={tmp_path}"))
-    assert "agent.checkpoint is of playing; give learner.initial=FOLDER" in played
-    assert "no trained weights there" in error_line(train(f"learner.initial={tmp_path}", f"out={tmp_path}/run"))
-    assert "torch sees no such GPU" in error_line(train("agent=vtn", "learner=dagger", "learner.device=cuda:9"))
-    (tmp_path / "config.yaml").write_text("learner: [")
-    assert "not YAML" in error_line(train(f"resume={tmp_path}"))
     assert not (tmp_path / "run").exists()
 
 

@@ -80,15 +80,16 @@ def test_no_way_and_no_episodes_give_no_number_and_no_warning() -> None:
     assert all(np.isnan(share.mean) for share in better.values()), "not infinitely far"
 
 
-def test_intervals_hold_what_they_say() -> None:
-    """Of 200 samples with a true share of 0.5, about 95 % of the intervals hold it."""
+@pytest.mark.parametrize("samples", [40, pytest.param(200, marks=pytest.mark.slow)])
+def test_intervals_hold_what_they_say(samples: int) -> None:
+    """Of samples with a true share of 0.5, about 95 % of the intervals hold it."""
     rng, held = np.random.default_rng(0), 0
-    for _ in range(200):
+    for _ in range(samples):
         hard = rng.random(120)
         runs = [played((rng.random(120) < rate * (0.5 + hard)).tolist()) for rate in (0.6, 0.4, 0.8)]
         share = distance_closed(*runs)["SPL"]
         held += share.low <= 0.5 <= share.high
-    assert 180 <= held <= 199
+    assert 0.9 * samples <= held < samples
 
 
 def cells(found: dict[str, list[bool]]) -> list[EpisodeRecord]:
