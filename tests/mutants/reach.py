@@ -162,10 +162,15 @@ def _path(tree: ast.Module, line: int) -> list[ast.stmt]:
     out: list[ast.stmt] = []
     inside: ast.AST | None = tree
     while inside is not None:
-        statements = [node for node in _statements(inside) if node.lineno <= line <= (node.end_lineno or line)]
+        statements = [node for node in _statements(inside) if _first(node) <= line <= (node.end_lineno or line)]
         inside = statements[0] if statements else None
         out += statements[:1]
     return out
+
+
+def _first(node: ast.stmt) -> int:
+    """The line of its first decorator, or its own."""
+    return min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", ()))])
 
 
 def _statements(node: ast.AST) -> list[ast.stmt]:

@@ -116,6 +116,12 @@ KERNELS = """
 
     def other(x):
         return x * FAR
+
+    SIZE = 8
+
+    @lru_cache(SIZE)
+    def kept(x):
+        return x - 2
 """
 
 
@@ -128,12 +134,13 @@ KERNELS = """
         ("FAR = 9", {"tests/t.py::others"}),
         ("def called(x, y=5):", {"tests/t.py::calls"}),
         ("return x * FAR", {"tests/t.py::others"}),
+        ("SIZE = 8", {"tests/t.py::keeps"}),
     ],
 )
 def test_kernels_and_constants_are_reached_by_who_uses_them(text: str, tests: set[str], tmp_path: Path) -> None:
     tree(tmp_path, models__x=KERNELS)
     lines = (tmp_path / "models/x.py").read_text().splitlines()
-    ran = {"return outer(x) - y": "calls", "return x * FAR": "others"}
+    ran = {"return outer(x) - y": "calls", "return x * FAR": "others", "return x - 2": "keeps"}
     by_line = {
         ("models/x.py", 1 + k): f"tests/t.py::{ran[one.strip()]}" for k, one in enumerate(lines) if one.strip() in ran
     }
