@@ -45,3 +45,20 @@ def test_what_is_not_shipped_does_not(package: Path, name: str) -> None:
     (package / name).parent.mkdir(parents=True, exist_ok=True)
     (package / name).write_text("new")
     assert hashed() == before
+
+
+def test_hashes_name_the_weights_where_they_are_known() -> None:
+    without, none, some = (report.run_hashes({}, [], weights) for weights in (None, [], ["a"]))
+    assert "weights" not in without
+    assert none.keys() == some.keys() == {*without, "weights"}
+    assert none["weights"] != some["weights"]
+
+
+def test_the_table_shows_both_ends_of_the_intervals() -> None:
+    rates = {"success_rate": 0.5, "success_75": 0.25, "success_150": 0.375, "spl": 0.4, "soft_spl": 0.45, "steps": 99.6}
+    ends = {"success_rate_ci95": [0.31, 0.69], "spl_ci95": [0.222, 0.588]}
+    told = {"agent": "a", "habit_level": "gt", "n": 40, "retrieval": {"recall_20": 0.75, "mrr": None}}
+    columns = [list(column.cells) for column in report.results_table([{**rates, **ends, **told}]).columns]
+    assert [cells[0] for cells in columns][2:] == [
+        "40", "50.0 [31.0, 69.0]", "0.400 [0.222, 0.588]", "25.0", "37.5", "0.450", "100", "0.75", "-",
+    ]  # fmt: skip

@@ -1,7 +1,8 @@
 """Which tests can notice a mutation: those that run its line, or lines that use what its line makes.
 
 Coverage does not see kernels, whose lines run compiled, and constants are made while a module is imported, before any
-test. For these it counts who runs a line that names the kernel, the constant or the field, in whatever file.
+test. For these it counts who runs a line that names the kernel, the constant or the field, in whatever file. Programs
+that run in a process of their own are met by the tests of files that name them.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ class Reach:
         """Tests that may notice it, the quickest first, those of its own part before others, for so many seconds."""
         own = PARTS[part_of(mutation.file)][1]
         seconds = self._recorded.seconds
-        found = self._of_line((mutation.file, mutation.line), _DEPTH, set())
+        found = self._of_line((mutation.file, mutation.line), _DEPTH, set()) or self._naming(mutation.file)
         ranked = sorted(found, key=lambda test: (not test.startswith(f"{own}/"), seconds[test], test))
         chosen, spent = [], 0.0
         for test in ranked:
@@ -87,6 +88,20 @@ class Reach:
         users = {user for name in statement.names for user in self._users(name, line[0])} - visited
         found = [self._of_line(user, depth - 1, visited) for user in sorted(users)]
         return frozenset().union(*found)
+
+    def _naming(self, file: str) -> frozenset[str]:
+        """Tests of files that name a module, or are named as it is: what runs in a process of its own is not seen."""
+        stem, out = Path(file).stem, set()
+        for test in self._recorded.seconds:
+            where = test.partition("::")[0]
+            if stem.startswith(Path(where).stem.removeprefix("test_")) or stem in self._text(where):
+                out.add(test)
+        return frozenset(out)
+
+    @cache  # noqa: B019 - one a run
+    def _text(self, file: str) -> str:
+        path = self._root / file
+        return path.read_text() if path.is_file() else ""
 
     def _ran(self, file: str, lines: Iterable[int]) -> frozenset[str]:
         return frozenset().union(*(self._recorded.by_line.get((file, line), frozenset()) for line in lines))
