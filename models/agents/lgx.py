@@ -46,7 +46,7 @@ class LGXAgent(AskingAgent):
         mode: Mode = "direction",
         goal: Goal = "random",
         reach_m: float = 5.0,
-        temperature: float = 0.0,
+        temperature: float = 0.7,
         memory: bool = False,
         opens: bool = True,
         seed: int = 0,

@@ -49,7 +49,7 @@ class PolicyAgent:
         checkpoint: str | None = None,
         *,
         sample: bool = False,
-        temperature: float = 1.0,
+        temperature: float = 0.6,
         seed: int = 0,
         device: str = "cpu",
     ) -> None:

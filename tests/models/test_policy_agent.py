@@ -124,7 +124,7 @@ def test_draws_are_a_function_of_seed_episode_and_step() -> None:
 
 
 def test_draws_follow_the_probabilities() -> None:
-    agent = remembering(sample=True)
+    agent = remembering(sample=True, temperature=1.0)
     agent.reset([info(1)])
     with torch.inference_mode():
         outputs = agent.policy(

@@ -91,10 +91,10 @@ class Reach:
 
     def _naming(self, file: str) -> frozenset[str]:
         """Tests of files that name a module, or are named as it is: what runs in a process of its own is not seen."""
-        stem, out = Path(file).stem, set()
+        stem, module, out = Path(file).stem, file.removesuffix(".py").replace("/", "."), set()
         for test in self._recorded.seconds:
             where = test.partition("::")[0]
-            if stem.startswith(Path(where).stem.removeprefix("test_")) or stem in self._text(where):
+            if stem.startswith(Path(where).stem.removeprefix("test_")) or module in self._text(where):
                 out.add(test)
         return frozenset(out)
 

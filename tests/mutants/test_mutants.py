@@ -160,7 +160,13 @@ def test_quick_tests_of_the_own_part_come_first(tmp_path: Path) -> None:
 
 
 def test_programs_are_met_by_tests_that_name_them(tmp_path: Path) -> None:
-    tree(tmp_path, models__far_worker="X = 3\n", tests__test_far="", tests__test_other="", tests__test_y="far_worker")
+    tree(
+        tmp_path,
+        models__far_worker="X = 3\n",
+        tests__test_far="",
+        tests__test_other="",
+        tests__test_y="models.far_worker",
+    )
     names = ("tests/test_far.py::a", "tests/test_other.py::b", "tests/test_y.py::c")
     reach = Reach(tmp_path, Recorded(dict.fromkeys(names, 0.1), {}))
     assert set(reach.tests(mutations(tmp_path, "models/far_worker.py")[0], 60.0)) == {names[0], names[2]}

@@ -51,7 +51,7 @@ def test_a_mask_chooses_its_pixels() -> None:
 
 def test_heights_are_those_of_the_points_at_its_depth() -> None:
     depth = np.full((8, 8), 2.0, np.float32)
-    depth[:, 5] = 1.0
+    depth[:, 5], depth[1, :3] = 1.0, 9.0
     box = np.array([3, 0, 6, 2], np.int32)  # up = 3.5 / 8 and 2.5 / 8
     assert kernels._mean_height(depth, box, 2.0, CAMERA) == pytest.approx(1.0 + 2.0 * 3.0 / 8.0)
     assert kernels._mean_height(depth, box, 1.0, CAMERA) == pytest.approx(1.0 + 1.0 * 3.0 / 8.0)
