@@ -17,7 +17,7 @@ from ucon.core.errors import ConfigError, EpisodeError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.envs.waypoint.search_env import Returns, UcONSearchEnv
 from ucon.envs.waypoint.searcher import LOYALTY
-from ucon.envs.waypoint.view_tokens import IS_KEPT, moves_to
+from ucon.envs.waypoint.view_tokens import IS_KEPT, VISITED, moves_to
 from ucon.perception.belief import Locations
 from ucon.task.episode import Episode
 
@@ -60,6 +60,23 @@ def test_an_episode_does_not_depend_on_what_was_played_before(episodes: tuple[Ep
     for again in (play(env), play(UcONSearchEnv(episodes))):
         assert len(first) == len(again)
         assert all(same(x, y) for x, y in zip(first, again, strict=True))
+
+
+def test_views_say_where_it_has_stood(episodes: tuple[Episode, ...]) -> None:
+    env, told = UcONSearchEnv(episodes), set()
+    draw = at_random(np.random.default_rng(0))
+    obs, _ = env.reset(options={"episode": 0})
+    for _ in range(12):
+        assert env._tokens is not None
+        assert env._searcher is not None
+        for row, choice in zip(obs["views"], env._tokens.choices, strict=False):
+            stood = env._searcher.map.visited[choice.view.i, choice.view.j] > 0
+            assert row[VISITED] == stood
+            told.add(bool(stood))
+        obs, _, *over, _ = env.step(draw(obs))
+        if any(over):
+            obs, _ = env.reset(options={"episode": 1})
+    assert told == {False, True}
 
 
 def test_episodes_are_worth_what_the_returns_say_and_replay_alike(episodes: tuple[Episode, ...]) -> None:

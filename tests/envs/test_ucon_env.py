@@ -114,6 +114,17 @@ def test_blocked_move_costs_a_step_and_raises_the_flag(episodes: tuple[Episode, 
     pytest.fail("never met a wall")
 
 
+def test_episodes_are_chosen_by_number_and_by_name(episodes: tuple[Episode, ...]) -> None:
+    env = UcONEnv(episodes, observe="symbolic")
+    for number, episode in enumerate(episodes):
+        for wanted in (number, np.int64(number), f"{episode.id[:2]}{episode.id[2:]}"):
+            assert env.reset(options={"episode": wanted})[1]["episode"] == episode.id
+    with pytest.raises(EpisodeError, match="no episode 'x' among the"):
+        env.reset(options={"episode": "x"})
+    with pytest.raises(EpisodeError, match=f"expected 0 to {len(episodes) - 1}"):
+        env.reset(options={"episode": len(episodes)})
+
+
 def test_progress_reward_sums_to_the_distance_closed(episodes: tuple[Episode, ...]) -> None:
     env = UcONEnv(episodes, observe="symbolic", reward=Reward(success=0.0, step=0.0, progress=1.0))
     for episode in episodes:

@@ -19,6 +19,8 @@ _PLAIN: Final = 15
 #: Columns of metres ahead and to the left, in units of 5 m, and of whether it is the view on its way.
 AHEAD: Final = slice(10, 12)
 IS_KEPT: Final = 9
+#: Column that says whether it has stood there.
+VISITED: Final = 14
 #: Column of the moves to a view, as the root of their number in units of forty.
 _MOVES: Final = 6
 _MOVES_UNIT: Final = 40.0
@@ -90,7 +92,7 @@ def view_rows(
     rows[:, IS_KEPT] = [kept is not None and choice.view == kept.view for choice in choices]
     rows[:, AHEAD], rows[:, 12] = ego(xy, here) / 5.0, np.hypot(xy[:, 0], xy[:, 1]) / 5.0
     rows[:, 13] = np.log10(np.minimum(valued.cost[at], 1e3))
-    rows[:, 14] = known.visited[nodes[:, 0], nodes[:, 1]] > 0
+    rows[:, VISITED] = known.visited[nodes[:, 0], nodes[:, 1]] > 0
     rows[np.arange(len(n)), _PLAIN + (h - here.heading) % 4] = 1.0
     rows[np.arange(len(n)), _PLAIN + 4 + p] = 1.0
     rows[:, _PLAIN + 4 + len(PITCHES_DEG) :] = around.at(nodes)
