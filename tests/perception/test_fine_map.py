@@ -8,7 +8,7 @@ from toy import CELL, ToyEnv, two_rooms
 
 from ucon.perception import fine_kernels as kernels
 from ucon.perception.body import PAPER_BODY
-from ucon.perception.draw_fine import draw_fine
+from ucon.perception.draw_fine import _arrow, draw_fine
 from ucon.perception.fine_frontiers import fine_frontiers
 from ucon.perception.fine_kernels import EXPLORED, FINE_M, OBSTACLE, PER_CELL, VISITED
 from ucon.perception.fine_map import FINE_HALF, FINE_SIZE, FineMap, cell_of, middle_of
@@ -248,3 +248,14 @@ def test_picture() -> None:
     a0, a1, b0, b1 = fine.extent(margin=8)
     assert picture.shape == (2 * (b1 - b0), 2 * (a1 - a0), 3)
     assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 4
+
+
+def test_arrows_point_along_the_heading() -> None:
+    for heading, (across, up) in enumerate([(1, 0), (0, 1), (-1, 0), (0, -1)]):
+        picture = np.zeros((81, 81, 3), np.uint8)
+        _arrow(picture, lambda xy: (round(40 + 20 * xy[0]), round(40 - 20 * xy[1])), (0.0, 0.0), heading, (255,) * 3)
+        rows, columns = np.nonzero(picture.any(2))
+        far = np.abs([columns - 40, rows - 40]).max()
+        assert far == pytest.approx(10, abs=2)
+        assert np.sign(columns.mean() - 40) == across or abs(columns.mean() - 40) < 0.5
+        assert np.sign(40 - rows.mean()) == up or abs(40 - rows.mean()) < 0.5
