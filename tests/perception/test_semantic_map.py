@@ -5,6 +5,7 @@ import pytest
 from toy import CELL, ToyEnv, two_rooms
 
 from ucon.core.errors import ConfigError
+from ucon.perception import map_kernels
 from ucon.perception.draw import draw_map
 from ucon.perception.semantic_map import HALF, SemanticMap, View, view_of_pose
 
@@ -107,3 +108,21 @@ def test_picture_shows_what_was_seen(toured: tuple[ToyEnv, SemanticMap]) -> None
     i0, i1, j0, j1 = known.extent()
     assert picture.shape == (8 * (j1 - j0), 8 * (i1 - i0), 3)
     assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 5
+
+
+@pytest.mark.parametrize(
+    ("point", "border"),
+    [
+        ((0.1, 0.0), (0, 2, 2)),
+        ((-0.1, 0.0), (0, 1, 2)),
+        ((0.0, 0.1), (1, 2, 2)),
+        ((0.0, -0.1), (1, 2, 1)),
+        ((0.0, 0.0), None),
+        ((0.1, 0.1), None),
+        ((-0.1, 0.1), None),
+    ],
+)
+def test_a_wall_point_marks_the_border_that_it_lies_by(point: tuple[float, float], border: tuple | None) -> None:
+    walls = np.zeros((2, 5, 5), np.uint8)
+    map_kernels._wall(walls, 2, 2, *point)
+    assert [tuple(at) for at in np.argwhere(walls).tolist()] == ([] if border is None else [border])
