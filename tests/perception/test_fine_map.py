@@ -259,3 +259,15 @@ def test_arrows_point_along_the_heading() -> None:
         assert far == pytest.approx(10, abs=2)
         assert np.sign(columns.mean() - 40) == across or abs(columns.mean() - 40) < 0.5
         assert np.sign(40 - rows.mean()) == up or abs(40 - rows.mean()) < 0.5
+
+
+def test_a_cell_is_noted_once_a_frame() -> None:
+    cells, touched = np.zeros((4, 4), np.uint8), np.zeros(2, np.int32)
+    low, high = EXPLORED | kernels._LOW, EXPLORED | OBSTACLE | kernels._HIGH
+    for first, then in ((low, high), (high, low)):
+        cells[:] = 0
+        assert kernels._mark(cells, 1, 2, first, touched, 0) == 1
+        assert kernels._mark(cells, 1, 2, then, touched, 1) == 1
+        assert cells[1, 2] == first | then
+    assert touched.tolist() == [6, 0]
+    assert kernels._mark(cells, 0, 0, low, touched, 2) == 2, "no room is left"
