@@ -271,3 +271,24 @@ def test_a_cell_is_noted_once_a_frame() -> None:
         assert cells[1, 2] == first | then
     assert touched.tolist() == [6, 0]
     assert kernels._mark(cells, 0, 0, low, touched, 2) == 2, "no room is left"
+
+
+@pytest.mark.parametrize("along_a", [True, False])
+def test_surfaces_leave_the_border_of_the_map_free(along_a: bool) -> None:
+    """A wall that is seen at a flat angle and goes on beyond the edge of a map of 30 x 30 cells."""
+    tangent = (np.arange(128) - 63.5) / 64
+    depth = np.repeat((0.25 / np.maximum(1.0 - 0.9 * tangent, 0.1))[None], 128, 0).astype(np.float32)
+    camera = np.array(
+        [0.0, 1.6, 1.25, 1.0, 0.0, 1.0, 0.0, 64.0] if along_a else [0.0, 0.0, 1.25, 0.0, 1.0, 1.0, 0.0, 64.0]
+    )
+    marked = []
+    for n in (30, 60):
+        cells = np.zeros((n, n), np.uint8)
+        kernels._surfaces(depth, camera, 2, cells, np.zeros(65536, np.int32), 0)
+        marked.append(cells if along_a else cells.T)
+    small, large = marked
+    assert large[29, :30].any(), "the wall goes on there"
+    assert small.any()
+    assert not small[[0, -1]].any()
+    assert not small[:, [0, -1]].any()
+    assert (small[1:-1, 1:-1] == large[1:29, 1:29]).all()
