@@ -7,7 +7,7 @@ from toy import CELL, ToyEnv, two_rooms
 from ucon.core.errors import ConfigError
 from ucon.perception import map_kernels
 from ucon.perception.draw import draw_map
-from ucon.perception.semantic_map import HALF, SemanticMap, View, view_of_pose
+from ucon.perception.semantic_map import HALF, SIZE, SemanticMap, View, view_of_pose
 
 #: Look around, walk through the door, look around again, with some blocked moves and looks down.
 TOUR = [2, 2, 2, 2, *[0] * 5, 2, 1, 1, *[0] * 20, 4, 1, 1, 1, 1, 3, *[0] * 6, 1, 0, 0, 0, 1, 4, 1, 1]
@@ -126,3 +126,13 @@ def test_a_wall_point_marks_the_border_that_it_lies_by(point: tuple[float, float
     walls = np.zeros((2, 5, 5), np.uint8)
     map_kernels._wall(walls, 2, 2, *point)
     assert [tuple(at) for at in np.argwhere(walls).tolist()] == ([] if border is None else [border])
+
+
+@pytest.mark.parametrize(("heading", "ahead"), [(0, (1, 0)), (1, (0, 1)), (2, (-1, 0)), (3, (0, -1))])
+def test_a_bump_is_noted_ahead(heading: int, ahead: tuple[int, int]) -> None:
+    known = SemanticMap()
+    known._bump(View(HALF + 3, HALF - 2, heading))
+    assert np.argwhere(known.bumped).tolist() == [[HALF + 3 + ahead[0], HALF - 2 + ahead[1]]]
+    for i, j in ((0, 0), (SIZE - 1, SIZE - 1)):
+        known._bump(View(i, j, heading))
+    assert known.bumped.sum() == 3, "what lies outside is not noted elsewhere"
