@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -194,3 +195,10 @@ def test_entries_of_a_step_differ_in_category(data):
         assert len({e.category for e in batch}) == len(batch) <= 8
         assert len({e.scene for e in batch}) == 1
     assert [e.id for e in fit_own_places._batches(entries, 1, 8)[0]] != [e.id for e in batches[0]]
+
+
+def test_each_entry_has_one_distribution():
+    """What sentences say of places, and what common sense says, add up to 1 for each thing that is asked for."""
+    asked = SimpleNamespace(usual=torch.full((2, 2), 0.5), truth=torch.eye(2))
+    loss = fit_own_places._places_loss(torch.tensor([[1.0, 0.0], [0.0, 3.0]]), asked, torch.tensor(0.0))
+    assert float(loss) == pytest.approx(-(np.log(1.5 / 2) + np.log(3.5 / 4)) / 2)
