@@ -34,8 +34,8 @@ CAUGHT_BY = {
     "UnpaidSuccess": "rewards", "MaskedMoves": "masks", "OtherLevel": "habits", "HabitMaskLate": "habits",
     "OtherTarget": "target", "Stale": "camera", "Millimetres": "camera", "SharedCopies": "copies",
     "StiffCopies": "copies", "CutEarly": "last step", "CutNever": "last step", "DoneGoesOn": "done",
-    "AlwaysSuccess": "figures", "TurnsCount": "figures", "NeverCollides": "collision", "LateAction": "last action, step",
-    "StepsFromOne": "last action, step", "AnyAction": "actions", "WrongType": "spaces", "StillPicture": "frames",
+    "AlwaysSuccess": "figures", "TurnsCount": "figures", "NeverCollides": "collision",
+    "LateAction": "last action, step", "StepsFromOne": "last action, step", "AnyAction": "actions", "WrongType": "spaces", "StillPicture": "frames",
 }  # fmt: skip
 
 
