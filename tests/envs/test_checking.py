@@ -35,7 +35,8 @@ CAUGHT_BY = {
     "OtherTarget": "target", "Stale": "camera", "Millimetres": "camera", "SharedCopies": "copies",
     "StiffCopies": "copies", "CutEarly": "last step", "CutNever": "last step", "DoneGoesOn": "done",
     "AlwaysSuccess": "figures", "TurnsCount": "figures", "NeverCollides": "collision",
-    "LateAction": "last action, step", "StepsFromOne": "last action, step", "AnyAction": "actions", "WrongType": "spaces", "StillPicture": "frames",
+    "LateAction": "last action, step", "StepsFromOne": "last action, step",
+    "AnyAction": "actions", "WrongType": "spaces", "StillPicture": "frames",
 }  # fmt: skip
 
 
