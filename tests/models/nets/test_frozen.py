@@ -45,6 +45,11 @@ def test_maps_of_random_weights_depend_on_the_seed(frames: torch.Tensor) -> None
     assert not torch.equal(FrozenResNet18(seed=1).maps(frames[:1]), found)
 
 
+def test_random_weights_are_those_of_a_resnet_18() -> None:
+    """11,689,512 parameters (He et al., 2016) without the 513,000 of the last layer, which tells classes."""
+    assert sum(p.numel() for p in FrozenResNet18()._model.parameters()) == 11_689_512 - 513_000
+
+
 def test_maps_tell_frames_apart_and_are_remembered(frames: torch.Tensor) -> None:
     network = FrozenResNet18()
     together = network.maps(frames)
