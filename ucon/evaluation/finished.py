@@ -13,6 +13,7 @@ from omegaconf.errors import OmegaConfBaseException
 from yaml import YAMLError
 
 from ucon.core.errors import DataError, brief
+from ucon.core.plain_file import read_plain
 from ucon.core.yaml_text import without_aliases
 from ucon.evaluation.decisions import DecisionRecord
 from ucon.evaluation.naming import level, player
@@ -23,6 +24,7 @@ from ucon.evaluation.seal import CONFIG, DECISIONS, RECORDS, SUMMARY, TIMING, Ru
 #: What tables show of a summary, and of which types: a number, or one for each end of an interval.
 _NUMBERS: Final = ("n", "success_rate", "spl", "soft_spl", "success_75", "success_150", "success_300", "steps")
 _INTERVALS: Final = ("success_rate_ci95", "spl_ci95")
+_MAX_CONFIG: Final = 1 << 24
 _ALTERED = "the file is altered, restore it or evaluate again"
 
 
@@ -161,8 +163,8 @@ def read_config(folder: Path) -> dict[str, Any]:
     if has_summary(folder):
         read_files(folder)
     try:
-        config = OmegaConf.to_container(OmegaConf.create(without_aliases(path.read_text(encoding="utf-8"))))
-    except (OSError, ValueError, RecursionError, YAMLError, OmegaConfBaseException):
+        config = OmegaConf.to_container(OmegaConf.create(without_aliases(read_plain(path, _MAX_CONFIG).decode())))
+    except (DataError, OSError, ValueError, RecursionError, YAMLError, OmegaConfBaseException):
         config = None
     if not isinstance(config, dict) or not {"env", "task", "episodes"} <= config.keys():
         raise DataError(f"{path}: no configuration of a run; {_ALTERED}")

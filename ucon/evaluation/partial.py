@@ -13,6 +13,7 @@ from typing import Any, Final
 
 from ucon.core.errors import DataError
 from ucon.core.files import canonical_json, sha256_bytes
+from ucon.core.plain_file import read_plain
 from ucon.core.typed import parse_line, read_as
 from ucon.evaluation.decisions import DecisionRecord
 from ucon.evaluation.finished import as_played
@@ -23,6 +24,8 @@ from ucon.evaluation.seal import RECORDS
 PARTIAL: Final = f"{RECORDS}.partial"
 #: Of a first line, in bytes.
 _LONGEST: Final = 1 << 16
+#: Of the file: some million episodes.
+_MAX_BYTES: Final = 1 << 30
 #: Letters of a checksum.
 _CHECKSUM: Final = 64
 
@@ -75,7 +78,7 @@ def read_partial(path: Path, episodes: Sequence[str]) -> Left:
     Raises:
         DataError: its first line is damaged.
     """
-    raw = path.read_bytes()
+    raw = read_plain(path, _MAX_BYTES)
     lines = [line + b"\n" for line in raw.split(b"\n")[:-1]]  # what follows was cut off in mid-write
     header = _value(lines[0], path) if lines else None
     done: dict[int, Played] = {}

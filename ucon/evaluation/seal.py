@@ -16,6 +16,7 @@ from typing import Any, Final
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import sha256_bytes
+from ucon.core.plain_file import read_plain
 from ucon.core.typed import parse_line
 from ucon.core.unpack import UnpackError, unpack_xz
 
@@ -103,10 +104,11 @@ def read_bytes(path: Path) -> bytes:
     Raises:
         DataError: it is not whole, or larger than any run.
     """
+    raw = read_plain(path, _MAX_BYTES)
     if path.suffix != ".xz":
-        return path.read_bytes()
+        return raw
     try:
-        return unpack_xz(path.read_bytes(), _MAX_BYTES)
+        return unpack_xz(raw, _MAX_BYTES)
     except UnpackError as error:
         raise DataError(f"{path}: not whole ({error}); {_RESTORE}") from None
 
@@ -119,7 +121,7 @@ def read_object(path: Path) -> dict[str, Any]:
     """
     if not path.is_file():
         raise DataError(f"{path}: no such file; give the folder of a finished run of eval.py")
-    value = parse_line(path.read_bytes(), str(path), f"{_NO_SUMMARY}; {_RESTORE}")
+    value = parse_line(read_plain(path, _MAX_BYTES), str(path), f"{_NO_SUMMARY}; {_RESTORE}")
     if not isinstance(value, dict):
         raise DataError(f"{path}: {_NO_SUMMARY}; {_RESTORE}")
     return value
@@ -143,7 +145,7 @@ def _unsealed(path: Path) -> dict[str, Any]:
         _refuse_older(path.parent)
         raise DataError(f"{path}: missing; {_RESTORE}, or see `python -m ucon verify {path.parent} --seal`")
     value = read_object(path)
-    body, seal, checksum = path.read_bytes().rpartition(_SEAL.encode())
+    body, seal, checksum = read_plain(path, _MAX_BYTES).rpartition(_SEAL.encode())
     if not seal or checksum != f'{sha256_bytes(body)}"\n}}\n'.encode():
         _refuse_older(path.parent)
         raise DataError(f"{path}: its checksum is of other content; the file is altered, {_RESTORE}")

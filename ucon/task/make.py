@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ucon.core.errors import EpisodeError, UconError
 from ucon.core.files import canonical_json, write_atomic
+from ucon.core.plain_file import read_plain
 from ucon.core.pool import Pool
 from ucon.core.strict_json import JsonError, parse_json
 from ucon.habits.book import book
@@ -23,6 +24,7 @@ from ucon.task.sampler import EpisodeSampler
 from ucon.task.search import Pose, Search
 
 RETRY_SEED_STEP = 1 << 32
+_MAX_JOURNAL = 1 << 30
 
 
 def make_episodes(
@@ -73,7 +75,7 @@ def _collect(
 def _noted(journal: Path, orders: Sequence[Order], habits_hash: str) -> list[Episode]:
     """The episodes of the first orders that a journal holds; what does not belong to them is cut off."""
     found: list[Episode] = []
-    raw = journal.read_bytes() if journal.is_file() else b""
+    raw = read_plain(journal, _MAX_JOURNAL) if journal.is_file() else b""
     for order, line in zip(orders, raw[: raw.rfind(b"\n") + 1].split(b"\n"), strict=False):
         try:
             episode = Episode.from_json(parse_json(line))
