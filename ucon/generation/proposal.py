@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Final, cast
 
 from ucon.habits.rules import (
-    HABITS,
-    PLACEMENTS,
+    BOOK_LIMITS,
     Anchors,
     count_fault,
     habit_fault,
@@ -50,7 +49,7 @@ def sentence_key(text: str) -> str:
 
 def entry_schema(offer: Offer, contexts: Collection[str]) -> dict[str, Any]:
     """JSON schema of an entry; ``contexts`` are those that the server shall choose from."""
-    text, number = {"type": "string"}, {"type": "integer", "minimum": 1, "maximum": PLACEMENTS[1]}
+    text, number = {"type": "string"}, {"type": "integer", "minimum": 1, "maximum": BOOK_LIMITS.placements[1]}
     told = {"anyOf": [{"type": "null"}, {"type": "string", "enum": list(contexts)}]} if contexts else {"type": "null"}
     names = {"type": "string", "enum": sorted(set(offer.anchors) - {offer.category})}
     relations = {"type": "string", "enum": list(RELATIONS)}
@@ -58,8 +57,8 @@ def entry_schema(offer: Offer, contexts: Collection[str]) -> dict[str, Any]:
     habit = _object(text=text, supports={"type": "array", "items": number})
     return _object(
         household=text,
-        placements=_array(placement, PLACEMENTS),
-        habits=_array(habit, HABITS),
+        placements=_array(placement, BOOK_LIMITS.placements),
+        habits=_array(habit, BOOK_LIMITS.habits),
     )
 
 
@@ -83,7 +82,7 @@ def read_entry(data: Mapping[str, Any], offer: Offer, number: int) -> tuple[Entr
         faults.append(f"household: {fault}")
     placements = _placements(data.get("placements"), offer, faults)
     habits = _habits(data.get("habits"), len(_list(data.get("placements"))), offer, faults)
-    if fault := count_fault(len(_list(data.get("placements"))), len(_list(data.get("habits")))):
+    if fault := count_fault(len(_list(data.get("placements"))), len(_list(data.get("habits"))), BOOK_LIMITS):
         faults.append(f"the entry: {fault}")
     if faults:
         return None, faults
@@ -136,7 +135,7 @@ def _habits(given: object, n_placements: int, offer: Offer, faults: list[str]) -
             continue
         supports = tuple(n - 1 for n in cast("list[int]", numbers))
         key = sentence_key(text)
-        fault = habit_fault(text, supports, n_placements)
+        fault = habit_fault(text, supports, n_placements, BOOK_LIMITS)
         if fault is None and (key in said or key in offer.sentences):
             fault = "this sentence exists already; write another"
         said.add(key)

@@ -23,7 +23,17 @@ from ucon.core.errors import DataError, unknown_name
 from ucon.core.files import read_verified
 from ucon.core.plain_file import read_bounded
 from ucon.habits.datafile import load_dataset_file
-from ucon.habits.rules import Anchors, count_fault, habit_fault, header_fault, line_fault, placement_fault
+from ucon.habits.rules import (
+    BOOK_LIMITS,
+    OWN_LIMITS,
+    Anchors,
+    Limits,
+    count_fault,
+    habit_fault,
+    header_fault,
+    line_fault,
+    placement_fault,
+)
 from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
 
 BOOK_FOLDER: Final = Path(__file__).parent / "book"
@@ -107,22 +117,30 @@ def _anchors(path: Path, lines: Sequence[str], categories: Collection[str] | Non
     return anchors
 
 
-def parse_book(path: Path, anchors: Anchors, categories: Collection[str] | None = None) -> list[Entry]:
+def parse_book(
+    path: Path, anchors: Anchors, categories: Collection[str] | None = None, limits: Limits = BOOK_LIMITS
+) -> list[Entry]:
     """Entries of one file.
 
     Args:
         path: the file; entry ids are ``category/number``.
         anchors: allowed relations of each anchor.
         categories: target categories that exist; None accepts any name.
+        limits: how much an entry may have.
 
     Raises:
         DataError: naming file and line of the first thing that is wrong.
     """
-    return _entries(path, read_lines(path), anchors, categories, {})
+    return _entries(path, read_lines(path), anchors, categories, {}, limits)
 
 
 def _entries(
-    path: Path, lines: Sequence[str], anchors: Anchors, categories: Collection[str] | None, count: dict[str, int]
+    path: Path,
+    lines: Sequence[str],
+    anchors: Anchors,
+    categories: Collection[str] | None,
+    count: dict[str, int],
+    limits: Limits,
 ) -> list[Entry]:
     """Entries of a file; ``count`` is how many entries of each category came before, and is brought up to date."""
     entries: list[Entry] = []
@@ -133,17 +151,17 @@ def _entries(
         where = f"{path}:{number}"
         if line[0] == "#":
             if draft is not None:
-                entries.append(_finish(path, draft, count))
+                entries.append(_finish(path, draft, count, limits))
             draft = _header(where, line, number, categories)
         elif draft is None:
             raise DataError(f"{where}: '{line[:60]}' before the first entry; expected '# category | household'")
         elif line[0] == "@":
             draft.placements.append(_placement(where, line, draft, anchors))
         else:
-            draft.habits.append(_habit(where, line, draft))
+            draft.habits.append(_habit(where, line, draft, limits))
     if draft is None:
         raise DataError(f"{path}:{len(lines)}: no entry; expected '# category | household'")
-    entries.append(_finish(path, draft, count))
+    entries.append(_finish(path, draft, count, limits))
     return entries
 
 
@@ -166,17 +184,17 @@ def _placement(where: str, line: str, draft: _Draft, anchors: Anchors) -> Placem
     return placement
 
 
-def _habit(where: str, line: str, draft: _Draft) -> Habit:
+def _habit(where: str, line: str, draft: _Draft, limits: Limits) -> Habit:
     match = _HABIT.fullmatch(line)
     if match is None:
         raise DataError(f"{where}: bad habit '{line[:60]}', expected '-: sentence' or '1,3: sentence'")
     supports = () if match[1] == "-" else tuple(int(digit) - 1 for digit in match[1].split(","))
-    _refuse(where, habit_fault(match[2], supports, len(draft.placements)))
+    _refuse(where, habit_fault(match[2], supports, len(draft.placements), limits))
     return Habit(match[2], supports)
 
 
-def _finish(path: Path, draft: _Draft, count: dict[str, int]) -> Entry:
-    fault = count_fault(len(draft.placements), len(draft.habits))
+def _finish(path: Path, draft: _Draft, count: dict[str, int], limits: Limits) -> Entry:
+    fault = count_fault(len(draft.placements), len(draft.habits), limits)
     if fault is not None:
         raise DataError(f"{path}:{draft.line}: entry '{draft.category}' has {fault}; is the file cut off?")
     number = count.get(draft.category, 0)
@@ -227,6 +245,7 @@ def read_book(folder: Path, categories: Collection[str] | None = None, *, verifi
     """All ``*.txt`` of a folder in name order; its ``anchors.txt`` where it has one, else the book's.
 
     ``verified`` checks each file against the manifest of the folder; without, a file that was edited is read as it is.
+    The limits of the book bind the book alone.
 
     Raises:
         DataError: naming file and line.
@@ -235,6 +254,7 @@ def read_book(folder: Path, categories: Collection[str] | None = None, *, verifi
         raise DataError(
             f"{folder}: a file; a book is a folder of *.txt files, give the folder {folder.absolute().parent}"
         )
+    limits = BOOK_LIMITS if folder.resolve() == BOOK_FOLDER.resolve() else OWN_LIMITS
     own = folder / ANCHORS
     if own.is_file():
         anchors = _anchors(own, _lines(own, read_verified(own)) if verified else read_lines(own), categories)
@@ -247,5 +267,5 @@ def read_book(folder: Path, categories: Collection[str] | None = None, *, verifi
     count: dict[str, int] = {}
     for path in paths:
         lines = _lines(path, read_verified(path)) if verified else read_lines(path)
-        entries += _entries(path, lines, anchors, categories, count)
+        entries += _entries(path, lines, anchors, categories, count, limits)
     return HabitDataset("book" if folder == BOOK_FOLDER else folder.name, tuple(entries))

@@ -17,7 +17,7 @@ from ucon.core.plain_file import read_bounded
 from ucon.core.strict_json import parse_json
 from ucon.core.text import is_shown
 from ucon.core.unpack import UnpackError, unpack_xz
-from ucon.habits.rules import Anchors, count_fault, habit_fault, header_fault, line_fault, placement_fault
+from ucon.habits.rules import OWN_LIMITS, Anchors, count_fault, habit_fault, header_fault, line_fault, placement_fault
 from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
 from ucon.habits.verdicts import Verdicts
 
@@ -64,7 +64,7 @@ def load_dataset_file(path: Path, categories: Collection[str] | None = None, *, 
 
     Raises:
         DataError: no such file, a truncated or altered one, another version, or a line that is no entry, or none by
-            the rules of the habit book; names file and line.
+            the rules of an own household; names file and line.
     """
     lines = _lines(path, verified=verified)
     header = _header(path, lines[0])
@@ -136,7 +136,7 @@ def _entry(row: str, where: str) -> Entry:
 
 
 def _check(path: Path, entries: tuple[Entry, ...], categories: Collection[str] | None) -> None:
-    """Raise where an entry breaks a rule of the habit book; which relations its anchors allow, only the text knows."""
+    """Raise where an entry breaks a rule; which relations its anchors allow, only the text knows."""
     names = {p.anchor for entry in entries for p in entry.placements} if categories is None else categories
     anchors = dict.fromkeys(names, frozenset[str](RELATIONS))
     seen: set[str] = set()
@@ -153,11 +153,11 @@ def _faults(entry: Entry, categories: Collection[str] | None, anchors: Anchors) 
     yield from map(line_fault, (entry.id, entry.category, entry.household, *(h.text for h in entry.habits)))
     yield from (line_fault(text) for p in entry.placements for text in (p.anchor, p.context or ""))
     yield header_fault(entry.category, entry.household, entry.kind, categories)
-    yield count_fault(len(entry.placements), len(entry.habits))
+    yield count_fault(len(entry.placements), len(entry.habits), OWN_LIMITS)
     for i, placement in enumerate(entry.placements):
         yield placement_fault(entry.category, entry.placements[:i], placement, anchors)
     for habit in entry.habits:
-        yield habit_fault(habit.text, habit.supports, len(entry.placements))
+        yield habit_fault(habit.text, habit.supports, len(entry.placements), OWN_LIMITS)
 
 
 def _usable(entry: Entry) -> bool:

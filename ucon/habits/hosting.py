@@ -24,8 +24,8 @@ class Hosted:
 
     @property
     def ok(self) -> bool:
-        """Whether at least two placements can be realised, so that the entry may be sampled there."""
-        return len(self.realisable) >= MIN_REALISABLE
+        """Whether two placements can be realised, or its only one, so that the entry may be sampled there."""
+        return len(self.realisable) >= min(MIN_REALISABLE, len(self.entry.placements))
 
     @property
     def placements(self) -> tuple[Placement, ...]:

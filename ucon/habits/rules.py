@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 from ucon.core.errors import unknown_name
@@ -14,9 +15,22 @@ from ucon.core.text import is_shown
 from ucon.habits.types import KINDS, RELATIONS, Placement
 
 MAX_LINE: Final = 400
-PLACEMENTS: Final = (3, 6)
-HABITS: Final = (8, 13)
-WORDS: Final = (5, 26)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How much an entry may have, least and most."""
+
+    placements: tuple[int, int]
+    habits: tuple[int, int]
+    words: tuple[int, int]
+    """Of a sentence."""
+
+
+#: What the habit book keeps, so that its households are alike.
+BOOK_LIMITS: Final = Limits((3, 6), (8, 13), (5, 26))
+#: What anybody's own households keep; the format counts the placements of an entry by one digit.
+OWN_LIMITS: Final = Limits((1, 9), (1, 1000), (1, 80))
 
 Anchors = Mapping[str, frozenset[str]]
 """Relations that each anchor category allows."""
@@ -63,7 +77,7 @@ def placement_fault(category: str, earlier: Sequence[Placement], new: Placement,
     return None
 
 
-def habit_fault(text: str, supports: Sequence[int], n_placements: int) -> str | None:
+def habit_fault(text: str, supports: Sequence[int], n_placements: int, limits: Limits) -> str | None:
     """What is wrong with a sentence and the placements (from 0) that it supports."""
     for index in supports:
         if not 0 <= index < n_placements:
@@ -71,16 +85,18 @@ def habit_fault(text: str, supports: Sequence[int], n_placements: int) -> str | 
     if len(set(supports)) < len(supports):
         return f"a placement is named twice in '{','.join(str(i + 1) for i in supports)}:'; name it once"
     words = len(text.split())
-    if not WORDS[0] <= words <= WORDS[1]:
-        return f"{words} words, expected {WORDS[0]} to {WORDS[1]}"
+    low, high = limits.words
+    if not low <= words <= high:
+        return f"{words} words, expected {low} to {high}"
     if "_" in text:
         return "an underscore in a sentence; write names as people do"
     return None
 
 
-def count_fault(n_placements: int, n_habits: int) -> str | None:
+def count_fault(n_placements: int, n_habits: int, limits: Limits) -> str | None:
     """What is wrong with how much an entry has."""
-    for what, found, (low, high) in (("placements", n_placements, PLACEMENTS), ("habits", n_habits, HABITS)):
+    counted = (("placements", n_placements, limits.placements), ("habits", n_habits, limits.habits))
+    for what, found, (low, high) in counted:
         if not low <= found <= high:
             return f"{found} {what}, expected {low} to {high}"
     return None
