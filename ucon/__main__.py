@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import importlib
+import keyword
 import sys
 from collections.abc import Sequence
 from types import ModuleType
@@ -12,11 +13,12 @@ from types import ModuleType
 from ucon import __version__
 from ucon.core.errors import UconError, unknown_name
 
-#: Command and what it does; its code is ``ucon/commands/<command>.py``, ``-`` as ``_``, with ``add_arguments`` and
-#: ``run``.
+#: Command and what it does; its code is ``ucon/commands/<command>.py``, ``-`` as ``_`` and ``try`` as ``try_``, with
+#: ``add_arguments`` and ``run``.
 COMMANDS = {
     "doctor": "check this machine and this installation, and say what to do",
     "bench": "measure renderer and environment speed",
+    "try": "search your own object by your own habits in a home, without and with them",
     "compare": "paired differences with 95 % intervals between runs of eval.py",
     "verify": "recompute the figures of finished runs from their records, and check their checksums",
     "replay": "play finished runs again, such as those of results/, and say whether their numbers come out the same",
@@ -61,7 +63,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _module(command: str) -> ModuleType:
-    return importlib.import_module(f"ucon.commands.{command.replace('-', '_')}")
+    name = f"{command}_" if keyword.iskeyword(command) else command.replace("-", "_")
+    return importlib.import_module(f"ucon.commands.{name}")
 
 
 def _error(message: str, code: int = 2) -> int:

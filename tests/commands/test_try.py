@@ -1,0 +1,82 @@
+"""``python -m ucon try``: own habits, from the command line to two searches."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ucon.__main__ import main
+from ucon.evaluation.record import read_records
+from ucon.habits.datafile import load_dataset_file
+from ucon.task.own import FaultsError, Wish, likely_places
+from ucon.task.sets import load_episodes
+
+SAID = "After the morning mails the blue mug stays beside the laptop."
+
+
+def test_one_habit_is_enough(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["try", "--object", "mug", "--habit", SAID, "--no-video", "--out", str(tmp_path / "own")]
+    assert main(words) == 0
+    told = capsys.readouterr().out
+    assert "mug in Rs_int: kept nextto laptop, as your habits are read (" in told
+    assert max(map(len, told.splitlines()[:9])) <= 90
+    (episode,) = load_episodes(str(tmp_path / "own" / "own.jsonl.xz"))
+    entry = load_dataset_file(tmp_path / "own" / "own.habits.xz").entries[0]
+    assert [habit.text for habit in entry.habits] == [SAID]
+    assert episode.placed_by[episode.target] == (entry.id, 0)
+    for level in ("none", "retrieval"):
+        (record,) = read_records(tmp_path / "own" / level)
+        assert (record.habit_level, record.target, record.relation) == (level, "mug", "nextto")
+        assert f"{record.steps:>8}" in told
+    assert main(words) == 0, "again, beside what is there"
+
+
+def test_a_place_is_taken_as_it_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["try", "--object", "mug", "--habit", SAID, "--place", "ontop:bed", "--no-video", "--out", str(tmp_path)]
+    assert main(words) == 0
+    assert "mug in Rs_int: kept ontop bed\n" in capsys.readouterr().out
+
+
+def test_all_that_is_wrong_is_told_at_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["--scene", "Rs_in", "--object", "mugg", "--habit", "", "--habit", "x" * 401, "--place", "beside:laptop"]
+    assert main(["try", *words, "--out", str(tmp_path / "own")]) == 2
+    told = capsys.readouterr().err.splitlines()
+    parts = (
+        "--scene: unknown scene 'Rs_in': did you mean Rs_int",
+        "--object: unknown object 'mugg': did you mean",
+        "--habit, number 1: 0 words, expected 1 to 80",
+        "--habit, number 2: 401 characters, at most 400",
+        "--place beside:laptop: unknown relation 'beside'",
+    )
+    for line, part in zip(told, parts, strict=True):
+        assert line.startswith(f"error: {part}")
+    assert not (tmp_path / "own").exists()
+
+
+@pytest.mark.parametrize(
+    ("place", "part"),
+    [("laptop", "expected RELATION:ANCHOR"), ("inside:laptop", "nothing is inside a laptop"), ("ontop:mug", "mug")],
+)
+def test_places_that_are_none(place: str, part: str) -> None:
+    with pytest.raises(FaultsError, match=part):
+        Wish.of("Rs_int", "mug", [SAID], place)
+
+
+def test_what_takes_no_such_thing_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["try", "--object", "bicycle", "--habit", SAID, "--place", "inside:microwave", "--out", str(tmp_path)]
+    assert main(words) == 2
+    assert "Rs_int: a bicycle cannot be kept inside microwave there" in capsys.readouterr().err
+
+
+def test_places_are_those_that_stand_there_the_likeliest_first() -> None:
+    names = ("laptop", "swimming_pool", "bed")
+    p = np.array([[0.01, 0.0, 0.0, 0.2], [0.9, 0.9, 0.9, 0.9], [0.3, 0.0, 0.05, 0.0]])
+    places = likely_places(Wish.of("Rs_int", "mug", [SAID], None), lambda *_: (names, p))
+    assert [(place.relation, place.anchor) for place, _ in places[:3]] == [
+        ("ontop", "bed"),
+        ("nextto", "laptop"),
+        ("under", "bed"),
+    ]
+    assert [chance for _, chance in places[:3]] == [0.3, 0.2, 0.05]
