@@ -41,7 +41,8 @@ class Painter:
         self._renderer = RasterRenderer(FRAME_PX, FRAME_PX, _FOV_DEG)
         self._search, self._ledger = search, ledger
         world: Any = search.world
-        self._map = TopDownMap(world.house, world.boxes, world.free, FRAME_PX)
+        heading = ledger.episode.start.heading
+        self._map = TopDownMap(world.house, world.boxes, world.free, FRAME_PX, heading)
         self._shown: set[int] = set()
         self._renderer.load(world.house, world.arrangement)
 

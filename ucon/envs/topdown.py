@@ -2,80 +2,137 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.geometry import HEADING_COS, HEADING_SIN
 from ucon.scenes.spec import GRID_M
 from ucon.sim.house import House
-from ucon.task.actions import AHEAD
 
 Image = NDArray[np.uint8]
+Color = tuple[int, int, int]
 
-_FREE, _OUTSIDE, _BLOCKED = (238, 236, 230), (58, 62, 70), (196, 190, 180)
-_WALL, _HEDGE = (84, 80, 76), (70, 110, 64)
-_PATH, _AGENT, _TARGET, _OPENED = (64, 110, 190), (24, 60, 140), (214, 60, 48), (226, 160, 60)
+_FREE, _OUTSIDE, _BLOCKED, _EDGE = (238, 236, 230), (58, 62, 70), (196, 190, 180), (150, 138, 120)
+_WALL, _HEDGE, _NAME = (84, 80, 76), (70, 110, 64), (120, 112, 100)
+_PATH, _AGENT, _TARGET, _OPENED, _START = (64, 110, 190), (24, 60, 140), (214, 60, 48), (226, 160, 60), (60, 140, 80)
+_LEGEND_PX, _LEGEND_INK = 18, (225, 225, 225)
+_FONT, _FONT_SCALE = cv2.FONT_HERSHEY_SIMPLEX, 0.34
 
 
 class TopDownMap:
-    """Draws one home from above with the search in it; x to the right, y up."""
+    """Draws one home from above with the search in it, the way up that the agent's own map has.
 
-    def __init__(self, house: House, boxes: NDArray[np.float64], free: NDArray[np.bool_], size_px: int) -> None:
-        self._origin = house.grid.origin_xy
+    To the right is where the agent looks at the start, so that the two maps of a film can be compared.
+
+    Args:
+        house: the home.
+        boxes: (n, 6) boxes of its things, metres.
+        free: (nx, ny) nodes that can be stood on.
+        size_px: side of the picture.
+        heading: quarter turns of the agent at the start.
+    """
+
+    def __init__(
+        self, house: House, boxes: NDArray[np.float64], free: NDArray[np.bool_], size_px: int, heading: int = 0
+    ) -> None:
+        self._size, self._turned = size_px, (HEADING_COS[heading], HEADING_SIN[heading])
+        x, y = house.grid.origin_xy
         nx, ny = house.grid.shape
-        self._scale = size_px / (max(nx, ny) * GRID_M)
-        self._size = size_px
-        self._height_m = ny * GRID_M
-        self._margin = (
-            (size_px - nx * GRID_M * self._scale) / 2,
-            (size_px - ny * GRID_M * self._scale) / 2,
-        )
-        base = np.full((size_px, size_px, 3), _OUTSIDE, np.uint8)
+        corners = np.array([self._ahead_left(x, y), self._ahead_left(x + nx * GRID_M, y + ny * GRID_M)])
+        low, high = corners.min(0), corners.max(0)
+        room = np.array([size_px, size_px - _LEGEND_PX])
+        self._scale = float((room / (high - low)).min())
+        self._low, self._high = low, high
+        self._margin = (room - (high - low) * self._scale) / 2
+        self._base = np.full((size_px, size_px, 3), _OUTSIDE, np.uint8)
         for i, j in np.argwhere(house.grid.room >= 0):
-            color = _FREE if free[i, j] else _BLOCKED
-            corner = self._px(self._origin[0] + i * GRID_M, self._origin[1] + (j + 1) * GRID_M)
-            other = self._px(self._origin[0] + (i + 1) * GRID_M, self._origin[1] + j * GRID_M)
-            cv2.rectangle(base, corner, other, color, -1)
+            corner = (x + i * GRID_M, y + j * GRID_M, x + (i + 1) * GRID_M, y + (j + 1) * GRID_M)
+            self._rectangle(self._base, corner, _FREE if free[i, j] else _BLOCKED, -1)
         for k, item in enumerate(house.spec.items):
             box = boxes[k]
             if np.isfinite(box).all() and box[5] > 0.1 and item.category not in ("door", "room_light"):
-                cv2.rectangle(base, self._px(box[0], box[4]), self._px(box[3], box[1]), (150, 138, 120), 1)
-        self._draw_walls(base, house)
-        self._base = base
+                self._rectangle(self._base, (box[0], box[1], box[3], box[4]), _EDGE, 1)
+        self._draw_walls(house)
+        self._draw_names(house)
+        self._draw_legend()
 
     def draw(
         self,
-        path_xy: list[tuple[float, float]],
+        path_xy: Sequence[tuple[float, float]],
         heading: int,
         target_box: NDArray[np.float64],
         opened: NDArray[np.float64],
     ) -> Image:
-        """The map with path, agent, target and opened boxes (m, 6); (size, size, 3) uint8."""
+        """The map with path, agent, target and opened boxes (m, 6); (size, size, 3) uint8. World frame."""
         image = self._base.copy()
         for box in opened:
-            cv2.rectangle(image, self._px(box[0], box[4]), self._px(box[3], box[1]), _OPENED, -1)
+            self._rectangle(image, (box[0], box[1], box[3], box[4]), _OPENED, -1)
         points = np.array([self._px(*p) for p in path_xy], np.int32)
         if len(points) > 1:
             cv2.polylines(image, [points], False, _PATH, 2, cv2.LINE_AA)
-        center = self._px((target_box[0] + target_box[3]) / 2, (target_box[1] + target_box[4]) / 2)
-        cv2.drawMarker(image, center, _TARGET, cv2.MARKER_TILTED_CROSS, 12, 3)
+        cv2.circle(image, self._px(*path_xy[0]), 4, _START, 2, cv2.LINE_AA)
+        _star(image, self._px(*(target_box[:2] + target_box[3:5]) / 2), 9)
         x, y = path_xy[-1]
-        ahead = AHEAD[heading]
-        tip = self._px(x + 0.45 * ahead[0], y + 0.45 * ahead[1])
+        tip = self._px(x + 0.45 * HEADING_COS[heading], y + 0.45 * HEADING_SIN[heading])
         cv2.circle(image, self._px(x, y), max(3, int(0.18 * self._scale)), _AGENT, -1, cv2.LINE_AA)
         cv2.line(image, self._px(x, y), tip, _AGENT, 2, cv2.LINE_AA)
         return image
 
-    def _draw_walls(self, image: Image, house: House) -> None:
+    def _draw_walls(self, house: House) -> None:
         wide = max(1, round(0.12 * self._scale))
         for room in house.spec.rooms:
-            x0, y0, x1, y1 = room.rect
-            cv2.rectangle(image, self._px(x0, y1), self._px(x1, y0), _HEDGE if room.outdoor else _WALL, wide)
+            self._rectangle(self._base, room.rect, _HEDGE if room.outdoor else _WALL, wide)
         for hole in house.spec.openings:
             ends = [(hole.coord, at) if hole.axis == 0 else (at, hole.coord) for at in (hole.lo, hole.hi)]
-            cv2.line(image, self._px(*ends[0]), self._px(*ends[1]), _FREE, wide + 1)
+            cv2.line(self._base, self._px(*ends[0]), self._px(*ends[1]), _FREE, wide + 1)
+
+    def _draw_names(self, house: House) -> None:
+        """What each room is, where its name fits in."""
+        for room in house.spec.rooms:
+            x0, y0, x1, y1 = room.rect
+            (u0, v0), (u1, v1) = self._px(x0, y0), self._px(x1, y1)
+            text = room.type.replace("_", " ")
+            (wide, high), _ = cv2.getTextSize(text, _FONT, _FONT_SCALE, 1)
+            if wide < abs(u1 - u0) - 6 and high < abs(v1 - v0) - 6:
+                at = ((u0 + u1 - wide) // 2, (v0 + v1 + high) // 2)
+                cv2.putText(self._base, text, at, _FONT, _FONT_SCALE, _NAME, 1, cv2.LINE_AA)
+
+    def _draw_legend(self) -> None:
+        v, text_v, step = self._size - _LEGEND_PX // 2, self._size - 5, self._size // 4
+        for k, text in enumerate(("target", "start", "agent", "opened")):
+            u = k * step + 14
+            cv2.putText(self._base, text, (u + 11, text_v), _FONT, _FONT_SCALE, _LEGEND_INK, 1, cv2.LINE_AA)
+            if text == "target":
+                _star(self._base, (u, v), 6)
+            elif text == "opened":
+                cv2.rectangle(self._base, (u - 4, v - 4), (u + 4, v + 4), _OPENED, -1)
+            else:
+                filled = text == "agent"
+                cv2.circle(self._base, (u, v), 4, _AGENT if filled else _START, -1 if filled else 2, cv2.LINE_AA)
+
+    def _rectangle(self, image: Image, corners: Sequence[float], color: Color, thickness: int) -> None:
+        """``corners``: x0, y0, x1, y1 in the world; -1 fills it."""
+        cv2.rectangle(image, self._px(*corners[:2]), self._px(*corners[2:]), color, thickness)
+
+    def _ahead_left(self, x: float, y: float) -> tuple[float, float]:
+        c, s = self._turned
+        return c * x + s * y, c * y - s * x
 
     def _px(self, x: float, y: float) -> tuple[int, int]:
-        u = self._margin[0] + (x - self._origin[0]) * self._scale
-        v = self._margin[1] + (self._height_m - (y - self._origin[1])) * self._scale
+        """Column and row of a point of the world."""
+        ahead, left = self._ahead_left(x, y)
+        u = self._margin[0] + (ahead - self._low[0]) * self._scale
+        v = self._margin[1] + (self._high[1] - left) * self._scale
         return round(float(u)), round(float(v))
+
+
+def _star(image: Image, at: tuple[int, int], radius: int) -> None:
+    """Five points, with a light edge that shows it on any ground."""
+    turn = np.pi * np.arange(10) / 5
+    reach = np.where(np.arange(10) % 2 == 0, 1.0, 0.45)[:, None]
+    outline = reach * np.stack([np.sin(turn), -np.cos(turn)], 1)
+    for size, color in ((radius + 2, _LEGEND_INK), (radius, _TARGET)):
+        cv2.fillPoly(image, [np.round(np.array(at) + size * outline).astype(np.int32)], color, cv2.LINE_AA)
