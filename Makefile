@@ -33,8 +33,9 @@ $(WARM): $(STAMP)
 	$(PY) -m ucon doctor --warm
 	@touch $@
 
-eval: setup ## Evaluate the `belief` agent with retrieved habits on the mini episode set and print a table.
+eval: setup ## Evaluate the `belief` agent with retrieved habits on 50 episodes; show one search without and with habits.
 	$(PY) eval.py agent=belief habit_level=retrieval episodes=mini
+	$(PY) -m ucon demo
 
 test: setup ## Run the tests (some 11 minutes).
 	$(TOGETHER) -m 'not slow and not timed'

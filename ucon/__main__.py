@@ -18,6 +18,7 @@ from ucon.core.errors import UconError, unknown_name
 COMMANDS = {
     "doctor": "check this machine and this installation, and say what to do",
     "bench": "measure renderer and environment speed",
+    "demo": "one search without and with habits, filmed, and the sentence that makes the difference",
     "try": "search your own object by your own habits in a home, without and with them",
     "compare": "paired differences with 95 % intervals between runs of eval.py",
     "verify": "recompute the figures of finished runs from their records, and check their checksums",

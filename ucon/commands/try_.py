@@ -5,17 +5,13 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     import numpy as np
     from numpy.typing import NDArray
-
-    from ucon.evaluation.record import EpisodeRecord
-    from ucon.habits.types import Placement
-    from ucon.task.episode import Episode
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -42,7 +38,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Place, play twice, tell."""
     from ucon.commands.output import stdout_to_stderr
+    from ucon.commands.two_searches import search_twice, tell
+    from ucon.habits.datafile import save_dataset
     from ucon.task.own import FaultsError, Wish, own_episode
+    from ucon.task.sets import save_episodes
 
     try:
         wish = Wish.of(args.scene, args.object, args.habit, args.place)
@@ -52,8 +51,21 @@ def run(args: argparse.Namespace) -> int:
     out = args.out or Path("runs/try") / f"{args.scene.replace(':', '-')}_{args.object}"
     with stdout_to_stderr():
         episode, dataset, place, chance = own_episode(wish, _read, args.seed)
-        runs = _save_and_play(args, out, episode, dataset)
-    _tell(args, episode, place, chance if wish.place is None else None, runs, out)
+        out.mkdir(parents=True, exist_ok=True)
+        habits, episodes = out / "own.habits.xz", out / "own.jsonl.xz"
+        save_dataset(dataset, habits)
+        save_episodes([episode], episodes)
+        words = (f"agent={args.agent}", "habits=folder", f"habits.path={habits}", f"episodes={episodes}")
+        searches = search_twice(words, out, ("none", args.level), films=args.video)
+    read = "" if wish.place else f", as your habits are read ({100 * chance:.0f} %; --place says otherwise)"
+    name, anchor = (text.replace("_", " ") for text in (args.object, place.anchor))
+    others = sum(len(dataset.entries[dataset.entry_number[entry]].habits) for entry in episode.entries) - len(
+        args.habit
+    )
+    print(f"{name} in {args.scene}: kept {place.relation} the {anchor}{read}")
+    print(f"{len(args.habit)} of your habits among {told - len(args.habit)} others of the household\n")
+    tell(searches)
+    print(f"\nOne search says little: another --seed starts elsewhere, among other things. All of it: {out}")
     return 0
 
 
@@ -62,70 +74,3 @@ def _read(target: str, habits: Sequence[str]) -> tuple[Sequence[str], NDArray[np
 
     found = ReadHabits()({"target": target, "habits": tuple(habits), "habit_level": "gt"})
     return found.names, found.p
-
-
-def _save_and_play(args: argparse.Namespace, out: Path, episode: Episode, dataset: Any) -> dict[str, EpisodeRecord]:
-    """The records of both searches, by level; what is played again is what ``eval.py`` would play."""
-    from ucon.commands.evaluating import Evaluation
-    from ucon.evaluation.finished import FinishedRun
-    from ucon.habits.datafile import save_dataset
-    from ucon.task.sets import save_episodes
-
-    out.mkdir(parents=True, exist_ok=True)
-    habits, episodes = out / "own.habits.xz", out / "own.jsonl.xz"
-    save_dataset(dataset, habits)
-    save_episodes([episode], episodes)
-    records = {}
-    for level in ("none", args.level):
-        config = _config(
-            f"agent={args.agent}", f"habit_level={level}", "habits=folder", f"habits.path={habits}",
-            f"episodes={episodes}", f"out={out / level}", "workers=0", "progress=false", f"pictures={int(args.video)}",
-        )  # fmt: skip
-        played = Evaluation(config, out / level, anew=True)
-        played.play()
-        found = FinishedRun.read(played.out).records
-        assert found is not None
-        records[str(played.out)] = found[0]
-    return records
-
-
-def _config(*words: str) -> dict[str, Any]:
-    from hydra import compose, initialize_config_dir
-    from omegaconf import OmegaConf
-
-    import ucon
-    from ucon.core.errors import ConfigError
-
-    configs = Path(ucon.__file__).parents[1] / "configs"
-    if not configs.is_dir():
-        raise ConfigError(f"{configs}: no such folder; agents are in the clone, not in the package: run it there")
-    with initialize_config_dir(str(configs), version_base="1.3"):
-        return OmegaConf.to_container(compose("eval", overrides=list(words)), resolve=True)  # type: ignore[return-value]
-
-
-def _tell(
-    args: argparse.Namespace,
-    episode: Episode,
-    place: Placement,
-    chance: float | None,
-    runs: dict[str, EpisodeRecord],
-    out: Path,
-) -> None:
-    name = args.object.replace("_", " ")
-    read = "" if chance is None else f", as your habits are read ({100 * chance:.0f} %; --place says otherwise)"
-    print(f"{name} in {args.scene}: kept {place.relation} {place.anchor.replace('_', ' ')}{read}")
-    others = len(episode.entries) - 1
-    print(f"your {_count(len(args.habit), 'habit')} among those of {_count(others, 'other household entry')}\n")
-    print(f"{'habits':<12}{'found':>6}{'steps':>8}{'metres':>9}{'shortest':>10}")
-    for record in runs.values():
-        print(
-            f"{record.habit_level:<12}{'yes' if record.success else 'no':>6}{record.steps:>8}"
-            f"{record.path_length_m:>9.2f}{record.shortest_path_m:>10.2f}"
-        )
-    films = [film for folder in runs for film in sorted(Path(folder, "pictures").glob("*.webm"))]
-    print("\nOne search says little: another --seed starts elsewhere, among other things.")
-    print("\n".join(map(str, films or [out])))
-
-
-def _count(n: int, what: str) -> str:
-    return f"1 {what}" if n == 1 else f"{n} {what[:-1]}ies" if what.endswith("y") else f"{n} {what}s"

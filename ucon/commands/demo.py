@@ -1,0 +1,55 @@
+"""``python -m ucon demo``: one search without and with habits, and the sentence that makes the difference."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ucon.task.episode import Episode
+
+#: Number in ``mini`` of a search that shows the point. What habits are worth on average is in results/.
+_EPISODE = 12
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    parser.add_argument("--agent", default="belief", help="who searches, a file of configs/agent/ (belief)")
+    parser.add_argument("--out", type=Path, default=Path("runs/demo"), help="folder of the results (runs/demo)")
+    parser.add_argument("--video", action=argparse.BooleanOptionalAction, default=True, help="film both searches")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Play it twice, tell."""
+    from ucon.commands.output import stdout_to_stderr
+    from ucon.commands.two_searches import search_twice, tell
+    from ucon.task.sets import load_episodes, save_episodes
+
+    episode = load_episodes("mini")[_EPISODE]
+    file = args.out / "episode.jsonl.xz"
+    with stdout_to_stderr():
+        args.out.mkdir(parents=True, exist_ok=True)
+        save_episodes([episode], file)
+        words = (f"agent={args.agent}", f"episodes={file}")
+        searches = search_twice(words, args.out, ("none", "retrieval"), films=args.video)
+    print(_said(episode))
+    tell(searches)
+    print("\nChosen to show the point. What habits are worth on average: results/README.md;")
+    print('your own object and habits: python -m ucon try --object mug --habit "..."')
+    return 0
+
+
+def _said(episode: Episode) -> str:
+    """What is searched, where it is, and which of the household's sentences say so."""
+    from ucon.habits import book
+
+    entry_id, index = episode.placed_by[episode.target]
+    entry = book().entries[book().entry_number[entry_id]]
+    place = entry.placements[index]
+    n = sum(len(book().entries[book().entry_number[name]].habits) for name in episode.entries)
+    name, anchor = (text.replace("_", " ") for text in (entry.category, place.anchor))
+    lines = [
+        f"One search: the {name} in {episode.scene}, kept {place.relation} the {anchor}. Of {n} habits these say so:"
+    ]
+    return "\n".join([*lines, *(f'  "{habit.text}"' for habit in entry.habits if index in habit.supports), ""])

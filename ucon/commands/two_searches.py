@@ -1,0 +1,63 @@
+"""One episode searched at two habit levels, filmed and told: what ``try`` and ``demo`` show."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ucon.evaluation.record import EpisodeRecord
+
+Search = tuple[Path, "EpisodeRecord"]
+"""Folder of a run of one episode, and its record."""
+
+
+def search_twice(words: Sequence[str], out: Path, levels: Sequence[str], *, films: bool) -> list[Search]:
+    """Play as ``eval.py WORDS`` would, once at each level.
+
+    What another call left in ``out`` stays as it is.
+
+    Raises:
+        ConfigError: outside a clone, or as ``eval.py`` does.
+    """
+    from ucon.commands.evaluating import Evaluation
+    from ucon.evaluation.finished import FinishedRun
+
+    found = []
+    for level in levels:
+        fixed = (f"habit_level={level}", f"out={out / level}", "workers=0", "progress=false", f"pictures={int(films)}")
+        run = Evaluation(_config(*words, *fixed), out / level, anew=True)
+        run.play()
+        records = FinishedRun.read(run.out).records
+        assert records is not None, "a run just played keeps its records"
+        found.append((run.out, records[0]))
+    return found
+
+
+def tell(searches: Sequence[Search]) -> None:
+    """Print a small table, and where the films are."""
+    print(f"{'habits':<12}{'found':>6}{'steps':>8}{'metres':>9}{'shortest':>10}")
+    for _, record in searches:
+        print(
+            f"{record.habit_level:<12}{'yes' if record.success else 'no':>6}{record.steps:>8}"
+            f"{record.path_length_m:>9.2f}{record.shortest_path_m:>10.2f}"
+        )
+    films = [film for folder, _ in searches for film in sorted((folder / "pictures").glob("*.webm"))]
+    print("".join(f"film: {film}\n" for film in films), end="")
+
+
+def _config(*words: str) -> dict[str, Any]:
+    """A configuration of ``eval.py``."""
+    from hydra import compose, initialize_config_dir
+    from omegaconf import OmegaConf
+
+    import ucon
+    from ucon.core.errors import ConfigError
+
+    configs = Path(ucon.__file__).parents[1] / "configs"
+    if not configs.is_dir():
+        raise ConfigError(f"{configs}: no such folder; agents are in a clone, not in the package: run this in one")
+    with initialize_config_dir(str(configs), version_base="1.3"):
+        config: dict[str, Any] = OmegaConf.to_container(compose("eval", overrides=list(words)), resolve=True)  # type: ignore[assignment]
+    return config
