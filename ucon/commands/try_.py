@@ -59,9 +59,7 @@ def run(args: argparse.Namespace) -> int:
         searches = search_twice(words, out, ("none", args.level), films=args.video)
     read = "" if wish.place else f", as your habits are read ({100 * chance:.0f} %; --place says otherwise)"
     name, anchor = (text.replace("_", " ") for text in (args.object, place.anchor))
-    others = sum(len(dataset.entries[dataset.entry_number[entry]].habits) for entry in episode.entries) - len(
-        args.habit
-    )
+    told = sum(len(dataset.entries[dataset.entry_number[entry]].habits) for entry in episode.entries)
     print(f"{name} in {args.scene}: kept {place.relation} the {anchor}{read}")
     print(f"{len(args.habit)} of your habits among {told - len(args.habit)} others of the household\n")
     tell(searches)
