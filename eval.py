@@ -19,11 +19,12 @@ import hydra
 from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
+from rich.console import Console
 
 from ucon.commands.entry import one_line_errors, run_entry
 from ucon.commands.evaluating import Evaluation
-from ucon.commands.output import wide_console
-from ucon.evaluation.report import failure_line, results_table
+from ucon.commands.output import is_wide, wide_console
+from ucon.evaluation.report import failure_line, precision_line, results_table
 
 
 @hydra.main(version_base="1.3", config_path="configs", config_name="eval")
@@ -45,9 +46,10 @@ def evaluate_and_report(cfg: DictConfig, out: Path, *, sweep: bool) -> None:
         print(f"{config['agent']['_target_'].rsplit('.', 1)[-1]} reads no habits: its results are those in {twin}")
         return
     figures = run.play()
-    console = wide_console()
-    console.print(results_table([figures]))
-    console.print(f"{failure_line(figures)}\n{run.seconds:.1f} s for {run.n_new} episodes; results in {out}")
+    wide = is_wide()
+    (wide_console() if wide else Console()).print(results_table([figures], wide=wide))
+    print(f"{failure_line(figures)}\n{precision_line(figures)}")
+    print(f"{run.seconds:.1f} s for {run.n_new} episodes; results in {out}")
 
 
 if __name__ == "__main__":

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
 from ucon.evaluation import report
 
@@ -58,7 +60,24 @@ def test_the_table_shows_both_ends_of_the_intervals() -> None:
     rates = {"success_rate": 0.5, "success_75": 0.25, "success_150": 0.375, "spl": 0.4, "soft_spl": 0.45, "steps": 99.6}
     ends = {"success_rate_ci95": [0.31, 0.69], "spl_ci95": [0.222, 0.588]}
     told = {"agent": "a", "habit_level": "gt", "n": 40, "retrieval": {"recall_20": 0.75, "mrr": None}}
-    columns = [list(column.cells) for column in report.results_table([{**rates, **ends, **told}]).columns]
+    made = {**rates, **ends, **told}
+    columns = [list(column.cells) for column in report.results_table([made]).columns]
     assert [cells[0] for cells in columns][2:] == [
         "40", "50.0 [31.0, 69.0]", "0.400 [0.222, 0.588]", "25.0", "37.5", "0.450", "100", "0.75", "-",
     ]  # fmt: skip
+    out = io.StringIO()
+    Console(file=out, width=80).print(report.results_table([made], wide=False))
+    assert max(map(len, out.getvalue().splitlines())) <= 80
+    for text in ("50.0 [31.0, 69.0]", "0.400 [0.222, 0.588]", "37.5", "100"):
+        assert text in out.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("n", "ends", "said"),
+    [
+        (50, [0.56, 0.82], "50 episodes know SR to about 13 points up or down, those of episodes=test to 3"),
+        (1000, [0.8, 0.85], "1000 episodes know SR to about 2 points up or down"),
+    ],
+)
+def test_what_so_many_episodes_can_show(n: int, ends: list[float], said: str) -> None:
+    assert report.precision_line({"n": n, "success_rate_ci95": ends}) == said

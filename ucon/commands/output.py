@@ -17,6 +17,13 @@ if TYPE_CHECKING:
 _LEAST_WIDTH = 132
 
 
+def is_wide() -> bool:
+    """Whether standard output has room for whole tables; where it is no terminal, 80 columns are taken."""
+    from rich.console import Console
+
+    return Console().width >= _LEAST_WIDTH
+
+
 def wide_console() -> Console:
     """A console for tables on standard output."""
     from rich.console import Console

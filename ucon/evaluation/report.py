@@ -7,8 +7,9 @@ import platform
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
+from rich.box import HEAVY_HEAD, SIMPLE_HEAD
 from rich.table import Table
 
 import ucon
@@ -22,6 +23,8 @@ from ucon.task.episode import Episode
 #: Packages whose version can change a record.
 _PACKAGES = ("numpy", "numba", "torch", "transformers", "gymnasium", "pybullet", "opencv-python-headless")
 
+#: Episodes of the set ``test``.
+_MANY: Final = 1000
 #: Options that say where and how fast a run is made, not what is measured.
 NEUTRAL_OPTIONS = ("out", "workers", "worker_timeout_s", "pictures", "progress")
 
@@ -94,30 +97,52 @@ def seconds_of(played: Sequence[Played], seconds: float) -> dict[str, Any]:
     }
 
 
-def results_table(summaries: Sequence[dict[str, Any]], title: str | None = None) -> Table:
-    """One row a run. Where a name is long, it is folded: no figure is cut off."""
-    table = Table(title=title, title_justify="left")
+def results_table(summaries: Sequence[dict[str, Any]], title: str | None = None, *, wide: bool = True) -> Table:
+    """One row a run. Where a name is long, it is folded: no figure is cut off. ``wide=False`` fits 80 columns."""
+    look = {"box": HEAVY_HEAD} if wide else {"box": SIMPLE_HEAD, "pad_edge": False, "show_edge": False}
+    table = Table(title=title, title_justify="left", **look)  # type: ignore[arg-type]
     table.add_column("agent", overflow="fold")
     table.add_column("habits", no_wrap=True)
-    for column in ("n", "SR % [95 %]", "SPL [95 %]", "SR 75", "SR 150", "SoftSPL", "steps", "recall@20", "MRR"):
+    columns = [name for name, always in _COLUMNS.items() if wide or always]
+    for column in columns:
         table.add_column(column, justify="right", no_wrap=True)
     for s in summaries:
-        # Ranks of habits that nobody reads would depend on the level that happened to be played.
-        retrieval = {"recall_20": None, "mrr": None} if level(s) == ANY_LEVEL else s["retrieval"]
-        table.add_row(
-            player(s),
-            level(s),
-            str(s["n"]),
-            f"{100 * s['success_rate']:.1f} [{_range(s['success_rate_ci95'], 100, 1)}]",
-            f"{s['spl']:.3f} [{_range(s['spl_ci95'], 1, 3)}]",
-            f"{100 * s['success_75']:.1f}",
-            f"{100 * s['success_150']:.1f}",
-            f"{s['soft_spl']:.3f}",
-            f"{s['steps']:.0f}",
-            "-" if retrieval["recall_20"] is None else f"{retrieval['recall_20']:.2f}",
-            "-" if retrieval["mrr"] is None else f"{retrieval['mrr']:.2f}",
-        )
+        figures = _figures(s)
+        table.add_row(player(s), level(s), *(figures[column] for column in columns))
     return table
+
+
+#: Columns of figures, and whether narrow tables have them.
+_COLUMNS: Final = {
+    "n": True, "SR % [95 %]": True, "SPL [95 %]": True, "SR 75": False, "SR 150": True, "SoftSPL": False,
+    "steps": True, "recall@20": False, "MRR": False,
+}  # fmt: skip
+
+
+def _figures(s: dict[str, Any]) -> dict[str, str]:
+    """What a row shows, by column."""
+    # Ranks of habits that nobody reads would depend on the level that happened to be played.
+    retrieval = {"recall_20": None, "mrr": None} if level(s) == ANY_LEVEL else s["retrieval"]
+    return {
+        "n": str(s["n"]),
+        "SR % [95 %]": f"{100 * s['success_rate']:.1f} [{_range(s['success_rate_ci95'], 100, 1)}]",
+        "SPL [95 %]": f"{s['spl']:.3f} [{_range(s['spl_ci95'], 1, 3)}]",
+        "SR 75": f"{100 * s['success_75']:.1f}",
+        "SR 150": f"{100 * s['success_150']:.1f}",
+        "SoftSPL": f"{s['soft_spl']:.3f}",
+        "steps": f"{s['steps']:.0f}",
+        "recall@20": "-" if retrieval["recall_20"] is None else f"{retrieval['recall_20']:.2f}",
+        "MRR": "-" if retrieval["mrr"] is None else f"{retrieval['mrr']:.2f}",
+    }
+
+
+def precision_line(figures: dict[str, Any]) -> str:
+    """What so many episodes can show, in one line."""
+    low, high = figures["success_rate_ci95"]
+    n, half = figures["n"], 50 * (high - low)
+    better = round((_MANY / n) ** 0.5)
+    more = f", those of episodes=test to {half / better:.0f}" if better > 1 else ""
+    return f"{n} episodes know SR to about {half:.0f} points up or down{more}"
 
 
 def failure_line(figures: dict[str, Any]) -> str:
