@@ -99,7 +99,7 @@ def seconds_of(played: Sequence[Played], seconds: float) -> dict[str, Any]:
 
 def results_table(summaries: Sequence[dict[str, Any]], title: str | None = None, *, wide: bool = True) -> Table:
     """One row a run. Where a name is long, it is folded: no figure is cut off. ``wide=False`` fits 80 columns."""
-    look = {"box": HEAVY_HEAD} if wide else {"box": SIMPLE_HEAD, "pad_edge": False, "show_edge": False}
+    look = {"box": HEAVY_HEAD} if wide else {"box": SIMPLE_HEAD, "padding": (0, 1, 0, 0), "show_edge": False}
     table = Table(title=title, title_justify="left", **look)  # type: ignore[arg-type]
     table.add_column("agent", overflow="fold")
     table.add_column("habits", no_wrap=True)
@@ -114,7 +114,7 @@ def results_table(summaries: Sequence[dict[str, Any]], title: str | None = None,
 
 #: Columns of figures, and whether narrow tables have them.
 _COLUMNS: Final = {
-    "n": True, "SR % [95 %]": True, "SPL [95 %]": True, "SR 75": False, "SR 150": True, "SoftSPL": False,
+    "n": True, "SR % [95 %]": True, "SPL [95 %]": True, "SR 75": False, "SR 150": False, "SoftSPL": False,
     "steps": True, "recall@20": False, "MRR": False,
 }  # fmt: skip
 
