@@ -178,7 +178,9 @@ def test_what_the_evaluation_lists_is_there():
     assert {"pixelnav_images", "masked_lm", "yolo_world"} <= listed
 
 
-@pytest.mark.parametrize("text", [CONFIGS / "train.yaml", CONFIGS.parent / "README.md"], ids=["train.yaml", "README"])
+@pytest.mark.parametrize(
+    "text", [CONFIGS / "train.yaml", CONFIGS.parent / "docs" / "commands.md"], ids=lambda p: p.name
+)
 def test_every_learner_is_listed(text):
     listed = set(re.findall(r"\w+", text.read_text()))
     assert {name for group, name in OPTIONS if group == "learner"} <= listed

@@ -13,6 +13,7 @@ from ucon.__main__ import COMMANDS
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 
 
 @pytest.mark.parametrize("code", re.findall(r"```python\n(.*?)```", README, re.DOTALL))
@@ -22,22 +23,32 @@ def test_python_runs_as_printed(code: str, tmp_path: Path) -> None:
     assert len(done.stdout.splitlines()) > 5
 
 
-def test_every_command_exists() -> None:
-    named = set(re.findall(r"python -m ucon ([\w-]+)", README))
-    assert named
-    assert named <= set(COMMANDS)
+def test_the_readme_is_short() -> None:
+    lines = README.splitlines()
+    assert len(lines) <= 100
+    assert max(map(len, lines)) <= 120
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if page.stem != "DECISIONS"], ids=lambda page: page.name)
+def test_every_command_exists(page: Path) -> None:
+    assert set(re.findall(r"python -m ucon ([\w-]+)", page.read_text())) <= set(COMMANDS)
+
+
+def test_every_command_is_told_of() -> None:
+    told = (ROOT / "docs" / "commands.md").read_text()
+    assert [name for name in COMMANDS if f"python -m ucon {name}" not in told] == []
 
 
 def test_every_link_leads_somewhere() -> None:
-    pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
-    for page in pages:
+    for page in PAGES:
         for target in re.findall(r"\]\((?!https?:)([^)#]+)\)", page.read_text()):
             assert (page.parent / target).exists(), f"{page}: {target}"
 
 
 def test_every_make_target_exists() -> None:
     makefile = (ROOT / "Makefile").read_text()
-    targets = re.findall(r"(?:^|`)make ([a-z-]+)", README, re.MULTILINE)
-    assert {"eval", "test"} <= set(targets)
+    told = "".join(page.read_text() for page in PAGES if page.stem != "DECISIONS")
+    targets = re.findall(r"(?:^|`)make ([a-z-]+)(?=[` \n])", told, re.MULTILINE)
+    assert {"eval", "test", "lint"} <= set(targets)
     for target in targets:
         assert re.search(rf"^{target}:", makefile, re.MULTILINE), target

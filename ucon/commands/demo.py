@@ -49,7 +49,6 @@ def _said(episode: Episode) -> str:
     place = entry.placements[index]
     n = sum(len(book().entries[book().entry_number[name]].habits) for name in episode.entries)
     name, anchor = (text.replace("_", " ") for text in (entry.category, place.anchor))
-    lines = [
-        f"One search: the {name} in {episode.scene}, kept {place.relation} the {anchor}. Of {n} habits these say so:"
-    ]
-    return "\n".join([*lines, *(f'  "{habit.text}"' for habit in entry.habits if index in habit.supports), ""])
+    said = "".join(f'  "{habit.text}"\n' for habit in entry.habits if index in habit.supports)
+    what = f"One search: the {name} in {episode.scene}, kept {place.relation} the {anchor}."
+    return f"{what}\nOf {n} habits these say so:\n{said}"

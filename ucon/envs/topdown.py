@@ -19,6 +19,8 @@ _FREE, _OUTSIDE, _BLOCKED, _EDGE = (238, 236, 230), (58, 62, 70), (196, 190, 180
 _WALL, _HEDGE, _NAME = (84, 80, 76), (70, 110, 64), (120, 112, 100)
 _PATH, _AGENT, _TARGET, _OPENED, _START = (64, 110, 190), (24, 60, 140), (214, 60, 48), (226, 160, 60), (60, 140, 80)
 _LEGEND_PX, _LEGEND_INK = 18, (225, 225, 225)
+#: Around the home, so that what is drawn on its outermost cells is not cut off.
+_EDGE_PX = 10
 _FONT, _FONT_SCALE = cv2.FONT_HERSHEY_SIMPLEX, 0.34
 
 
@@ -44,7 +46,7 @@ class TopDownMap:
         corners = np.array([self._ahead_left(x, y), self._ahead_left(x + nx * GRID_M, y + ny * GRID_M)])
         low, high = corners.min(0), corners.max(0)
         room = np.array([size_px, size_px - _LEGEND_PX])
-        self._scale = float((room / (high - low)).min())
+        self._scale = float(((room - 2 * _EDGE_PX) / (high - low)).min())
         self._low, self._high = low, high
         self._margin = (room - (high - low) * self._scale) / 2
         self._base = np.full((size_px, size_px, 3), _OUTSIDE, np.uint8)
