@@ -31,7 +31,7 @@ def played(name: str, level: str, folder: Path | None) -> Played:
     config = config_of(name, f"habit_level={level}")
     episode = min(load_episodes("mini"), key=lambda e: (len(e.arrangement.objects), e.shortest_path_m < 4, e.id))
     env = Factory(config["env"] | {"task": BRIEF.name}, {"episodes": [episode]})
-    spec = RunSpec(Factory(config["agent"]), env, level, pictures=folder, n_pictures=1)
+    spec = RunSpec(Factory(config["agent"]), env, level, films=folder)
     return next(play(spec, [(0, episode)]))
 
 

@@ -14,6 +14,7 @@ from models.agents.random import RandomAgent
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.evaluation.crew import WorkerError
+from ucon.evaluation.pictures import worth_filming
 from ucon.evaluation.play import RunSpec
 from ucon.evaluation.record import EpisodeRecord, episode_spl, to_lines
 from ucon.evaluation.runner import evaluate, resolve_workers
@@ -95,10 +96,18 @@ def test_the_stored_solution_scores_full_marks(spec, episodes):
 
 def test_pictures_of_the_first_episodes(spec, episodes, tmp_path):
     env = partial(spec.env, render_mode="rgb_array")
-    filmed = replace(spec, agent=OracleAgent, env=env, pictures=tmp_path, n_pictures=1)
-    evaluate(filmed, episodes[:2], workers=0)
+    filmed = replace(spec, agent=OracleAgent, env=env, films=tmp_path)
+    evaluate(filmed, episodes[:1], workers=0)
     assert sorted(p.suffix for p in tmp_path.iterdir()) == [".png", ".webm"]
     assert all(p.stat().st_size > 1000 for p in tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("found", "n", "chosen"),
+    [("YYNYNNY", 2, [0, 1, 2, 4]), ("YYY", 2, [0, 1]), ("N", 1, [0]), ("", 2, []), ("YN", 0, [])],
+)
+def test_both_endings_are_worth_a_film(found, n, chosen):
+    assert worth_filming([letter == "Y" for letter in found], n) == chosen
 
 
 def fails():

@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import sys
 import time
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,7 @@ from ucon.commands.wiring import Factory
 from ucon.core.sole_writer import sole_writer
 from ucon.evaluation.folder import RunFolder, free_folder
 from ucon.evaluation.naming import parts_of
+from ucon.evaluation.pictures import worth_filming
 from ucon.evaluation.play import Played, RunSpec
 from ucon.evaluation.progress import EvaluationProgress, embedding_progress
 from ucon.evaluation.report import run_hashes, summary, versions
@@ -63,8 +66,6 @@ class Evaluation:
             habit_level=self.level,
             seed=config["seed"],
             batch=config["batch"],
-            pictures=self.out / "pictures",
-            n_pictures=config["pictures"],
         )
         self.n_new, self.seconds = 0, 0.0
         """Episodes that :meth:`play` played, and how long that took."""
@@ -101,7 +102,27 @@ class Evaluation:
         self.n_new, self.seconds = len(played) - len(done), time.perf_counter() - started
         figures = summary(played, folder.hashes, self.parts)
         folder.finish(played, figures, OmegaConf.to_yaml(OmegaConf.create(self.config)))
+        self._film(played)
         return figures
+
+    def _film(self, played: Sequence[Played]) -> None:
+        """Play some episodes again for the camera: which ones are worth it is known at the end only."""
+        records = {p.index: p.record for p in played}
+        chosen = worth_filming([record.success for record in records.values()], self.config["pictures"])
+        with EvaluationProgress("films", len(chosen), visible=self.config["progress"]) as progress:
+
+            def on_played(again: Played) -> None:
+                progress.add(again)
+                if again.record != records[again.index]:
+                    print(f"warning: {again.record.episode} came out otherwise on its film", file=sys.stderr)
+
+            evaluate(
+                replace(self.spec, films=self.out / "pictures"),
+                self.episodes,
+                workers=0,  # so few are filmed here before others would have started
+                skip=[index for index in records if index not in chosen],
+                on_played=on_played,
+            )
 
     def _missing(self, folder: RunFolder, done: dict[int, Played]) -> list[Played]:
         """The episodes that no earlier run has played."""

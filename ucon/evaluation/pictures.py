@@ -1,4 +1,4 @@
-"""The first episodes to look at: a video (first person beside the map) and the map at the end, as files."""
+"""Episodes to look at: a video (first person beside the map) and the map at the end, as files."""
 
 from __future__ import annotations
 
@@ -25,6 +25,11 @@ _HOLD_FRAMES = 6
 #: VP8, which every browser plays, as calls over the internet encode it: a fifth of the time that it takes by default.
 _CODEC, _OPTIONS = "libvpx", {"deadline": "realtime", "cpu-used": "8", "crf": "10"}
 _BITS_PER_S = 2_000_000
+
+
+def worth_filming(found: Sequence[bool], n: int) -> list[int]:
+    """Numbers of the first ``n`` episodes that ended well and of the first ``n`` that did not."""
+    return sorted(number for ending in (True, False) for number in [k for k, f in enumerate(found) if f == ending][:n])
 
 
 def save_film(frames: Sequence[Frame], captions: Sequence[str], folder: Path, name: str, fps: int = _FPS) -> list[Path]:

@@ -55,9 +55,8 @@ class RunSpec:
     seed: int = 0
     batch: int = 1
     """Environments that one worker hands to its agent together; more than 1 helps agents that batch a model."""
-    pictures: Path | None = None
-    """Folder for the map and video of the first ``n_pictures`` episodes."""
-    n_pictures: int = 0
+    films: Path | None = None
+    """Folder for the map and the video of every episode; None: none is filmed."""
 
     def __post_init__(self) -> None:
         if type(self.batch) is not int or self.batch < 1:
@@ -156,7 +155,7 @@ def _begin(slot: _Slot, waiting: Iterator[tuple[int, Episode]], agent: Policy, s
     if job is None:
         return False
     index, episode = job
-    slot.start(index, episode, spec.seed, film=spec.pictures is not None and index < spec.n_pictures)
+    slot.start(index, episode, spec.seed, film=spec.films is not None)
     agent.reset([slot.info], [slot.number])
     return True
 
@@ -168,11 +167,12 @@ def _played(slot: _Slot, agent: Policy, spec: RunSpec) -> Played:
     usage = getattr(agent, "language_usage", None)
     calls, tokens, language_s = usage(slot.number) if usage else (0, 0, 0.0)
     record = _record(slot, episode, agent.name, spec, calls, tokens)
-    if slot.frames is not None and spec.pictures is not None:
+    if slot.frames is not None and spec.films is not None:
         from ucon.evaluation.pictures import save_film
 
-        name = f"{slot.index:03d}_{episode.scene.replace(':', '-')}_{record.target}"
-        save_film(slot.frames, _captions(record), spec.pictures, name)
+        ending = "found" if record.success else "lost"
+        name = f"{slot.index:03d}_{ending}_{episode.scene.replace(':', '-')}_{record.target}"
+        save_film(slot.frames, _captions(record), spec.films, name)
     made = getattr(agent, "decisions", None)
     decisions = tuple(replace(d, seconds=round(float(d.seconds), 5)) for d in made(slot.number)) if made else ()
     spent = tuple(d.seconds for d in decisions) if calls else ()
