@@ -23,6 +23,7 @@ COMMANDS = {
     "compare": "paired differences with 95 % intervals between runs of eval.py",
     "verify": "recompute the figures of finished runs from their records, and check their checksums",
     "replay": "play finished runs again, such as those of results/, and say whether their numbers come out the same",
+    "watch": "film an episode of a finished run, or list its episodes and how they ended",
     "cases": "find episodes where a habit about a thing beside the target was given, and the target found",
     "catalogue": "draw the object catalogue",
     "scenes": "list and draw the homes",

@@ -6,45 +6,23 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ucon.commands.kept_config import add_places, bad, configuration_of, places_in
+
 if TYPE_CHECKING:
     from ucon.evaluation.replayed import Replayed
-
-#: Options that older configurations lack, at what they were then.
-_LATER = {"limit": None, "every": 1, "batch": 1, "seed": 0, "worker_timeout_s": 3600.0}
-#: What a configuration must say, and how: nobody would notice before the middle of a run.
-_NEEDED: Mapping[str, type] = {
-    "episodes": str,
-    "agent._target_": str,
-    "env._target_": str,
-    "env.detector._target_": str,
-    "env.source._target_": str,
-    "habit_level.name": str,
-    "task.name": str,
-    "task.context": bool,
-}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
-    from ucon.commands.stored import add_said
-
     parser.add_argument("runs", nargs="+", metavar="RUN", type=Path, help="folders of results/, or of eval.py")
     parser.add_argument(
         "--every", type=int, default=1, metavar="K", help="play every K-th of their episodes (default: all)"
     )
-    parser.add_argument(
-        "--path",
-        action="append",
-        default=[],
-        metavar="OLD=NEW",
-        help="where what a configuration names OLD lies here (runs/head1=FOLDER, PATH=FOLDER); may be given again",
-    )
-    add_said(parser)
+    add_places(parser)
     parser.add_argument("--workers", default="auto", help="processes (default: one a core); changes nothing")
     parser.add_argument("--out", type=Path, default=Path("runs/replay"), help="folder of the new runs (runs/replay)")
     parser.add_argument("--json", action="store_true", help="print one JSON object a line")
@@ -59,13 +37,13 @@ def run(args: argparse.Namespace) -> int:
     from ucon.evaluation.crew import WorkerError
 
     if args.every < 1:
-        raise _bad("--every", str(args.every), "a whole number from 1 up")
-    places, said = dict(_place(word) for word in args.path), said_in(args)
+        raise bad("--every", str(args.every), "a whole number from 1 up")
+    places, said = places_in(args), said_in(args)
     ok = True
     for folder in args.runs:
         out = args.out / folder.resolve().name
         try:
-            again = _replay(folder, out, args.every, _configuration(folder, places, said), args.workers)
+            again = _replay(folder, out, args.every, configuration_of(folder, places, said), args.workers)
         except (UconError, HydraException, WorkerError) as error:
             ok = False
             # A worker's failure is a bug, which keeps its traceback.
@@ -91,19 +69,6 @@ class _Again(NamedTuple):
         return new | asdict(self.found)
 
 
-def _bad(option: str, value: str, expected: str) -> Exception:
-    from ucon.core.errors import ConfigError
-
-    return ConfigError(f"{option} {value}: expected {expected}")
-
-
-def _place(word: str) -> tuple[str, str]:
-    old, sign, new = word.partition("=")
-    if not (old and sign and new):
-        raise _bad("--path", word, "OLD=NEW")
-    return old.rstrip("/"), str(Path(new).expanduser())
-
-
 def _replay(folder: Path, out: Path, every: int, config: dict[str, Any], workers: str) -> _Again:
     from ucon.commands.evaluating import Evaluation
     from ucon.commands.output import stdout_to_stderr
@@ -124,47 +89,6 @@ def _replay(folder: Path, out: Path, every: int, config: dict[str, Any], workers
         kept.check([episode.id for episode in run.episodes], every)
         run.play()
     return _Again(replayed(kept, read_records(run.out), every), run.n_new, run.out)
-
-
-def _configuration(folder: Path, places: Mapping[str, str], said: Mapping[str, Any]) -> dict[str, Any]:
-    """A run's own, with what it names where that lies here.
-
-    Raises:
-        DataError: there is none, it lacks something, or it would build what it must not.
-        ConfigError: it needs what has to be said again, or chooses no part of its episodes.
-    """
-    from ucon.commands.evaluating import check_part
-    from ucon.commands.stored import checked
-    from ucon.core.errors import DataError
-    from ucon.evaluation.finished import read_config
-    from ucon.evaluation.seal import CONFIG
-
-    where, config = folder / CONFIG, {**_LATER, **_moved(read_config(folder), places)}
-    if missing := [name for name, kind in _NEEDED.items() if not isinstance(_at(config, name), kind)]:
-        raise DataError(f"{where}: no usable {', '.join(missing)} in it; restore it or evaluate again")
-    allowed: dict[str, Any] = checked(config, str(where), ("agent", "env"), said, "--set ")
-    check_part(allowed["limit"], allowed["every"])
-    return allowed
-
-
-def _at(config: Any, name: str) -> Any:
-    """What stands under a dotted name; None where nothing does."""
-    for part in name.split("."):
-        config = config.get(part) if isinstance(config, dict) else None
-    return config
-
-
-def _moved(value: Any, places: Mapping[str, str]) -> Any:
-    """A configuration whose paths begin where they lie here."""
-    if isinstance(value, dict):
-        return {name: _moved(inner, places) for name, inner in value.items()}
-    if isinstance(value, list):
-        return [_moved(inner, places) for inner in value]
-    if isinstance(value, str):
-        for old, new in places.items():
-            if value == old or value.startswith(f"{old}/"):
-                return new + value[len(old) :]
-    return value
 
 
 def _told(again: _Again) -> str:

@@ -1,0 +1,93 @@
+"""``python -m ucon watch RUN [EPISODE]``: the episodes of a finished run, and a film of any of them."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ucon.commands.kept_config import add_places, bad, configuration_of, places_in
+
+if TYPE_CHECKING:
+    from ucon.evaluation.finished import FinishedRun
+    from ucon.evaluation.record import EpisodeRecord
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    parser.add_argument("run", metavar="RUN", type=Path, help="folder of eval.py, or of results/ with its episodes")
+    parser.add_argument(
+        "episode", metavar="EPISODE", nargs="?", help="its name or its number; without it all are listed"
+    )
+    parser.add_argument("--lost", action="store_true", help="list those alone that were not found")
+    parser.add_argument(
+        "--actions", action="store_true", help="film the recorded actions, without the agent and what it thinks"
+    )
+    parser.add_argument("--out", type=Path, default=Path("runs/watch"), help="folder of the film (runs/watch)")
+    add_places(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """List, or film; 1 where what was filmed is not what was kept."""
+    from ucon.core.errors import DataError
+    from ucon.evaluation.finished import FinishedRun
+
+    kept = FinishedRun.read(args.run)
+    if kept.records is None:
+        raise DataError(f"{args.run}: it keeps figures alone and no episodes; evaluate again (python -m ucon replay)")
+    if args.episode is None:
+        _list(kept.records, lost=args.lost)
+        return 0
+    return _film(args, kept, _number(args.episode, kept.records))
+
+
+def _list(records: Sequence[EpisodeRecord], *, lost: bool) -> None:
+    shown = [(number, record) for number, record in enumerate(records) if not (lost and record.success)]
+    print(f"{'number':>6}  {'episode':<34} {'target':<22} {'found':>5} {'steps':>5}  why not")
+    for number, r in shown:
+        why = "" if r.success else r.failure_cause.replace("_", " ")
+        print(
+            f"{number:>6}  {r.episode:<34} {r.target:<22} {'yes' if r.success else 'no':>5} {r.steps:>5}  {why}".rstrip()
+        )
+    print(f"{len(shown)} of {len(records)} episodes; give a number to film one")
+
+
+def _number(word: str, records: Sequence[EpisodeRecord]) -> int:
+    names = [record.episode for record in records]
+    if word in names:
+        return names.index(word)
+    if word.isdecimal() and int(word) < len(names):
+        return int(word)
+    raise bad("EPISODE", word, f"a number from 0 to {len(names) - 1}, or a name that `python -m ucon watch RUN` lists")
+
+
+def _film(args: argparse.Namespace, kept: FinishedRun, number: int) -> int:
+    from dataclasses import replace
+
+    from ucon.commands.evaluating import Evaluation
+    from ucon.commands.output import stdout_to_stderr
+    from ucon.commands.stored import said_in
+    from ucon.core.errors import DataError
+    from ucon.evaluation.recorded import RecordedAgent
+    from ucon.evaluation.runner import evaluate
+
+    assert kept.records is not None
+    record = kept.records[number]
+    with stdout_to_stderr():
+        config = configuration_of(args.run, places_in(args), said_in(args)) | {"pictures": 0}
+        run = Evaluation(config, args.out / "run", anew=True)
+        if [episode.id for episode in run.episodes] != [r.episode for r in kept.records]:
+            raise DataError(f"{args.run}: other episodes are kept than its configuration names now")
+        spec = replace(run.spec, films=args.out)
+        if args.actions:
+            spec = replace(spec, agent=lambda: RecordedAgent(record.actions))
+        (played,) = evaluate(spec, run.episodes, workers=0, skip=[k for k in range(len(kept.records)) if k != number])
+    ending = "found" if record.success else f"not found ({record.failure_cause.replace('_', ' ')})"
+    print(f"{record.episode}: {record.target.replace('_', ' ')}, {ending} after {record.steps} steps")
+    print("\n".join(str(path) for path in sorted(args.out.glob(f"{number:03d}_*"))))
+    if (played.record.actions, played.record.spl) != (record.actions, record.spl):
+        sys.stderr.write("warning: it came out otherwise than it was kept: another code, or an agent that draws\n")
+        return 1
+    return 0
