@@ -48,9 +48,8 @@ def _list(records: Sequence[EpisodeRecord], *, lost: bool) -> None:
     print(f"{'number':>6}  {'episode':<34} {'target':<22} {'found':>5} {'steps':>5}  why not")
     for number, r in shown:
         why = "" if r.success else r.failure_cause.replace("_", " ")
-        print(
-            f"{number:>6}  {r.episode:<34} {r.target:<22} {'yes' if r.success else 'no':>5} {r.steps:>5}  {why}".rstrip()
-        )
+        found = "yes" if r.success else "no"
+        print(f"{number:>6}  {r.episode:<34} {r.target:<22} {found:>5} {r.steps:>5}  {why}".rstrip())
     print(f"{len(shown)} of {len(records)} episodes; give a number to film one")
 
 
