@@ -33,7 +33,7 @@ def test_gymnasium_accepts_them(name: str) -> None:
 
 @pytest.mark.parametrize("name", OURS)
 def test_stable_baselines_accepts_them(name: str) -> None:
-    checker = pytest.importorskip("stable_baselines3.common.env_checker", reason="pip install 'ucon[clients]'")
+    checker = pytest.importorskip("stable_baselines3.common.env_checker", reason="pip install 'ucon-nav[clients]'")
     checker.check_env(gym.make(name, **options(name)))
 
 
@@ -124,7 +124,7 @@ def test_vectors_in_processes_are_those_in_one(name: str, context: str) -> None:
 
 @pytest.mark.parametrize("learner", ["PPO", "A2C", "DQN"])
 def test_stable_baselines_learns(learner: str) -> None:
-    sb3 = pytest.importorskip("stable_baselines3", reason="pip install 'ucon[clients]'")
+    sb3 = pytest.importorskip("stable_baselines3", reason="pip install 'ucon-nav[clients]'")
     few = {"DQN": {"learning_starts": 8, "buffer_size": 64, "batch_size": 8}, "A2C": {"n_steps": 8}}
     kwargs = few.get(learner, {"n_steps": 16, "batch_size": 8, "n_epochs": 1})
     model = getattr(sb3, learner)("MultiInputPolicy", gym.make("UcON-v0", observe="symbolic"), device="cpu", **kwargs)
@@ -134,14 +134,14 @@ def test_stable_baselines_learns(learner: str) -> None:
 
 
 def test_stable_baselines_learns_from_pixels() -> None:
-    sb3 = pytest.importorskip("stable_baselines3", reason="pip install 'ucon[clients]'")
+    sb3 = pytest.importorskip("stable_baselines3", reason="pip install 'ucon-nav[clients]'")
     env = gym.make("UcON-v0", width_px=64, height_px=64)
     sb3.PPO("MultiInputPolicy", env, device="cpu", n_steps=8, batch_size=8, n_epochs=1).learn(8)
 
 
 @pytest.mark.parametrize("name", OURS)
 def test_a_masked_policy_is_trained(name: str) -> None:
-    contrib = pytest.importorskip("sb3_contrib", reason="pip install 'ucon[clients]'")
+    contrib = pytest.importorskip("sb3_contrib", reason="pip install 'ucon-nav[clients]'")
     env = gym.make(name, **options(name))
     model = contrib.MaskablePPO("MultiInputPolicy", env, device="cpu", n_steps=8, batch_size=8, n_epochs=1, seed=0)
     model.learn(8)
@@ -152,7 +152,7 @@ def test_a_masked_policy_is_trained(name: str) -> None:
 
 def test_successes_are_counted(tmp_path: Path) -> None:
     """``info["is_success"]`` is what Stable-Baselines3 counts: here of an agent that says Done where it stands."""
-    sb3 = pytest.importorskip("stable_baselines3", reason="pip install 'ucon[clients]'")
+    sb3 = pytest.importorskip("stable_baselines3", reason="pip install 'ucon-nav[clients]'")
     from stable_baselines3.common.callbacks import EvalCallback
     from stable_baselines3.common.evaluation import evaluate_policy
     from stable_baselines3.common.monitor import Monitor

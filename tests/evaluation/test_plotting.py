@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import pytest
 
-pytest.importorskip("matplotlib", reason="pictures are an extra (pip install 'ucon[plots]')")
+pytest.importorskip("matplotlib", reason="pictures are an extra (pip install 'ucon-nav[plots]')")
 
 from ucon.evaluation.plotting import grouped_bars, new_figure
 

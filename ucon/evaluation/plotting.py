@@ -47,7 +47,7 @@ def require_matplotlib() -> None:
     try:
         import matplotlib  # noqa: F401
     except ImportError:
-        raise ConfigError("plots need matplotlib, which is not installed: pip install 'ucon[plots]'") from None
+        raise ConfigError("plots need matplotlib, which is not installed: pip install 'ucon-nav[plots]'") from None
 
 
 def save_png(figure: Any, path: Path) -> None:
