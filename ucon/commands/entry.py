@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NoReturn
 
+from ucon.commands.help_page import help_page
 from ucon.core.errors import UconError, unknown_name
 
 #: Exit code of errors that the user can mend; 130 is the shell's code for Ctrl-C.
@@ -26,6 +27,10 @@ def run_entry(main: Callable[[], Any], config_name: str) -> None:
 
     Before it begins Hydra composes the configuration and makes the folder ``out``: what fails there is the user's.
     """
+    words = sys.argv[1:]
+    if {"-h", "--help"} & set(words):
+        sys.stdout.write(help_page(_configs(), config_name, words))
+        return
     os.environ.setdefault("HYDRA_FULL_ERROR", "1")  # else Hydra prints its own text and exits
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException

@@ -1,0 +1,55 @@
+"""``--help`` of the scripts: every option with a comment, and every choice."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from ucon.commands.help_page import Option, help_page, options_of
+
+ROOT = Path(__file__).parents[2]
+CONFIGS = ROOT / "configs"
+
+
+def test_options_are_told_with_their_comments() -> None:
+    text = (
+        "# What the file is.\n_target_: a.B\n# One,\n# in two lines.\none: 1  # more\nplain: 2\nouter:\n  # Inner.\n"
+        "  inner: [a, b]\n  deeper:\n    # Deep.\n    deep: null\n# Last.\nlast:\n  x: 1\n"
+    )
+    assert list(options_of(text)) == [
+        Option("one", "1", "One, in two lines."),
+        Option("outer.inner", "[a, b]", "Inner."),
+        Option("outer.deeper.deep", "null", "Deep."),
+        Option("last", "...", "Last."),
+    ]
+
+
+@pytest.mark.parametrize("name", ["eval", "train"])
+def test_every_choice_of_every_group_is_there(name: str) -> None:
+    page = help_page(CONFIGS, name)
+    lines = page.splitlines()
+    assert max(map(len, lines)) <= 80
+    starts = {line.split()[0] for line in lines if line.startswith("  ") and line[2] != " "}
+    for group in ("agent", "detector", "habits", "retriever", "language"):
+        assert any(line.startswith(f"{group}=") for line in lines)
+        assert {path.stem for path in (CONFIGS / group).glob("*.yaml")} <= starts
+    assert {"seed=0", "progress=true"} <= starts
+    assert not [line for line in lines if "_target_" in line or "hydra" in line]
+
+
+@pytest.mark.parametrize("path", sorted(CONFIGS.glob("agent/*.yaml")), ids=lambda path: path.stem)
+def test_a_choice_adds_its_own_options(path: Path) -> None:
+    page = help_page(CONFIGS, "eval", [f"agent={path.stem}", "agent=../../etc", "x=y", "--help"])
+    told = page.partition(f"Options of agent={path.stem}:")[2]
+    assert page.count("Options of ") == 1
+    assert all(f"agent.{option.name.removeprefix('agent.')}=" in told for option in options_of(path.read_text()))
+
+
+def test_scripts_print_it() -> None:
+    command = [sys.executable, "eval.py", "agent=lgx", "--help"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0
+    assert done.stdout == help_page(CONFIGS, "eval", ["agent=lgx", "--help"])

@@ -1,0 +1,101 @@
+"""What ``eval.py --help`` and ``train.py --help`` print: the options with what the comments in ``configs/`` say."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Final, NamedTuple
+
+_WIDTH: Final = 80
+_KEY = re.compile(r"( *)([\w/]+):(?: +([^#\n]*?))? *(?:#.*)?$")
+_GROUP = re.compile(r" *- (\w+): *([\w/${}]+)")
+#: What the comments of a file are not about, and what is no option of a user.
+_LEFT_OUT: Final = ("defaults", "hydra", "_target_")
+
+
+class Option(NamedTuple):
+    """An option with a comment."""
+
+    name: str
+    """Dotted."""
+    value: str
+    comment: str
+
+
+def help_page(configs: Path, name: str, words: Sequence[str] = ()) -> str:
+    """The page of ``configs/NAME.yaml``; ``words`` are others of the command line: ``agent=lgx`` adds what that has."""
+    text = (configs / f"{name}.yaml").read_text(encoding="utf-8")
+    lines = [*_head(text), "", "Options (name=value):", ""]
+    for option in options_of(text):
+        lines += _told(f"{option.name}={option.value}", option.comment)
+    lines += ["", "Groups (group=name); `GROUP=NAME --help` adds the options of one:"]
+    for group, chosen in _groups(text):
+        lines += ["", f"{group}={chosen}"]
+        for path in sorted((configs / group).glob("*.yaml")):
+            lines += _told(path.stem, _first_sentence(_comment(path)))
+    for word in words:
+        group, _, one = word.partition("=")
+        path = configs / group / f"{one}.yaml"
+        if re.fullmatch(r"\w+", group) and re.fullmatch(r"\w+", one) and path.is_file():
+            lines += ["", f"Options of {word}:", ""]
+            for option in options_of(path.read_text(encoding="utf-8")):
+                full = option.name if option.name.startswith(f"{group}.") else f"{group}.{option.name}"
+                lines += _told(f"{full}={option.value}", option.comment)
+    return "\n".join(lines) + "\n"
+
+
+def options_of(text: str) -> Iterator[Option]:
+    """Keys of a YAML file that have a comment right above them."""
+    above: list[str] = []
+    path: list[tuple[int, str]] = []
+    for line in text.splitlines():
+        if line.lstrip().startswith("#"):
+            above.append(line.lstrip("# ").rstrip())
+            continue
+        if (match := _KEY.fullmatch(line)) is not None:
+            indent = len(match[1])
+            path = [(depth, key) for depth, key in path if depth < indent] + [(indent, match[2])]
+            keys = [key for _, key in path]
+            if above and keys[0] not in _LEFT_OUT and keys[-1] not in _LEFT_OUT and "@package" not in above[0]:
+                yield Option(".".join(keys), match[3] or "...", " ".join(above))
+        above = []
+
+
+def _head(text: str) -> list[str]:
+    """The comment that the file begins with."""
+    out = []
+    for line in text.splitlines():
+        if not line.startswith("#"):
+            break
+        out.append(line.removeprefix("#").removeprefix(" "))
+    return out
+
+
+def _groups(text: str) -> Iterator[tuple[str, str]]:
+    """Groups of the defaults list, and what is chosen of each."""
+    for line in text.partition("\ndefaults:")[2].splitlines():
+        if line and not line.startswith(" "):
+            return
+        if (match := _GROUP.match(line)) is not None:
+            yield match[1], match[2]
+
+
+def _comment(path: Path) -> str:
+    lines = [line for line in _head(path.read_text(encoding="utf-8")) if not line.startswith("@package")]
+    return " ".join(line.strip() for line in lines)
+
+
+def _first_sentence(text: str) -> str:
+    return re.split(r"(?<=\.) ", text, maxsplit=1)[0]
+
+
+def _told(name: str, comment: str) -> list[str]:
+    """An option or a choice, and beside it what it is; below where its name is long."""
+    column = 24
+    body = textwrap.wrap(comment, _WIDTH - column, break_long_words=False, break_on_hyphens=False) or [""]
+    first = f"  {name}"
+    if len(first) > column - 2:
+        return [first, *(" " * column + line for line in body)]
+    return [f"{first:<{column}}{body[0]}".rstrip(), *(" " * column + line for line in body[1:])]
