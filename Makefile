@@ -55,7 +55,7 @@ mutants: setup $(VENV)/.mutants ## Mutate the code in 150 places and see whether
 lint: setup ## ruff and mypy.
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
-	$(VENV)/bin/mypy ucon
+	$(VENV)/bin/mypy ucon models train.py eval.py
 
 format: setup ## Let ruff mend what it can.
 	$(VENV)/bin/ruff check --fix .

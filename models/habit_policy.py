@@ -103,6 +103,7 @@ class HabitPolicy(nn.Module):
         self.trust = nn.Parameter(torch.zeros(()))
         self.sharpness = nn.Parameter(torch.tensor(_SHARPNESS).log())
         for head in (self.score[-1], self.worth[-1], self.foresee[-1]):
+            assert isinstance(head, nn.Linear)
             nn.init.zeros_(head.weight)
             nn.init.zeros_(head.bias)
 

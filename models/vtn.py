@@ -183,5 +183,6 @@ def _initialise(policy: _Seeing) -> None:
                 nn.init.zeros_(weights) if name.startswith("bias") else nn.init.uniform_(weights, -bound, bound)
     if isinstance(policy, VTN):
         for linear, length in ((policy.actor, 0.01), (policy.critic[0], 1.0), (policy.critic[1], 1.0)):
+            assert isinstance(linear, nn.Linear)
             nn.init.normal_(linear.weight)
             linear.weight.data.mul_(length / linear.weight.data.norm(dim=1, keepdim=True))

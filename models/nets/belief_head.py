@@ -139,7 +139,9 @@ class BeliefHead(nn.Module):
         self.look = Look(width, heads, blocks, dropout)
         self.register_buffer("temperature", torch.ones(()))
         _quiet(self.mix[-1], self.relation[-1])
-        nn.init.constant_(self.unseen[-1].bias, -5.0)
+        last = self.unseen[-1]
+        assert isinstance(last, nn.Linear)
+        nn.init.constant_(last.bias, -5.0)
         with torch.no_grad():  # starts as common sense plus what is said
             self.straight.weight.zero_()
             self.straight.weight[0, [0, 2, 3]] = torch.tensor([1.0, 0.5, 0.5])

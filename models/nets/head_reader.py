@@ -81,7 +81,7 @@ class HeadReading:
     def take(self, candidates: Candidates, outputs: Outputs, row: int) -> None:
         """Remember what the head said of some candidates, in one row of a batch."""
         scores, relation, gate = (
-            np.round(value[row].numpy().astype(np.float64), DECIMALS)
+            np.asarray(np.round(value[row].double().numpy(), DECIMALS), np.float64)
             for value in (outputs.anchor, outputs.relation, outputs.relevance)
         )
         if not self._score:
@@ -186,16 +186,6 @@ def load_head(folder: Path) -> BeliefHead:
     head = _built(options, folder / CONFIG)
     head.load_state_dict(head_tensors(weights, head))
     return head.eval()
-
-
-def _described(config: Path) -> dict[str, Any]:
-    try:
-        found = parse_json(read_verified(config, MOST_BYTES))
-    except JsonError:
-        found = None
-    if not isinstance(found, dict):
-        raise DataError(f"{config}: describes no belief head of this version; train one with learner=belief")
-    return found
 
 
 def _built(options: Any, config: Path) -> BeliefHead:

@@ -45,7 +45,7 @@ def one_frame(observation: Mapping[str, Any], info: Mapping[str, Any], image_px:
     look = int(np.clip(round(np.degrees(pitch) / _LOOK_DEG), -2, 2))
     pose = [round(x / _CELL_M), round(y / _CELL_M), round(yaw / (np.pi / 2)) % 4, look]
     status = [int(observation["step"]), int(observation["collision"]), int(observation["last_action"])]
-    frame = {
+    frame: Arrays = {
         "image": small_image(observation["rgb"], depth, image_px),
         "pose": np.array(pose, np.int16),
         "status": np.array(status, np.int16),
@@ -57,4 +57,4 @@ def one_frame(observation: Mapping[str, Any], info: Mapping[str, Any], image_px:
         "pair_cell": view.pair_cell,
         "pair_row": view.pair_row,
     }
-    return frame | ({"rgb": observation["rgb"]} if with_rgb else {})
+    return {**frame, **({"rgb": observation["rgb"]} if with_rgb else {})}

@@ -87,7 +87,7 @@ class PolicyModule(nn.Module):
 
 def lstm_state(batch: int, lstm: nn.LSTM) -> dict[str, Tensor]:
     """Zeros (B, layers, hidden) of an LSTM, as :class:`ucon.learning.policy.ActionPolicy` carries them."""
-    zeros = torch.zeros(batch, lstm.num_layers, lstm.hidden_size, device=lstm.weight_hh_l0.device)
+    zeros = torch.zeros(batch, lstm.num_layers, lstm.hidden_size, device=next(lstm.parameters()).device)
     return {"hidden": zeros, "cell": zeros.clone()}
 
 

@@ -13,6 +13,8 @@ _STEPS_M = (0.5, 1.0, 2.0, 3.0, 4.5, 6.5, 9.0, 13.0)
 class DistanceBias(nn.Module):
     """What the distance between two tokens adds to their attention, for every head."""
 
+    steps: Tensor
+
     def __init__(self, heads: int) -> None:
         super().__init__()
         self.register_buffer("steps", torch.tensor(_STEPS_M), persistent=False)
@@ -77,6 +79,7 @@ class TokenTransformer(nn.Module):
         """Weights (L, B, H, N, N) of every block, of the same tokens: for people, nothing in use needs them."""
         bias, weights = self._bias(xy, placed, there), []
         for block in self.blocks:
+            assert isinstance(block, Block)
             weights.append(block.attention(x, bias))
             x = block(x, bias)
         return torch.stack(weights)
