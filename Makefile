@@ -14,7 +14,7 @@ PYTHON ?= $(shell for p in python3.11 python3.10 python3 python; do \
 JOBS   ?= 2
 TOGETHER = OMP_NUM_THREADS=1 $(PY) -m pytest -n $(JOBS) --dist worksteal
 
-.PHONY: help setup eval test test-slow mutants lint format clean
+.PHONY: help setup eval test test-fast test-slow mutants lint format clean
 
 help: ## List the targets.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -40,6 +40,17 @@ eval: setup ## Evaluate the `belief` agent with retrieved habits on 50 episodes;
 test: setup ## Run the tests (some 11 minutes).
 	$(TOGETHER) -m 'not slow and not timed'
 	$(PY) -m pytest -m 'timed and not slow'
+
+#: A spine through all parts: what is quick and breaks first.
+SPINE = tests/core tests/habits tests/task tests/retrieval tests/sim tests/test_configs.py tests/test_readme.py \
+  tests/perception/test_semantic_map.py tests/perception/test_belief.py tests/perception/test_planner.py \
+  tests/envs/test_ucon_env.py tests/envs/test_ends.py tests/envs/test_frame.py tests/commands/test_help_page.py \
+  tests/evaluation/test_metrics.py tests/evaluation/test_report.py tests/evaluation/test_record.py \
+  tests/evaluation/test_runner.py tests/models/test_defaults.py tests/models/test_choosing.py \
+  tests/learning/test_plan.py tests/learning/test_checkpoints.py
+
+test-fast: setup ## Run a spine through all parts (a minute and a half).
+	$(TOGETHER) -m 'not slow and not timed' $(SPINE)
 
 test-slow: setup ## Run the long checks too.
 	$(TOGETHER) -m 'not timed'
