@@ -40,6 +40,7 @@ from ucon.learning.learner import Learner
 from ucon.learning.plan import Plan
 from ucon.learning.progress import check_wandb, tensorboard_log, training_progress, wandb_log
 from ucon.learning.run import Interrupted, OnFigures, TrainingRun
+from ucon.learning.trainer_state import SCORE
 
 
 @hydra.main(version_base="1.3", config_path="configs", config_name="train")
@@ -92,7 +93,9 @@ def _trained(
     with (
         wandb_log(config["wandb"], chosen.folder, config) as log,
         tensorboard_log(bool(config["tensorboard"]), chosen.folder) as write,
-        training_progress(label, run.plan.length, run.step, visible=config["progress"]) as show,
+        training_progress(
+            label, run.plan.length, run.step, best=run.best.get(SCORE), visible=config["progress"]
+        ) as show,
     ):
         return run.run(_each(show, log, write)), run.seconds
 

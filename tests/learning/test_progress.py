@@ -123,3 +123,13 @@ def test_nothing_is_imported_unless_asked_for(tmp_path, mode, monkeypatch):
     with wandb_log(mode, tmp_path, {}) as log:
         log(1, {"loss": 1.0})
     assert not list(tmp_path.iterdir())
+
+
+def test_a_run_that_goes_on_shows_its_best_validation(capsys):
+    with progress.training_progress("x", 10, 4, best=-1.25):
+        pass
+    with progress.training_progress("x", 10):
+        pass
+    first, second = capsys.readouterr().err.splitlines()[:2]
+    assert "4/10 loss - val -1.250" in first
+    assert "0/10 loss - val - " in second

@@ -56,7 +56,7 @@ def test_leaves_what_is_needed(whole):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("at", [1, 5, 7, 22])
-def test_a_signal_saves_and_the_rest_is_the_same(whole, tmp_path, number, at):
+def test_a_signal_saves_and_the_rest_is_the_same(whole, tmp_path, number, at, capsys):
     learner = Line()
     learner.on_step = lambda done: os.kill(os.getpid(), number) if done == at else None
     handler = signal.getsignal(number)
@@ -64,6 +64,7 @@ def test_a_signal_saves_and_the_rest_is_the_same(whole, tmp_path, number, at):
         begun(tmp_path / "run", learner).run()
     assert (stop.value.step, stop.value.number) == (at, number)
     assert signal.getsignal(number) is handler
+    assert capsys.readouterr().err == "stopping after this step; Ctrl-C again aborts it at once\n"
     again = TrainingRun(tmp_path / "run", Line(), PLAN, {"config": "x"})
     again.resume()
     assert again.step == at

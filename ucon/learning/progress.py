@@ -23,8 +23,10 @@ WANDB_UPLOAD_S: Final = 120
 
 
 @contextmanager
-def training_progress(label: str, steps: int, done: int = 0, *, visible: bool = True) -> Iterator[OnFigures]:
-    """A bar on standard error with the last loss and validation score."""
+def training_progress(
+    label: str, steps: int, done: int = 0, *, best: float | None = None, visible: bool = True
+) -> Iterator[OnFigures]:
+    """A bar on standard error with the last loss and validation score; ``best``: that of a run that goes on."""
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -34,14 +36,18 @@ def training_progress(label: str, steps: int, done: int = 0, *, visible: bool = 
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=Console(stderr=True), disable=not visible) as bar:
-        task = bar.add_task(label, total=steps, completed=done, loss="-", score="-")
+        task = bar.add_task(label, total=steps, completed=done, loss="-", score=_shown(best))
 
         def show(step: int, figures: Mapping[str, float]) -> None:
             fields = {"loss": figures.get("loss"), "score": figures.get(f"val/{SCORE}")}
-            known = {name: f"{value:.3f}" for name, value in fields.items() if value is not None}
+            known = {name: _shown(value) for name, value in fields.items() if value is not None}
             bar.update(task, completed=step, **known)  # type: ignore[arg-type]
 
         yield show
+
+
+def _shown(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3f}"
 
 
 def check_wandb(mode: str | bool | None) -> None:

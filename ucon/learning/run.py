@@ -13,6 +13,7 @@ from __future__ import annotations
 import json
 import math
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -274,6 +275,8 @@ def _signals() -> Iterator[list[int]]:
     def remember(number: int, frame: FrameType | None) -> None:
         if caught and number == signal.SIGINT:
             raise KeyboardInterrupt
+        if not caught:
+            print("stopping after this step; Ctrl-C again aborts it at once", file=sys.stderr, flush=True)  # noqa: T201
         caught.append(number)
 
     try:
