@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
@@ -52,3 +53,13 @@ def test_every_make_target_exists() -> None:
     assert {"eval", "test", "lint"} <= set(targets)
     for target in targets:
         assert re.search(rf"^{target}:", makefile, re.MULTILINE), target
+
+
+def test_the_notebook_runs_from_top_to_bottom() -> None:
+    cells = json.loads((ROOT / "docs" / "first_search.ipynb").read_text())["cells"]
+    code = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "code")
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert "find: first_aid_kit" in done.stdout
+    assert "found after 64 steps" in done.stdout
+    assert not any(cell.get("outputs") for cell in cells), "outputs are not kept"
