@@ -14,7 +14,7 @@ PYTHON ?= $(shell for p in python3.11 python3.10 python3 python; do \
 JOBS   ?= 2
 TOGETHER = OMP_NUM_THREADS=1 $(PY) -m pytest -n $(JOBS) --dist worksteal
 
-.PHONY: help setup eval test test-fast test-slow mutants lint format clean
+.PHONY: help setup eval test test-fast test-slow mutants docs lint format clean
 
 help: ## List the targets.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -62,6 +62,13 @@ $(VENV)/.mutants: $(STAMP)
 
 mutants: setup $(VENV)/.mutants ## Mutate the code in 150 places and see whether tests notice (hours; goes on where it was).
 	OMP_NUM_THREADS=1 $(PY) -m tests.mutants --jobs $(JOBS)
+
+$(VENV)/.docs: $(STAMP)
+	$(PY) -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[docs]'
+	@touch $@
+
+docs: setup $(VENV)/.docs ## Build the pages of docs/ into build/site.
+	NO_MKDOCS_2_WARNING=1 $(VENV)/bin/mkdocs build --strict --quiet
 
 lint: setup ## ruff and mypy.
 	$(VENV)/bin/ruff check .
