@@ -1,4 +1,4 @@
-# Everything runs from two commands on a machine with Python 3.10 or 3.11: `make eval` and `make test`.
+# Everything runs from two commands on a machine with Python 3.10 to 3.13: `make eval` and `make test`.
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
@@ -7,9 +7,10 @@ VENV   := .venv
 PY     := $(VENV)/bin/python
 STAMP  := $(VENV)/.installed
 WARM   := $(VENV)/.warm
-# The newest interpreter that PyBullet has wheels for and that really starts (a version manager's shim may not).
-PYTHON ?= $(shell for p in python3.11 python3.10 python3 python; do \
-	$$p -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 11))' >/dev/null 2>&1 && { echo $$p; break; }; done)
+# The newest interpreter that PyBullet has wheels for, else a newer one, that really starts (a version manager's shim may
+# not): without PyBullet what is shipped is played and learned from, and no home or set is made.
+PYTHON ?= $(shell for p in python3.11 python3.10 python3.12 python3.13 python3 python; do \
+	$$p -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))' >/dev/null 2>&1 && { echo $$p; break; }; done)
 # How many tests run at once; those that hold a bar on seconds run alone, after the others.
 JOBS   ?= 2
 TOGETHER = OMP_NUM_THREADS=1 $(PY) -m pytest -n $(JOBS) --dist worksteal
@@ -23,10 +24,11 @@ setup: $(STAMP) $(WARM) ## Make .venv, install the pinned set, compile the kerne
 
 $(STAMP): pyproject.toml constraints.txt
 	@if [ ! -x $(PY) ]; then \
-	  if [ -z "$(PYTHON)" ]; then echo "Python 3.10 or 3.11 is needed; install one, or name it: make setup PYTHON=/path/to/python3.11" >&2; exit 2; fi; \
+	  if [ -z "$(PYTHON)" ]; then echo "Python 3.10 to 3.13 is needed; install one, or name it: make setup PYTHON=/path/to/python3.11" >&2; exit 2; fi; \
 	  echo "making $(VENV) with $(PYTHON)"; $(PYTHON) -m venv $(VENV); \
 	fi
 	$(PY) -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt --editable '.[dev]'
+	@$(PY) -c 'import sys; sys.version_info >= (3, 12) and print("PyBullet has no wheels for this Python: homes and sets are not made here; those that are shipped are played and learned from")'
 	@touch $@
 
 $(WARM): $(STAMP)
