@@ -187,5 +187,5 @@ def test_pictures(measured, tmp_path, datasets):
 
 def test_missing_matplotlib_is_said_in_one_line(monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(ConfigError, match=r"pip install 'ucon\[plots\]'"):
+    with pytest.raises(ConfigError, match=r"pip install 'ucon-nav\[plots\]'"):
         require_matplotlib()

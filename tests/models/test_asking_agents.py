@@ -27,9 +27,9 @@ from ucon.objects.catalogue import catalogue
 from ucon.retrieval.base import phrase
 
 MAKERS = {
-    "lgx": LGXAgent,
-    "lgx_object": lambda model, **o: LGXAgent(model, mode="object", **o),
-    "lgx_warm": lambda model, **o: LGXAgent(model, temperature=0.7, **o),
+    "lgx": lambda model, **o: LGXAgent(model, temperature=0.0, **o),
+    "lgx_object": lambda model, **o: LGXAgent(model, mode="object", temperature=0.0, **o),
+    "lgx_warm": LGXAgent,
     "pixelnav": PixelNavAgent,
     "l3mvn": L3MVNAgent,
 }
