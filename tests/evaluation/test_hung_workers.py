@@ -100,6 +100,7 @@ def test_a_worker_that_stops_once_is_replaced_and_changes_no_record(impatient, a
     assert "worker_timeout_s" in told
 
 
+@pytest.mark.slow
 def test_half_a_message_holds_up_nobody(impatient, alone, tmp_path):
     played = evaluate(spec(partial(StopsInMessage, tmp_path)), EPISODES, workers=2)
     assert lines(played) == alone

@@ -56,7 +56,6 @@ def visible(folder):
 @pytest.mark.parametrize(
     ("kind", "kills"),
     [
-        ("imitation", 2),
         ("ppo", 1),
         pytest.param("imitation", 20, marks=pytest.mark.slow),
         pytest.param("dagger", 20, marks=pytest.mark.slow),

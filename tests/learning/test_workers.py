@@ -84,11 +84,12 @@ def stop(processes, number):
     return first.pid
 
 
+@SLOW
 @pytest.mark.parametrize(
     ("number", "message"),
     [
         (signal.SIGSTOP, r"\(process {pid}\): no answer within 3 s, .*resume=RUN goes on, collector.worker_timeout_s"),
-        pytest.param(signal.SIGKILL, r"\(process {pid}\): killed by signal 9, .*resume=RUN goes on", marks=SLOW),
+        (signal.SIGKILL, r"\(process {pid}\): killed by signal 9, .*resume=RUN goes on"),
     ],
 )
 def test_who_gathers_experience_is_not_waited_for_for_ever(tmp_path, number, message):
