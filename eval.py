@@ -3,7 +3,7 @@
     python eval.py agent=belief habit_level=retrieval episodes=mini
     python eval.py -m agent=frontier,belief habit_level=none,full,gt,retrieval
 
-Writes episodes.jsonl, summary.json, timing.jsonl, seconds.json, config.yaml and the first episodes' maps and videos to
+Writes episodes.jsonl, summary.json, timing.jsonl, seconds.json, config.yaml, and maps and videos of some episodes to
 ``out=``.
 """
 
