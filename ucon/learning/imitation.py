@@ -34,7 +34,7 @@ from ucon.learning.sequences import Batch, Chunk, cut
 from ucon.learning.trajectories import Replay, Trajectory
 from ucon.learning.updates import DivergedError, Updates, require_finite
 from ucon.learning.validation import Validation, spaced
-from ucon.learning.workers import WORKER_TIMEOUT_S, check_timeout
+from ucon.learning.workers import MOST_WORKERS, WORKER_TIMEOUT_S, check_timeout
 from ucon.retrieval.levels import check_level
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
@@ -112,7 +112,8 @@ class ImitationLearner:
         self.demonstrator = demonstrator or Solutions()
         batch = batch_size(batch, self.device, self.demonstrator.batch)
         check("above 0 and whole", lambda x: x > 0, (int,), steps=steps, batch=batch, chunk=chunk)
-        check("at least 0 and whole", lambda x: x >= 0, (int,), warm_up=warm_up, workers=workers)
+        check("at least 0 and whole", lambda x: x >= 0, (int,), warm_up=warm_up)
+        check(f"from 0 to {MOST_WORKERS}", lambda x: 0 <= x <= MOST_WORKERS, (int,), workers=workers)
         check("above 0", lambda x: 0 < x < 1e9, lr=lr, clip=clip)
         check("at least 0", lambda x: 0 <= x < 1e9, decay=decay, memory_gb=memory_gb)
         check("at least 0 and below 1", lambda x: 0 <= x < 1, average=average)

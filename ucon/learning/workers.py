@@ -22,6 +22,8 @@ _JOIN_S, _GRACE_S = 5.0, 5.0
 #: How often is looked after the workers while they work.
 _TICK_S: Final = 0.5
 _KEPT: Final = "what is saved is kept: resume=RUN goes on"
+#: More processes than any machine has use for.
+MOST_WORKERS: Final = 1024
 #: What threads can wait for.
 _MOST_S: Final = 1e6
 
@@ -81,7 +83,7 @@ def ask(question: Callable[[], T], seconds: float, workers: Callable[[], Sequenc
     while not wait([answer], timeout=_TICK_S).done:
         now = time.monotonic()
         if now > limit:
-            raise _late(asked, seconds, option)
+            raise lost_one(asked) or _late(asked, seconds, option)
         if any(_code(worker) is not None for worker in asked):
             gone_since = gone_since or now
             if now > gone_since + _GRACE_S:  # whoever waits has not noticed
