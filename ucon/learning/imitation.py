@@ -113,7 +113,9 @@ class ImitationLearner:
         batch = batch_size(batch, self.device, self.demonstrator.batch)
         check("above 0 and whole", lambda x: x > 0, (int,), steps=steps, batch=batch, chunk=chunk)
         check("at least 0 and whole", lambda x: x >= 0, (int,), warm_up=warm_up)
-        check(f"from 0 to {MOST_WORKERS}", lambda x: 0 <= x <= MOST_WORKERS, (int,), workers=workers)
+        check(
+            f"at least 0 and whole, at most {MOST_WORKERS}", lambda x: 0 <= x <= MOST_WORKERS, (int,), workers=workers
+        )
         check("above 0", lambda x: 0 < x < 1e9, lr=lr, clip=clip)
         check("at least 0", lambda x: 0 <= x < 1e9, decay=decay, memory_gb=memory_gb)
         check("at least 0 and below 1", lambda x: 0 <= x < 1, average=average)

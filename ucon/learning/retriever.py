@@ -77,6 +77,10 @@ def schedule(step: int, steps: int, warm_up: int) -> float:
     return 0.5 * (1 + math.cos(math.pi * (step - warm_up) / max(1, steps - warm_up)))
 
 
+#: Of an adapter: what is larger than the maps that it adds to is no adapter.
+_MOST_RANK = 1024
+
+
 class BatchEncoder:
     """Encodes many texts at once, with gradients. Last bits depend on the batch: for training and choosing only."""
 
@@ -178,7 +182,8 @@ class RetrieverLearner:
         kind = torch_precision(precision)
         if not isinstance(dataset, HabitDataset):
             raise ConfigError(f"learner.dataset={brief(dataset)}: expected a dataset; choose one by habits=...")
-        check("above 0 and whole", lambda x: x > 0, (int,), steps=steps, rank=rank, warm_up=warm_up, n_kbs=n_kbs)
+        check("above 0 and whole", lambda x: x > 0, (int,), steps=steps, warm_up=warm_up, n_kbs=n_kbs)
+        check(f"above 0 and whole, at most {_MOST_RANK}", lambda x: 1 <= x <= _MOST_RANK, (int,), rank=rank)
         check("a whole number", lambda x: True, (int,), seed=seed)
         check("above 0", lambda x: 0 < x < _MOST, lr=lr, temperature=temperature, other_weight=other_weight)
         check("at least 0", lambda x: 0 <= x < _MOST, decay=decay, owner=owner)
