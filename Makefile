@@ -39,7 +39,7 @@ eval: setup ## Evaluate the `belief` agent with retrieved habits on 50 episodes;
 	$(PY) eval.py agent=belief habit_level=retrieval episodes=mini
 	$(PY) -m ucon demo
 
-test: setup ## Run the tests (some 11 minutes).
+test: setup ## Run the tests (some 14 minutes).
 	$(TOGETHER) -m 'not slow and not timed'
 	$(PY) -m pytest -m 'timed and not slow'
 
@@ -51,7 +51,7 @@ SPINE = tests/core tests/habits tests/task tests/retrieval tests/sim tests/test_
   tests/evaluation/test_runner.py tests/models/test_defaults.py tests/models/test_choosing.py \
   tests/learning/test_plan.py tests/learning/test_checkpoints.py
 
-test-fast: setup ## Run a spine through all parts (a minute and a half).
+test-fast: setup ## Run a spine through all parts (under two minutes).
 	$(TOGETHER) -m 'not slow and not timed' $(SPINE)
 
 test-slow: setup ## Run the long checks too.

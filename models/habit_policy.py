@@ -159,7 +159,7 @@ class HabitPolicy(nn.Module):
 
 
 def _positions(tokens: Mapping[str, Tensor]) -> tuple[Tensor, Tensor, Tensor]:
-    """Of ego, views, things, frontiers and habits: metres (B, N, 2), which have a position, and which are there."""
+    """Positions of all tokens in metres (B, N, 2), which have one, and which are there, (B, N) bool each."""
     zero = torch.zeros_like(tokens["ego"][:, None, :2])
     nowhere = torch.zeros_like(tokens["habits"][..., :2])
     xy = [zero, tokens["views"][..., AHEAD], tokens["things"][..., THING_AHEAD], tokens["frontiers"][..., :2], nowhere]

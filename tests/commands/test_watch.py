@@ -10,6 +10,8 @@ import pytest
 from ucon.__main__ import main
 from ucon.commands.two_searches import search_twice
 from ucon.evaluation.record import read_records
+from ucon.evaluation.recorded import RecordedAgent
+from ucon.task.actions import Action
 
 
 @pytest.fixture(scope="module")
@@ -50,3 +52,10 @@ def test_an_episode_is_filmed_step_by_step(
 def test_what_is_no_episode_of_the_run(word: str, run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["watch", str(run), "--", word]) == 2
     assert f"EPISODE {word}: expected a number from 0 to 2" in capsys.readouterr().err
+
+
+def test_recorded_actions_end_in_done() -> None:
+    agent = RecordedAgent("02")
+    for _ in range(2):
+        agent.reset([None])
+        assert [agent.act([None], [None]) for _ in range(4)] == [[0], [2], [Action.DONE], [Action.DONE]]

@@ -47,7 +47,7 @@ def test_torchrl_accepts_them(name: str) -> None:
 
 @pytest.mark.parametrize("name", OURS)
 def test_torchrl_accepts_two_side_by_side(name: str) -> None:
-    """What ``GymEnv(name, num_envs=2, ...)`` makes, in one process."""
+    """The vector that ``GymEnv(name, num_envs=2, ...)`` makes, in one process."""
     from torchrl.envs import GymWrapper
     from torchrl.envs.utils import check_env_specs
 

@@ -1,4 +1,4 @@
-"""What the bench counts is what is played."""
+"""The bench counts the steps that are played."""
 
 from __future__ import annotations
 

@@ -82,7 +82,7 @@ def test_no_way_and_no_episodes_give_no_number_and_no_warning() -> None:
 
 @pytest.mark.parametrize("samples", [40, pytest.param(200, marks=pytest.mark.slow)])
 def test_intervals_hold_what_they_say(samples: int) -> None:
-    """Of samples with a true share of 0.5, about 95 % of the intervals hold it."""
+    """About 95 % of the intervals hold the true share, 0.5."""
     rng, held = np.random.default_rng(0), 0
     for _ in range(samples):
         hard = rng.random(120)

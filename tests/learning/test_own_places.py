@@ -198,7 +198,7 @@ def test_entries_of_a_step_differ_in_category(data):
 
 
 def test_each_entry_has_one_distribution():
-    """What sentences say of places, and what common sense says, add up to 1 for each thing that is asked for."""
+    """The probabilities of an entry's places add up to 1, entry by entry."""
     asked = SimpleNamespace(usual=torch.full((2, 2), 0.5), truth=torch.eye(2))
     loss = fit_own_places._places_loss(torch.tensor([[1.0, 0.0], [1.0, 3.0]]), asked, torch.tensor(0.0))
     assert float(loss) == pytest.approx(-(np.log(1.5 / 2) + np.log(3.5 / 5)) / 2)

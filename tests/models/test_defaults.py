@@ -27,7 +27,7 @@ def nodes(node: Any) -> Iterator[dict[str, Any]]:
 
 
 def said() -> dict[tuple[str, str], set[Any]]:
-    """By constructor and argument: the plain values that files give it."""
+    """The plain values that files give each argument, by constructor and argument."""
     out: dict[tuple[str, str], set[Any]] = defaultdict(set)
     for path in sorted(CONFIGS.rglob("*.yaml")):
         for node in nodes(OmegaConf.to_container(OmegaConf.load(path))):

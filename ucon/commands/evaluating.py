@@ -109,6 +109,8 @@ class Evaluation:
         """Play some episodes again for the camera: which ones are worth it is known at the end only."""
         records = {p.index: p.record for p in played}
         chosen = worth_filming([record.success for record in records.values()], self.config["pictures"])
+        if not chosen:
+            return
         with EvaluationProgress("films", len(chosen), visible=self.config["progress"]) as progress:
 
             def on_played(again: Played) -> None:

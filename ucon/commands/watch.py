@@ -69,20 +69,19 @@ def _film(args: argparse.Namespace, kept: FinishedRun, number: int) -> int:
     from ucon.commands.output import stdout_to_stderr
     from ucon.commands.stored import said_in
     from ucon.core.errors import DataError
-    from ucon.evaluation.recorded import RecordedAgent
     from ucon.evaluation.runner import evaluate
 
     assert kept.records is not None
     record = kept.records[number]
     with stdout_to_stderr():
-        config = configuration_of(args.run, places_in(args), said_in(args)) | {"pictures": 0}
+        config = configuration_of(args.run, places_in(args), said_in(args))
+        if args.actions:  # neither its networks nor its language model are needed
+            config["agent"] = {"_target_": "ucon.evaluation.recorded.RecordedAgent", "actions": record.actions}
         run = Evaluation(config, args.out / "run", anew=True)
         if [episode.id for episode in run.episodes] != [r.episode for r in kept.records]:
             raise DataError(f"{args.run}: other episodes are kept than its configuration names now")
-        spec = replace(run.spec, films=args.out)
-        if args.actions:
-            spec = replace(spec, agent=lambda: RecordedAgent(record.actions))
-        (played,) = evaluate(spec, run.episodes, workers=0, skip=[k for k in range(len(kept.records)) if k != number])
+        others = [k for k in range(len(kept.records)) if k != number]
+        (played,) = evaluate(replace(run.spec, films=args.out), run.episodes, workers=0, skip=others)
     ending = "found" if record.success else f"not found ({record.failure_cause.replace('_', ' ')})"
     print(f"{record.episode}: {record.target.replace('_', ' ')}, {ending} after {record.steps} steps")
     print("\n".join(str(path) for path in sorted(args.out.glob(f"{number:03d}_*"))))

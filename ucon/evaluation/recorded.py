@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from ucon.task.actions import Action
+
 
 class RecordedAgent:
     """Plays one episode by its recorded actions."""
 
-    name = "recorded"
+    name, uses_habits = "recorded", False
 
     def __init__(self, actions: str) -> None:
         """``actions``: digits, as in :class:`ucon.evaluation.record.EpisodeRecord`."""
@@ -21,5 +23,5 @@ class RecordedAgent:
         self._left = iter(self._actions)
 
     def act(self, observations: Sequence[Any], infos: Sequence[Any], slots: Sequence[int] | None = None) -> list[int]:
-        """The next action."""
-        return [int(next(self._left))]
+        """The next action; Done where none is left, since what is played now has come out otherwise."""
+        return [int(next(self._left, Action.DONE))]

@@ -25,7 +25,7 @@ class Hosted:
     @property
     def ok(self) -> bool:
         """Whether two placements can be realised, or its only one, so that the entry may be sampled there."""
-        return len(self.realisable) >= min(MIN_REALISABLE, len(self.entry.placements))
+        return len(self.realisable) >= max(1, min(MIN_REALISABLE, len(self.entry.placements)))
 
     @property
     def placements(self) -> tuple[Placement, ...]:

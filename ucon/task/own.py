@@ -89,13 +89,18 @@ def _placement(text: str) -> Placement | str:
     return Placement(cast(Relation, relation), anchor)
 
 
-def own_household(wish: Wish, place: Placement) -> HabitDataset:
-    """The wish as an entry, among the households that the home has anyway: other things are kept, and told of, too."""
-    house = load_house(wish.scene)
+def others_of(wish: Wish) -> list[Entry]:
+    """Entries of the habit book that the home has of everything else, in the order of the book."""
+    living = living_in(load_house(wish.scene), book())
+    found = {host.entry for name, hosts in living.items() if name != wish.target for host in hosts}
+    return sorted(found, key=lambda entry: book().entry_number[entry.id])
+
+
+def own_household(wish: Wish, place: Placement, others: Sequence[Entry]) -> HabitDataset:
+    """The wish as an entry among those of the home: other things are kept, and told of, too."""
     habits = tuple(Habit(text, (0,)) for text in wish.habits)
     own = Entry(f"{wish.target}/own", wish.target, HOUSEHOLD, (place,), habits)
-    hosts = [host.entry for name, found in living_in(house, book()).items() if name != wish.target for host in found]
-    entries = (own, *sorted(set(hosts), key=lambda entry: book().entry_number[entry.id]))
+    entries = (own, *others)
     triples: set[Triple] = {(e.category, p.relation, p.anchor) for e in entries for p in e.placements}
     known = {triple: verdict for triple, verdict in book().verdicts.of.items() if triple in triples}
     known.pop((wish.target, place.relation, place.anchor), None)  # it is tried here
@@ -129,9 +134,9 @@ def own_episode(
     Raises:
         ConfigError: no place takes the object.
     """
-    reasons = []
+    reasons, others = [], others_of(wish)
     for place, chance in likely_places(wish, read):
-        dataset = own_household(wish, place)
+        dataset = own_household(wish, place, others)
         try:
             episode = EpisodeSampler(dataset, rules=rules).sample(wish.scene, seed, targets=[wish.target])
         except EpisodeError as error:

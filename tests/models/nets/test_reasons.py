@@ -1,4 +1,4 @@
-"""What the end-to-end policy remembers of a place."""
+"""The thing that the end-to-end policy remembers near a place."""
 
 from __future__ import annotations
 

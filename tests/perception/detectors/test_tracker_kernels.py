@@ -1,4 +1,4 @@
-"""What the tracker's kernels say of depths that were made for them."""
+"""The tracker's kernels on small depth images made by hand."""
 
 from __future__ import annotations
 
