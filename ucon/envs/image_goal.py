@@ -17,6 +17,7 @@ from ucon.core.errors import ConfigError, EpisodeError
 from ucon.core.rng import stream
 from ucon.core.sharing import PartlyShared
 from ucon.envs.knowledge import HabitSource
+from ucon.envs.options import with_texts
 from ucon.envs.ucon_env import Obs, UcONEnv
 from ucon.sim.paths import UNREACHABLE, distances, metres
 from ucon.sim.render import RasterRenderer
@@ -71,7 +72,7 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
         near_m: float = 1.0,
         least_m: float = 2.0,
         observe: str = "pixels",
-        texts: bool = True,
+        texts: bool | None = None,
         **options: Any,
     ) -> None:
         """Describe the environment.
@@ -93,7 +94,7 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
         if not 0 <= near_m < 1e3 or not 0 <= least_m < 1e3:
             raise ConfigError(f"env.near_m={near_m}, env.least_m={least_m}: expected metres from 0 up")
         self.env = UcONEnv(episodes, observe="pixels", texts=texts, **options)
-        self.render_mode, self._texts = self.env.render_mode, texts
+        self.render_mode, self._texts = self.env.render_mode, with_texts(texts)
         self.action_space, self.observation_space = self.env.action_space, self.env.observation_space
         self._reward, self._near, self._least_m = reward or ImageGoalReward(), near_m, least_m
         self._goal: Pose | None = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from multiprocessing import current_process
 from operator import index
 from typing import Any
 
@@ -53,6 +54,14 @@ def checked_action(action: Any, n: int) -> int:
     if not 0 <= number < n or isinstance(action, bool):
         raise ActionError(f"action={brief(action)}: expected a whole number from 0 to {n - 1}")
     return number
+
+
+def with_texts(texts: bool | None) -> bool:
+    """Whether infos hold texts: as asked for, else everywhere but in worker processes of ``AsyncVectorEnv``.
+
+    TorchRL's ``GymEnv(name, num_envs=2)`` makes such workers, and tensors of whatever stands in their infos.
+    """
+    return texts if texts is not None else not current_process().name.startswith("Worker<")  # Gymnasium's name
 
 
 def told(info: dict[str, Any], *, texts: bool) -> dict[str, Any]:

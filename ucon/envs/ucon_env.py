@@ -15,7 +15,7 @@ from ucon.core.errors import EpisodeError
 from ucon.core.sharing import PartlyShared
 from ucon.envs.frame import StartFrame
 from ucon.envs.knowledge import HabitSource
-from ucon.envs.options import check_choice, checked_action, make_detector, make_renderer, told
+from ucon.envs.options import check_choice, checked_action, make_detector, make_renderer, told, with_texts
 from ucon.envs.painter import Moment, Painter
 from ucon.envs.spaces import NO_ACTION, observation_space, padded
 from ucon.envs.tour import Tour
@@ -68,7 +68,8 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
     ranks anew), with ``planner="true"`` ``nav`` (free grid in the agent's frame); with a detector (True is ``gt``)
     ``detections``, ``tracks`` and ``opened`` (tracks); at the end ``episode_metrics`` and ``is_success``. With
     ``privileged=True`` also ``privileged`` (scene, episode, solution, locations, target instance, pose): for trainers
-    and oracles only. With ``texts=False`` all but numbers and arrays is left out: some libraries take no more.
+    and oracles only. With ``texts=False`` all but numbers and arrays is left out, and by default so it is in
+    worker processes of Gymnasium's ``AsyncVectorEnv``: TorchRL takes no more.
 
     ### Rewards
     :class:`ucon.task.reward.Reward`: +10 for a successful Done and -0.01 a step by default.
@@ -106,7 +107,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         reward: Reward | None = None,
         max_habits: int = 1024,
         privileged: bool = False,
-        texts: bool = True,
+        texts: bool | None = None,
         render_mode: str | None = None,
     ) -> None:
         check_choice("observe", observe, ("pixels", "symbolic"))
@@ -122,7 +123,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         self.render_mode = render_mode
         self._observe, self._planner, self._detector = observe, planner, make_detector(detector)
         self._world_kind, self._reward, self._privileged = world, reward or Reward(), privileged
-        self._max_habits, self._texts = max_habits, texts
+        self._max_habits, self._texts = max_habits, with_texts(texts)
         self._renderer = make_renderer(renderer, width_px, height_px, fov_deg)
         self._canonical = (width_px, height_px, fov_deg) == (CANONICAL_PX, CANONICAL_PX, CANONICAL_FOV_DEG)
         self._fov_deg = fov_deg

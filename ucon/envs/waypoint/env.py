@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError, unknown_name
 from ucon.core.sharing import PartlyShared
-from ucon.envs.options import checked_action, told
+from ucon.envs.options import checked_action, told, with_texts
 from ucon.envs.ucon_env import Obs, UcONEnv
 from ucon.envs.waypoint.choosing import RENDER_MODES, Course
 from ucon.envs.waypoint.explorer import Explorer, Info, Manner
@@ -78,7 +78,7 @@ the left, actions to get there, cells of a frontier, share of a thing not looked
         seed: int = 0,
         observe: str = "symbolic",
         detector: Any = True,
-        texts: bool = True,
+        texts: bool | None = None,
         render_mode: str | None = None,
         **options: Any,
     ) -> None:
@@ -103,9 +103,9 @@ the left, actions to get there, cells of a frontier, share of a thing not looked
             raise ConfigError(unknown_name("strategy", strategy, STRATEGIES))
         if not detector:
             raise ConfigError("detector=None: candidates come from what is detected; name a detector")
-        self.env = UcONEnv(episodes, observe=observe, detector=detector, **options)  # type: ignore[arg-type]
+        self.env = UcONEnv(episodes, observe=observe, detector=detector, texts=True, **options)  # type: ignore[arg-type]
         self._course = Course(render_mode)
-        self.render_mode, self._texts = render_mode, texts
+        self.render_mode, self._texts = render_mode, with_texts(texts)
         self._strategy = STRATEGIES[strategy] if isinstance(strategy, str) else strategy
         self._manner, self._most, self._seed = manner or Manner(), max_candidates, seed
         self._explorer: Explorer | None = None

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ucon.core.errors import ConfigError
 from ucon.core.sharing import PartlyShared
 from ucon.envs.knowledge import HabitSource
-from ucon.envs.options import checked_action, told
+from ucon.envs.options import checked_action, told, with_texts
 from ucon.envs.ucon_env import Obs, UcONEnv
 from ucon.envs.waypoint.choosing import RENDER_MODES, Course
 from ucon.envs.waypoint.searcher import MISS, Searcher
@@ -105,7 +105,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         expert: bool = False,
         observe: str = "symbolic",
         detector: Any = True,
-        texts: bool = True,
+        texts: bool | None = None,
         render_mode: str | None = None,
         **options: Any,
     ) -> None:
@@ -131,9 +131,9 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         """
         if not detector:
             raise ConfigError("detector=None: views are valued by what is detected; name a detector")
-        self.env = UcONEnv(episodes, observe=observe, detector=detector, **options)  # type: ignore[arg-type]
+        self.env = UcONEnv(episodes, observe=observe, detector=detector, texts=True, **options)  # type: ignore[arg-type]
         self._course = Course(render_mode)
-        self.render_mode, self._texts = render_mode, texts
+        self.render_mode, self._texts = render_mode, with_texts(texts)
         self._locate, self._miss, self._sizes = locate or ReadHabits(), miss, sizes or Sizes()
         self._text, self._returns = text or TextTokens(), returns or Returns()
         self._searcher: Searcher | None = None
