@@ -7,7 +7,7 @@ from typing import Any
 import gymnasium as gym
 
 from ucon.envs.ucon_env import UcONEnv
-from ucon.envs.waypoint.env import UcONWaypointEnv
+from ucon.envs.waypoint.search_env import UcONSearchEnv
 
 
 class Recorder(gym.Wrapper[Any, int, Any, int]):
@@ -35,8 +35,8 @@ class Recorder(gym.Wrapper[Any, int, Any, int]):
         return bool(self.env.search.counts[self.env.search.target])
 
 
-def recorded(env: UcONWaypointEnv) -> Recorder:
-    """Have the environment inside a waypoint environment record."""
+def recorded(env: UcONSearchEnv) -> Recorder:
+    """Have the environment inside an environment of choices record."""
     inner = Recorder(env.env)
     env.env = inner  # type: ignore[assignment]
     return inner

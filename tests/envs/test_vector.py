@@ -16,8 +16,8 @@ assert ucon.envs  # registers the environments
 @pytest.mark.parametrize("kind", ["sync", "async"])
 @pytest.mark.parametrize(
     ("name", "options"),
-    [("UcON-v0", {}), ("UcONWaypoint-v0", {}), ("UcON-v0", {"habit_level": "full", "detector": True})],
-    ids=["UcON-v0", "UcONWaypoint-v0", "full"],
+    [("UcON-v0", {}), ("UcON-v0", {"habit_level": "full", "detector": True})],
+    ids=["retrieval", "full"],
 )
 def test_homes_of_other_shapes_are_played_side_by_side(name: str, options: dict[str, object], kind: str) -> None:
     envs = gym.make_vec(name, num_envs=2, vectorization_mode=kind, **options)
@@ -34,7 +34,7 @@ def test_homes_of_other_shapes_are_played_side_by_side(name: str, options: dict[
         for _ in range(3):
             observations, _, terminated, truncated, _ = envs.step(np.zeros(2, np.int64))
             assert observations["pose"].shape == (2, 4)
-            assert not (terminated | truncated).any() or name == "UcONWaypoint-v0"
+            assert not (terminated | truncated).any()
     finally:
         envs.close()
 

@@ -9,7 +9,8 @@ import cv2
 import numpy as np
 import pytest
 
-from ucon.envs.waypoint.env import UcONWaypointEnv
+from ucon.envs.ucon_env import UcONEnv
+from ucon.envs.waypoint import STRATEGIES, Explorer
 from ucon.perception.approach import DRAWER_NEAR_M, Approach
 from ucon.perception.approach_kernels import FAILED_COST, SMALL_COST, UNSEEN_COST
 from ucon.perception.candidates import candidates, frontiers
@@ -29,15 +30,17 @@ def maps() -> list[Known]:
 
 
 def _choices(episode: int) -> Iterator[Known]:
-    env = UcONWaypointEnv("mini", habit_level="none", planner="observed" if episode == 8 else "true")
+    planner = "observed" if episode == 8 else "true"
+    env = UcONEnv("mini", habit_level="none", planner=planner, observe="symbolic", detector=True)
     draw = np.random.default_rng(episode)
     obs, info = env.reset(options={"episode": episode})
-    over = False
+    explorer, over = Explorer(info, STRATEGIES["landmarks"](info)), False
     while not over:
-        explorer = env._explorer
-        if info["candidates"]:
-            yield deepcopy((explorer.map, explorer.planner, explorer.strategy._places))  # type: ignore[union-attr]
-        obs, _, terminated, truncated, info = env.step(int(draw.choice(np.flatnonzero(obs["action_mask"]))))
+        action = explorer.look(obs, info)
+        if action is None:
+            yield deepcopy((explorer.map, explorer.planner, explorer.strategy._places))  # type: ignore[attr-defined]
+            action = explorer.choose(int(draw.integers(len(explorer.decision().candidates))))
+        obs, _, terminated, truncated, info = env.step(int(action))
         over = terminated or truncated
 
 

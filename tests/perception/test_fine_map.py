@@ -8,11 +8,8 @@ from toy import CELL, ToyEnv, two_rooms
 
 from ucon.perception import fine_kernels as kernels
 from ucon.perception.body import PAPER_BODY
-from ucon.perception.draw_fine import _arrow, draw_fine
-from ucon.perception.fine_frontiers import fine_frontiers
 from ucon.perception.fine_kernels import EXPLORED, FINE_M, OBSTACLE, PER_CELL, VISITED
 from ucon.perception.fine_map import FINE_HALF, FINE_SIZE, FineMap, cell_of, middle_of
-from ucon.perception.planner import Planner
 from ucon.perception.semantic_map import CELL_M, HALF, SIZE, SemanticMap, View, camera_of, frame_depth
 
 TOUR = [2, 2, 2, 2, *[0] * 5, 2, 1, 1, *[0] * 20, 4, 1, 1, 1, 1, 3, *[0] * 6, 1, 0, 0, 0, 1, 4, 1, 1]
@@ -237,28 +234,6 @@ def _reference_lines(
             a = np.cumsum([x / FINE_M + FINE_HALF + 0.5, *[(c + s * slope) * step] * n])
             b = np.cumsum([y / FINE_M + FINE_HALF + 0.5, *[(s - c * slope) * step] * n])
             cells[a.astype(int), b.astype(int)] |= EXPLORED
-
-
-def test_picture() -> None:
-    env, known, fine = tour((14, 4, 0))
-    planner = Planner(env._nav())
-    planner.update(known)
-    found = fine_frontiers(fine, known, planner)
-    picture = draw_fine(fine, found, cell_px=2)
-    a0, a1, b0, b1 = fine.extent(margin=8)
-    assert picture.shape == (2 * (b1 - b0), 2 * (a1 - a0), 3)
-    assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 4
-
-
-def test_arrows_point_along_the_heading() -> None:
-    for heading, (across, up) in enumerate([(1, 0), (0, 1), (-1, 0), (0, -1)]):
-        picture = np.zeros((81, 81, 3), np.uint8)
-        _arrow(picture, lambda xy: (round(40 + 20 * xy[0]), round(40 - 20 * xy[1])), (0.0, 0.0), heading, (255,) * 3)
-        rows, columns = np.nonzero(picture.any(2))
-        far = np.abs([columns - 40, rows - 40]).max()
-        assert far == pytest.approx(10, abs=2)
-        assert np.sign(columns.mean() - 40) == across or abs(columns.mean() - 40) < 0.5
-        assert np.sign(40 - rows.mean()) == up or abs(40 - rows.mean()) < 0.5
 
 
 def test_a_cell_is_noted_once_a_frame() -> None:

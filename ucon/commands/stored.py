@@ -12,6 +12,7 @@ import argparse
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from ucon.commands.old_names import in_todays_names
 from ucon.commands.places import ROOT, Call, Place, places
 from ucon.core.errors import ConfigError, DataError, brief
 
@@ -45,7 +46,7 @@ def said_in(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def checked(config: Mapping[str, Any], where: str, built: Sequence[str], said: Mapping[str, Any], how: str) -> Any:
-    """A stored configuration that builds nothing but what it may, with what was said on the command line.
+    """A stored configuration in today's names that builds nothing but what it may, with what the command line said.
 
     Args:
         config: what is stored, as plain data.
@@ -58,6 +59,7 @@ def checked(config: Mapping[str, Any], where: str, built: Sequence[str], said: M
         DataError: naming a key that builds what it must not, or holds an interpolation.
         ConfigError: naming the options that have to be said again.
     """
+    config = in_todays_names(config, where)
     _check_calls(config, where)
     needed: dict[str, Any] = {}
     out = {name: _with(said, needed, config[name], places().within(ROOT, name)) for name in config if name in built}

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from ucon.commands.old_names import in_todays_names
 from ucon.commands.options import TRAINING, check_options
 from ucon.commands.stored import checked, has_to_be_said
 from ucon.core.device import torch_device
@@ -160,7 +161,7 @@ def _stored(path: Path, raw: bytes, said: Mapping[str, Any]) -> dict[str, Any]:
         DataError: it is no text, no YAML, lacks something, or would build what it must not.
         ConfigError: it needs what has to be said again, or something else was said than it has.
     """
-    config = _parsed(path, raw)
+    config = in_todays_names(_parsed(path, raw), str(path))
     allowed: dict[str, Any] = checked(config, str(path), ("learner",), said, "++")
     try:
         check_options(config, TRAINING)

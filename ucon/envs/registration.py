@@ -9,8 +9,6 @@ def register_envs() -> None:
     """Register all once; an episode ends itself after 300 steps, so no time limit is wrapped around it."""
     if "UcON-v0" not in gym.registry:
         gym.register(id="UcON-v0", entry_point="ucon.envs.ucon_env:UcONEnv")
-    if "UcONWaypoint-v0" not in gym.registry:
-        gym.register(id="UcONWaypoint-v0", entry_point="ucon.envs.waypoint.env:UcONWaypointEnv")
     if "UcONSearch-v0" not in gym.registry:
         gym.register(id="UcONSearch-v0", entry_point="ucon.envs.waypoint.search_env:UcONSearchEnv")
     if "UcONImageGoal-v0" not in gym.registry:

@@ -17,8 +17,6 @@ from ucon.task.actions import Action
 from ucon.task.episode import Episode
 
 _STEPS = 600
-#: Strategies of ``UcONWaypoint-v0`` that are measured, one over things, one over directions, and their figures' prefix.
-_STRATEGIES = {"landmarks": "waypoint", "views": "waypoint_views"}
 #: Chances of the actions of a walk without Done, in the order of :class:`Action`: mostly ahead, as agents move.
 _WALK = (0.55, 0.15, 0.15, 0.06, 0.06, 0.03)
 
@@ -30,7 +28,7 @@ def bench_environment(episodes: Sequence[Episode], agent: Callable[[], Policy] |
 
     Args:
         episodes: one is taken for each scene; the figure is the median over them, ``..._worst`` the lowest. For
-            ``UcONWaypoint-v0`` a choice at random is one decision.
+            ``UcONSearch-v0`` a choice at random is one decision.
         agent: for ``decisions_per_s``: steps of a whole search, detector, map and choice included.
     """
     chosen = list({episode.scene: episode for episode in episodes}.values())[:8]
@@ -43,8 +41,7 @@ def bench_environment(episodes: Sequence[Episode], agent: Callable[[], Policy] |
         "env_symbolic_sps_worst": min(symbolic),
         "env_with_resets_sps": _with_resets(chosen),
     }
-    for strategy, prefix in _STRATEGIES.items():
-        figures |= _waypoints(chosen, strategy, prefix)
+    figures |= _choices(chosen)
     if agent is not None:
         figures["decisions_per_s"] = _decisions(chosen, agent)
     return {name: round(value, 1) for name, value in figures.items()}
@@ -107,12 +104,12 @@ def _decisions(episodes: Sequence[Episode], make_agent: Callable[[], Policy]) ->
     return decided / max(spent, 1e-9)
 
 
-def _waypoints(episodes: Sequence[Episode], strategy: str, prefix: str) -> dict[str, float]:
-    """Choices per CPU second in ``UcONWaypoint-v0``, and the primitive steps of a choice, all of them inside it."""
+def _choices(episodes: Sequence[Episode]) -> dict[str, float]:
+    """Choices at random per CPU second in ``UcONSearch-v0``, and the steps of a choice, all of them inside it."""
     rates, decided, walked = [], 0, 0
     for episode in episodes:
-        env = gym.make("UcONWaypoint-v0", episodes=(episode,), strategy=strategy, disable_env_checker=True)
-        draw = stream(0, "bench", "waypoint", episode.id)
+        env = gym.make("UcONSearch-v0", episodes=(episode,), disable_env_checker=True)
+        draw = stream(0, "bench", "search", episode.id)
         choices, spent, ended = 0, 0.0, False
         obs, _ = env.reset(seed=0, options={"episode": 0})
         while not ended:
@@ -120,12 +117,13 @@ def _waypoints(episodes: Sequence[Episode], strategy: str, prefix: str) -> dict[
             started = time.process_time()
             obs, _, terminated, truncated, info = env.step(action)
             spent += time.process_time() - started
-            choices, walked, ended = choices + 1, walked + info["primitive_steps"], terminated or truncated
+            choices, ended = choices + 1, terminated or truncated
         env.close()
+        walked += info["episode_metrics"]["steps"]
         decided += choices
         rates.append(choices / max(spent, 1e-9))
     return {
-        f"{prefix}_decisions_per_s": median(rates),
-        f"{prefix}_decisions_per_s_worst": min(rates),
-        f"{prefix}_primitives_per_decision": walked / decided,
+        "search_decisions_per_s": median(rates),
+        "search_decisions_per_s_worst": min(rates),
+        "search_steps_per_decision": walked / decided,
     }

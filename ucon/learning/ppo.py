@@ -20,7 +20,6 @@ from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import entry_parts
 from ucon.learning.collecting import Collecting, Rollouts
 from ucon.learning.experience import Experience, Sequences
-from ucon.learning.expert_loss import EXPERT, ExpertLoss
 from ucon.learning.foresight import TO_GO, ForesightLoss
 from ucon.learning.learner import Card, Figures, State
 from ucon.learning.options import check, check_parts, text_weights
@@ -47,7 +46,6 @@ class PPOLearner:
         collector: who plays.
         loss: what is learned from a minibatch.
         foresight: what a network that scores views is told of the way; None: nothing.
-        expert: how it learns to choose as an expert would; None: not at all.
         validation: how states are compared: by ``success_rate`` or ``spl`` of what is played.
         steps: length of the run, and of the schedule of the learning rate.
         frames: steps of the environment that one collection is learned from; ``auto``: 9,000, or fewer where the
@@ -96,7 +94,6 @@ class PPOLearner:
         trace: float = 0.97,
         kl_stop: float = 0.03,
         foresight: ForesightLoss | None = None,
-        expert: ExpertLoss | None = None,
         lr: float = 5e-4,
         warm_up: int = 0,
         clip: float = 0.5,
@@ -128,14 +125,14 @@ class PPOLearner:
         self.levels = tuple(levels) if self.act.uses_habits else ("none",)
         self.episodes = spaced(load_episodes(episodes), n_episodes, "learner.n_episodes")
         in_actions, in_views = env(), search() if views else None
-        check_taught(policy, in_actions, in_views, expert, loss.objective)
+        check_taught(policy, in_actions, loss.objective)
         learns_from(policy, in_actions.unwrapped)
         self._read_by = str(getattr(in_views, "fingerprint", str)())
         self.source = (in_views or in_actions).unwrapped.source
         self.dataset = self.source.dataset
         check_parts(self.episodes, validation.all, entry_parts(self.dataset))
         self.loss, self.validation, self.seed, self.half = loss, validation, seed, half
-        self.foresight, self.expert = (foresight, expert) if views else (None, None)
+        self.foresight = foresight if views else None
         self.epochs, self.minibatch, self.kl_stop = epochs, minibatch, kl_stop
         self.discount, self.trace = discount, trace
         self.chunk = chunk if self.act.initial_state(1) else 1
@@ -211,14 +208,10 @@ class PPOLearner:
         self, frames: Mapping[str, Tensor], outputs: Outputs, there: Tensor
     ) -> tuple[Tensor | float, Mapping[str, float]]:
         """What a network that scores views is told beside rewards: a loss, and figures."""
-        parts: list[tuple[Tensor, Mapping[str, float]]] = []
-        asked = self.foresight is not None or self.expert is not None
-        decisions = {name: tensor[there] for name, tensor in frames.items()} if asked else {}
-        if self.foresight is not None and outputs.foresight is not None and TO_GO in decisions:
-            parts.append(self.foresight(decisions, outputs.foresight.float()[there]))
-        if self.expert is not None and EXPERT in decisions:
-            parts.append(self.expert(decisions, outputs.logits.float()[there]))
-        return sum((loss for loss, _ in parts), 0.0), {k: v for _, figures in parts for k, v in figures.items()}
+        if self.foresight is None or outputs.foresight is None or TO_GO not in frames:
+            return 0.0, {}
+        decisions = {name: tensor[there] for name, tensor in frames.items()}
+        return self.foresight(decisions, outputs.foresight.float()[there])
 
     def _diverged(self, frames: Mapping[str, Tensor], outputs: Mapping[str, Tensor], part: Sequences) -> None:
         """Name the first tensor on the way to the loss that is not finite."""
@@ -273,7 +266,7 @@ class PPOLearner:
             else "As it was before training: nothing that was learned validated better."
         )
         return Card(
-            f"Policy {name}, by {'what an expert would choose' if self.expert else 'proximal policy optimisation'}",
+            f"Policy {name}, by proximal policy optimisation",
             f"`{name}`, {size:,} parameters. {learned} Validation episodes chose the state; `test` was not touched.\n\n"
             f"Use: `python eval.py agent={name} agent.checkpoint=RUN`.\n\n"
             "It learned in simulated homes what a success is worth there; in homes unlike these it was not measured.",

@@ -30,7 +30,7 @@ class PPOLoss:
         clip: how far the probability of an action may move in one step, as a ratio.
         entropy: weight of the bonus.
         value: weight of the value's loss.
-        objective: weight of the clipped objective; 0 where an expert says what to choose.
+        objective: weight of the clipped objective.
 
     Raises:
         ConfigError: a number out of range.

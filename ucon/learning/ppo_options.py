@@ -10,7 +10,6 @@ from torch import nn
 from ucon.core.device import AUTO
 from ucon.core.errors import ConfigError, brief
 from ucon.envs.image_goal import UcONImageGoalEnv
-from ucon.learning.expert_loss import EXPERT
 from ucon.learning.options import check
 from ucon.learning.policy import ActionPolicy
 from ucon.learning.validation import Validation
@@ -39,14 +38,12 @@ def check_choices(policy: object, levels: Sequence[str], validation: Validation)
         raise ConfigError(f"learner.validation.choose={validation.choose}: expected success_rate or spl")
 
 
-def check_taught(policy: nn.Module, env: Any, search: Any | None, expert: object, objective: float) -> None:
+def check_taught(policy: nn.Module, env: Any, objective: float) -> None:
     """Refuse a policy that would be taught nothing, or the wrong thing, in these environments.
 
     Args:
         policy: what is trained.
         env: an environment of policies over the seven actions.
-        search: one of networks that score views; None: the policy is none.
-        expert: loss of what an expert says of views, or None.
         objective: weight of what came of it.
 
     Raises:
@@ -55,14 +52,8 @@ def check_taught(policy: nn.Module, env: Any, search: Any | None, expert: object
     name = type(policy).__name__
     if isinstance(env.unwrapped, UcONImageGoalEnv) and not getattr(policy, "reads_goal_images", False):
         raise ConfigError(f"learner=image_goal: {name} reads names, not images of goals; give agent=zson")
-    if search is None:
-        if objective == 0:
-            raise ConfigError(
-                f"{name} chooses actions, and no expert says which: with learner.loss.objective=0 there is nothing to "
-                "learn; give learner=ppo, or learner=dagger, which has an expert of actions"
-            )
-    elif expert is not None and EXPERT not in search.observation_space.spaces:
-        raise ConfigError("learner.expert: the environment tells what none would choose; give search.expert=true")
+    if objective == 0:
+        raise ConfigError(f"learner.loss.objective=0: {name} would learn nothing; give a number above 0")
 
 
 def collection_size(policy: ActionPolicy, frames: int | str) -> int:

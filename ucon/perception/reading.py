@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 import numpy as np
 
-from ucon.core.errors import ConfigError, brief
 from ucon.core.sharing import Shared
 from ucon.perception.belief import BeliefWeights, Believing, Locations
 from ucon.perception.coverage import CoverageWeights, Indifferent
-from ucon.perception.places import Places, affordance
+from ucon.perception.places import Places
 from ucon.perception.semantic_map import SemanticMap
-from ucon.retrieval.compose import compose
 from ucon.retrieval.reader import default_reader
-from ucon.retrieval.reading import Belief, Reader
+from ucon.retrieval.reading import Reader
 
 Info = Mapping[str, Any]
 #: Says where the target of an episode may be, from the info at its reset.
@@ -25,20 +23,9 @@ Locate = Callable[[Info], Locations]
 class ReadHabits(Shared):
     """Locations by a reader: common sense, and what the given habits say."""
 
-    def __init__(self, reader: Reader | None = None, *, follow: float = 0.0) -> None:
-        """Say how to read.
-
-        Args:
-            reader: by default the fitted one that is shipped.
-            follow: share of the belief in a movable anchor that goes on to where that anchor may be itself; the rest
-                waits for the anchor to be seen.
-
-        Raises:
-            ConfigError: ``follow`` is no share.
-        """
-        if type(follow) not in (int, float) or not 0.0 <= follow <= 1.0:
-            raise ConfigError(f"follow={brief(follow)}: expected a share from 0 to 1")
-        self._reader, self._follow = reader, follow
+    def __init__(self, reader: Reader | None = None) -> None:
+        """``reader``: by default the fitted one that is shipped."""
+        self._reader = reader
 
     def fingerprint(self) -> str:
         """Which trained reader reads, see :mod:`ucon.evaluation.weights`; "" for the fitted one."""
@@ -51,23 +38,8 @@ class ReadHabits(Shared):
         target, texts = str(info["target"]), tuple(info["habits"])
         reading = self._reader.read(target, texts, trusted=info.get("habit_level") == "gt")
         belief = reading.belief(self._reader.known)
-        p = self._followed(self._reader, target, texts, belief) if self._follow else belief.p
-        return Locations(belief.candidates, p[:, None] * belief.relation, texts, reading.telling, reading.support)
-
-    def _followed(
-        self, reader: Reader, target: str, texts: tuple[str, ...], belief: Belief
-    ) -> np.ndarray[Any, np.dtype[np.float64]]:
-        """p(anchor), (C,), a share of the movable ones followed; see :func:`ucon.retrieval.compose.compose`."""
-        names = belief.candidates
-
-        def beliefs(anchors: Sequence[str]) -> list[dict[str, float]]:
-            readings = (reader.read(anchor, texts) for anchor in anchors)
-            return [dict(zip(names, one.belief(names).p.tolist(), strict=True)) for one in readings]
-
-        movable = {name for name in names if affordance(name).kind == "movable"}
-        composed = compose(target, dict(zip(names, belief.p.tolist(), strict=True)), movable, beliefs)
-        moved = np.array([composed.get(name, 0.0) for name in names])
-        return (1.0 - self._follow) * belief.p + self._follow * moved
+        where = belief.p[:, None] * belief.relation
+        return Locations(belief.candidates, where, texts, reading.telling, reading.support)
 
 
 def expecting(

@@ -19,7 +19,6 @@ _ALL: Final[tuple[Check, ...]] = (
 _SEVEN: Final[tuple[Check, ...]] = (senses.frame, senses.touch, senses.memory, senses.camera, choices.all_actions)
 _OF: Final[dict[str, Sequence[Check]]] = {
     "UcON-v0": (*_ALL, knowledge.unseen_target, *_SEVEN, outcomes.done, outcomes.rewards, outcomes.figures),
-    "UcONWaypoint-v0": (*_ALL, knowledge.unseen_target, choices.masks, outcomes.figures_of_choices),
     "UcONSearch-v0": (*_ALL, knowledge.unseen_target, choices.masks, outcomes.figures_of_choices),
     # Its goal is another one: the episode's target means nothing there, and may be in the image.
     "UcONImageGoal-v0": (*_ALL, *_SEVEN, outcomes.image_goal),

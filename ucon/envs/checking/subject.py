@@ -13,14 +13,12 @@ import numpy as np
 from ucon.core.errors import ConfigError, UconError, brief
 from ucon.envs.image_goal import UcONImageGoalEnv
 from ucon.envs.ucon_env import UcONEnv
-from ucon.envs.waypoint.env import UcONWaypointEnv
 from ucon.envs.waypoint.search_env import UcONSearchEnv
 from ucon.task.episode import Episode
 
 Env = gym.Env[Any, Any]
 OURS: dict[str, Any] = {
     "UcON-v0": UcONEnv,
-    "UcONWaypoint-v0": UcONWaypointEnv,
     "UcONSearch-v0": UcONSearchEnv,
     "UcONImageGoal-v0": UcONImageGoalEnv,
 }
@@ -53,7 +51,7 @@ class Subject:
     @property
     def chooses(self) -> bool:
         """Whether a step is a choice, not one of the seven actions."""
-        return self.ours in ("UcONWaypoint-v0", "UcONSearch-v0")
+        return self.ours == "UcONSearch-v0"
 
     def reference(self, **options: Any) -> Env:
         """The environment of ours with nothing around it."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any, ClassVar, SupportsFloat, cast
 
@@ -21,7 +20,6 @@ from ucon.envs.waypoint.searcher import MISS, Searcher
 from ucon.envs.waypoint.text_tokens import SaidTokens, TextTokens
 from ucon.envs.waypoint.to_go import ToGo
 from ucon.envs.waypoint.tokens import N_EGO, N_FRONTIER, N_THING, Sizes, TokenReader, Tokens
-from ucon.envs.waypoint.view_expert import NOTHING, ViewExpert
 from ucon.envs.waypoint.view_tokens import N_VIEW
 from ucon.objects.catalogue import catalogue
 from ucon.perception.reading import Locate, ReadHabits, expecting
@@ -73,9 +71,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
     int8 (V,), 1 where a view stands.
 
     For trainers: with ``to_go=True``, ``to_go`` float32 (V + 1,), moves from each view, and last from here, to where
-    the episode would succeed, -1 where there is no view or no way; with ``expert=True``, ``expert`` float32 (V,), how
-    much nearer each view brings to where a search would go that knows the home, -1 where there is no view
-    (:class:`ucon.envs.waypoint.view_expert.ViewExpert`).
+    the episode would succeed, -1 where there is no view or no way.
 
     ### Rewards
     0, and at the end what ``returns`` says of the episode.
@@ -102,7 +98,6 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         text: TextTokens | None = None,
         returns: Returns | None = None,
         to_go: bool = False,
-        expert: bool = False,
         observe: str = "symbolic",
         detector: Any = True,
         texts: bool | None = None,
@@ -119,7 +114,6 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
             text: embeds names and habits.
             returns: what an episode is worth.
             to_go: add ``to_go`` to observations: what only a trainer may know.
-            expert: add ``expert`` to observations, likewise. A walk through the home costs a second an episode.
             observe: see ``UcON-v0``.
             detector: what is mapped; see ``UcON-v0``.
             texts: see ``UcON-v0``.
@@ -139,13 +133,8 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         self._searcher: Searcher | None = None
         self._to_go: ToGo | None = None
         self._tells_way = to_go
-        self._expert: ViewExpert | None = None
-        if expert:
-            same = {**options, "source": self.env.source, "privileged": True}
-            known = UcONEnv(self.env.episodes, observe="symbolic", detector=deepcopy(detector), **same)
-            self._expert = ViewExpert(known, self._locate, miss)
         self.action_space = spaces.Discrete(self._sizes.views)  # type: ignore[assignment]  # it draws NumPy integers
-        self.observation_space = observation_space(self._sizes, self._text, to_go=to_go, expert=expert)
+        self.observation_space = observation_space(self._sizes, self._text, to_go=to_go)
 
     @property
     def source(self) -> HabitSource:
@@ -163,8 +152,6 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         self._reader = TokenReader(self._searcher, info, self._sizes)
         self._said = SaidTokens(self._text, str(info["target"]), believing)
         self._to_go = ToGo(self.env) if self._tells_way else None
-        if self._expert is not None:
-            self._expert.begin(self.env.episode, info["habit_level"], locations)
         self._last, self._over = (obs, info), (False, False)
         self._tokens: Tokens | None = None
         self._course.begin(self.env)
@@ -203,8 +190,6 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
                 self._course.note(self.env)
                 if any(over):
                     return
-                if self._expert is not None:
-                    self._expert.follow(action)
             action = self._searcher.look(*self._last)
             if action is None:
                 self._tokens = self._reader.read(self._searcher.decision())
@@ -218,10 +203,8 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
             blank["action_mask"][0] = 1
             if self._to_go is not None:
                 blank["to_go"][:] = UNREACHABLE
-            if self._expert is not None:
-                blank["expert"][:] = NOTHING
             return blank | self._text_arrays()
-        return {**self._tokens.arrays, **self._text_arrays(), **self._way(), **self._advised()}
+        return {**self._tokens.arrays, **self._text_arrays(), **self._way()}
 
     def _way(self) -> Obs:
         """How far it is from the views, and from here."""
@@ -232,14 +215,6 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         far = self._to_go([*views, self._searcher.map.view])
         out[: len(views)], out[-1] = far[:-1], far[-1]
         return {"to_go": out}
-
-    def _advised(self) -> Obs:
-        """What the views are worth to the expert."""
-        if self._expert is None or self._tokens is None:
-            return {}
-        out = np.full(self._sizes.views, NOTHING, np.float32)
-        out[: len(self._tokens.choices)] = self._expert(self._tokens.choices)
-        return {"expert": out}
 
     def _text_arrays(self) -> Obs:
         """Copies: whoever keeps an observation owns it."""
@@ -263,16 +238,14 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         """See ``UcON-v0``."""
         self._course.close()
         self.env.close()
-        if self._expert is not None:
-            self._expert.close()
 
     def fingerprint(self) -> str:
         """Which trained reader says where the target may be, see :mod:`ucon.evaluation.weights`."""
         return str(getattr(self._locate, "fingerprint", str)())
 
 
-def observation_space(sizes: Sizes, text: TextTokens, *, to_go: bool = False, expert: bool = False) -> spaces.Dict:
-    """The space of what a policy over tokens is given; ``to_go``, ``expert``: and its trainer."""
+def observation_space(sizes: Sizes, text: TextTokens, *, to_go: bool = False) -> spaces.Dict:
+    """The space of what a policy over tokens is given; ``to_go``: and its trainer."""
 
     def box(*shape: int) -> spaces.Box:
         return spaces.Box(-_MOST, _MOST, shape, np.float32)
@@ -295,7 +268,6 @@ def observation_space(sizes: Sizes, text: TextTokens, *, to_go: bool = False, ex
             "habits_relevance": box(habits),
             "habits_mask": spaces.MultiBinary(habits),
             **({"to_go": box(sizes.views + 1)} if to_go else {}),
-            **({"expert": box(sizes.views)} if expert else {}),
         }
     )
 

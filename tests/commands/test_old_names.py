@@ -1,0 +1,54 @@
+"""Stored configurations are read in today's names, and a removed argument that did something is an error."""
+
+from __future__ import annotations
+
+import inspect
+from pathlib import Path
+
+import pytest
+import yaml
+from hydra.utils import get_object
+
+from ucon.commands import old_names
+from ucon.commands.old_names import GONE, MOVED, in_todays_names
+from ucon.core.errors import DataError
+
+RESULTS = Path(__file__).resolve().parents[2] / "results"
+STORED = sorted(RESULTS.glob("*/config.yaml"))
+
+
+def targets(node: object) -> set[str]:
+    if isinstance(node, list):
+        return {name for inner in node for name in targets(inner)}
+    if not isinstance(node, dict):
+        return set()
+    own = {node["_target_"]} if "_target_" in node else set()
+    return own | {name for inner in node.values() for name in targets(inner)}
+
+
+def test_every_new_name_is_there_and_no_old_one_is() -> None:
+    for old, new in MOVED.items():
+        assert callable(get_object(new))
+        assert new not in MOVED
+        with pytest.raises(Exception, match=r"(?i)locat|import|module"):
+            get_object(old)
+
+
+def test_every_argument_that_is_gone_is_gone() -> None:
+    for target, arguments in GONE.items():
+        assert not arguments.keys() & inspect.signature(get_object(target)).parameters.keys()
+
+
+@pytest.mark.parametrize("path", STORED, ids=lambda path: path.parent.name)
+def test_what_results_name_is_there(path: Path) -> None:
+    config = in_todays_names(yaml.safe_load(path.read_text()), str(path))
+    assert [name for name in sorted(targets(config)) if not callable(get_object(name))] == []
+
+
+def test_at_any_depth(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(old_names, "MOVED", {"a.Old": "b.New"})
+    monkeypatch.setattr(old_names, "GONE", {"b.New": {"shape": "round"}})
+    stored = {"x": [{"_target_": "a.Old", "shape": "round", "size": {"_target_": "c.Kept"}}], "y": 1}
+    assert in_todays_names(stored, "f") == {"x": [{"_target_": "b.New", "size": {"_target_": "c.Kept"}}], "y": 1}
+    with pytest.raises(DataError, match=r"^f: shape=square of b.New is no longer there"):
+        in_todays_names({"x": {"_target_": "a.Old", "shape": "square"}}, "f")
