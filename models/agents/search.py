@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from models.agents.base import Info, Observation
-from ucon.envs.waypoint.searcher import Searcher
-from ucon.perception.draw import Image
-from ucon.perception.expecting import Expecting
-from ucon.perception.viewpoints import Costs
+from ucon.perception.belief.protocol import Expecting
+from ucon.perception.drawing.map_picture import Image
+from ucon.perception.views.viewpoints import Costs
+from ucon.search.searcher import Searcher
 
 
 class SearchController:
@@ -23,7 +23,7 @@ class SearchController:
         return int(action)
 
     def picture(self) -> Image:
-        """What it thinks; see :func:`ucon.perception.draw_search.draw_search`."""
-        from ucon.perception.draw_search import draw_search
+        """What it thinks; see :func:`ucon.search.picture.draw_search`."""
+        from ucon.search.picture import draw_search
 
         return draw_search(self.searcher)

@@ -11,8 +11,8 @@ import pytest
 from ucon.core.errors import ActionError, EpisodeError
 from ucon.envs.checking.findings import same
 from ucon.envs.checking.subject import OURS, core, reset, step
+from ucon.envs.search.env import UcONSearchEnv
 from ucon.envs.ucon_env import UcONEnv
-from ucon.envs.waypoint.search_env import UcONSearchEnv
 from ucon.task.actions import Action
 from ucon.task.episode import Episode
 

@@ -17,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the homes and, into a folder that is named, the sets."""
-    from ucon.commands.output import stdout_to_stderr
+    from ucon.core.output import stdout_to_stderr
     from ucon.sim import cache
     from ucon.task import sets
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ucon.evaluation.record import EpisodeRecord
+    from ucon.evaluation.kept.record import EpisodeRecord
 
 Search = tuple[Path, "EpisodeRecord"]
 """Folder of a run of one episode, and its record."""
@@ -21,8 +21,8 @@ def search_twice(words: Sequence[str], out: Path, levels: Sequence[str], *, film
     Raises:
         ConfigError: outside a clone, or as ``eval.py`` does.
     """
-    from ucon.commands.evaluating import Evaluation
-    from ucon.evaluation.finished import FinishedRun
+    from ucon.evaluation.kept.finished import FinishedRun
+    from ucon.programs.evaluating import Evaluation
 
     found = []
     for level in levels:
