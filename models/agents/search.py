@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from models.agents.base import Info, Observation
 from ucon.perception.belief.protocol import Expecting
 from ucon.perception.drawing.map_picture import Image
 from ucon.perception.views.viewpoints import Costs
 from ucon.search.searcher import Searcher
+from ucon.task.agent import Info, Observation
 
 
 class SearchController:

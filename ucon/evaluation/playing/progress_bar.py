@@ -17,13 +17,13 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from ucon.evaluation.playing.play import Played
+from ucon.evaluation.playing.play import PlayedEpisode
 
 
 class EvaluationProgress:
     """``with EvaluationProgress(...) as progress: progress.add(played)``."""
 
-    def __init__(self, label: str, total: int, *, visible: bool = True, done: Iterable[Played] = ()) -> None:
+    def __init__(self, label: str, total: int, *, visible: bool = True, done: Iterable[PlayedEpisode] = ()) -> None:
         self._progress = Progress(
             TextColumn("{task.description}"),
             BarColumn(),
@@ -40,7 +40,7 @@ class EvaluationProgress:
         for played in done:
             self.add(played)
 
-    def add(self, played: Played) -> None:
+    def add(self, played: PlayedEpisode) -> None:
         """Count one finished episode."""
         self._played += 1
         self._successes += played.record.success
