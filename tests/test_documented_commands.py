@@ -1,6 +1,7 @@
 """Every command on a page is one that the program takes: options, groups, files of configs/, targets of make.
 
-Lines of ``bash`` and ``console`` blocks are read. Names in capitals (RUN, FOLDER, PATH) stand for a reader's own.
+Lines of ``bash`` and ``console`` blocks are read, and commands within the text that say more than a name. Names in
+capitals (RUN, FOLDER, PATH) stand for a reader's own.
 """
 
 from __future__ import annotations
@@ -34,22 +35,32 @@ PAGES = [
     *sorted(ROOT.glob("docs/**/*.md")),
     *sorted(ROOT.glob("results/*.md")),
 ]
-_BLOCK = re.compile(r"^ *```(?:bash|console)\n(.*?)^ *```", re.MULTILINE | re.DOTALL)
+_BLOCK = re.compile(r"^ *```(\w*)\n(.*?)^ *```", re.MULTILINE | re.DOTALL)
+_WITHIN_TEXT = re.compile(r"`(python (?:eval\.py|train\.py|-m ucon \w[\w-]*) [^`]+)`")
+#: A group's value that stands for any: ``agent=NAME``.
+_ANY = re.compile(r"\w+=[A-Z]+")
 #: Of docs/EXTENDING.md, which has a test of its own.
 _OF_AN_EXAMPLE = "agent=mentioned"
+SHELLS = ("bash", "console")
 SETS = {
     path.name.partition(".")[0] for folder in ("episodes", "ucon/task/data") for path in (ROOT / folder).glob("*.xz")
 }
 
 
 def commands_of(text: str) -> Iterator[list[str]]:
-    """The words of each line of a page's blocks, without comments and ``NAME=VALUE`` before the program."""
-    for block in _BLOCK.findall(text):
-        for line in block.splitlines():
-            words = shlex.split(line, comments=True)
-            words = list(itertools.dropwhile(lambda word: re.match(r"[A-Z_]+=", word), words))
-            if words:
-                yield words
+    """The words of each command of a page, without comments and ``NAME=VALUE`` before the program."""
+    lines = [line for kind, block in _BLOCK.findall(text) if kind in SHELLS for line in block.splitlines()]
+    for line in [*lines, *_WITHIN_TEXT.findall(_BLOCK.sub("", text))]:
+        words = shlex.split(line, comments=True)
+        words = list(itertools.dropwhile(lambda word: re.match(r"[A-Z_]+=", word), words))
+        if words:
+            any_group = [word for word in words if _ANY.fullmatch(word) and is_group(word.partition("=")[0])]
+            yield [word for word in words if word not in (*any_group, "--help")]
+
+
+def is_group(name: str) -> bool:
+    """Whether an option chooses a file of a folder of ``configs/``."""
+    return (ROOT / "configs" / name).is_dir()
 
 
 def told() -> list[tuple[str, list[str]]]:
@@ -98,7 +109,7 @@ def swept(words: list[str]) -> list[list[str]]:
     for one in OverridesParser.create().parse_overrides([word for word in words if word != "-m"]):
         values = list(one.sweep_string_iterator()) if one.is_sweep_override() else []
         name = one.key_or_group
-        if (ROOT / "configs" / name).is_dir():
+        if is_group(name):
             there = {path.stem for path in (ROOT / "configs" / name).glob("*.yaml")} | {
                 _OF_AN_EXAMPLE.partition("=")[2]
             }
