@@ -18,16 +18,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 from hydra import compose, initialize_config_dir
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.utils import get_object
 from omegaconf import OmegaConf
 
 from ucon.__main__ import COMMANDS, _module, main
-from ucon.commands.arguments import check_arguments
-from ucon.commands.options import EVALUATION, check_options
-from ucon.commands.training import chosen_run
+from ucon.configuration.arguments import check_arguments
+from ucon.configuration.known_options import EVALUATION, check_options
 from ucon.core.errors import ConfigError
+from ucon.programs.training import chosen_run
 
 ROOT = Path(__file__).parents[1]
 PAGES = [
@@ -101,35 +102,34 @@ def test_every_program_on_a_page_is_known() -> None:
             assert importlib.util.find_spec(words[2]) is not None, f"{page}: {words[2]}"
 
 
-def swept(words: list[str]) -> list[list[str]]:
-    """Overrides of a sweep, so that every value is in one of these; of a group's files the first, if all are there."""
+def first_of(words: list[str]) -> list[str]:
+    """Overrides of the first run of a sweep; the files that others choose are there, their values of the same type."""
     if "-m" not in words:
-        return [words]
-    choices = []
+        return words
+    first = []
     for one in OverridesParser.create().parse_overrides([word for word in words if word != "-m"]):
-        values = list(one.sweep_string_iterator()) if one.is_sweep_override() else []
-        name = one.key_or_group
+        if not one.is_sweep_override():
+            first.append(one.input_line)
+            continue
+        name, values = one.key_or_group, list(one.sweep_string_iterator())
         if is_group(name):
-            there = {path.stem for path in (ROOT / "configs" / name).glob("*.yaml")} | {
-                _OF_AN_EXAMPLE.partition("=")[2]
-            }
-            assert set(values) <= there, f"{name}: {set(values) - there}"
-            values = values[:1]
-        choices.append([f"{name}={value}" for value in values] if one.is_sweep_override() else [one.input_line])
-    return [[options[n % len(options)] for options in choices] for n in range(max(map(len, choices)))]
+            there = {path.stem for path in (ROOT / "configs" / name).glob("*.yaml")}
+            assert set(values) <= there | {_OF_AN_EXAMPLE.partition("=")[2]}, name
+        assert len({type(yaml.safe_load(value)) for value in values}) == 1, name
+        first.append(f"{name}={values[0]}")
+    return first
 
 
 def check_evaluation(words: list[str]) -> None:
     """What ``eval.py`` asks of its options, but for files that are a reader's own."""
+    known = [word for word in first_of(words) if word != _OF_AN_EXAMPLE]
     with initialize_config_dir(str(ROOT / "configs"), version_base="1.3"):
-        for overrides in swept(words):
-            known = [word for word in overrides if word != _OF_AN_EXAMPLE]
-            config: Any = OmegaConf.to_container(compose("eval", [*known, "out=runs/x"]), resolve=True)
-            check_options(config, EVALUATION)
-            for part in (config["env"], config["agent"]):
-                get_object(part["_target_"])
-                check_arguments(part)
-            assert config["episodes"] in SETS or config["episodes"].endswith(".jsonl.xz")
+        config: Any = OmegaConf.to_container(compose("eval", [*known, "out=runs/x"]), resolve=True)
+    check_options(config, EVALUATION)
+    for part in (config["env"], config["agent"]):
+        get_object(part["_target_"])
+        check_arguments(part)
+    assert config["episodes"] in SETS or config["episodes"].endswith(".jsonl.xz")
 
 
 @pytest.mark.parametrize("words", starting("python", "eval.py"))
@@ -141,15 +141,14 @@ def test_evaluations_are_composed(words: list[str]) -> None:
 def test_trainings_are_composed(words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """By what ``train.py`` itself asks; a run that ``resume=`` names is not there, and nothing else is wrong."""
     monkeypatch.chdir(tmp_path)
+    overrides = first_of([word for word in words if not word.startswith("hydra/launcher=")])
     with initialize_config_dir(str(ROOT / "configs"), version_base="1.3"):
-        for overrides in swept([word for word in words if not word.startswith("hydra/launcher=")]):
-            config = compose("train", overrides)
-            if config.resume:
-                with pytest.raises(ConfigError, match="no run there"):
-                    chosen_run(config, overrides, None)
-                continue
-            chosen = chosen_run(config, overrides, tmp_path)
-            check_arguments(chosen.config["learner"])
+        config = compose("train", overrides)
+    if config.resume:
+        with pytest.raises(ConfigError, match="no run there"):
+            chosen_run(config, overrides, None)
+        return
+    check_arguments(chosen_run(config, overrides, tmp_path).config["learner"])
 
 
 @pytest.mark.parametrize("words", starting("python", "-m", "ucon"))

@@ -51,6 +51,13 @@ def test_every_link_leads_somewhere() -> None:
             assert (page.parent / target).exists(), f"{page}: {target}"
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_path_exists(page: Path) -> None:
+    paths = re.findall(r"`((?:ucon|models|configs|tests|results|checkpoints)/[\w./-]+)`", page.read_text())
+    of_example = {"models/agents/mentioned.py", "configs/agent/mentioned.yaml"}
+    assert [path for path in paths if not (ROOT / path).exists() and path not in of_example] == []
+
+
 def test_every_page_is_in_the_menu() -> None:
     menu = re.findall(r"^ +- (?:[^:\n]+: )?(\S+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.MULTILINE)
     pages = {str(page.relative_to(ROOT / "docs")) for page in ROOT.glob("docs/**/*.md")} - {"NEXT.md"}
