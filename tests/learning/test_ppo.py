@@ -213,7 +213,7 @@ def test_a_gpu_is_used_in_half_the_bits(learner, monkeypatch):
     on_a_gpu(monkeypatch)
     found = learner(Stays(), device="auto", precision="auto")
     assert found.resolved_options == {"device": "cuda", "precision": "bfloat16"}
-    assert found.minibatch == learner().minibatch
+    assert found.options.minibatch == learner().options.minibatch
     assert learner(precision="auto").resolved_options == {"device": "cpu", "precision": "float32"}
 
 

@@ -50,8 +50,12 @@ def arguments_of(target: str) -> dict[str, tuple[Kind, Any]]:
         found = get_object(target)
         made_by = [found]
         if inspect.isclass(found):
-            other = getattr(found, "options_of", None)
-            made_by = [found, other] if other else [c for c in inspect.getmro(found) if "__init__" in vars(c)]
+            lines = [vars(c) for c in inspect.getmro(found)]
+            handed_on = [
+                [c] * ("__init__" in own) + [own["options_of"]] * ("options_of" in own)
+                for c, own in zip(inspect.getmro(found), lines, strict=True)
+            ]
+            made_by = [one for several in handed_on for one in several]
         out: dict[str, tuple[Kind, Any]] = {}
         for one in made_by:
             parameters = inspect.signature(one).parameters.values()

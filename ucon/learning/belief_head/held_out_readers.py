@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
 
 from ucon.core.errors import ConfigError, brief
 from ucon.fitting.scene_evidence import kept_scene_evidence, told_beforehand
@@ -19,13 +18,11 @@ from ucon.habits.types import HabitDataset
 from ucon.language.pairs import default_pair_reader
 from ucon.learning.belief_head.crossfit import ReadEvidence, folds
 from ucon.learning.belief_head.households import Pair, pair_folds
+from ucon.learning.run.options import N_FOLDS
 from ucon.readers.evidence import EvidenceReader
 from ucon.readers.household import FittedParts, default_parts, parts_with, shipped_evidence
 from ucon.readers.reader_weights import default_weights, load_arrays
 from ucon.readers.scene_evidence import LAST, SceneEvidence
-
-#: Of the habit book, unless another number is given.
-N_FOLDS: Final = 2
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,11 +27,11 @@ from ucon.core.tensor_files import read_fitting
 from ucon.habits.splits import Split, entry_parts
 from ucon.habits.types import HabitDataset
 from ucon.learning.belief_head.draws import Draw, Draws, Sample, sample
-from ucon.learning.belief_head.held_out_readers import N_FOLDS, Fold, folds_of, parts_of
+from ucon.learning.belief_head.held_out_readers import Fold, folds_of, parts_of
 from ucon.learning.belief_head.households import KnowledgeBases
 from ucon.learning.belief_head.losses import losses
 from ucon.learning.retriever.learner import schedule
-from ucon.learning.run.option_checks import check
+from ucon.learning.run.options import BeliefOptions
 from ucon.learning.run.protocol import Card, Figures, State
 from ucon.learning.run.run_folder import MODEL
 from ucon.learning.run.updates import Updates
@@ -54,74 +54,47 @@ class BeliefLearner:
         head: makes the network (:class:`models.nets.belief.belief_head.BeliefHead`), which reads
             :class:`~ucon.readers.head_inputs.HeadInputs`.
         dataset: habits; only entries of its ``train`` part teach, those of ``val`` choose and calibrate.
-        steps: length of the schedule.
         draw: how households are drawn.
-        households: of one step.
-        lr: highest learning rate of AdamW.
-        warm_up: steps until it is reached.
-        decay: weight decay.
-        relation, relevance: weights of these losses beside that of the anchors.
-        average: decay of the moving average of the parameters, which is what is chosen and kept.
-        n_folds: of the parts that read the train text; of habits that belong to no scenes, as ``used_folds``.
-        used_folds: so many of them are learned from (each takes minutes to fit); all by default.
-        own_places: of a dataset that is bound to scenes, learn also which places its sentences speak for.
-        n_kbs: knowledge bases of one validation.
-        seed: of the start and of what is drawn.
-        initial: folder of a head of the same options, whose weights it begins with; None: random ones.
         parts: what reads the val part, and what the head will stand on; the shipped ones by default.
         folds: what reads the train part, by pieces of it; fitted where not given.
+        options: :class:`ucon.learning.run.options.BeliefOptions`.
 
     Raises:
         ConfigError: a value out of its range.
         DataError: no head in ``initial``, a damaged one, or one of another shape.
     """
 
+    options_of = BeliefOptions
+    """Whose options it takes beside its own."""
+
     def __init__(
         self,
         head: Callable[[], nn.Module],
         dataset: HabitDataset,
-        steps: int,
         draw: Draw | None = None,
-        households: int = 2,
-        lr: float = 2e-3,
-        warm_up: int = 50,
-        decay: float = 0.02,
-        relation: float = 0.3,
-        relevance: float = 0.5,
-        average: float = 0.99,
-        n_folds: int = N_FOLDS,
-        used_folds: int | None = None,
-        own_places: bool = False,
-        n_kbs: int = 8,
-        seed: int = 0,
-        initial: str | None = None,
         parts: FittedParts | None = None,
         folds: Sequence[Fold] | None = None,
+        **options: Any,
     ) -> None:
-        whole = {"steps": steps, "households": households, "warm_up": warm_up, "n_kbs": n_kbs}
-        check("above 0 and whole", lambda x: x > 0, (int,), **whole)
-        check("above 0", lambda x: 0 < x < 1e9, lr=lr)
-        check("at least 0", lambda x: 0 <= x < 1e9, decay=decay, relation=relation, relevance=relevance)
-        check("at least 0 and below 1", lambda x: 0 <= x < 1, average=average)
-        self.dataset, self.steps, self.seed, self.n_kbs = dataset, steps, seed, n_kbs
-        self.households, self.lr, self.warm_up = households, lr, warm_up
-        self.weights = {"anchor": 1.0, "relation": relation, "relevance": relevance}
-        torch.manual_seed(derived_seed(seed, "belief head"))
+        self.options = given = BeliefOptions(**options)
+        self.dataset, self.seed, self.steps = dataset, given.seed, given.steps
+        self.weights = {"anchor": 1.0, "relation": given.relation, "relevance": given.relevance}
+        torch.manual_seed(derived_seed(given.seed, "belief head"))
         self.head = head()
         draw = draw or Draw()
-        self._initial = "" if initial is None else _begin_with(self.head, Path(initial).expanduser())
-        check("true or false", lambda x: True, (bool,), own_places=own_places)
-        if own_places and not dataset.scenes:
+        self._initial = "" if given.initial is None else _begin_with(self.head, Path(given.initial).expanduser())
+        if given.own_places and not dataset.scenes:
             raise ConfigError(f"learner.own_places=true: {dataset.name} belongs to no scenes, and is read as it is")
-        folds = folds_of(dataset, n_folds, used_folds, own_places) if folds is None else folds
-        self._parts = parts or parts_of(dataset, own_places)
+        if folds is None:
+            folds = folds_of(dataset, given.n_folds, given.used_folds, given.own_places)
+        self._parts = parts or parts_of(dataset, given.own_places)
         # Where a source says what stands in a scene, that is all there is to ask about.
         others = () if dataset.standing else dataset.anchors if dataset.scenes else None
         self._folds = [
             (KnowledgeBases(f.dataset, f.parts.known), Draws(f.parts, draw, others, f.pairs), f.pairs) for f in folds
         ]
         self._chosen_by = KnowledgeBases(dataset, self._parts.known)
-        self.updates = Updates(self.head, lr=lr, decay=decay, average=average)
+        self.updates = Updates(self.head, lr=given.lr, decay=given.decay, average=given.average)
         self._done = 0
 
     @property
@@ -144,21 +117,23 @@ class BeliefLearner:
         torch.manual_seed(derived_seed(self.seed, "dropout", self._done))
         self.updates.begin()
         total = dict.fromkeys(("loss", *self.weights), 0.0)
-        for k in range(self.households):
-            one = self.training_sample(self._done * self.households + k)
+        for k in range(self.options.households):
+            one = self.training_sample(self._done * self.options.households + k)
             found = losses(self.head(one.inputs), one.truth)
             loss = sum((self.weights[name] * value for name, value in found.items()), torch.zeros(()))
-            (loss / self.households).backward()  # type: ignore[no-untyped-call]
+            (loss / self.options.households).backward()  # type: ignore[no-untyped-call]
             for name, value in {"loss": loss, **found}.items():
-                total[name] += float(value.detach()) / self.households
-        updated = self.updates.take(self._done, self.lr * schedule(self._done, self.steps, self.warm_up))
+                total[name] += float(value.detach()) / self.options.households
+        updated = self.updates.take(
+            self._done, self.options.lr * schedule(self._done, self.steps, self.options.warm_up)
+        )
         self._done += 1
         return {**total, **updated}
 
     @cached_property
     def validation(self) -> list[Sample]:
         """The same for every run and seed, so that runs can be compared."""
-        return self._samples("val", _CHOOSE, self.n_kbs)
+        return self._samples("val", _CHOOSE, self.options.n_kbs)
 
     def _samples(self, part: Split, first: int, count: int) -> list[Sample]:
         """All targets of ``count`` knowledge bases, at all levels."""
@@ -227,7 +202,7 @@ class BeliefLearner:
 
     def _temperature(self) -> float:
         """By which the average's scores are divided: the likeliest on other households of the ``val`` part."""
-        samples = self._samples("val", _CALIBRATE, self.n_kbs)
+        samples = self._samples("val", _CALIBRATE, self.options.n_kbs)
         with self.updates.averaged(), torch.no_grad():
             self.head.eval()
             scores = [self.head(one.inputs) for one in samples]

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Final, cast
 import numpy as np
 
 from ucon.learning.imitation.trajectories import Replay, Replayer, Trajectory
-from ucon.learning.imitation.workers import WORKER_TIMEOUT_S, ask, begin_worker, lost_one
+from ucon.learning.run.workers import WORKER_TIMEOUT_S, ask, begin_worker, lost_one
 
 if TYPE_CHECKING:
     from torch import nn

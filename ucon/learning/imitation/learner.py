@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import count
-from typing import Any, Literal, cast
+from typing import Any, cast
 
 import numpy as np
 import torch
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from ucon.core.device import batch_size, torch_device, torch_precision
-from ucon.core.errors import ConfigError, DivergedError, brief
+from ucon.core.errors import ConfigError, DivergedError
 from ucon.core.files import sha256_bytes
 from ucon.core.fingerprint import fingerprint_of
 from ucon.core.rng import derived_seed, stream
@@ -27,16 +27,15 @@ from ucon.learning.imitation.demonstrators import Demonstrator, Solutions
 from ucon.learning.imitation.feeding import Feeder
 from ucon.learning.imitation.sequence_loss import SequenceLoss
 from ucon.learning.imitation.trajectories import Replay, Trajectory
-from ucon.learning.imitation.workers import MOST_WORKERS, WORKER_TIMEOUT_S, check_timeout
 from ucon.learning.policies.action_policy import ActionPolicy, scores_views
 from ucon.learning.policies.playing import Players
 from ucon.learning.policies.sequences import Batch, Chunk, cut
 from ucon.learning.policies.validation import Validation, spaced
 from ucon.learning.run.network_files import learns_from, load_network, network_files
 from ucon.learning.run.option_checks import check, check_parts, text_weights
+from ucon.learning.run.options import ImitationOptions
 from ucon.learning.run.protocol import Card, Figures, State
 from ucon.learning.run.updates import Updates, require_finite
-from ucon.retrieval.levels import check_level
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
 
@@ -50,23 +49,8 @@ class ImitationLearner:
         env: makes an environment of ``UcON-v0``, with what the policy reads; sent to workers.
         loss: what is learned from a chunk.
         validation: how states are compared.
-        steps: length of the run, and of the schedule of the learning rate.
-        episodes: a named set or a file, of the ``train`` part alone.
-        demonstrator: shows what to do in them; by default their stored shortest solutions.
-        n_episodes: so many of them, evenly spaced; None: all.
-        levels: habit levels that a batch mixes. One is enough for a policy that reads none.
-        batch: episodes of one step; ``auto``: as many as the demonstrator says, four times as many on a GPU.
-        chunk: steps through which gradients flow.
-        lr, warm_up, clip, decay, average: see :class:`ucon.learning.run.updates.Updates`.
-        seed: of the order of episodes, of dropout and augmentation.
-        initial: folder of the weights that it begins with, or a run of ``train.py``; None: those that it has.
-        device: ``cpu``, ``cuda``, or ``auto``: a GPU if there is one.
-        precision: ``float32``, or ``bfloat16`` for the passes of the network (the loss stays in float32); ``auto``:
-            the latter on a GPU that has it.
-        workers: processes that play episodes ahead; 0 plays them in this one. Changes nothing that is learned.
-        worker_timeout_s: so long may the next batch take them; then they are ended, and the run with them.
-        memory_gb: of what was seen, kept for the next time.
-        half: leave the policy in float16.
+        demonstrator: shows what to do in the episodes; by default their stored shortest solutions.
+        options: :class:`ucon.learning.run.options.ImitationOptions`.
 
     Raises:
         ConfigError: a value of the wrong type or outside its range, or episodes that must not be learned from.
@@ -75,73 +59,47 @@ class ImitationLearner:
 
     title = "imitation"
 
+    options_of = ImitationOptions
+    """Whose options it takes beside its own."""
+
     def __init__(
         self,
         policy: nn.Module,
         env: Callable[[], Any],
         loss: SequenceLoss,
         validation: Validation,
-        steps: int,
-        episodes: str = "train",
         demonstrator: Demonstrator | None = None,
-        n_episodes: int | None = None,
-        levels: Sequence[str] = ("none", "retrieval", "full", "gt"),
-        batch: int | Literal["auto"] = 16,
-        chunk: int = 32,
-        lr: float = 3e-4,
-        warm_up: int = 50,
-        clip: float = 1.0,
-        decay: float = 0.0,
-        average: float = 0.0,
-        seed: int = 0,
-        initial: str | None = None,
-        device: str = "cpu",
-        precision: str = "float32",
-        workers: int = 0,
-        worker_timeout_s: float = WORKER_TIMEOUT_S,
-        memory_gb: float = 1.0,
-        half: bool = True,
+        **options: Any,
     ) -> None:
+        self.options = given = ImitationOptions(**options)
         if not isinstance(policy, nn.Module):
             raise ConfigError("agent has no policy that can be trained; choose one that has, such as agent=vtn")
         if scores_views(policy):
             scorer = type(policy).__name__
-            raise ConfigError(
-                f"{scorer} scores views, and stored solutions name actions; train it with learner=ppo or expert"
-            )
-        self.device = torch_device(device, "learner.device")
-        self._precision = torch_precision(precision, self.device)
+            raise ConfigError(f"{scorer} scores views, and stored solutions name actions; train it with learner=ppo")
+        self.device = torch_device(given.device, "learner.device")
+        self._precision = torch_precision(given.precision, self.device)
         self.demonstrator = demonstrator or Solutions()
-        batch = batch_size(batch, self.device, self.demonstrator.batch)
-        check("above 0 and whole", lambda x: x > 0, (int,), steps=steps, batch=batch, chunk=chunk)
-        check("at least 0 and whole", lambda x: x >= 0, (int,), warm_up=warm_up)
-        check(
-            f"at least 0 and whole, at most {MOST_WORKERS}", lambda x: 0 <= x <= MOST_WORKERS, (int,), workers=workers
-        )
-        check("above 0", lambda x: 0 < x < 1e9, lr=lr, clip=clip)
-        check("at least 0", lambda x: 0 <= x < 1e9, decay=decay, memory_gb=memory_gb)
-        check("at least 0 and below 1", lambda x: 0 <= x < 1, average=average)
-        check("a whole number", lambda x: True, (int,), seed=seed)
-        check_timeout("learner.worker_timeout_s", worker_timeout_s)
+        batch = batch_size(given.batch, self.device, self.demonstrator.batch)
+        check("above 0 and whole", lambda x: x > 0, (int,), batch=batch)
         self.policy, self.make_env, self.loss, self.validation = policy, env, loss, validation
-        self.seed, self.batch, self.chunk, self.half = seed, batch, chunk, half
+        self.seed, self.batch = given.seed, batch
         self.act = cast(ActionPolicy, policy)
-        if isinstance(levels, str) or not levels:
-            raise ConfigError(f"learner.levels={brief(levels)}: expected a list of at least one habit level")
-        for level in levels:
-            check_level(str(level))
-        self.levels = tuple(levels) if self.act.uses_habits else ("none",)
-        self.episodes = spaced(load_episodes(episodes), n_episodes, "learner.n_episodes")
+        self.levels = tuple(given.levels) if self.act.uses_habits else ("none",)
+        self.episodes = spaced(load_episodes(given.episodes), given.n_episodes, "learner.n_episodes")
         seen = env().unwrapped
         self.source = seen.source
         self.dataset = self.source.dataset
         check_parts(self.episodes, validation.all, entry_parts(self.dataset))
-        self._initial = "" if initial is None else load_network(str(initial), cast(Any, policy))
+        self._initial = "" if given.initial is None else load_network(str(given.initial), cast(Any, policy))
         learns_from(policy, seen)
-        memory = {"workers": workers, "memory_bytes": int(memory_gb * (1 << 30))}
-        self.feeder = Feeder(policy, env, **memory, worker_timeout_s=worker_timeout_s)
+        memory = {"workers": given.workers, "memory_bytes": int(given.memory_gb * (1 << 30))}
+        self.feeder = Feeder(policy, env, **memory, worker_timeout_s=given.worker_timeout_s)
         self.policy.to(self.device)
-        self.updates = Updates(policy, lr=lr, clip=clip, steps=steps, warm_up=warm_up, decay=decay, average=average)
+        self.updates = Updates(
+            policy, lr=given.lr, clip=given.clip, steps=given.steps,
+            warm_up=given.warm_up, decay=given.decay, average=given.average,
+        )  # fmt: skip
         self.done, self.frames, self.labels = 0, 0, 0
         self._stream: Iterator[list[tuple[Trajectory, Replay]]] | None = None
         self._ordered: tuple[int, NDArray[np.int64]] = (-1, np.empty(0, np.int64))
@@ -242,7 +200,7 @@ class ImitationLearner:
     def product(self) -> Mapping[str, bytes]:
         """The policy, as :class:`models.agents.policy.PolicyAgent` loads it."""
         with self.updates.averaged():
-            return network_files(cast(Any, self.policy), half=self.half)
+            return network_files(cast(Any, self.policy), half=self.options.half)
 
     def card(self) -> Card:
         """What it is and what for."""
@@ -270,7 +228,7 @@ class ImitationLearner:
         scale = self.loss.scale(batch)
         state: Mapping[str, Tensor] = self.act.initial_state(len(batch.lengths))
         kind = torch.device(self.device).type
-        for chunk in batch.chunks(self.chunk):
+        for chunk in batch.chunks(self.options.chunk):
             state = cut(state, chunk.labels.shape[1])
             with torch.autocast(kind, self._precision, enabled=self._precision != torch.float32):
                 outputs = self.act(chunk.frames, chunk.context, state)

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, Final, cast
 
 from torch import nn
 
 from ucon.core.device import AUTO
-from ucon.core.errors import ConfigError, brief
+from ucon.core.errors import ConfigError
 from ucon.envs.image_goal import UcONImageGoalEnv
 from ucon.learning.policies.action_policy import ActionPolicy
 from ucon.learning.policies.validation import Validation
 from ucon.learning.run.option_checks import check
-from ucon.retrieval.levels import check_level
 
 #: Of the recurrent states of one collection.
 _MOST_STATE_BYTES: Final = 4 << 30
@@ -22,18 +20,14 @@ _USUAL_STATE_BYTES: Final = 1 << 30
 _USUAL_FRAMES: Final = 9000
 
 
-def check_choices(policy: object, levels: Sequence[str], validation: Validation) -> None:
-    """Refuse what names no policy, habit level or figure to choose by.
+def check_choices(policy: object, validation: Validation) -> None:
+    """Refuse what names no policy, or no figure to choose by.
 
     Raises:
         ConfigError: naming what to give.
     """
     if not isinstance(policy, nn.Module):
         raise ConfigError("agent has no policy that can be trained; choose one that has, like agent=habit_policy")
-    if isinstance(levels, str) or not levels:
-        raise ConfigError(f"learner.levels={brief(levels)}: expected a list of at least one habit level")
-    for level in levels:
-        check_level(str(level))
     if validation.choose not in ("success_rate", "spl"):
         raise ConfigError(f"learner.validation.choose={validation.choose}: expected success_rate or spl")
 

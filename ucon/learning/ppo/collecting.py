@@ -24,9 +24,9 @@ from torch import nn
 from torchrl.collectors import Collector, MultiSyncCollector
 
 from ucon.core.errors import ConfigError, brief
-from ucon.learning.imitation.workers import WORKER_TIMEOUT_S, ask, begin_worker, check_timeout
 from ucon.learning.policies.actor import rollout_actor
 from ucon.learning.ppo.rollout_env import rollout_env
+from ucon.learning.run.workers import WORKER_TIMEOUT_S, ask, begin_worker, check_timeout
 from ucon.task.episode import Episode
 
 MakeEnv = Callable[[], Any]

@@ -7,9 +7,9 @@ of the step, so the state between steps is that of the network and its optimiser
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import cached_property
-from typing import Any, Literal, cast
+from typing import Any, cast
 
 import torch
 from torch import Tensor, nn
@@ -30,7 +30,8 @@ from ucon.learning.ppo.collecting import Collecting, ExperienceCollector
 from ucon.learning.ppo.experience import Experience, Sequences
 from ucon.learning.ppo.foresight import TO_GO, ForesightLoss
 from ucon.learning.run.network_files import learns_from, load_network, network_files
-from ucon.learning.run.option_checks import check, check_parts, text_weights
+from ucon.learning.run.option_checks import check_parts, text_weights
+from ucon.learning.run.options import PPOOptions
 from ucon.learning.run.protocol import Card, Figures, State
 from ucon.learning.run.trainer_state import SCORE
 from ucon.learning.run.updates import Updates, require_finite
@@ -49,32 +50,15 @@ class PPOLearner:
         loss: what is learned from a minibatch.
         foresight: what a network that scores views is told of the way; None: nothing.
         validation: how states are compared: by ``success_rate`` or ``spl`` of what is played.
-        steps: length of the run, and of the schedule of the learning rate.
-        frames: steps of the environment that one collection is learned from; ``auto``: 9,000, or fewer where the
-            policy's memory is large.
-        episodes: a named set or a file, of the ``train`` part alone.
-        n_episodes: so many of them, evenly spaced; None: all.
-        levels: habit levels that every collection mixes. One is enough for a policy that reads none.
-        epochs: passes over a collection.
-        minibatch: steps of the environment of one update.
-        chunk: steps through which gradients flow in a policy with memory.
-        discount: of rewards, a step.
-        trace: of the advantages (lambda).
-        kl_stop: no further pass where the policy has moved so far from the one that played.
-        lr, warm_up, clip, decay, average: see :class:`ucon.learning.run.updates.Updates`; one step is a collection, of
-            many updates.
-        anneal: let the learning rate fall by half a cosine to a tenth; else it stays.
-        seed: of episodes, actions and order.
-        initial: folder of the weights that it begins with, or a run of ``train.py``; None: those that it has.
-        device: ``cpu``, ``cuda``, or ``auto``: a GPU if there is one. Playing is done on the CPU.
-        precision: ``float32``, or ``bfloat16`` for the passes of the network (the loss stays in float32); ``auto``:
-            the latter on a GPU that has it.
-        half: leave the policy in float16.
+        options: :class:`ucon.learning.run.options.PPOOptions`.
 
     Raises:
         ConfigError: a value of the wrong type or outside its range, or episodes that must not be learned from.
         DataError: no weights in ``initial``, or those of another network.
     """
+
+    options_of = PPOOptions
+    """Whose options it takes beside its own."""
 
     def __init__(
         self,
@@ -84,48 +68,20 @@ class PPOLearner:
         collector: Collecting,
         loss: PPOLoss,
         validation: Validation,
-        steps: int,
-        frames: int | Literal["auto"] = "auto",
-        episodes: str = "train",
-        n_episodes: int | None = None,
-        levels: Sequence[str] = ("none", "retrieval", "full", "gt"),
-        epochs: int = 2,
-        minibatch: int = 512,
-        chunk: int = 32,
-        discount: float = 1.0,
-        trace: float = 0.97,
-        kl_stop: float = 0.03,
         foresight: ForesightLoss | None = None,
-        lr: float = 5e-4,
-        warm_up: int = 0,
-        clip: float = 0.5,
-        decay: float = 0.0,
-        average: float = 0.0,
-        anneal: bool = False,
-        seed: int = 0,
-        initial: str | None = None,
-        device: str = "cpu",
-        precision: str = "float32",
-        half: bool = False,
+        **options: Any,
     ) -> None:
-        whole = {"steps": steps, "epochs": epochs, "minibatch": minibatch, "chunk": chunk}
-        check("above 0 and whole", lambda x: x > 0, (int,), **whole)
-        check("at least 0 and whole", lambda x: x >= 0, (int,), warm_up=warm_up)
-        check("above 0", lambda x: 0 < x < 1e9, lr=lr, clip=clip, kl_stop=kl_stop)
-        check("from 0 to 1", lambda x: 0 <= x <= 1, discount=discount, trace=trace)
-        check("at least 0", lambda x: 0 <= x < 1e9, decay=decay)
-        check("at least 0 and below 1", lambda x: 0 <= x < 1, average=average)
-        check("a whole number", lambda x: True, (int,), seed=seed)
-        check_choices(policy, levels, validation)
-        self.device = torch_device(device, "learner.device")
-        self._precision = torch_precision(precision, self.device)
-        self._initial = "" if initial is None else load_network(str(initial), cast(Any, policy))
+        self.options = given = PPOOptions(**options)
+        check_choices(policy, validation)
+        self.device = torch_device(given.device, "learner.device")
+        self._precision = torch_precision(given.precision, self.device)
+        self._initial = "" if given.initial is None else load_network(str(given.initial), cast(Any, policy))
         views = scores_views(policy)
         self.policy: nn.Module = ViewPolicy(policy) if views else policy
         self.act, self.network = cast(ActionPolicy, self.policy), policy
         self.make_env = search if views else env
-        self.levels = tuple(levels) if self.act.uses_habits else ("none",)
-        self.episodes = spaced(load_episodes(episodes), n_episodes, "learner.n_episodes")
+        self.levels = tuple(given.levels) if self.act.uses_habits else ("none",)
+        self.episodes = spaced(load_episodes(given.episodes), given.n_episodes, "learner.n_episodes")
         in_actions, in_views = env(), search() if views else None
         check_taught(policy, in_actions, loss.objective)
         learns_from(policy, in_actions.unwrapped)
@@ -133,16 +89,16 @@ class PPOLearner:
         self.source = (in_views or in_actions).unwrapped.source
         self.dataset = self.source.dataset
         check_parts(self.episodes, validation.all, entry_parts(self.dataset))
-        self.loss, self.validation, self.seed, self.half = loss, validation, seed, half
+        self.loss, self.validation, self.seed = loss, validation, given.seed
         self.foresight = foresight if views else None
-        self.epochs, self.minibatch, self.kl_stop = epochs, minibatch, kl_stop
-        self.discount, self.trace = discount, trace
-        self.chunk = chunk if self.act.initial_state(1) else 1
-        each = -(-collection_size(self.act, frames) // collector.rows) + 1  # the last one is not learned from
+        self.chunk = given.chunk if self.act.initial_state(1) else 1
+        each = -(-collection_size(self.act, given.frames) // collector.rows) + 1  # the last one is not learned from
         self.rollouts = ExperienceCollector(self.policy, self.make_env, self.episodes, self.levels, collector, each)
         self.policy.to(self.device)
-        schedule = {"steps": steps if anneal else 0, "warm_up": warm_up}
-        self.updates = Updates(self.policy, lr=lr, clip=clip, decay=decay, average=average, **schedule)
+        self.updates = Updates(
+            self.policy, lr=given.lr, clip=given.clip, steps=given.steps if given.anneal else 0,
+            warm_up=given.warm_up, decay=given.decay, average=given.average,
+        )  # fmt: skip
         self.done, self.frames = 0, 0
 
     @property
@@ -167,18 +123,18 @@ class PPOLearner:
             DivergedError: a loss or gradient that is not finite.
         """
         batch = self.rollouts.collect(derived_seed(self.seed, "collect", self.done))
-        experience = Experience(batch, self.discount, self.trace, self.chunk)
+        experience = Experience(batch, self.options.discount, self.options.trace, self.chunk)
         inference_mode_but_memory(self.policy)
         learned: list[Mapping[str, float]] = []
         passes = 0
-        for epoch in range(self.epochs):
+        for epoch in range(self.options.epochs):
             draw = stream(self.seed, "minibatches", self.done, epoch)
             first = len(learned)
-            learned += [self._update(part) for part in experience.minibatches(self.minibatch, draw)]
+            learned += [self._update(part) for part in experience.minibatches(self.options.minibatch, draw)]
             passes += 1
-            if total(learned[first:])["kl"] > self.kl_stop:
+            if total(learned[first:])["kl"] > self.options.kl_stop:
                 break
-        for frames in experience.seen(self.minibatch):
+        for frames in experience.seen(self.options.minibatch):
             self.act.update_statistics(_moved(frames, self.device))
         self.done += 1
         self.frames += len(experience)
@@ -250,7 +206,7 @@ class PPOLearner:
     def product(self) -> Mapping[str, bytes]:
         """The network, as the agent that plays it loads it."""
         with self.updates.averaged():
-            return network_files(cast(Any, self.network), half=self.half)
+            return network_files(cast(Any, self.network), half=self.options.half)
 
     def close(self) -> None:
         """See :class:`ucon.learning.run.protocol.Learner`."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import torch
@@ -28,7 +29,7 @@ from ucon.language.adapter import adapter_bytes, add_adapters, begin_with, read_
 from ucon.language.batch_encoder import BatchEncoder
 from ucon.language.encoder import MINILM_SHA256, MiniLM
 from ucon.language.phrases import query_text
-from ucon.learning.run.option_checks import check
+from ucon.learning.run.options import RetrieverOptions
 from ucon.learning.run.protocol import Card, Figures, State
 from ucon.learning.run.updates import Updates
 from ucon.readers.sampled_homes import part_kb
@@ -90,67 +91,35 @@ class RetrieverLearner:
 
     Args:
         dataset: habits; only entries of its ``train`` part teach, those of ``val`` choose.
-        steps: length of the schedule.
-        rank: of the adapter's matrices.
-        lr: highest learning rate of AdamW.
-        warm_up: steps until it is reached.
-        temperature: of the loss.
-        other_weight: what a habit that supports no placement counts against 1 for one that does.
-        decay: weight decay.
-        owner: weight of :func:`owner_loss`.
-        mask: share of the tokens that are hidden while learning.
-        average: decay of the moving average of the adapter, which is what is chosen and kept.
-        seed: of the adapter's start and of the knowledge bases.
-        n_kbs: knowledge bases of one validation.
-        initial: folder of the adapter that it begins with, or a run of ``train.py``, of the same ``rank``; None: a new
-            one, which changes nothing.
-        precision: ``bfloat16`` multiplies in half the bits (three times as fast where the processor can), else
-            ``float32``.
         encoder: the frozen encoder; MiniLM by default.
+        options: :class:`ucon.learning.run.options.RetrieverOptions`.
 
     Raises:
         ConfigError: a value of the wrong type or outside its range.
         DataError: no adapter in ``initial``, a damaged one, or one of another shape.
     """
 
+    options_of = RetrieverOptions
+    """Whose options it takes beside its own."""
+
     def __init__(
         self,
         dataset: HabitDataset,
-        steps: int,
-        rank: int = 32,
-        lr: float = 7e-4,
-        warm_up: int = 20,
-        temperature: float = 0.05,
-        other_weight: float = 0.05,
-        decay: float = 0.01,
-        owner: float = 1.0,
-        mask: float = 0.15,
-        average: float = 0.95,
-        seed: int = 0,
-        n_kbs: int = 10,
-        initial: str | None = None,
-        precision: str = "bfloat16",
         encoder: MiniLM | None = None,
+        **options: Any,
     ) -> None:
-        kind = torch_precision(precision)
+        self.options = given = RetrieverOptions(**options)
+        kind = torch_precision(given.precision)
         if not isinstance(dataset, HabitDataset):
             raise ConfigError(f"learner.dataset={brief(dataset)}: expected a dataset; choose one by habits=...")
-        check("above 0 and whole", lambda x: x > 0, (int,), steps=steps, warm_up=warm_up, n_kbs=n_kbs)
-        check(f"above 0 and whole, at most {_MOST_RANK}", lambda x: 1 <= x <= _MOST_RANK, (int,), rank=rank)
-        check("a whole number", lambda x: True, (int,), seed=seed)
-        check("above 0", lambda x: 0 < x < _MOST, lr=lr, temperature=temperature, other_weight=other_weight)
-        check("at least 0", lambda x: 0 <= x < _MOST, decay=decay, owner=owner)
-        check("at least 0 and below 1", lambda x: 0 <= x < 1, mask=mask, average=average)
-        self.dataset, self.seed, self.n_kbs, self.steps, self.warm_up = dataset, seed, n_kbs, steps, warm_up
-        self.lr, self.temperature, self.other_weight, self.rank = lr, temperature, other_weight, rank
-        self.mask, self.owner = mask, owner
+        self.dataset, self.seed, self.steps = dataset, given.seed, given.steps
         tokenizer, model = (encoder or MiniLM()).parts()
-        adapters, self._initial = add_adapters(model, rank, seed), ""
-        if initial is not None:
-            path = adapter_file(str(initial))
+        adapters, self._initial = add_adapters(model, given.rank, given.seed), ""
+        if given.initial is not None:
+            path = adapter_file(str(given.initial))
             begin_with(adapters, read_adapter(path, MINILM_SHA256), str(path))
             self._initial = sha256_file(path)
-        self.updates = Updates(adapters, lr=lr, decay=decay, average=average)
+        self.updates = Updates(adapters, lr=given.lr, decay=given.decay, average=given.average)
         self._encode = BatchEncoder(tokenizer, model, kind)
         self._done = 0
 
@@ -167,31 +136,35 @@ class RetrieverLearner:
     @cached_property
     def validation_kbs(self) -> list[KnowledgeBase]:
         """The same for every run and seed, so that runs can be compared."""
-        return [part_kb(self.dataset, "val", number) for number in range(self.n_kbs)]
+        return [part_kb(self.dataset, "val", number) for number in range(self.options.n_kbs)]
 
     def step(self) -> Figures:
         """One knowledge base."""
         kb = self.training_kb(self._done)
         targets = list(kb.entries)
         texts = [*map(query_text, targets), *kb.texts]
-        vectors = self._encode(texts, self.mask, derived_seed(self.seed, "mask", self._done))
+        vectors = self._encode(texts, self.options.mask, derived_seed(self.seed, "mask", self._done))
         queries, habits = vectors[: len(targets)], vectors[len(targets) :]
         own = torch.from_numpy(np.stack([np.isin(kb.rows, kb.rows_about(target)) for target in targets]))
         similarity = queries @ habits.T
         weights = self._weights(kb)
-        loss = info_nce(similarity, own, weights, self.temperature)
-        if self.owner:
-            loss = loss + self.owner * owner_loss(similarity, own, weights, self.temperature)
+        loss = info_nce(similarity, own, weights, self.options.temperature)
+        if self.options.owner:
+            loss = loss + self.options.owner * owner_loss(similarity, own, weights, self.options.temperature)
         self.updates.begin()
         loss.backward()  # type: ignore[no-untyped-call]
-        updated = self.updates.take(self._done, self.lr * schedule(self._done, self.steps, self.warm_up))
+        updated = self.updates.take(
+            self._done, self.options.lr * schedule(self._done, self.steps, self.options.warm_up)
+        )
         self._done += 1
         return {"loss": float(loss.detach()), **updated}
 
     def _weights(self, kb: KnowledgeBase) -> Tensor:
         """(N,) What each habit counts as an answer; all the same where supports are unknown."""
         known = self.dataset.labelled
-        answers = [1.0 if self.dataset.habits[row].supports or not known else self.other_weight for row in kb.rows]
+        answers = [
+            1.0 if self.dataset.habits[row].supports or not known else self.options.other_weight for row in kb.rows
+        ]
         return torch.tensor(answers)
 
     def validate(self) -> Figures:
@@ -234,8 +207,8 @@ class RetrieverLearner:
         size = sum(value.numel() for value in self.updates.parameters.values())
         return Card(
             "Habit retriever: an adapter of all-MiniLM-L6-v2",
-            f"A low-rank adapter (rank {self.rank}, {size:,} parameters, fp16) of attention and MLP matrices. The "
-            "frozen encoder is all-MiniLM-L6-v2 (Apache-2.0).\n\n"
+            f"A low-rank adapter (rank {self.options.rank}, {size:,} parameters, fp16) of attention and MLP matrices. "
+            "The frozen encoder is all-MiniLM-L6-v2 (Apache-2.0).\n\n"
             f"Trained with InfoNCE inside knowledge bases on the {count('train')} `train` entries of "
             f"`{self.dataset.name}`, chosen on its {count('val')} `val` entries; `test` entries were not read.\n\n"
             "Use: `python eval.py retriever=tuned retriever.encoder.adapter=RUN`.\n\n"
