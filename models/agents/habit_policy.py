@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from models.agents.base import Info, Observation, slots_of
+from models.agents.search import SearchLog
 from models.agents.weights import Weights
 from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, brief
@@ -18,9 +19,11 @@ from ucon.core.rng import stream
 from ucon.envs.waypoint.searcher import MISS, Searcher
 from ucon.envs.waypoint.text_tokens import SaidTokens, TextTokens, name_table
 from ucon.envs.waypoint.tokens import Sizes, TokenReader, Tokens
+from ucon.evaluation.decisions import DecisionRecord
 from ucon.learning.policy import comparable
 from ucon.perception.draw import Image
 from ucon.perception.reading import Locate, ReadHabits, expecting
+from ucon.perception.viewpoints import Choice
 from ucon.task.actions import Action
 
 if TYPE_CHECKING:
@@ -37,8 +40,14 @@ class _Search:
     searcher: Searcher
     reader: TokenReader
     said: SaidTokens
+    log: SearchLog
     chosen: tuple[Tokens, int] | None = None
     """What the network last chose among, and the row that it chose."""
+
+    def go(self, choice: Choice | None, also: str = "") -> Action:
+        """Go where ``choice`` says, and write down why."""
+        self.log.chose(self.searcher, self.searcher.decision(), choice, also)
+        return self.searcher.choose(choice)
 
 
 class HabitPolicyAgent:
@@ -113,7 +122,7 @@ class HabitPolicyAgent:
             searcher = Searcher(info, believing, miss=self._miss)
             reader = TokenReader(searcher, info, self._sizes)
             said = SaidTokens(self._text, str(info["target"]), believing)
-            self._searches[slot] = _Search(str(info.get("episode", "")), searcher, reader, said)
+            self._searches[slot] = _Search(str(info.get("episode", "")), searcher, reader, said, SearchLog(info))
 
     def act(
         self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
@@ -125,16 +134,22 @@ class HabitPolicyAgent:
         for slot, observation, info in zip(numbers, observations, infos, strict=True):
             search = self._searches[slot]
             actions[slot] = search.searcher.look(observation, info)
+            search.log.looked(search.searcher, actions[slot])
             if actions[slot] is None:
                 tokens = search.reader.read(search.searcher.decision())
                 if len(tokens.choices) > 1:
                     due[slot] = tokens
                 else:
-                    actions[slot] = search.searcher.choose(next(iter(tokens.choices), None))
+                    actions[slot] = search.go(next(iter(tokens.choices), None))
         for slot, row in zip(due, self._chosen(due), strict=True):
             self._searches[slot].chosen = due[slot], row
-            actions[slot] = self._searches[slot].searcher.choose(due[slot].choices[row])
+            choices = due[slot].choices
+            actions[slot] = self._searches[slot].go(choices[row], f", of {len(choices)} views")
         return [int(actions[slot]) for slot in numbers]  # type: ignore[arg-type]
+
+    def decisions(self, slot: int) -> list[DecisionRecord]:
+        """What was chosen in a slot since its reset."""
+        return self._searches[slot].log.decisions
 
     def picture(self, slot: int) -> Image:
         """What it thinks; see :func:`ucon.perception.draw_search.draw_search`.

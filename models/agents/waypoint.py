@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from models.agents.base import Info, Observation, slots_of
 from ucon.core.errors import ConfigError
 from ucon.envs.waypoint import Decision, Explorer, Manner, Strategy
+from ucon.envs.waypoint.aims import candidate_words
 from ucon.evaluation.decisions import DecisionRecord
 from ucon.language.choice import Answer
 
@@ -99,7 +100,7 @@ def _check(name: str, chosen: Chosen, n: int) -> None:
 
 
 def _record(episode: str, decision: Decision, chosen: Chosen) -> DecisionRecord:
-    names = chosen.options or tuple(str(number) for number in range(len(decision.candidates)))
+    names = chosen.options or tuple(candidate_words(decision.known, one) for one in decision.candidates)
     candidate = decision.candidates[chosen.number]
     record = DecisionRecord(
         episode, decision.number, decision.step, candidate.kind, names, chosen.number, chosen.scores

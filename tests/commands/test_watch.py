@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import cv2
@@ -9,6 +10,7 @@ import pytest
 
 from ucon.__main__ import main
 from ucon.commands.two_searches import search_twice
+from ucon.evaluation.finished import FinishedRun
 from ucon.evaluation.record import read_records
 from ucon.evaluation.recorded import RecordedAgent
 from ucon.task.actions import Action
@@ -40,7 +42,11 @@ def test_an_episode_is_filmed_step_by_step(
 ) -> None:
     record = read_records(run)[1]
     assert main(["watch", str(run), record.episode, *words, "--out", str(tmp_path)]) == 0
-    assert f"after {record.steps} steps" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert f"after {record.steps} steps" in told
+    made = FinishedRun.read(run).decisions()[record.episode]
+    assert len(made) > 3
+    assert re.findall(r"^  step +(\d+)  (.*?)  ", told, re.MULTILINE) == [(str(d.step), d.words) for d in made]
     (film,) = tmp_path.glob("001_*.webm")
     video, frames = cv2.VideoCapture(str(film)), 0
     while video.read()[0]:

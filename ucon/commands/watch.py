@@ -1,4 +1,4 @@
-"""``python -m ucon watch RUN [EPISODE]``: the episodes of a finished run, and a film of any of them."""
+"""``python -m ucon watch RUN [EPISODE]``: the episodes of a finished run; what one of them chose, and a film."""
 
 from __future__ import annotations
 
@@ -84,6 +84,8 @@ def _film(args: argparse.Namespace, kept: FinishedRun, number: int) -> int:
         (played,) = evaluate(replace(run.spec, films=args.out), run.episodes, workers=0, skip=others)
     ending = "found" if record.success else f"not found ({record.failure_cause.replace('_', ' ')})"
     print(f"{record.episode}: {record.target.replace('_', ' ')}, {ending} after {record.steps} steps")
+    for decision in kept.decisions().get(record.episode) or played.decisions:
+        print(f"  step {decision.step:>3}  {decision.words:<40} {decision.text}".rstrip())
     print("\n".join(str(path) for path in sorted(args.out.glob(f"{number:03d}_*"))))
     if (played.record.actions, played.record.spl) != (record.actions, record.spl):
         sys.stderr.write("warning: it came out otherwise than it was kept: another code, or an agent that draws\n")
