@@ -14,6 +14,8 @@ from ucon.evaluation.finished import FinishedRun
 from ucon.evaluation.record import read_records
 from ucon.evaluation.recorded import RecordedAgent
 from ucon.task.actions import Action
+from ucon.task.sets import load_episodes
+from ucon.task.spoken import target_place
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +45,11 @@ def test_an_episode_is_filmed_step_by_step(
     record = read_records(run)[1]
     assert main(["watch", str(run), record.episode, *words, "--out", str(tmp_path)]) == 0
     told = capsys.readouterr().out
-    assert f"after {record.steps} steps" in told
+    ending = "found" if record.success else f"not found ({record.failure_cause.replace('_', ' ')})"
+    (episode,) = (e for e in load_episodes("mini") if e.id == record.episode)
+    place = target_place(episode)
+    target = record.target.replace("_", " ")
+    assert f"{record.episode}: {target} {place}, {ending} after {record.steps} steps\n" in told
     made = FinishedRun.read(run).decisions()[record.episode]
     assert len(made) > 3
     assert re.findall(r"^  step +(\d+)  (.*?)  ", told, re.MULTILINE) == [(str(d.step), d.words) for d in made]

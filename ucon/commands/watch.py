@@ -70,6 +70,7 @@ def _film(args: argparse.Namespace, kept: FinishedRun, number: int) -> int:
     from ucon.commands.stored import said_in
     from ucon.core.errors import DataError
     from ucon.evaluation.runner import evaluate
+    from ucon.task.spoken import target_place
 
     assert kept.records is not None
     record = kept.records[number]
@@ -83,7 +84,8 @@ def _film(args: argparse.Namespace, kept: FinishedRun, number: int) -> int:
         others = [k for k in range(len(kept.records)) if k != number]
         (played,) = evaluate(replace(run.spec, films=args.out), run.episodes, workers=0, skip=others)
     ending = "found" if record.success else f"not found ({record.failure_cause.replace('_', ' ')})"
-    print(f"{record.episode}: {record.target.replace('_', ' ')}, {ending} after {record.steps} steps")
+    target, place = record.target.replace("_", " "), target_place(run.episodes[number])
+    print(f"{record.episode}: {target} {place}, {ending} after {record.steps} steps")
     for decision in kept.decisions().get(record.episode) or played.decisions:
         print(f"  step {decision.step:>3}  {decision.words:<40} {decision.text}".rstrip())
     print("\n".join(str(path) for path in sorted(args.out.glob(f"{number:03d}_*"))))
