@@ -111,10 +111,8 @@ def test_pins_follow_this_python():
         (
             ["bench", "--json"],
             "renderer_ratio_128 renderer_ratio_128_flat renderer_ratio_224 env_pixels_sps env_symbolic_sps "
-            "env_with_resets_sps decisions_per_s waypoint_decisions_per_s "
-            "waypoint_decisions_per_s_worst waypoint_primitives_per_decision "
-            "waypoint_views_decisions_per_s waypoint_views_decisions_per_s_worst "
-            "waypoint_views_primitives_per_decision",
+            "env_with_resets_sps decisions_per_s search_decisions_per_s search_decisions_per_s_worst "
+            "search_steps_per_decision",
         ),
         (
             ["habits", "stats", "--json"],

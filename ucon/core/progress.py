@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar, Token
 from types import TracebackType
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 #: Seconds between two plain lines: at least, however fast it goes, and at most, however slowly.
 LEAST_S: Final = 5.0
@@ -18,6 +18,7 @@ MOST_S: Final = 30.0
 SHARE: Final = 0.1
 
 Tick = Callable[[int], None]
+T = TypeVar("T")
 
 
 class Progress:
@@ -91,6 +92,14 @@ def part(label: str, total: int | None = None) -> Iterator[Tick]:
         yield shown.update_part
     finally:
         shown.end_part()
+
+
+def ticked(label: str, items: Sequence[T]) -> Iterator[T]:
+    """Items one by one, shown as a :func:`part`."""
+    with part(label, len(items)) as tick:
+        for number, item in enumerate(items, 1):
+            yield item
+            tick(number)
 
 
 def duration(seconds: float) -> str:
