@@ -32,7 +32,7 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
 from ucon.commands.entry import one_line_errors, run_entry
-from ucon.commands.training import ChosenRun, chosen_run, run_identity, use_threads, write_extension
+from ucon.commands.training import ChosenRun, chosen_run, learner_name, run_identity, use_threads, write_extension
 from ucon.commands.wiring import Factory
 from ucon.core.memory import keep_freed_memory
 from ucon.core.sole_writer import sole_writer
@@ -89,12 +89,15 @@ def _trained(
         run.start(OmegaConf.to_yaml(OmegaConf.create(config)))
     if settled:
         print("computing with", ", ".join(f"{name} {value}" for name, value in settled.items()), file=sys.stderr)
-    label = config["learner"]["_target_"].rsplit(".", 1)[-1]
     with (
         wandb_log(config["wandb"], chosen.folder, config) as log,
         tensorboard_log(bool(config["tensorboard"]), chosen.folder) as write,
         training_progress(
-            label, run.plan.length, run.step, best=run.best.get(SCORE), visible=config["progress"]
+            learner_name(config["learner"]),
+            run.plan.length,
+            run.step,
+            best=run.best.get(SCORE),
+            visible=config["progress"],
         ) as show,
     ):
         return run.run(_each(show, log, write)), run.seconds

@@ -9,6 +9,7 @@ from hydra import compose, initialize_config_dir
 from hydra.utils import get_class
 from omegaconf import OmegaConf
 
+from ucon.commands.training import learner_name
 from ucon.commands.wiring import Factory
 from ucon.core.errors import ConfigError, UconError
 from ucon.evaluation.play import Policy
@@ -57,6 +58,12 @@ def test_every_learner_begins_with_the_weights_of_another_run_by_one_word(name):
     assert learner["initial"] is None
     takers = get_class(learner["_target_"]).__mro__  # DAgger hands its options on
     assert any("initial" in inspect.signature(taker.__init__).parameters for taker in takers)
+
+
+@pytest.mark.parametrize("name", [n for g, n in OPTIONS if g == "learner"])
+def test_progress_calls_a_learner_as_its_option_does(name):
+    learner = composed(f"learner={name}", *(["agent=vtn"] if name in OF_POLICIES else []), root="train")["learner"]
+    assert learner_name(learner) == name
 
 
 def with_a_policy():

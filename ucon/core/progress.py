@@ -144,17 +144,33 @@ class _Bar:
 
     def __init__(self, label: str, total: int, unit: str, done: int, note: str) -> None:
         from rich.console import Console
-        from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+        from rich.progress import (
+            BarColumn,
+            MofNCompleteColumn,
+            Task,
+            TextColumn,
+            TimeElapsedColumn,
+            TimeRemainingColumn,
+        )
         from rich.progress import Progress as Bars
+        from rich.text import Text
+
+        class Left(TimeRemainingColumn):
+            """The time left, of a part that counts nothing by what it took the last time."""
+
+            def render(self, task: Task) -> Text:
+                usual = task.fields["usual_s"]
+                if usual is None or task.total is not None:
+                    return super().render(task)
+                return Text(duration(max(0.0, usual - (task.elapsed or 0.0))), style="progress.remaining")
 
         columns = (
             TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[note]}"),
-            TimeElapsedColumn(), TimeRemainingColumn(),
+            TimeElapsedColumn(), Left(),
         )  # fmt: skip
         self._bars = Bars(*columns, console=Console(stderr=True))
-        self._task = self._bars.add_task(label, total=total, completed=done, note=note)
-        self._part: Any = None
-        self._label, self._began = "", 0.0
+        self._task = self._bars.add_task(label, total=total, completed=done, note=note, usual_s=None)
+        self._parts: list[tuple[Any, str, float]] = []
         self._took: dict[str, float] = {}
 
     def start(self) -> None:
@@ -166,16 +182,16 @@ class _Bar:
             self._bars.update(self._task, note=note)
 
     def start_part(self, label: str, total: int | None) -> None:
-        note = f"took {duration(self._took[label])} the last time" if total is None and label in self._took else ""
-        self._label, self._began = label, time.monotonic()
-        self._part = self._bars.add_task(f"  {label}", total=total, note=note)
+        task = self._bars.add_task(f"  {label}", total=total, note="", usual_s=self._took.get(label))
+        self._parts.append((task, label, time.monotonic()))
 
     def update_part(self, done: int) -> None:
-        self._bars.update(self._part, completed=done)
+        self._bars.update(self._parts[-1][0], completed=done)
 
     def end_part(self) -> None:
-        self._took[self._label] = time.monotonic() - self._began
-        self._bars.remove_task(self._part)
+        task, label, began = self._parts.pop()
+        self._took[label] = time.monotonic() - began
+        self._bars.remove_task(task)
 
     def stop(self) -> None:
         self._bars.stop()
