@@ -17,6 +17,7 @@ from ucon.core.errors import UconError, unknown_name
 #: ``add_arguments`` and ``run``.
 COMMANDS = {
     "doctor": "check this machine and this installation, and say what to do",
+    "info": "the seven actions; of an episode, whose home it is and what is searched there",
     "bench": "measure renderer and environment speed",
     "demo": "one search without and with habits, filmed, and the sentence that makes the difference",
     "try": "search your own object by your own habits in a home, without and with them",

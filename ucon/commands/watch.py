@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
     if args.episode is None:
         _list(kept.records, lost=args.lost)
         return 0
-    return _film(args, kept, _number(args.episode, kept.records))
+    return _film(args, kept, number_of(args.episode, [r.episode for r in kept.records]))
 
 
 def _list(records: Sequence[EpisodeRecord], *, lost: bool) -> None:
@@ -53,13 +54,19 @@ def _list(records: Sequence[EpisodeRecord], *, lost: bool) -> None:
     print(f"{len(shown)} of {len(records)} episodes; give a number to film one")
 
 
-def _number(word: str, records: Sequence[EpisodeRecord]) -> int:
-    names = [record.episode for record in records]
+def number_of(word: str, names: Sequence[str]) -> int:
+    """Number of an episode among those of some names, by its number or name.
+
+    Raises:
+        ConfigError: it is neither.
+    """
     if word in names:
         return names.index(word)
     if word.isdecimal() and int(word) < len(names):
         return int(word)
-    raise bad("EPISODE", word, f"a number from 0 to {len(names) - 1}, or a name that `python -m ucon watch RUN` lists")
+    close = get_close_matches(word, names, n=1)
+    hint = f"; did you mean {close[0]}?" if close else f" such as {names[0]}"
+    raise bad("EPISODE", word, f"a number from 0 to {len(names) - 1}, or a name{hint}")
 
 
 def _film(args: argparse.Namespace, kept: FinishedRun, number: int) -> int:
