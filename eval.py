@@ -12,7 +12,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import ucon.commands.ready  # noqa: F401 (says what to do without the environment)
+import ucon.programs.ready  # noqa: F401 (says what to do without the environment)
 
 # isort: split
 import hydra
@@ -21,10 +21,10 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 from rich.console import Console
 
-from ucon.commands.entry import one_line_errors, run_entry
-from ucon.commands.evaluating import Evaluation
-from ucon.commands.output import is_wide, wide_console
-from ucon.evaluation.report import failure_line, precision_line, results_table
+from ucon.core.output import is_wide, wide_console
+from ucon.evaluation.figures.report import failure_line, precision_line, results_table
+from ucon.programs.errors import one_line_errors, run_entry
+from ucon.programs.evaluating import Evaluation
 
 
 @hydra.main(version_base="1.3", config_path="configs", config_name="eval")

@@ -23,7 +23,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-import ucon.commands.ready  # noqa: F401 (says what to do without the environment)
+import ucon.programs.ready  # noqa: F401 (says what to do without the environment)
 
 # isort: split
 import hydra
@@ -31,16 +31,16 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
-from ucon.commands.entry import one_line_errors, run_entry
-from ucon.commands.training import ChosenRun, chosen_run, learner_name, run_identity, use_threads, write_extension
-from ucon.commands.wiring import Factory
+from ucon.configuration.wiring import Factory
 from ucon.core.memory import keep_freed_memory
 from ucon.core.sole_writer import sole_writer
-from ucon.learning.learner import Learner
-from ucon.learning.plan import Plan
-from ucon.learning.progress import check_wandb, tensorboard_log, training_progress, wandb_log
-from ucon.learning.run import Interrupted, OnFigures, TrainingRun
-from ucon.learning.trainer_state import SCORE
+from ucon.learning.run.protocol import Learner
+from ucon.learning.run.run_plan import Plan
+from ucon.learning.run.run_progress import check_wandb, tensorboard_log, training_progress, wandb_log
+from ucon.learning.run.trainer_state import SCORE
+from ucon.learning.run.training_run import Interrupted, OnFigures, TrainingRun
+from ucon.programs.errors import one_line_errors, run_entry
+from ucon.programs.training import ChosenRun, chosen_run, learner_name, run_identity, use_threads, write_extension
 
 
 @hydra.main(version_base="1.3", config_path="configs", config_name="train")

@@ -1,10 +1,10 @@
 """The habit policy: a transformer over what is known of the home and what its people do, scoring where to look next.
 
 Tokens are candidate views, things (closed containers among them), frontiers, habits and the agent's own state
-(:mod:`ucon.envs.waypoint.tokens`). Belief and evidence are arithmetic (:mod:`ucon.perception.belief`): what was
-looked at in vain is in the numbers that tokens carry. The score of a view starts as its expected gain over its cost,
-which is how ``belief`` chooses. The network foretells which views lie on the way to the target, which knowing many
-homes can tell, and what they show of unexplored space counts by that; what it adds beside is learned as well.
+(:mod:`ucon.search.search_tokens`). Belief and evidence are arithmetic (:mod:`ucon.perception.belief.target_belief`):
+what was looked at in vain is in the numbers that tokens carry. The score of a view starts as its expected gain over its
+cost, which is how ``belief`` chooses. The network foretells which views lie on the way to the target, which knowing
+many homes can tell, and what they show of unexplored space counts by that; what it adds beside is learned as well.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from torch import Tensor, nn
 from models.nets.sizes import check_heads, check_sizes
 from models.nets.token_transformer import TokenTransformer
 from ucon.core.rng import derived_seed
-from ucon.envs.waypoint.searcher import LOYALTY
-from ucon.envs.waypoint.tokens import N_EGO, N_FRONTIER, N_THING, THING_AHEAD
-from ucon.envs.waypoint.view_tokens import AHEAD, IS_KEPT, N_VIEW
+from ucon.search.search_tokens import N_EGO, N_FRONTIER, N_THING, THING_AHEAD
+from ucon.search.searcher import LOYALTY
+from ucon.search.view_tokens import AHEAD, IS_KEPT, N_VIEW
 
 #: Width of sentence and name embeddings.
 TEXT = 384
@@ -31,7 +31,7 @@ _SHARPNESS: Final = 10.0
 _UNIT_M: Final = 5.0
 
 
-#: Preference for the view on its way, as :mod:`ucon.envs.waypoint.searcher` has it.
+#: Preference for the view on its way, as :mod:`ucon.search.searcher` has it.
 _KEPT: Final = math.log(LOYALTY)
 
 

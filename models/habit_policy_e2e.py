@@ -2,40 +2,41 @@
 
 An RGB-D encoder, detections as tokens that attend to the habits, a belief over anchors, a map memory and an LSTM. The
 map is a neural map: fixed rules write it into the recurrent state, convolutions read it. A mixture over places to go
-(:mod:`models.nets.places_to_go`) turns it into action preferences by shortest ways over what was seen; nothing of the
-home that the agent has not seen enters. Done is held back where no target is seen nearby.
+(:mod:`models.nets.end_to_end.places_to_go`) turns it into action preferences by shortest ways over what was seen;
+nothing of the home that the agent has not seen enters. Done is held back where no target is seen nearby.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from models.nets.advice import Advisor
-from models.nets.clip_eye import ClipEye
-from models.nets.directions import from_here, target_at, turned
-from models.nets.ego_view import THING_FEATURES
-from models.nets.eye import Eye
-from models.nets.floor_memory import CHANNELS, N_TRACKS, REACH, FloorMemory, Step, Window
-from models.nets.head_reader import default_head_reader
-from models.nets.one_frame import one_frame
-from models.nets.places_to_go import PlacesToGo, Ways
-from models.nets.policy import N_ACTIONS, PolicyModule, lstm_state, run_lstm
-from models.nets.read_habits import SUMMARY_FEATURES, read_habits, words
+from models.nets.belief.head_reader import default_head_reader
+from models.nets.end_to_end.advice import Advisor
+from models.nets.end_to_end.ego_view import THING_FEATURES
+from models.nets.end_to_end.floor_memory import CHANNELS, N_TRACKS, REACH, FloorMemory, Step, Window
+from models.nets.end_to_end.frames_of_reference import from_here, target_at, turned
+from models.nets.end_to_end.inside import Inside
+from models.nets.end_to_end.one_frame import one_frame
+from models.nets.end_to_end.places_to_go import PlacesToGo, Ways
+from models.nets.end_to_end.read_habits import SUMMARY_FEATURES, read_habits, words
+from models.nets.end_to_end.things_in_view import N_CUES, ThingsInView
+from models.nets.policy_defaults import N_ACTIONS, PolicyModule, lstm_state, run_lstm
 from models.nets.sizes import MOST, check_sizes
-from models.nets.things_in_view import N_CUES, Seen, ThingsInView
+from models.nets.vision.clip_eye import ClipEye
+from models.nets.vision.eye import Eye
 from ucon.core.errors import ConfigError, brief
 from ucon.core.rng import derived_seed
 from ucon.language.encoder import DIM
-from ucon.learning.policy import Arrays, Outputs, Tensors
-from ucon.learning.saved import MAX_HABITS
-from ucon.retrieval.reader import default_reader
-from ucon.retrieval.reading import Reader
+from ucon.learning.policies.action_policy import Arrays, Outputs, Tensors
+from ucon.learning.run.network_files import MAX_HABITS
+from ucon.readers.anchor_reader import default_reader
+from ucon.readers.protocol import Reader
 from ucon.task.actions import Action
 
 _MAX_STEPS = 300.0
@@ -46,14 +47,6 @@ _NEVER = -15.0
 #: Where, ahead, right, left and here stand in the map around the agent, by its heading: (4 headings, 4, 2).
 _BESIDE = np.array([[(c, s), (s, -c), (-s, c), (0, 0)] for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1))])
 _N_STATUS = _N_LOOKS + 8 + 2 + 5 + 8 + len(SUMMARY_FEATURES)
-
-
-class Inside(NamedTuple):
-    """What the network thought on the way, for T steps of B episodes: see :mod:`models.nets.reasons`."""
-
-    seen: Seen
-    ways: Ways
-    """Of T * B agents."""
 
 
 class HabitPolicyE2E(PolicyModule):
@@ -139,24 +132,24 @@ class HabitPolicyE2E(PolicyModule):
 
     @property
     def arguments(self) -> Mapping[str, Any]:
-        """See :class:`ucon.learning.policy.ActionPolicy`."""
+        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
         named = {"advisor": self._advisor, "clip": self._clip}
         return self._arguments | {name: None if part is None else part.name for name, part in named.items()}
 
     def check(self) -> None:
-        """See :class:`models.nets.policy.PolicyModule`."""
+        """See :class:`models.nets.policy_defaults.PolicyModule`."""
         for part in (self._advisor, self._clip):
             if part is not None:
                 part.check()
 
     def fingerprint(self) -> str | None:
-        """See :class:`models.nets.policy.PolicyModule`."""
+        """See :class:`models.nets.policy_defaults.PolicyModule`."""
         parts = [part.fingerprint() for part in (self._advisor, self._clip) if part is not None]
         parts.append(str(getattr(self.reader, "fingerprint", str)()))
         return None if None in parts else " ".join(part for part in parts if part)
 
     def context(self, info: Mapping[str, Any]) -> Arrays:
-        """See :func:`models.nets.read_habits.read_habits`."""
+        """See :func:`models.nets.end_to_end.read_habits.read_habits`."""
         arrays = read_habits(self.reader, info, scores=self._scores)
         if not self._attend:
             arrays["habit_features"] = np.zeros_like(arrays["habit_features"])
@@ -168,7 +161,7 @@ class HabitPolicyE2E(PolicyModule):
         return arrays | {"advice": advised}
 
     def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:
-        """See :func:`models.nets.one_frame.one_frame`."""
+        """See :func:`models.nets.end_to_end.one_frame.one_frame`."""
         return one_frame(observation, info, self._image_px, with_rgb=self._clip is not None)
 
     def features(self, frames: Tensors) -> Tensors:
@@ -195,7 +188,7 @@ class HabitPolicyE2E(PolicyModule):
         }
 
     def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
-        """See :class:`ucon.learning.policy.ActionPolicy`."""
+        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
         return self.think(frames, context, state)[0]
 
     def think(self, frames: Tensors, context: Tensors, state: Tensors) -> tuple[Outputs, Inside]:
@@ -225,9 +218,9 @@ class HabitPolicyE2E(PolicyModule):
     def picture(
         self, info: Mapping[str, Any], frames: Tensors, context: Tensors, state: Tensors
     ) -> NDArray[np.uint8] | None:
-        """See :class:`models.nets.policy.PolicyModule` and :func:`models.nets.draw_reasons.draw_reasons`."""
-        from models.nets.draw_reasons import draw_reasons
-        from models.nets.reasons import reasons
+        """See :mod:`models.nets.policy_defaults`; drawn by :mod:`models.nets.end_to_end.draw_reasons`."""
+        from models.nets.end_to_end.draw_reasons import draw_reasons
+        from models.nets.end_to_end.reasons import reasons
 
         outputs, inside = self.think(frames, context, state)
         why = reasons(self.reader, info, frames, context, outputs.state, inside, outputs.logits[-1, 0])

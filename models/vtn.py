@@ -4,7 +4,8 @@ Kept: all sizes, the order of the layers, initialisation, the target as a mark o
 the last action as the policy's own probabilities. Different here, because the task is: seven actions in place of six;
 frames of 128 pixels, enlarged to 224 for the frozen ResNet-18, in place of 300; labels of the catalogue, scaled to
 VTNet's range. By default tokens come from the environment's detector with a learned feature a category, since DETR's
-weights are not shipped (:mod:`models.nets.detr_tokens` reads them). Habits are not read: the paper's table has none.
+weights are not shipped (:mod:`models.nets.vision.detr_tokens` reads them). Habits are not read: the paper's table has
+none.
 """
 
 from __future__ import annotations
@@ -17,15 +18,15 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import relu
 
-from models.nets.detr_tokens import DetrTokens
-from models.nets.policy import N_ACTIONS, PolicyModule, lstm_state, run_lstm
-from models.nets.resnet18 import FrozenResNet18
-from models.nets.tokens import LabelTokens, indicator
-from models.nets.visual_transformer import VISUAL_WIDTH, VisualTransformer, described, glorot_
+from models.nets.policy_defaults import N_ACTIONS, PolicyModule, lstm_state, run_lstm
+from models.nets.vision.detr_tokens import DetrTokens
+from models.nets.vision.local_tokens import LabelTokens, indicator
+from models.nets.vision.resnet18 import FrozenResNet18
+from models.nets.vision.visual_transformer import VISUAL_WIDTH, VisualTransformer, described, glorot_
 from ucon.core.errors import ConfigError
 from ucon.core.rng import derived_seed
-from ucon.learning.policy import Arrays, Outputs, Tensors
-from ucon.learning.saved import load_network
+from ucon.learning.policies.action_policy import Arrays, Outputs, Tensors
+from ucon.learning.run.network_files import load_network
 
 _ACTION_WIDTH, _HIDDEN = 64, 512
 
@@ -46,16 +47,16 @@ class _Seeing(PolicyModule):
 
     @property
     def arguments(self) -> Mapping[str, Any]:
-        """See :class:`ucon.learning.policy.ActionPolicy`."""
+        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
         return {"tokens": self.tokens.name, "backbone": self._backbone.name}
 
     def check(self) -> None:
-        """See :class:`models.nets.policy.PolicyModule`."""
+        """See :class:`models.nets.policy_defaults.PolicyModule`."""
         self.tokens.check()
         self._backbone.check()
 
     def fingerprint(self) -> str | None:
-        """See :class:`models.nets.policy.PolicyModule`."""
+        """See :class:`models.nets.policy_defaults.PolicyModule`."""
         parts = self.tokens.fingerprint(), self._backbone.fingerprint()
         return None if None in parts else "".join(part for part in parts if part)
 
@@ -132,7 +133,7 @@ class VTN(_Seeing):
         return lstm_state(batch, self.lstm) | {"probabilities": torch.zeros(batch, N_ACTIONS, device=self.device)}
 
     def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
-        """See :class:`ucon.learning.policy.ActionPolicy`. Steps go one by one: each reads the last one's answer."""
+        """See :mod:`ucon.learning.policies.action_policy`. Steps go one by one: each reads the last one's answer."""
         logits, hidden = [], []
         for seen in self.seen(frames, context):  # (B, 3136)
             inputs = torch.cat([seen, relu(self.action_embed(state["probabilities"]))], -1)
@@ -165,7 +166,7 @@ class VTNPretraining(_Seeing):
             _initialise(self)
 
     def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
-        """See :class:`ucon.learning.policy.ActionPolicy`; values are 0."""
+        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`; values are 0."""
         logits = self.head(self.seen(frames, context)).float()
         return Outputs(logits, torch.zeros_like(logits[..., 0]), {})
 

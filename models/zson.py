@@ -16,13 +16,13 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from models.nets.augment import color_jitter, random_shift
-from models.nets.goals import ClipGoal, SentenceGoal
-from models.nets.group_norm_resnet import GroupNormResNet50, RunningMeanAndVar
-from models.nets.policy import N_ACTIONS, PolicyModule, lstm_state, run_lstm
+from models.nets.policy_defaults import N_ACTIONS, PolicyModule, lstm_state, run_lstm
+from models.nets.vision.augment import color_jitter, random_shift
+from models.nets.vision.goals import ClipGoal, SentenceGoal
+from models.nets.vision.group_norm_resnet import GroupNormResNet50, RunningMeanAndVar
 from ucon.core.errors import ConfigError
 from ucon.core.rng import derived_seed
-from ucon.learning.policy import Arrays, Outputs, Tensors
+from ucon.learning.policies.action_policy import Arrays, Outputs, Tensors
 
 #: Side of a frame: the encoder's last map is 4 x 4, and its 2048 numbers are read as a whole.
 FRAME_PX = 128
@@ -63,15 +63,15 @@ class ZSON(PolicyModule):
 
     @property
     def arguments(self) -> Mapping[str, Any]:
-        """See :class:`ucon.learning.policy.ActionPolicy`."""
+        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
         return {"goal": self._goal.name, "goal_dim": self._goal.dim}
 
     def check(self) -> None:
-        """See :class:`models.nets.policy.PolicyModule`."""
+        """See :class:`models.nets.policy_defaults.PolicyModule`."""
         self._goal.check()
 
     def fingerprint(self) -> str | None:
-        """See :class:`models.nets.policy.PolicyModule`."""
+        """See :class:`models.nets.policy_defaults.PolicyModule`."""
         return self._goal.fingerprint()
 
     def context(self, info: Mapping[str, Any]) -> Arrays:
@@ -96,7 +96,7 @@ class ZSON(PolicyModule):
         return {"rgb": rgb, "last_action": np.array((last + 1) % (N_ACTIONS + 1), np.int64)}
 
     def augment(self, frames: Tensors, generator: torch.Generator) -> Tensors:
-        """Colours at 0.3 and a shift of up to 4 pixels, as :mod:`models.nets.augment` says; ``rgb`` stays uint8."""
+        """Colours at 0.3 and a shift of up to 4 pixels (:mod:`models.nets.vision.augment`); ``rgb`` stays uint8."""
         if not self._augmented:
             return frames
         images = frames["rgb"].permute(0, 1, 4, 2, 3).float() / 255
@@ -112,7 +112,7 @@ class ZSON(PolicyModule):
         return lstm_state(batch, self.lstm)
 
     def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
-        """See :class:`ucon.learning.policy.ActionPolicy`."""
+        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
         steps, batch = frames["rgb"].shape[:2]
         images = _channels_first(frames["rgb"].flatten(0, 1))
         seen = self.visual(self.compression(self.encoder(self.normalise(images))))  # (T * B, 512)

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ucon.commands.wiring import folder_habits
+from ucon.configuration.wiring import folder_habits
 from ucon.core.errors import DataError, EpisodeError, PlacementError, UconError
 from ucon.core.files import write_manifest
 from ucon.core.rng import stream
@@ -28,7 +28,7 @@ from ucon.sim.arrangement import Arrangement
 from ucon.sim.cache import load_house
 from ucon.sim.placement import place
 from ucon.task.episode import Episode
-from ucon.task.sampler import EpisodeSampler
+from ucon.task.making.sampler import EpisodeSampler
 from ucon.task.sets import load_episodes
 
 ROOT = Path(__file__).parents[1]

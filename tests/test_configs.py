@@ -9,12 +9,12 @@ from hydra import compose, initialize_config_dir
 from hydra.utils import get_class
 from omegaconf import OmegaConf
 
-from ucon.commands.training import learner_name
-from ucon.commands.wiring import Factory
+from ucon.configuration.wiring import Factory
 from ucon.core.errors import ConfigError, UconError
-from ucon.evaluation.play import Policy
-from ucon.evaluation.report import run_hashes
+from ucon.evaluation.figures.report import run_hashes
+from ucon.evaluation.playing.play import Policy
 from ucon.language.choice import LanguageModel, sees_images
+from ucon.programs.training import learner_name
 from ucon.retrieval import Retriever
 from ucon.retrieval.levels import check_level
 

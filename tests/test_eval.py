@@ -13,9 +13,9 @@ import pytest
 
 from tests.evaluation.records import reseal
 from tests.language.tiny_models import save_causal
-from ucon.commands.evaluating import chosen_episodes
 from ucon.core.errors import ConfigError
-from ucon.evaluation.record import read_records
+from ucon.evaluation.kept.record import read_records
+from ucon.programs.evaluating import chosen_episodes
 
 ROOT = Path(__file__).parents[1]
 QUICK = ("episodes=mini", "limit=4", "pictures=0", "progress=false")

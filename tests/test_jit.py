@@ -24,6 +24,6 @@ def test_any_kernel_file_changes_the_folder(tmp_path: Path) -> None:
 
 
 def test_kernels_are_kept_there() -> None:
-    from ucon.perception import view_kernels
+    from ucon.perception.views import view_kernels
 
     assert view_kernels.place_gain.stats.cache_path.startswith(str(kernel_folder()))  # type: ignore[attr-defined]

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.programs import outcomes
-from ucon.commands.ready import problem
+from ucon.programs.ready import problem
 
 ROOT = Path(__file__).parents[1]
 LONG = "a" * 300

@@ -15,8 +15,8 @@ from omegaconf import OmegaConf
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
 from tests.programs import outcomes
-from ucon.commands.training import chosen_run, use_threads
 from ucon.core.errors import ConfigError, DataError
+from ucon.programs.training import chosen_run, use_threads
 
 ROOT = Path(__file__).parents[1]
 SMALL = ("learner=retriever", "learner.rank=2", "learner.n_kbs=1", "progress=false", "training.validate_every=2")
@@ -68,14 +68,14 @@ def resumed(path):
     return chosen_run(OmegaConf.create({"resume": str(path), **watched}), [], None)
 
 
-WHOLE = "learner: {_target_: ucon.learning.retriever.RetrieverLearner}\ntraining: {steps: 3}\nthreads: 1\n"
+WHOLE = "learner: {_target_: ucon.learning.retriever.learner.RetrieverLearner}\ntraining: {steps: 3}\nthreads: 1\n"
 
 
 @pytest.mark.parametrize(
     ("content", "message"),
     [
         (
-            b"learner: {_target_: ucon.learning.retriever.RetrieverLearner}\nthreads: [1\n",
+            b"learner: {_target_: ucon.learning.retriever.learner.RetrieverLearner}\nthreads: [1\n",
             r"config\.yaml:3: not YAML; restore it",
         ),
         (b"threads: \x00", r"config\.yaml:1: not YAML"),
@@ -88,7 +88,7 @@ WHOLE = "learner: {_target_: ucon.learning.retriever.RetrieverLearner}\ntraining
         (WHOLE.replace("threads: 1\n", "").encode(), r"config\.yaml: no threads in it"),
         (WHOLE.replace("_target_", "target").encode(), r"config\.yaml: learner has no _target_"),
         (
-            WHOLE.replace("ucon.learning.retriever.RetrieverLearner", "os.mkdir").encode(),
+            WHOLE.replace("ucon.learning.retriever.learner.RetrieverLearner", "os.mkdir").encode(),
             r"learner\._target_=os\.mkdir: nothing in configs/ builds that there",
         ),
         (
@@ -112,7 +112,8 @@ def test_a_run_goes_on_where_it_began(tmp_path):
     """What began on a GPU is not continued on a CPU unasked, nor the other way round."""
     (tmp_path / "config.yaml").write_text(
         WHOLE.replace(
-            "ucon.learning.retriever.RetrieverLearner", "ucon.learning.retriever.RetrieverLearner, device: cuda:7"
+            "ucon.learning.retriever.learner.RetrieverLearner",
+            "ucon.learning.retriever.learner.RetrieverLearner, device: cuda:7",
         )
     )
     with pytest.raises(ConfigError, match=r"began on learner\.device=cuda:7, which torch does not see") as caught:
@@ -120,7 +121,8 @@ def test_a_run_goes_on_where_it_began(tmp_path):
     assert "\n" not in str(caught.value)
     (tmp_path / "config.yaml").write_text(
         WHOLE.replace(
-            "ucon.learning.retriever.RetrieverLearner", "ucon.learning.retriever.RetrieverLearner, device: cpu"
+            "ucon.learning.retriever.learner.RetrieverLearner",
+            "ucon.learning.retriever.learner.RetrieverLearner, device: cpu",
         )
     )
     assert resumed(tmp_path).config["learner"]["device"] == "cpu"

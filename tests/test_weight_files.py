@@ -11,7 +11,7 @@ import pytest
 
 from ucon.core import weight_files
 from ucon.core.weight_files import fingerprint, missing_parts
-from ucon.evaluation.weights import check_weights, fingerprints
+from ucon.evaluation.playing.needed_weights import check_weights, fingerprints
 
 LARGE = weight_files._WHOLE_BYTES + 12345
 

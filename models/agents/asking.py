@@ -17,11 +17,11 @@ from models.agents.base import Info
 from models.agents.waypoint import Chosen, WaypointAgent
 from ucon.core.errors import ConfigError
 from ucon.core.files import canonical_json, sha256_bytes
-from ucon.envs.waypoint import Decision, Manner
 from ucon.language.choice import Answer, LanguageModel, Question
+from ucon.language.phrases import phrase
 from ucon.language.prompt import Prompt, habit_block
-from ucon.retrieval.base import phrase
 from ucon.retrieval.context import ContextHabits
+from ucon.search import Decision, Manner
 
 PROMPTS = Path(__file__).parent / "prompts"
 
@@ -56,7 +56,7 @@ class AskingAgent(WaypointAgent):
         self.language.check()
 
     def fingerprint(self) -> str | None:
-        """Which weights the model has here and what it is asked with, see :mod:`ucon.evaluation.weights`."""
+        """The model's weights here and what it is asked with; see :mod:`ucon.evaluation.playing.needed_weights`."""
         weights = getattr(self.language, "fingerprint", str)()
         return None if weights is None else sha256_bytes(canonical_json([weights, dict(self.prompt.parts)]).encode())
 

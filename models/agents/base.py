@@ -13,7 +13,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.evaluation.decisions import DecisionRecord
+from ucon.evaluation.kept.decisions import DecisionRecord
 
 Observation = Mapping[str, Any]
 Info = Mapping[str, Any]

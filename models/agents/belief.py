@@ -13,10 +13,10 @@ from typing import Any
 from models.agents.base import Controller, ControllerAgent, Info
 from models.agents.search import SearchController
 from ucon.core.errors import ConfigError
-from ucon.perception.belief import KNOWN_HOME, BeliefWeights
-from ucon.perception.coverage import CoverageWeights
-from ucon.perception.reading import Locate, ReadHabits, expecting
-from ucon.perception.viewpoints import Costs
+from ucon.perception.belief.coverage import CoverageWeights
+from ucon.perception.belief.from_habits import Locate, ReadHabits, expecting
+from ucon.perception.belief.target_belief import KNOWN_HOME, BeliefWeights
+from ucon.perception.views.viewpoints import Costs
 
 
 class BeliefAgent(ControllerAgent):
@@ -53,7 +53,7 @@ class BeliefAgent(ControllerAgent):
             self.name = f"{self.name} (knows the home)"
 
     def fingerprint(self) -> str:
-        """Which trained reader says where the target may be, see :mod:`ucon.evaluation.weights`."""
+        """Which trained reader says where the target may be, see :mod:`ucon.evaluation.playing.needed_weights`."""
         return str(getattr(self._locate, "fingerprint", str)())
 
     def start(self, info: Info) -> Controller:

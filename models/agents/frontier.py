@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from models.agents.base import Controller, ControllerAgent, Info
 from models.agents.search import SearchController
-from ucon.perception.coverage import CoverageWeights, Indifferent
-from ucon.perception.viewpoints import Costs
+from ucon.perception.belief.coverage import CoverageWeights, Indifferent
+from ucon.perception.views.viewpoints import Costs
 
 
 class FrontierAgent(ControllerAgent):

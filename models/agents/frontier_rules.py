@@ -12,9 +12,9 @@ from typing import Literal
 from models.agents.base import Info
 from models.agents.waypoint import Chosen, WaypointAgent
 from ucon.core.errors import ConfigError, unknown_name
-from ucon.envs.waypoint import Decision, FineFrontiers, Frontiers, Manner, Strategy
-from ucon.perception.body import Body
-from ucon.perception.candidates import Candidate
+from ucon.perception.mapping.body import Body
+from ucon.perception.views.candidates import Candidate
+from ucon.search import Decision, FineFrontiers, Frontiers, Manner, Strategy
 
 Rule = Literal["nearest", "utility", "weighted"]
 RULES = ("nearest", "utility", "weighted")

@@ -10,20 +10,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from models.agents.base import Info, Observation, slots_of
+from models.agents.checkpoint import Weights
 from models.agents.search import SearchLog
-from models.agents.weights import Weights
 from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import sha256_bytes
 from ucon.core.rng import stream
-from ucon.envs.waypoint.searcher import MISS, Searcher
-from ucon.envs.waypoint.text_tokens import SaidTokens, TextTokens, name_table
-from ucon.envs.waypoint.tokens import Sizes, TokenReader, Tokens
-from ucon.evaluation.decisions import DecisionRecord
-from ucon.learning.policy import comparable
-from ucon.perception.draw import Image
-from ucon.perception.reading import Locate, ReadHabits, expecting
-from ucon.perception.viewpoints import Choice
+from ucon.evaluation.kept.decisions import DecisionRecord
+from ucon.learning.policies.action_policy import comparable
+from ucon.perception.belief.from_habits import Locate, ReadHabits, expecting
+from ucon.perception.drawing.map_picture import Image
+from ucon.perception.views.viewpoints import Choice
+from ucon.search.search_tokens import Sizes, TokenReader, Tokens
+from ucon.search.searcher import MISS, Searcher
+from ucon.search.text_tokens import SaidTokens, TextTokens, name_table
 from ucon.task.actions import Action
 
 if TYPE_CHECKING:
@@ -108,7 +108,7 @@ class HabitPolicyAgent:
         self._weights.load()
 
     def fingerprint(self) -> str | None:
-        """Which weights these are, see :mod:`ucon.evaluation.weights`."""
+        """Which weights these are, see :mod:`ucon.evaluation.playing.needed_weights`."""
         reader, own = str(getattr(self._locate, "fingerprint", str)()), self._weights.sha256()
         if own is None:
             return None
@@ -152,13 +152,13 @@ class HabitPolicyAgent:
         return self._searches[slot].log.decisions
 
     def picture(self, slot: int) -> Image:
-        """What it thinks; see :func:`ucon.perception.draw_search.draw_search`.
+        """What it thinks; see :func:`ucon.search.picture.draw_search`.
 
         Belief over cost is what drives the search: the habits shown are those that the belief head was moved by. Of a
         transformer that adds something to that, which the shipped one does not, a last line says what the chosen view
         attends to.
         """
-        from ucon.perception.draw_search import draw_search
+        from ucon.search.picture import draw_search
 
         return draw_search(self._searches[slot].searcher, also=self._attending(slot))
 

@@ -25,12 +25,12 @@ from models.agents.asking import AskingAgent
 from models.agents.base import Info
 from models.agents.waypoint import Chosen
 from ucon.core.errors import ConfigError
-from ucon.envs.waypoint import Decision, FineFrontiers, Manner, Strategy
 from ucon.language.choice import Answer, LanguageModel, Option, Question
 from ucon.language.labels import label_set
-from ucon.perception.body import Body
-from ucon.perception.fine_frontiers import SQUARE_M
-from ucon.retrieval.base import phrase
+from ucon.language.phrases import phrase
+from ucon.perception.mapping.body import Body
+from ucon.perception.mapping.fine_frontiers import SQUARE_M
+from ucon.search import Decision, FineFrontiers, Manner, Strategy
 
 #: L3MVN's number of labels, to which its thresholds belong.
 LABELS_THERE = 6

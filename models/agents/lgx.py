@@ -22,12 +22,12 @@ from models.agents.asking import AskingAgent, listed
 from models.agents.base import Info
 from models.agents.waypoint import Chosen
 from ucon.core.errors import ConfigError, unknown_name
-from ucon.envs.waypoint import Decision, Manner, Strategy, Views
 from ucon.language.choice import Answer, LanguageModel, Option, Question
-from ucon.perception.candidates import Candidate
-from ucon.perception.directions import Goal
-from ucon.perception.semantic_map import View
-from ucon.retrieval.base import phrase
+from ucon.language.phrases import phrase
+from ucon.perception.mapping.semantic_map import View
+from ucon.perception.views.candidates import Candidate
+from ucon.perception.views.heading_candidates import Goal
+from ucon.search import Decision, Manner, Strategy, Views
 
 Mode = Literal["direction", "object"]
 #: Names of directions, by quarter turns to the left.

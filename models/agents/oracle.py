@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from models.agents.base import Controller, ControllerAgent, Info, Observation
 from ucon.core.errors import ConfigError
-from ucon.evaluation.decisions import DecisionRecord
+from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.task.actions import Action
 
 

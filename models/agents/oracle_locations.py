@@ -8,7 +8,7 @@ from models.agents.base import Info
 from models.agents.belief import BeliefAgent
 from ucon.core.errors import ConfigError
 from ucon.habits.types import RELATIONS
-from ucon.perception.belief import Locations
+from ucon.perception.belief.target_belief import Locations
 
 
 def true_locations(info: Info) -> Locations:

@@ -25,11 +25,11 @@ from numpy.typing import NDArray
 from models.agents.asking import AskingAgent, listed
 from models.agents.base import Info
 from ucon.core.errors import ConfigError, unknown_name
-from ucon.envs.waypoint import Decision, Manner, Strategy, Views
 from ucon.language.choice import LanguageModel, Option, Question, sees_images
-from ucon.perception.candidates import Candidate
-from ucon.perception.semantic_map import View
-from ucon.retrieval.base import phrase
+from ucon.language.phrases import phrase
+from ucon.perception.mapping.semantic_map import View
+from ucon.perception.views.candidates import Candidate
+from ucon.search import Decision, Manner, Strategy, Views
 
 Inputs = Literal["labels", "images"]
 _GAP_PX = 10

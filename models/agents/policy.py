@@ -10,15 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.agents.base import Info, Observation, slots_of
-from models.agents.weights import Weights
+from models.agents.checkpoint import Weights
 from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import sha256_bytes
 from ucon.core.rng import stream
-from ucon.learning.policy import Arrays, Tensors, comparable, stacked, tensors_of
+from ucon.learning.policies.action_policy import Arrays, Tensors, comparable, stacked, tensors_of
 
 if TYPE_CHECKING:
-    from models.nets.policy import PolicyModule
+    from models.nets.policy_defaults import PolicyModule
 
 
 @dataclass
@@ -98,7 +98,7 @@ class PolicyAgent:
         self._weights.load()
 
     def fingerprint(self) -> str | None:
-        """Which weights these are, see :mod:`ucon.evaluation.weights`."""
+        """Which weights these are, see :mod:`ucon.evaluation.playing.needed_weights`."""
         frozen, own = self.policy.fingerprint(), self._weights.sha256()
         if frozen is None or own is None:
             return None

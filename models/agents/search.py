@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from models.agents.base import Info, Observation
-from ucon.envs.waypoint.aims import Aim, aim_of, aim_to_open, aim_to_take
-from ucon.envs.waypoint.searcher import SearchDecision, Searcher
-from ucon.evaluation.decisions import DecisionRecord
-from ucon.perception.draw import Image
-from ucon.perception.expecting import Expecting
-from ucon.perception.viewpoints import Choice, Costs
+from ucon.evaluation.kept.decisions import DecisionRecord
+from ucon.perception.belief.protocol import Expecting
+from ucon.perception.drawing.map_picture import Image
+from ucon.perception.views.viewpoints import Choice, Costs
+from ucon.search.aims import Aim, aim_of, aim_to_open, aim_to_take
+from ucon.search.searcher import SearchDecision, Searcher
 from ucon.task.actions import Action
 
 #: Digits kept of a score.
@@ -78,7 +78,7 @@ class SearchController:
         return self._log.decisions
 
     def picture(self) -> Image:
-        """What it thinks; see :func:`ucon.perception.draw_search.draw_search`."""
-        from ucon.perception.draw_search import draw_search
+        """What it thinks; see :func:`ucon.search.picture.draw_search`."""
+        from ucon.search.picture import draw_search
 
         return draw_search(self.searcher)

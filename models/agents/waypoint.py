@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 from models.agents.base import Info, Observation, slots_of
 from ucon.core.errors import ConfigError
-from ucon.envs.waypoint import Decision, Explorer, Manner, Strategy
-from ucon.envs.waypoint.aims import candidate_words
-from ucon.evaluation.decisions import DecisionRecord
+from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.language.choice import Answer
+from ucon.search import Decision, Explorer, Manner, Strategy
+from ucon.search.aims import candidate_words
 
 
 @dataclass(frozen=True, slots=True)

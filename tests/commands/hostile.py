@@ -16,9 +16,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from ucon.commands.arguments import arguments_of
-from ucon.commands.stored import checked
-from ucon.commands.wiring import Factory
+from ucon.configuration.arguments import arguments_of
+from ucon.configuration.stored import checked
+from ucon.configuration.wiring import Factory
 from ucon.core.errors import UconError
 
 #: Audit events that nothing stored may cause.

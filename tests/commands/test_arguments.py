@@ -2,7 +2,7 @@
 
 import pytest
 
-from ucon.commands.arguments import check_arguments
+from ucon.configuration.arguments import check_arguments
 from ucon.core.errors import ConfigError
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ucon.commands.entry import USER_ERROR, one_line_errors
+from ucon.programs.errors import USER_ERROR, one_line_errors
 
 FULL = Path("/dev/full")
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from ucon.commands.help_page import Option, help_page, options_of
+from ucon.configuration.help_page import Option, help_page, options_of
 
 ROOT = Path(__file__).parents[2]
 CONFIGS = ROOT / "configs"

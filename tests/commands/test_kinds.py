@@ -11,10 +11,10 @@ from typing import Any, Literal
 import pytest
 
 from tests.commands.stored import composed, each, stored
-from ucon.commands.arguments import arguments_of, check_arguments
-from ucon.commands.kinds import ANYTHING, NOTHING, SWITCH, TEXT, kind_of, one_of, whole
-from ucon.commands.options import EVALUATION, TRAINING, check_options
-from ucon.commands.wiring import Factory
+from ucon.configuration.arguments import arguments_of, check_arguments
+from ucon.configuration.kinds import ANYTHING, NOTHING, SWITCH, TEXT, kind_of, one_of, whole
+from ucon.configuration.known_options import EVALUATION, TRAINING, check_options
+from ucon.configuration.wiring import Factory
 from ucon.core.errors import UconError
 
 Mode = Literal["a", "b"]

@@ -9,8 +9,8 @@ import pytest
 import yaml
 from hydra.utils import get_object
 
-from ucon.commands import old_names
-from ucon.commands.old_names import GONE, MOVED, in_todays_names
+from ucon.configuration import old_names
+from ucon.configuration.old_names import GONE, MOVED, in_todays_names
 from ucon.core.errors import DataError
 
 RESULTS = Path(__file__).resolve().parents[2] / "results"

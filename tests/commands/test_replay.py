@@ -12,11 +12,11 @@ from omegaconf import OmegaConf
 
 from tests.commands.test_cli import run, user_error
 from tests.evaluation.records import reseal
-from ucon.evaluation.folder import RunFolder
-from ucon.evaluation.play import Played
-from ucon.evaluation.record import EpisodeTiming, read_records
-from ucon.evaluation.report import versions
-from ucon.evaluation.seal import sealed
+from ucon.evaluation.figures.report import versions
+from ucon.evaluation.kept.folder import RunFolder
+from ucon.evaluation.kept.record import EpisodeTiming, read_records
+from ucon.evaluation.kept.seal import sealed
+from ucon.evaluation.playing.play import Played
 
 ROOT = Path(__file__).parents[2]
 RESULTS = ROOT / "results"

@@ -19,11 +19,11 @@ from tests.commands.stored import CONFIGS, composed, each, stored
 from tests.commands.test_cli import run
 from tests.evaluation.records import reseal
 from tests.test_bad_input import command
-from ucon.commands.places import places
-from ucon.commands.stored import checked, has_to_be_said
-from ucon.commands.training import chosen_run
+from ucon.configuration.constructors import places
+from ucon.configuration.stored import checked, has_to_be_said
 from ucon.core.errors import DataError, UconError
-from ucon.evaluation.finished import read_config
+from ucon.evaluation.kept.finished import read_config
+from ucon.programs.training import chosen_run
 
 ROOT = Path(__file__).parents[2]
 BUILT = ("agent", "env", "learner")

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from ucon.commands.output import say_once
-from ucon.commands.wiring import folder_habits, official_habits
+from ucon.configuration.wiring import folder_habits, official_habits
+from ucon.core.output import say_once
 from ucon.habits.book import BOOK_FOLDER
 
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from ucon.__main__ import main
-from ucon.evaluation.record import read_records
+from ucon.evaluation.kept.record import read_records
 from ucon.habits.datafile import load_dataset_file
-from ucon.task.own import FaultsError, Wish, likely_places
+from ucon.task.making.own_household import FaultsError, Wish, likely_places
 from ucon.task.sets import load_episodes
 
 SAID = "After the morning mails the blue mug stays beside the laptop."

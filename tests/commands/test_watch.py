@@ -10,9 +10,9 @@ import pytest
 
 from ucon.__main__ import main
 from ucon.commands.two_searches import search_twice
-from ucon.evaluation.finished import FinishedRun
-from ucon.evaluation.record import read_records
-from ucon.evaluation.recorded import RecordedAgent
+from ucon.evaluation.kept.finished import FinishedRun
+from ucon.evaluation.kept.record import read_records
+from ucon.evaluation.playing.recorded import RecordedAgent
 from ucon.task.actions import Action
 from ucon.task.sets import load_episodes
 from ucon.task.spoken import target_place

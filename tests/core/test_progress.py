@@ -12,7 +12,7 @@ import pytest
 from tests.evaluation.records import played
 from ucon.core import progress
 from ucon.core.progress import Progress, duration, part
-from ucon.evaluation.progress import EvaluationProgress, embedding_progress
+from ucon.evaluation.playing.progress_bar import EvaluationProgress, embedding_progress
 
 SHORT = """
 from ucon.core.progress import Progress

@@ -6,8 +6,8 @@ from typing import Any
 
 import gymnasium as gym
 
+from ucon.envs.search.env import UcONSearchEnv
 from ucon.envs.ucon_env import UcONEnv
-from ucon.envs.waypoint.search_env import UcONSearchEnv
 
 
 class Recorder(gym.Wrapper[Any, int, Any, int]):

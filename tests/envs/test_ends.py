@@ -12,8 +12,8 @@ from ucon.core.errors import ActionError, ConfigError, EpisodeError
 from ucon.envs.checking.findings import same
 from ucon.envs.checking.subject import OURS, core, reset, step
 from ucon.envs.image_goal import UcONImageGoalEnv
+from ucon.envs.search.env import UcONSearchEnv
 from ucon.envs.ucon_env import UcONEnv
-from ucon.envs.waypoint.search_env import UcONSearchEnv
 from ucon.task.actions import Action
 from ucon.task.episode import Episode
 

@@ -16,9 +16,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "perception"))
 from toy import ToyEnv, two_rooms  # (the path above)
 
 from ucon.envs.ucon_env import UcONEnv
-from ucon.envs.waypoint import STRATEGIES, Decision, Explorer, Manner, Views
-from ucon.envs.waypoint.explorer import Interrupt
-from ucon.perception.semantic_map import View
+from ucon.perception.mapping.semantic_map import View
+from ucon.search import STRATEGIES, Decision, Explorer, Manner, Views
+from ucon.search.explorer import Interrupt
 from ucon.task.actions import Action
 from ucon.task.episode import Episode
 

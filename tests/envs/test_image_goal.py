@@ -16,7 +16,7 @@ import transformers
 from gymnasium.utils.env_checker import check_env
 
 import ucon.envs  # noqa: F401  (registers the environments)
-from models.nets.goals import ClipGoal, SentenceGoal
+from models.nets.vision.goals import ClipGoal, SentenceGoal
 from models.zson import ZSON
 from tests.learning.tiny_policy import TinyPolicy
 from tests.learning.tiny_ppo import tiny_ppo

@@ -12,9 +12,9 @@ from models.agents.belief import BeliefAgent
 from models.agents.oracle import OracleAgent
 from models.agents.random import RandomAgent
 from ucon.envs.ucon_env import UcONEnv
-from ucon.evaluation.play import RunSpec
-from ucon.evaluation.record import to_lines
-from ucon.evaluation.runner import evaluate
+from ucon.evaluation.kept.record import to_lines
+from ucon.evaluation.playing.play import RunSpec
+from ucon.evaluation.playing.runner import evaluate
 from ucon.sim.cache import load_house
 from ucon.sim.live import LiveState
 from ucon.sim.state import SceneState

@@ -8,7 +8,8 @@ from ucon.envs.knowledge import HabitSource
 from ucon.habits import book
 from ucon.habits.types import HabitDataset
 from ucon.language import MiniLM, StoredEncoder
-from ucon.retrieval import LEVELS, BM25Retriever, DenseRetriever, query_text, tuned_encoder
+from ucon.language.phrases import query_text
+from ucon.retrieval import LEVELS, BM25Retriever, DenseRetriever, tuned_encoder
 from ucon.sim.cache import load_house
 from ucon.task.sets import load_episodes
 

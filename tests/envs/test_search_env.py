@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import gymnasium as gym
@@ -10,15 +9,15 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
+from tests.envs.choosing import at_random, gone, rollout
 from tests.envs.recorder import recorded
 from tests.envs.test_ucon_env import same
-from tests.envs.test_waypoint import at_random, gone
 from ucon.core.errors import ConfigError, EpisodeError
+from ucon.envs.search.env import Returns, UcONSearchEnv
 from ucon.envs.ucon_env import UcONEnv
-from ucon.envs.waypoint.search_env import Returns, UcONSearchEnv
-from ucon.envs.waypoint.searcher import LOYALTY
-from ucon.envs.waypoint.view_tokens import IS_KEPT, VISITED, moves_to
-from ucon.perception.belief import Locations
+from ucon.perception.belief.target_belief import Locations
+from ucon.search.searcher import LOYALTY
+from ucon.search.view_tokens import IS_KEPT, VISITED, moves_to
 from ucon.task.episode import Episode
 
 INFO = {
@@ -26,13 +25,6 @@ INFO = {
     "episode_metrics", "is_success", "invalid",
 }  # fmt: skip
 Steps = list[tuple[Any, ...]]
-
-
-def rollout(env: UcONSearchEnv, choose: Callable[[Any], int], **options: Any) -> Steps:
-    seen: Steps = [env.reset(**options)]
-    while len(seen) < 2 or not (seen[-1][2] or seen[-1][3]):
-        seen.append(env.step(choose(seen[-1][0])))
-    return seen
 
 
 def greedy(obs: Any) -> int:

@@ -14,7 +14,7 @@ from models.agents.oracle_locations import OracleLocationsAgent
 from ucon.core.errors import ConfigError
 from ucon.envs.tour import STRIDE, stops
 from ucon.envs.ucon_env import UcONEnv
-from ucon.perception.semantic_map import SemanticMap
+from ucon.perception.mapping.semantic_map import SemanticMap
 
 
 def made(**options: Any) -> UcONEnv:

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import ucon.envs
-from ucon.perception.nav import Nav
-from ucon.perception.planner import Planner
+from ucon.perception.mapping.nav import Nav
+from ucon.perception.mapping.planner import Planner
 
 assert ucon.envs  # registers the environments
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ucon.evaluation.folder import RunFolder
-from ucon.evaluation.naming import Parts
-from ucon.evaluation.play import Played
-from ucon.evaluation.record import EpisodeRecord, EpisodeTiming
-from ucon.evaluation.report import summary
-from ucon.evaluation.seal import SEALED, SUMMARY, read_file, sealed
+from ucon.evaluation.figures.report import summary
+from ucon.evaluation.kept.folder import RunFolder
+from ucon.evaluation.kept.naming import Parts
+from ucon.evaluation.kept.record import EpisodeRecord, EpisodeTiming
+from ucon.evaluation.kept.seal import SEALED, SUMMARY, read_file, sealed
+from ucon.evaluation.playing.play import Played
 
 BASE = EpisodeRecord(
     episode="e0",

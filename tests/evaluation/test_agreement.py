@@ -1,7 +1,7 @@
 import pytest
 
 from ucon.core.rng import stream
-from ucon.evaluation.agreement import alpha_interval, krippendorff_alpha
+from ucon.evaluation.datasets.agreement import alpha_interval, krippendorff_alpha
 
 #: Four observers, twelve units, five values: the worked example of Krippendorff (2011), "Computing Krippendorff's
 #: alpha-reliability", with values from 0.

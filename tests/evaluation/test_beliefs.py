@@ -7,10 +7,11 @@ from ucon.core.errors import DataError
 from ucon.evaluation.beliefs import ORACLE, measure_beliefs
 from ucon.habits import book
 from ucon.habits.types import RELATIONS
-from ucon.retrieval import AnchorReader, DenseRetriever
-from ucon.retrieval.reader import AnchorBelief
-from ucon.retrieval.sampling import location_distribution, sampled_kb
-from ucon.retrieval.scores import calibration_error, scores
+from ucon.readers import AnchorReader
+from ucon.readers.anchor_reader import AnchorBelief
+from ucon.readers.belief_scores import calibration_error, scores
+from ucon.readers.sampled_homes import location_distribution, sampled_kb
+from ucon.retrieval import DenseRetriever
 
 
 @pytest.fixture(scope="module")

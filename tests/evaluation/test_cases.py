@@ -18,8 +18,8 @@ from tests.models.playing import config_of
 from ucon.__main__ import main
 from ucon.core.errors import ConfigError
 from ucon.envs.knowledge import HabitSource
-from ucon.evaluation.cases import NEAR_M, landmark_cases, landmarks
-from ucon.evaluation.record import to_lines
+from ucon.evaluation.figures.landmark_cases import NEAR_M, landmark_cases, landmarks
+from ucon.evaluation.kept.record import to_lines
 from ucon.habits import book
 from ucon.retrieval import BM25Retriever
 from ucon.task.sets import load_episodes

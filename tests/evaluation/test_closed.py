@@ -12,9 +12,9 @@ import pytest
 from tests.evaluation.records import record
 from ucon.__main__ import main
 from ucon.core.errors import ConfigError
-from ucon.evaluation.closed import carried_over, distance_closed
-from ucon.evaluation.markdown import Run, markdown_page
-from ucon.evaluation.record import EpisodeRecord, to_lines
+from ucon.evaluation.figures.gap_closed import carried_over, distance_closed
+from ucon.evaluation.figures.markdown import Run, markdown_page
+from ucon.evaluation.kept.record import EpisodeRecord, to_lines
 
 
 def played(found: list[bool], **changes: Any) -> list[EpisodeRecord]:

@@ -5,10 +5,10 @@ import shutil
 import pytest
 
 from tests.models.playing import config_of
-from ucon.commands.evaluating import Evaluation
-from ucon.evaluation.folder import RunFolder
-from ucon.evaluation.partial import PARTIAL
-from ucon.evaluation.seal import CONFIG, DECISIONS, RECORDS, SECONDS, SUMMARY, TIMING
+from ucon.evaluation.kept.folder import RunFolder
+from ucon.evaluation.kept.partial import PARTIAL
+from ucon.evaluation.kept.seal import CONFIG, DECISIONS, RECORDS, SECONDS, SUMMARY, TIMING
+from ucon.programs.evaluating import Evaluation
 
 EQUAL = (RECORDS, DECISIONS, SUMMARY)
 

@@ -14,11 +14,11 @@ from models.agents.lgx import LGXAgent
 from tests.evaluation.records import played as made_up
 from ucon.core.errors import DataError
 from ucon.envs.ucon_env import UcONEnv
-from ucon.evaluation.decisions import DecisionRecord, language_figures, seconds_per_decision
-from ucon.evaluation.folder import DECISIONS, PARTIAL, TIMING, RunFolder
-from ucon.evaluation.play import Played, RunSpec
-from ucon.evaluation.report import summary
-from ucon.evaluation.runner import evaluate
+from ucon.evaluation.figures.report import summary
+from ucon.evaluation.kept.decisions import DecisionRecord, language_figures, seconds_per_decision
+from ucon.evaluation.kept.folder import DECISIONS, PARTIAL, TIMING, RunFolder
+from ucon.evaluation.playing.play import Played, RunSpec
+from ucon.evaluation.playing.runner import evaluate
 from ucon.language.models.encoder import EncoderModel
 from ucon.task.sets import load_episodes
 

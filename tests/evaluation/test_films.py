@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from models.agents.weights import SHIPPED
+from models.agents.checkpoint import SHIPPED
 from tests.evaluation.records import record
 from tests.models.playing import CONFIGS, config_of
-from ucon.commands.wiring import Factory
-from ucon.evaluation.play import Played, RunSpec, _captions, play
+from ucon.configuration.wiring import Factory
+from ucon.evaluation.playing.play import Played, RunSpec, _captions, play
 from ucon.task.rules import PAPER, RULES
 from ucon.task.sets import load_episodes
 

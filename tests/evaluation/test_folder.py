@@ -5,11 +5,11 @@ import pytest
 from tests.evaluation.records import played
 from ucon.core.errors import ConfigError, DataError, UconError
 from ucon.core.files import sha256_bytes
-from ucon.evaluation import folder as folder_module
-from ucon.evaluation.folder import RunFolder, free_folder
-from ucon.evaluation.partial import PARTIAL, line_of, line_of_played
-from ucon.evaluation.report import summary
-from ucon.evaluation.seal import RECORDS, SUMMARY
+from ucon.evaluation.figures.report import summary
+from ucon.evaluation.kept import folder as folder_module
+from ucon.evaluation.kept.folder import RunFolder, free_folder
+from ucon.evaluation.kept.partial import PARTIAL, line_of, line_of_played
+from ucon.evaluation.kept.seal import RECORDS, SUMMARY
 
 IDS = [f"e{number}" for number in range(3)]
 HASHES = {"config": "c", "episodes": "e", "habits": "h", "code": "v"}

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from ucon.core.errors import ConfigError
-from ucon.evaluation.habit_homes import measure_retrieval, offer_of_scenes
-from ucon.evaluation.habit_places import placement_statistics
-from ucon.evaluation.habit_plots import draw_plots, require_matplotlib
-from ucon.evaluation.habit_statistics import Measures, measure
-from ucon.evaluation.habit_text import names, near_duplicates, text_statistics
+from ucon.evaluation.datasets.dataset_statistics import Measures, measure
+from ucon.evaluation.datasets.homes_of_habits import measure_retrieval, offer_of_scenes
+from ucon.evaluation.datasets.placements import placement_statistics
+from ucon.evaluation.datasets.plots import draw_plots, require_matplotlib
+from ucon.evaluation.datasets.sentences import names, near_duplicates, text_statistics
 from ucon.habits import Entry, Habit, HabitDataset, Placement, book, official
 from ucon.retrieval import DenseRetriever, dataset_vectors
 from ucon.scenes import SCENES

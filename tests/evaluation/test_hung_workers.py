@@ -15,10 +15,10 @@ import pytest
 from models.agents.random import RandomAgent
 from ucon.core.errors import ConfigError, EpisodeError
 from ucon.envs.ucon_env import UcONEnv
-from ucon.evaluation.crew import Crew
-from ucon.evaluation.play import RunSpec
-from ucon.evaluation.record import to_lines
-from ucon.evaluation.runner import evaluate
+from ucon.evaluation.kept.record import to_lines
+from ucon.evaluation.playing.crew import Crew
+from ucon.evaluation.playing.play import RunSpec
+from ucon.evaluation.playing.runner import evaluate
 from ucon.task.sets import load_episodes
 
 ROOT = Path(__file__).parents[2]

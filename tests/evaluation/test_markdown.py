@@ -7,9 +7,9 @@ import pytest
 from tests.evaluation.records import record
 from ucon.__main__ import main
 from ucon.core.errors import ConfigError
-from ucon.evaluation.compare import compare_records
-from ucon.evaluation.markdown import Run, markdown_page
-from ucon.evaluation.record import to_lines
+from ucon.evaluation.figures.markdown import Run, markdown_page
+from ucon.evaluation.figures.paired import compare_records
+from ucon.evaluation.kept.record import to_lines
 from ucon.scenes import home_spec
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from tests.evaluation.records import record
 from ucon.core.errors import DataError
-from ucon.evaluation.metrics import MEASURES, episode_spl, summarise
+from ucon.evaluation.figures.metrics import MEASURES, episode_spl, summarise
 
 
 def test_seen_is_seen_from_the_first_frame_on() -> None:

@@ -14,9 +14,9 @@ from models.agents.random import RandomAgent
 from tests.evaluation.records import played, record, store
 from ucon.__main__ import main
 from ucon.commands.compare import print_sweep
-from ucon.evaluation.markdown import read_run
-from ucon.evaluation.naming import Parts, answers_something, level, parts_of, player
-from ucon.evaluation.report import results_table, summary
+from ucon.evaluation.figures.markdown import read_run
+from ucon.evaluation.figures.report import results_table, summary
+from ucon.evaluation.kept.naming import Parts, answers_something, level, parts_of, player
 from ucon.language.models.encoder import EncoderModel
 from ucon.perception.detectors.gt import GtDetector
 

@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("matplotlib", reason="pictures are an extra (pip install 'ucon-nav[plots]')")
 
-from ucon.evaluation.plotting import grouped_bars, new_figure
+from ucon.evaluation.figures.plotting import grouped_bars, new_figure
 
 
 @pytest.mark.parametrize("series", [1, 2])

@@ -5,9 +5,9 @@ import pytest
 
 from tests.evaluation.records import BASE, record
 from ucon.core.errors import ConfigError, DataError
-from ucon.evaluation.compare import compare_records
-from ucon.evaluation.metrics import summarise
-from ucon.evaluation.record import EpisodeRecord, episode_spl, read_records, to_lines
+from ucon.evaluation.figures.metrics import summarise
+from ucon.evaluation.figures.paired import compare_records
+from ucon.evaluation.kept.record import EpisodeRecord, episode_spl, read_records, to_lines
 
 
 def test_round_trip(tmp_path):

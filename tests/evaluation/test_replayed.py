@@ -8,8 +8,8 @@ import pytest
 
 from tests.evaluation.records import record
 from ucon.core.errors import DataError
-from ucon.evaluation.metrics import summarise
-from ucon.evaluation.replayed import Kept, replayed
+from ucon.evaluation.figures.metrics import summarise
+from ucon.evaluation.kept.replayed import Kept, replayed
 
 RECORDS = [record(0), record(1, success=False)]
 FIGURES = summarise(RECORDS)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from ucon.evaluation import report
+from ucon.evaluation.figures import report
 
 
 @pytest.fixture

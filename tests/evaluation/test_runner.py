@@ -13,11 +13,11 @@ from models.agents.oracle import OracleAgent
 from models.agents.random import RandomAgent
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
-from ucon.evaluation.crew import WorkerError
-from ucon.evaluation.pictures import worth_filming
-from ucon.evaluation.play import RunSpec
-from ucon.evaluation.record import EpisodeRecord, episode_spl, to_lines
-from ucon.evaluation.runner import evaluate, resolve_workers
+from ucon.evaluation.kept.record import EpisodeRecord, episode_spl, to_lines
+from ucon.evaluation.playing.crew import WorkerError
+from ucon.evaluation.playing.pictures import worth_filming
+from ucon.evaluation.playing.play import RunSpec
+from ucon.evaluation.playing.runner import evaluate, resolve_workers
 from ucon.task.sets import load_episodes
 
 N = 6

@@ -3,7 +3,7 @@ import pytest
 
 from ucon.core.errors import ConfigError
 from ucon.core.rng import stream
-from ucon.evaluation.statistics import mean_interval, paired_difference, rate_interval
+from ucon.evaluation.figures.intervals import mean_interval, paired_difference, rate_interval
 
 
 def test_interval_of_a_known_sample():

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from ucon.core.errors import ConfigError, DataError
-from ucon.evaluation.survey import Answer, Item, draw_items, key_csv, read_key, read_sheet, sheet_csv
-from ucon.evaluation.survey_page import sheet_html
-from ucon.evaluation.survey_score import score_survey
+from ucon.evaluation.datasets.survey import Answer, Item, draw_items, key_csv, read_key, read_sheet, sheet_csv
+from ucon.evaluation.datasets.survey_page import sheet_html
+from ucon.evaluation.datasets.survey_score import score_survey
 from ucon.habits import book
 
 

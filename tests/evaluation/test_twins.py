@@ -10,8 +10,8 @@ from omegaconf import OmegaConf
 
 from tests.evaluation.records import played, reseal
 from tests.evaluation.records import store as store_run
-from ucon.evaluation.seal import CONFIG, SUMMARY
-from ucon.evaluation.twins import twin_of
+from ucon.evaluation.kept.seal import CONFIG, SUMMARY
+from ucon.evaluation.kept.twins import twin_of
 
 HASHES = {"config": "c1", "episodes": "e", "habits": "h", "code": "v", "weights": "w1"}
 RUN: dict[str, Any] = {

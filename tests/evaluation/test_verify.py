@@ -9,8 +9,8 @@ import pytest
 
 from tests.evaluation.records import played, reseal, store
 from ucon.__main__ import main
-from ucon.evaluation.finished import FinishedRun
-from ucon.evaluation.seal import RECORDS, SECONDS, SUMMARY, TIMING, has_summary
+from ucon.evaluation.kept.finished import FinishedRun
+from ucon.evaluation.kept.seal import RECORDS, SECONDS, SUMMARY, TIMING, has_summary
 
 ROOT = Path(__file__).parents[2]
 RESULTS = sorted(

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from ucon.commands.wiring import official_habits
+from ucon.configuration.wiring import official_habits
 from ucon.core.errors import DataError
 from ucon.generation.kept import kept_folder, tried
 from ucon.generation.validate import try_triple
@@ -17,8 +17,8 @@ from ucon.habits.verdicts import Triple
 from ucon.objects.catalogue import catalogue
 from ucon.sim.cache import load_house
 from ucon.sim.render import RasterRenderer
-from ucon.task.placeable import Unplaced, counted, unplaced
-from ucon.task.sampler import EpisodeSampler
+from ucon.task.making.placeable import Unplaced, counted, unplaced
+from ucon.task.making.sampler import EpisodeSampler
 
 HOME = "Rs_int"
 SHARED = Path(__file__).resolve().parents[2] / "../shared"

@@ -16,8 +16,8 @@ from ucon.habits.book import book_anchors
 from ucon.habits.splits import entry_parts
 from ucon.habits.types import Entry
 from ucon.habits.writer import format_entries
-from ucon.language.answer_cache import AnswerCache
-from ucon.language.chat import ChatClient
+from ucon.language.servers.answer_cache import AnswerCache
+from ucon.language.servers.chat import ChatClient
 
 GOOD = {
     "household": "two lighthouse keepers' widows and their parrot",

@@ -8,13 +8,13 @@ import pytest
 
 from ucon.core.errors import DataError
 from ucon.core.rng import stream
-from ucon.generation.fit_verifier import fit, held_out, labelled_pairs, measure
+from ucon.fitting.verifier import fit, held_out, labelled_pairs, measure
 from ucon.generation.verify import WEIGHTS, Verifier, default_verifier, doubtful, pack, unpack
 from ucon.habits import book
 from ucon.habits.splits import split_categories
 from ucon.habits.types import Placement
 from ucon.language.pairs import default_pair_reader
-from ucon.retrieval.weights import load_arrays
+from ucon.readers.reader_weights import load_arrays
 
 CATEGORIES = split_categories(book().categories, "test")[::4]
 ENTRIES = [entry for name in CATEGORIES for entry in book().entries_of(name)]

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from ucon.commands.wiring import folder_habits
+from ucon.configuration.wiring import folder_habits
 from ucon.core.errors import DataError
 from ucon.habits import book
 from ucon.habits.book import BOOK_FILE

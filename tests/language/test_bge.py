@@ -19,8 +19,8 @@ from ucon.core.errors import ConfigError, DataError
 from ucon.habits import KnowledgeBase, book
 from ucon.language.bge import BgeM3, bge_folder
 from ucon.language.sparse import SparseRows
+from ucon.readers.sampled_homes import sampled_kb
 from ucon.retrieval import BgeRetriever, base
-from ucon.retrieval.sampling import sampled_kb
 
 TEXTS = tuple(book().texts[::400])
 

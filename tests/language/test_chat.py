@@ -19,9 +19,9 @@ from tests.language.chat_server import (
     sends,
 )
 from ucon.core.errors import AnswerError, ConfigError, ServerError
-from ucon.language.answer_cache import AnswerCache
-from ucon.language.answers import json_object
-from ucon.language.chat import ChatClient
+from ucon.language.servers.answer_cache import AnswerCache
+from ucon.language.servers.answers import json_object
+from ucon.language.servers.chat import ChatClient
 
 ASK = [{"role": "user", "content": "Where is the wallet?"}]
 SCHEMA = {"type": "object", "required": ["place"], "properties": {"place": {"type": "string"}}}

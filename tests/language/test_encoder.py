@@ -10,9 +10,9 @@ import pytest
 
 from tests.timing import fastest_s
 from ucon.core.errors import DataError
+from ucon.fitting.text_tables import QUERY, table_texts, vocabulary
 from ucon.habits import book
 from ucon.language import MiniLM, StoredEncoder
-from ucon.language.build import QUERY, table_texts, vocabulary
 from ucon.language.encoder import minilm_folder
 from ucon.language.store import DATA, VectorTable, default_encoder, shipped_table
 from ucon.retrieval import base

@@ -2,14 +2,14 @@
 
 from functools import partial
 
-from models.nets.belief_head import BeliefHead
+from models.nets.belief.belief_head import BeliefHead
 from tests.learning.tiny import some_habits
 from ucon.language.pairs import default_pair_reader
-from ucon.learning.belief import BeliefLearner
-from ucon.learning.belief_data import Draw
-from ucon.learning.belief_readers import Fold
-from ucon.retrieval.household import FittedParts
-from ucon.retrieval.weights import default_weights
+from ucon.learning.belief_head.draws import Draw
+from ucon.learning.belief_head.held_out_readers import Fold
+from ucon.learning.belief_head.learner import BeliefLearner
+from ucon.readers.household import FittedParts
+from ucon.readers.reader_weights import default_weights
 
 
 def plain_parts() -> FittedParts:

@@ -10,25 +10,24 @@ import pytest
 import torch
 from safetensors.torch import load, save
 
-from models.nets.belief_head import BeliefHead
-from models.nets.head_reader import HeadReader
+from models.nets.belief.belief_head import BeliefHead
+from models.nets.belief.head_reader import HeadReader
 from tests.learning.belief_tiny import plain_parts, small_head, tiny_belief
 from tests.learning.tiny import some_habits
-from ucon.core.errors import ConfigError, DataError
+from ucon.core.errors import ConfigError, DataError, DivergedError
 from ucon.core.files import write_manifest
 from ucon.core.rng import stream
 from ucon.habits import book
 from ucon.habits.splits import entry_parts
 from ucon.habits.types import HabitDataset
-from ucon.learning.belief import CONFIG, PRIOR, WEIGHTS, BeliefLearner
-from ucon.learning.belief_data import Draw, Draws, sample
-from ucon.learning.belief_homes import KnowledgeBases, pair_folds
-from ucon.learning.belief_loss import losses
-from ucon.learning.crossfit import fold_categories
-from ucon.learning.run import METRICS, Plan, TrainingRun
-from ucon.learning.updates import DivergedError
+from ucon.learning.belief_head.crossfit import fold_categories
+from ucon.learning.belief_head.draws import Draw, Draws, sample
+from ucon.learning.belief_head.households import KnowledgeBases, pair_folds
+from ucon.learning.belief_head.learner import CONFIG, PRIOR, WEIGHTS, BeliefLearner
+from ucon.learning.belief_head.losses import losses
+from ucon.learning.run.training_run import METRICS, Plan, TrainingRun
+from ucon.readers.sampled_homes import entry_kb, sampled_kb
 from ucon.retrieval.levels import FIXED_LEVELS
-from ucon.retrieval.sampling import entry_kb, sampled_kb
 
 
 def test_learns():
@@ -190,7 +189,7 @@ def test_only_training_entries_teach_and_others_are_asked_about_alone(dataset):
 
 def test_habits_of_homes_are_read_by_the_shipped_parts(monkeypatch):
     """Nothing was fitted on them, so there is nothing to hold out."""
-    monkeypatch.setattr("ucon.learning.belief_readers.book_folds", None)
+    monkeypatch.setattr("ucon.learning.belief_head.held_out_readers.book_folds", None)
     learner = BeliefLearner(partial(small_head), in_two_homes(), 4, parts=plain_parts(), households=1, n_kbs=2)
     before = learner.validate()["score"]
     assert learner.step()["loss"] > 0

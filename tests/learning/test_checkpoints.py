@@ -6,8 +6,8 @@ import pytest
 import torch
 
 from ucon.core.errors import DataError
-from ucon.learning.checkpoints import TENSORS, VALUES, CheckpointError, Checkpoints
-from ucon.learning.learner import State
+from ucon.learning.run.checkpoints import TENSORS, VALUES, CheckpointError, Checkpoints
+from ucon.learning.run.protocol import State
 
 
 def state(value: float) -> State:

@@ -10,14 +10,14 @@ from tests.learning.belief_tiny import tiny_belief
 from tests.learning.tiny import some_habits
 from ucon.core.errors import ConfigError
 from ucon.core.files import MANIFEST
+from ucon.fitting.place_encoder import Recipe
 from ucon.habits import book
 from ucon.habits.types import HabitDataset
 from ucon.language.pairs import default_pair_reader
-from ucon.learning.belief_readers import Fold
-from ucon.learning.crossfit import ReadEvidence, folds, train_texts
-from ucon.learning.fit_places import Recipe
-from ucon.retrieval.household import FittedParts
-from ucon.retrieval.weights import default_weights
+from ucon.learning.belief_head.crossfit import ReadEvidence, folds, train_texts
+from ucon.learning.belief_head.held_out_readers import Fold
+from ucon.readers.household import FittedParts
+from ucon.readers.reader_weights import default_weights
 
 QUICK = Recipe(epochs=1, rank=2)
 

@@ -7,8 +7,8 @@ import pytest
 from tests.learning.test_imitation import files
 from tests.learning.tiny_policy import ENV, TinyPolicy, tiny_dagger
 from ucon.core.errors import ConfigError, DataError
-from ucon.learning.dagger import Rollouts
-from ucon.learning.run import Plan, TrainingRun
+from ucon.learning.imitation.dagger import Rollouts
+from ucon.learning.run.training_run import Plan, TrainingRun
 from ucon.task.actions import Action
 from ucon.task.expert import Expert
 

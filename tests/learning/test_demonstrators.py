@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 from models.agents.belief import BeliefAgent
+from models.agents.checkpoint import UNTRAINED
 from models.agents.frontier import FrontierAgent
-from models.agents.weights import UNTRAINED
 from tests.learning.tiny_policy import tiny_dagger, tiny_imitation
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
-from ucon.learning.demonstrators import Searches, Solutions
-from ucon.learning.trajectories import Replayer
+from ucon.learning.imitation.demonstrators import Searches, Solutions
+from ucon.learning.imitation.trajectories import Replayer
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
 

@@ -12,11 +12,11 @@ from tests.learning.test_run import files
 from tests.learning.tiny import Line, tiny_learner, write_tiny_bert
 from tests.learning.tiny_policy import tiny_dagger, tiny_imitation
 from tests.learning.tiny_ppo import tiny_ppo
-from ucon.commands.training import chosen_run, run_identity, write_extension
 from ucon.core.errors import ConfigError
-from ucon.learning.checkpoints import CheckpointError
-from ucon.learning.plan import Extension, Plan
-from ucon.learning.run import CARD, CONFIG, METRICS, SUMMARY, Interrupted, TrainingRun
+from ucon.learning.run.checkpoints import CheckpointError
+from ucon.learning.run.run_plan import Extension, Plan
+from ucon.learning.run.training_run import CARD, CONFIG, METRICS, SUMMARY, Interrupted, TrainingRun
+from ucon.programs.training import chosen_run, run_identity, write_extension
 
 PLAN = Plan(steps=23, validate_every=5, save_every=3, keep=2)
 STORED = {
@@ -202,7 +202,7 @@ def asked(folder, *overrides, steps=None):
 
 
 def test_only_more_steps_are_taken_beside_resume(tmp_path):
-    ours = STORED | {"learner": {"_target_": "ucon.learning.retriever.RetrieverLearner"}}
+    ours = STORED | {"learner": {"_target_": "ucon.learning.retriever.learner.RetrieverLearner"}}
     (tmp_path / CONFIG).write_text(OmegaConf.to_yaml(OmegaConf.create(ours)))
     assert asked(tmp_path, f"resume={tmp_path}", steps=4).steps is None, "the default of another learner"
     assert asked(tmp_path, "training.steps=40", steps=40).steps == 40

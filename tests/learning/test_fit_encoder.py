@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import torch
 
+from ucon.fitting.language_encoder import _Batch, cases, fit, measured, nats, shared_out, single
 from ucon.language.models.encoder import EncoderModel, EncoderWeights
-from ucon.learning.fit_encoder import _Batch, cases, fit, measured, nats, shared_out, single
 from ucon.retrieval.levels import FIXED_LEVELS
 
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import torch
 
+from ucon.fitting.location_cases import LABELS, PLACES, THINGS, asked, place_cases
+from ucon.fitting.location_model import _Batch, fit, measured, target_scores, weights_of
 from ucon.language.models.encoder import EncoderModel
 from ucon.language.models.keeping import KeepingWeights
-from ucon.learning.fit_keeping import _Batch, fit, measured, target_scores, weights_of
-from ucon.learning.keeping_cases import LABELS, PLACES, THINGS, asked, place_cases
-from ucon.retrieval.base import phrase
+from ucon.language.phrases import phrase
 from ucon.retrieval.levels import FIXED_LEVELS
 from ucon.sim.cache import load_house
 from ucon.task.sets import load_episodes

@@ -11,9 +11,9 @@ import torch
 
 from tests.learning.tiny_ppo import narrow_habit_policy, tiny_ppo
 from ucon.core.errors import ConfigError
-from ucon.envs.waypoint.search_env import UcONSearchEnv
-from ucon.envs.waypoint.view_tokens import N_VIEW, moves_to
-from ucon.learning.foresight import ForesightLoss, progress
+from ucon.envs.search.env import UcONSearchEnv
+from ucon.learning.ppo.foresight import ForesightLoss, progress
+from ucon.search.view_tokens import N_VIEW, moves_to
 
 
 def decision(moves: list[float], to_go: list[float], here: float) -> dict[str, torch.Tensor]:

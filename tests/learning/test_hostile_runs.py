@@ -12,9 +12,9 @@ from tests.learning.test_run import PLAN, begun
 from tests.learning.tiny import Line
 from ucon.core.errors import DataError
 from ucon.core.files import write_manifest
-from ucon.learning.checkpoints import TENSORS, VALUES
-from ucon.learning.learner import State
-from ucon.learning.run import TrainingRun
+from ucon.learning.run.checkpoints import TENSORS, VALUES
+from ucon.learning.run.protocol import State
+from ucon.learning.run.training_run import TrainingRun
 
 LAST = "step_00000023"
 
@@ -240,7 +240,7 @@ def test_counts_are_whole_numbers(value):
 
 def test_a_checkpoint_of_other_kinds_of_number_is_refused(run):
     """Names and shapes are right."""
-    from ucon.learning.updates import Updates
+    from ucon.learning.run.updates import Updates
 
     weight = torch.nn.Parameter(torch.zeros(2))
     updates = Updates({"weight": weight}, lr=0.1)

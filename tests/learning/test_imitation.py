@@ -6,15 +6,14 @@ import itertools
 import pytest
 import torch
 
-from models.nets.policy import PolicyModule
+from models.nets.policy_defaults import PolicyModule
 from tests.learning.tiny_policy import Counting, Stays, TinyPolicy, on_a_gpu, tiny_imitation, training_file
-from ucon.core.errors import ConfigError, DataError
+from ucon.core.errors import ConfigError, DataError, DivergedError
 from ucon.core.files import write_atomic, write_manifest
-from ucon.learning.run import METRICS, Plan, TrainingRun
-from ucon.learning.saved import load_network
-from ucon.learning.sequence_loss import SequenceLoss
-from ucon.learning.updates import DivergedError
-from ucon.learning.validation import Validation
+from ucon.learning.imitation.sequence_loss import SequenceLoss
+from ucon.learning.policies.validation import Validation
+from ucon.learning.run.network_files import load_network
+from ucon.learning.run.training_run import METRICS, Plan, TrainingRun
 from ucon.task.sets import load_episodes
 
 

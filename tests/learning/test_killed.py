@@ -11,8 +11,8 @@ from tests.learning.test_imitation import files
 from tests.learning.tiny_policy import TinyPolicy, tiny_dagger, tiny_imitation, training_file
 from tests.learning.tiny_ppo import tiny_ppo
 from ucon.core.rng import stream
-from ucon.learning.checkpoints import LATEST
-from ucon.learning.run import METRICS, Plan, TrainingRun
+from ucon.learning.run.checkpoints import LATEST
+from ucon.learning.run.training_run import METRICS, Plan, TrainingRun
 
 STEPS = 24
 MADE = {"imitation": tiny_imitation, "dagger": tiny_dagger, "ppo": tiny_ppo}
@@ -64,7 +64,7 @@ def visible(folder):
 )
 def test_a_run_that_is_killed_at_random_ends_in_the_same_bytes(tmp_path, kind, kills):
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["tests.learning.tiny_ppo", "ucon.learning.run", "torch._dynamo"])
+    context.set_forkserver_preload(["tests.learning.tiny_ppo", "ucon.learning.run.training_run", "torch._dynamo"])
     episodes = training_file(tmp_path)
 
     def start(folder):

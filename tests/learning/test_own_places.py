@@ -9,22 +9,22 @@ import numpy as np
 import pytest
 import torch
 
-from models.nets.head_reader import HeadReader
+from models.nets.belief.head_reader import HeadReader
 from tests.learning.belief_tiny import small_head
 from tests.learning.test_belief import in_two_homes
-from ucon.core.errors import ConfigError, DataError
+from ucon.core.errors import ConfigError, DataError, DivergedError
 from ucon.core.files import write_manifest
+from ucon.fitting import scene_evidence as fit_own_places
+from ucon.fitting.scene_evidence import Recipe, kept_places, told_beforehand
 from ucon.habits import book
 from ucon.habits.splits import entry_parts
 from ucon.language.pairs import default_pair_reader
-from ucon.learning import belief_readers, fit_own_places
-from ucon.learning.belief import BeliefLearner
-from ucon.learning.belief_homes import pair_folds
-from ucon.learning.fit_own_places import Recipe, kept_places, told_beforehand
-from ucon.learning.updates import DivergedError
-from ucon.retrieval.household import parts_with
-from ucon.retrieval.own_places import ADAPTER, LAST, OwnPlaces
-from ucon.retrieval.weights import load_arrays
+from ucon.learning.belief_head import held_out_readers as belief_readers
+from ucon.learning.belief_head.households import pair_folds
+from ucon.learning.belief_head.learner import BeliefLearner
+from ucon.readers.household import parts_with
+from ucon.readers.reader_weights import load_arrays
+from ucon.readers.scene_evidence import ADAPTER, LAST, OwnPlaces
 
 QUICK = Recipe(epochs=1)
 

@@ -3,7 +3,7 @@
 import pytest
 
 from ucon.core.errors import ConfigError
-from ucon.learning.plan import MOST_STEPS, Extension, Plan
+from ucon.learning.run.run_plan import MOST_STEPS, Extension, Plan
 
 PLAN = Plan(23, validate_every=5, save_every=3)
 

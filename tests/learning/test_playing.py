@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from tests.learning.tiny_policy import ENV, TinyPolicy
-from ucon.learning.playing import Job, Players, PolicyChooser
+from ucon.learning.policies.playing import Job, Players, PolicyChooser
 from ucon.task.sets import load_episodes
 
 EPISODES = load_episodes("mini")[:4]

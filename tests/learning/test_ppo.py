@@ -11,14 +11,13 @@ from models.agents.habit_policy import HabitPolicyAgent
 from tests.learning.test_imitation import Broken, files
 from tests.learning.tiny_policy import Counting, Stays, TinyPolicy, on_a_gpu
 from tests.learning.tiny_ppo import narrow_habit_policy, tiny_ppo
-from ucon.core.errors import ConfigError, DataError
+from ucon.core.errors import ConfigError, DataError, DivergedError
 from ucon.envs.ucon_env import UcONEnv
-from ucon.learning.collecting import InWorkers
-from ucon.learning.ppo_loss import PPOLoss
-from ucon.learning.ppo_options import collection_size
-from ucon.learning.run import METRICS, Plan, TrainingRun
-from ucon.learning.updates import DivergedError
-from ucon.learning.view_policy import ViewPolicy
+from ucon.learning.policies.view_policy import ViewPolicy
+from ucon.learning.ppo.checks import collection_size
+from ucon.learning.ppo.clipped_loss import PPOLoss
+from ucon.learning.ppo.collecting import InWorkers
+from ucon.learning.run.training_run import METRICS, Plan, TrainingRun
 from ucon.task.reward import Reward
 
 

@@ -16,8 +16,8 @@ import pytest
 from tests.learning.tiny_policy import tiny_dagger
 from tests.learning.tiny_ppo import tiny_ppo
 from ucon.core.errors import ConfigError
-from ucon.learning import progress
-from ucon.learning.progress import wandb_log
+from ucon.learning.run import run_progress as progress
+from ucon.learning.run.run_progress import wandb_log
 
 ROOT = Path(__file__).parents[2]
 #: Trains the smallest learner in the folder that is named, and logs it.
@@ -25,8 +25,8 @@ TRAIN = """
 import sys
 from pathlib import Path
 from tests.learning.tiny import Line
-from ucon.learning import progress
-from ucon.learning.run import Plan, TrainingRun
+from ucon.learning.run import run_progress as progress
+from ucon.learning.run.training_run import Plan, TrainingRun
 
 progress.WANDB_PATIENCE_S = 3
 mode, folder = sys.argv[1], Path(sys.argv[2])

@@ -8,7 +8,7 @@ import torch
 from safetensors.torch import save
 
 from tests.learning.tiny import some_habits, tiny_learner, write_tiny_bert
-from ucon.core.errors import ConfigError, DataError
+from ucon.core.errors import ConfigError, DataError, DivergedError
 from ucon.core.files import write_manifest
 from ucon.habits import book
 from ucon.habits.splits import entry_parts
@@ -16,11 +16,10 @@ from ucon.language import MiniLM
 from ucon.language.adapted import AdaptedMiniLM
 from ucon.language.adapter import adapter_bytes, add_adapters, merge, read_adapter
 from ucon.language.encoder import MINILM_SHA256
-from ucon.learning.learner import State
-from ucon.learning.retriever import PRODUCT, RetrieverLearner, info_nce, owner_loss, schedule
-from ucon.learning.run import METRICS, Plan, TrainingRun
-from ucon.learning.updates import DivergedError
-from ucon.retrieval.sampling import part_kb
+from ucon.learning.retriever.learner import PRODUCT, RetrieverLearner, info_nce, owner_loss, schedule
+from ucon.learning.run.protocol import State
+from ucon.learning.run.training_run import METRICS, Plan, TrainingRun
+from ucon.readers.sampled_homes import part_kb
 
 TEXTS = ["The keys hang by the door.", "tea", "Every night the wallet is left on the low table."]
 

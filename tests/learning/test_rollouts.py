@@ -12,11 +12,11 @@ from tests.learning.tiny_policy import ENV, TinyPolicy, training_file
 from tests.learning.tiny_ppo import LEVELS, SEARCH, narrow_habit_policy
 from ucon.core.errors import ConfigError, DataError
 from ucon.core.rng import stream
-from ucon.learning.actor import rollout_actor
-from ucon.learning.collecting import InProcess, InWorkers, Rollouts
-from ucon.learning.experience import Experience
-from ucon.learning.rollout_env import STATE, PolicyEnv, rollout_env
-from ucon.learning.view_policy import ViewPolicy
+from ucon.learning.policies.actor import rollout_actor
+from ucon.learning.policies.view_policy import ViewPolicy
+from ucon.learning.ppo.collecting import InProcess, InWorkers, Rollouts
+from ucon.learning.ppo.experience import Experience
+from ucon.learning.ppo.rollout_env import STATE, PolicyEnv, rollout_env
 from ucon.task.sets import load_episodes
 
 MEMORY = ("hidden", "cell")

@@ -11,10 +11,10 @@ import pytest
 from tests.learning.tiny import Line
 from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import write_atomic
-from ucon.learning import checkpoints
-from ucon.learning import run as run_module
-from ucon.learning.checkpoints import BEST, LATEST, CheckpointError
-from ucon.learning.run import CARD, METRICS, SECONDS, SUMMARY, Interrupted, Plan, TrainingRun
+from ucon.learning.run import checkpoints
+from ucon.learning.run import training_run as run_module
+from ucon.learning.run.checkpoints import BEST, LATEST, CheckpointError
+from ucon.learning.run.training_run import CARD, METRICS, SECONDS, SUMMARY, Interrupted, Plan, TrainingRun
 
 PLAN = Plan(steps=23, validate_every=5, save_every=3, keep=2)
 

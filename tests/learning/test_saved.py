@@ -14,7 +14,7 @@ from torch import nn
 
 from ucon.core.errors import DataError
 from ucon.core.files import MANIFEST, write_atomic, write_manifest
-from ucon.learning.saved import CONFIG, MAX_HABITS, WEIGHTS, load_network, model_folder, network_files
+from ucon.learning.run.network_files import CONFIG, MAX_HABITS, WEIGHTS, load_network, model_folder, network_files
 
 
 class Net(nn.Module):

@@ -6,10 +6,10 @@ import torch
 
 from tests.learning.tiny_policy import ENV, TinyPolicy
 from ucon.core.errors import ConfigError
-from ucon.learning.feeding import Feeder
-from ucon.learning.sequence_loss import SequenceLoss
-from ucon.learning.sequences import Batch, cut
-from ucon.learning.trajectories import IGNORED, Trajectory, demonstration
+from ucon.learning.imitation.feeding import Feeder
+from ucon.learning.imitation.sequence_loss import SequenceLoss
+from ucon.learning.imitation.trajectories import IGNORED, Trajectory, demonstration
+from ucon.learning.policies.sequences import Batch, cut
 from ucon.task.sets import load_episodes
 
 EPISODES = sorted(load_episodes("mini"), key=lambda episode: len(episode.solution))[:6:2]

@@ -11,8 +11,8 @@ import pytest
 
 from tests.learning.tiny_policy import ENV, TinyPolicy
 from ucon.core.errors import DataError
-from ucon.learning.feeding import Feeder, _packed, _unpacked
-from ucon.learning.trajectories import (
+from ucon.learning.imitation.feeding import Feeder, _packed, _unpacked
+from ucon.learning.imitation.trajectories import (
     IGNORED,
     Replay,
     Replayer,

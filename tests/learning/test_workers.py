@@ -14,11 +14,11 @@ from tests.learning.tiny_policy import TinyPolicy, tiny_imitation, training_file
 from tests.learning.tiny_ppo import tiny_ppo
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
-from ucon.learning import workers as workers_module
-from ucon.learning.collecting import InWorkers
-from ucon.learning.feeding import Feeder
-from ucon.learning.trajectories import demonstration
-from ucon.learning.workers import WorkerError, ask, begin_worker
+from ucon.learning.imitation import workers as workers_module
+from ucon.learning.imitation.feeding import Feeder
+from ucon.learning.imitation.trajectories import demonstration
+from ucon.learning.imitation.workers import WorkerError, ask, begin_worker
+from ucon.learning.ppo.collecting import InWorkers
 from ucon.task.sets import load_episodes
 
 

@@ -9,8 +9,8 @@ from ucon.habits import book
 from ucon.habits.types import HabitDataset
 from ucon.language import MiniLM
 from ucon.language.encoder import minilm_folder
-from ucon.learning.learner import Card, State
-from ucon.learning.retriever import RetrieverLearner
+from ucon.learning.retriever.learner import RetrieverLearner
+from ucon.learning.run.protocol import Card, State
 
 
 @cache

@@ -6,13 +6,13 @@ import numpy as np
 import torch
 from torch import nn
 
-from models.nets.policy import PolicyModule, lstm_state, run_lstm
+from models.nets.policy_defaults import PolicyModule, lstm_state, run_lstm
 from ucon.envs.ucon_env import UcONEnv
-from ucon.learning.dagger import DaggerLearner, Rollouts
-from ucon.learning.imitation import ImitationLearner
-from ucon.learning.policy import Outputs
-from ucon.learning.sequence_loss import SequenceLoss
-from ucon.learning.validation import Validation
+from ucon.learning.imitation.dagger import DaggerLearner, Rollouts
+from ucon.learning.imitation.learner import ImitationLearner
+from ucon.learning.imitation.sequence_loss import SequenceLoss
+from ucon.learning.policies.action_policy import Outputs
+from ucon.learning.policies.validation import Validation
 from ucon.task.sets import load_episodes, save_episodes
 
 ENV = functools.partial(UcONEnv, "mini", observe="pixels")

@@ -4,11 +4,11 @@ import functools
 
 from models.habit_policy import HabitPolicy
 from tests.learning.tiny_policy import ENV, TinyPolicy, training_file
-from ucon.envs.waypoint.search_env import UcONSearchEnv
-from ucon.learning.collecting import InProcess
-from ucon.learning.ppo import PPOLearner
-from ucon.learning.ppo_loss import PPOLoss
-from ucon.learning.validation import Validation
+from ucon.envs.search.env import UcONSearchEnv
+from ucon.learning.policies.validation import Validation
+from ucon.learning.ppo.clipped_loss import PPOLoss
+from ucon.learning.ppo.collecting import InProcess
+from ucon.learning.ppo.learner import PPOLearner
 
 SEARCH = functools.partial(UcONSearchEnv, "mini")
 LEVELS = ("none", "retrieval")

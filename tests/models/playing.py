@@ -10,7 +10,7 @@ from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
 
 from models.agents.base import Agent
-from ucon.commands.wiring import Factory
+from ucon.configuration.wiring import Factory
 from ucon.envs.ucon_env import UcONEnv
 from ucon.language.models.encoder import EncoderModel
 from ucon.task.episode import Episode

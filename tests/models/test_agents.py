@@ -16,12 +16,12 @@ from models.agents.frontier import FrontierAgent
 from models.agents.oracle import OracleAgent
 from models.agents.oracle_locations import OracleLocationsAgent, true_locations
 from models.agents.random import RandomAgent
-from models.nets.head_reader import HeadReader
+from models.nets.belief.head_reader import HeadReader
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.habits import book
-from ucon.perception.belief import Locations
-from ucon.perception.reading import ReadHabits
+from ucon.perception.belief.from_habits import ReadHabits
+from ucon.perception.belief.target_belief import Locations
 from ucon.retrieval.context import ContextHabits
 from ucon.task.sets import load_episodes
 

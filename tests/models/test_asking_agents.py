@@ -16,15 +16,15 @@ from tests.language.tiny_models import save_causal
 from tests.models.playing import SeeingEncoder, episodes, gone, play
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
-from ucon.envs.waypoint import Decision
-from ucon.language.chat import ChatClient
 from ucon.language.choice import Answer
 from ucon.language.models.causal_lm import CausalModel
 from ucon.language.models.chat_api import ChatModel
 from ucon.language.models.encoder import EncoderModel
+from ucon.language.phrases import phrase
 from ucon.language.prompt import Prompt
+from ucon.language.servers.chat import ChatClient
 from ucon.objects.catalogue import catalogue
-from ucon.retrieval.base import phrase
+from ucon.search import Decision
 
 MAKERS = {
     "lgx": lambda model, **o: LGXAgent(model, temperature=0.0, **o),

@@ -15,13 +15,13 @@ from tests.language.chat_server import Handler, breaks_off, chat_server, closes,
 from tests.language.tiny_models import INJECTED
 from tests.models.playing import episodes, play
 from ucon.envs.ucon_env import UcONEnv
-from ucon.evaluation.play import Played, RunSpec
-from ucon.evaluation.play import play as played_by
-from ucon.evaluation.report import summary
-from ucon.language.answer_cache import AnswerCache
-from ucon.language.chat import ChatClient
+from ucon.evaluation.figures.report import summary
+from ucon.evaluation.playing.play import Played, RunSpec
+from ucon.evaluation.playing.play import play as played_by
 from ucon.language.models.chat_api import ChatModel
 from ucon.language.prompt import END, START
+from ucon.language.servers.answer_cache import AnswerCache
+from ucon.language.servers.chat import ChatClient
 
 ASKERS = {"lgx": LGXAgent, "lgx_object": partial(LGXAgent, mode="object"), "pixelnav": PixelNavAgent}
 FAULTS = {

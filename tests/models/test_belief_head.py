@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 import torch
 
-from models.nets.belief_head import BeliefHead
+from models.nets.belief.belief_head import BeliefHead
 from tests.learning.belief_tiny import plain_parts
 from ucon.habits import book
-from ucon.learning.belief_data import sample
-from ucon.retrieval.household import Candidates, Household
+from ucon.learning.belief_head.draws import sample
+from ucon.readers.household import Candidates, Household
+from ucon.readers.sampled_homes import sampled_kb
 from ucon.retrieval.levels import FIXED_LEVELS
-from ucon.retrieval.sampling import sampled_kb
 
 
 def lively_head(**options):
@@ -146,8 +146,8 @@ def test_gradients_reach_every_parameter(inputs):
 
 
 def test_inputs_are_named_alike():
-    from models.nets.belief_head import Inputs
-    from ucon.retrieval.head_inputs import HeadInputs
+    from models.nets.belief.belief_head import Inputs
+    from ucon.readers.head_inputs import HeadInputs
 
     assert [f.name for f in fields(Inputs)] == [f.name for f in fields(HeadInputs)]
 

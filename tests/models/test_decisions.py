@@ -11,12 +11,12 @@ import pytest
 from models.agents.base import ControllerAgent
 from models.agents.search import SearchController
 from tests.models.playing import AGENTS, POLICIES, built, config_of, episodes, play
-from ucon.commands.wiring import Factory
+from ucon.configuration.wiring import Factory
 from ucon.envs.ucon_env import UcONEnv
-from ucon.evaluation.decisions import DecisionRecord
-from ucon.evaluation.play import RunSpec
-from ucon.evaluation.runner import evaluate
-from ucon.perception.thoughts import words
+from ucon.evaluation.kept.decisions import DecisionRecord
+from ucon.evaluation.playing.play import RunSpec
+from ucon.evaluation.playing.runner import evaluate
+from ucon.perception.drawing.overlay import words
 from ucon.task.actions import Action
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes

@@ -16,20 +16,20 @@ import torch
 from torch import Tensor
 
 from models.agents.belief import BeliefAgent
+from models.agents.checkpoint import SHIPPED as SHIPPED_WEIGHTS
+from models.agents.checkpoint import UNTRAINED
 from models.agents.habit_policy import HabitPolicyAgent
-from models.agents.weights import SHIPPED as SHIPPED_WEIGHTS
-from models.agents.weights import UNTRAINED
 from models.habit_policy import HabitPolicy
-from models.nets.head_reader import SHIPPED, HeadReader
+from models.nets.belief.head_reader import SHIPPED, HeadReader
 from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import write_atomic, write_manifest
+from ucon.envs.search.env import UcONSearchEnv
 from ucon.envs.ucon_env import UcONEnv
-from ucon.envs.waypoint.search_env import UcONSearchEnv
-from ucon.envs.waypoint.text_tokens import TextTokens, name_table
 from ucon.language.encoder import one_thread
-from ucon.learning.saved import network_files
-from ucon.learning.view_policy import ViewPolicy
-from ucon.perception.reading import ReadHabits
+from ucon.learning.policies.view_policy import ViewPolicy
+from ucon.learning.run.network_files import network_files
+from ucon.perception.belief.from_habits import ReadHabits
+from ucon.search.text_tokens import TextTokens, name_table
 
 
 @cache

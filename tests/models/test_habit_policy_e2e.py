@@ -9,13 +9,13 @@ import pytest
 import torch
 
 from models.habit_policy_e2e import HabitPolicyE2E
-from models.nets.ego_view import ASIDE, BEHIND, BLOCKED, EXPLORED, FLOOR, N_PAIRS, N_THINGS
-from models.nets.floor_memory import CHANNELS, HALF, SIZE
-from models.nets.reasons import reasons
-from models.nets.shortest_ways import FAR, STAY, shortest_ways
+from models.nets.end_to_end.ego_view import ASIDE, BEHIND, BLOCKED, EXPLORED, FLOOR, N_PAIRS, N_THINGS
+from models.nets.end_to_end.floor_memory import CHANNELS, HALF, SIZE
+from models.nets.end_to_end.reasons import reasons
+from models.nets.end_to_end.shortest_ways import FAR, STAY, shortest_ways
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
-from ucon.perception.semantic_map import SemanticMap
+from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.task.actions import Action
 from ucon.task.sets import load_episodes
 

@@ -11,15 +11,15 @@ import torch
 from safetensors.torch import load, save
 
 from models.agents.belief import ReadHabits
-from models.nets.head_reader import SHIPPED, HeadReader, load_head
+from models.nets.belief.head_reader import SHIPPED, HeadReader, load_head
 from tests.learning.belief_tiny import plain_parts, tiny_belief
 from ucon.core.errors import DataError
 from ucon.core.files import MANIFEST, write_manifest
 from ucon.habits import book
-from ucon.learning.belief import CONFIG, WEIGHTS
+from ucon.learning.belief_head.learner import CONFIG, WEIGHTS
 from ucon.objects.catalogue import catalogue
-from ucon.retrieval import AnchorReader
-from ucon.retrieval.sampling import sampled_kb
+from ucon.readers import AnchorReader
+from ucon.readers.sampled_homes import sampled_kb
 
 HABITS = [
     "Every night the wallet is left on the low table in front of the couch.",
@@ -182,7 +182,7 @@ def test_shipped_head_reads():
 @pytest.mark.slow
 def test_shipped_head_reaches_its_bars():
     """Issue 5, section 4.3, on test categories; 20 knowledge bases of each mode."""
-    from models.nets.measure_head import on_the_book
+    from models.nets.belief.measure_head import on_the_book
 
     reader, hit = HeadReader.load(), lambda found, level: np.mean(found[level].values["hit_at_5"])
     task = on_the_book(reader, "test", "task", 20)

@@ -10,7 +10,7 @@ from models.agents.asking import AskingAgent
 from models.agents.waypoint import Chosen, WaypointAgent
 from tests.models.playing import HONEST, built, episodes, gone, play
 from ucon.core.errors import ConfigError
-from ucon.envs.waypoint import Decision
+from ucon.search import Decision
 
 CHOOSERS = [name for name in HONEST if isinstance(built(name)[0], WaypointAgent)]
 

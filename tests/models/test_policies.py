@@ -10,15 +10,15 @@ import pytest
 import torch
 from torch import Tensor
 
-from models.nets.policy import PolicyModule
+from models.nets.policy_defaults import PolicyModule
 from models.zson import ZSON
 from tests.models.playing import POLICIES, built, config_of, episodes
-from ucon.commands.wiring import Factory
+from ucon.configuration.wiring import Factory
 from ucon.core.errors import ConfigError
 from ucon.core.files import write_atomic, write_manifest
 from ucon.envs.ucon_env import UcONEnv
-from ucon.learning.policy import Outputs, Tensors
-from ucon.learning.saved import load_network, network_files
+from ucon.learning.policies.action_policy import Outputs, Tensors
+from ucon.learning.run.network_files import load_network, network_files
 
 #: Self-attention of the first decoder layer of DETR and VTN attends to zeros: its joint projections never learn, and
 #: what follows them does so only when biases, which start at zero, have moved.

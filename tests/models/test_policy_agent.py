@@ -14,13 +14,13 @@ import torch
 from torch import nn
 
 from models.agents.policy import PolicyAgent
-from models.nets.policy import N_ACTIONS, PolicyModule, lstm_state, run_lstm
+from models.nets.policy_defaults import N_ACTIONS, PolicyModule, lstm_state, run_lstm
 from tests.models.playing import POLICIES, built, config_of, episodes, gone, play
-from ucon.commands.wiring import Factory
+from ucon.configuration.wiring import Factory
 from ucon.core.errors import ConfigError, DataError, UconError
 from ucon.core.files import write_atomic, write_manifest
-from ucon.learning.policy import Arrays, Outputs, Tensors
-from ucon.learning.saved import WEIGHTS, network_files
+from ucon.learning.policies.action_policy import Arrays, Outputs, Tensors
+from ucon.learning.run.network_files import WEIGHTS, network_files
 
 ROOT = Path(__file__).parents[2]
 

@@ -8,15 +8,15 @@ from functools import partial
 import pytest
 
 from tests.models.playing import AGENTS, config_of
-from ucon.commands.wiring import Factory, official_habits
+from ucon.configuration.wiring import Factory, official_habits
 from ucon.envs.knowledge import HabitSource
 from ucon.envs.ucon_env import UcONEnv
-from ucon.evaluation.play import RunSpec
-from ucon.evaluation.runner import evaluate
+from ucon.evaluation.playing.play import RunSpec
+from ucon.evaluation.playing.runner import evaluate
 from ucon.habits import HabitDataset
 from ucon.habits.knowledge import MODES
 from ucon.task.episode import Episode
-from ucon.task.sampler import EpisodeSampler
+from ucon.task.making.sampler import EpisodeSampler
 
 HOME = "Rs_int"
 PLACES = {

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from models.agents.weights import FOLDER, SHIPPED
+from models.agents.checkpoint import FOLDER, SHIPPED
 from tests.models.playing import CONFIGS, config_of
-from ucon.commands.wiring import Factory
+from ucon.configuration.wiring import Factory
 from ucon.core.files import MANIFEST, read_verified
 
 FOLDERS = sorted(path for path in FOLDER.iterdir() if path.is_dir())

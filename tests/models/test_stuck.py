@@ -8,7 +8,7 @@ import pytest
 
 from models.agents.waypoint import WaypointAgent
 from tests.models.playing import HONEST, config_of
-from ucon.commands.wiring import Factory
+from ucon.configuration.wiring import Factory
 from ucon.envs.ucon_env import UcONEnv
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 import torch
 
-from models.nets.tokens import LabelTokens, indicator, labels
-from models.nets.visual_transformer import VisualTransformer, described, position_code
+from models.nets.vision.local_tokens import LabelTokens, indicator, labels
+from models.nets.vision.visual_transformer import VisualTransformer, described, position_code
 from models.vtn import VTN, VTNPretraining
 from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import write_atomic, write_manifest
-from ucon.learning.saved import network_files
+from ucon.learning.run.network_files import network_files
 from ucon.objects.catalogue import catalogue
-from ucon.perception.detections import STRUCTURE_KINDS
+from ucon.perception.mapping.detections import STRUCTURE_KINDS
 
 
 def count(module: torch.nn.Module) -> int:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import torch
 
-from models.nets.augment import color_jitter, grey, random_shift, turn_hue
-from models.nets.group_norm_resnet import GroupNormResNet50, RunningMeanAndVar
+from models.nets.vision.augment import color_jitter, grey, random_shift, turn_hue
+from models.nets.vision.group_norm_resnet import GroupNormResNet50, RunningMeanAndVar
 from models.zson import ZSON
 from ucon.core.errors import ConfigError
 

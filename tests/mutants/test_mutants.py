@@ -38,7 +38,7 @@ def tree(root: Path, **files: str) -> Path:
 
 def test_mutations_are_cosmic_rays_own(tmp_path: Path) -> None:
     """Numbers of occurrences are its count in the file, so that what it makes is what was drawn."""
-    file = "ucon/evaluation/metrics.py"
+    file = "ucon/evaluation/figures/metrics.py"
     with use_db(str(tmp_path / "all.sqlite"), WorkDB.Mode.create) as db:
         init([ROOT / file], db, {})
         theirs = {(m.operator_name, m.occurrence): m.start_pos for item in db.work_items for m in item.mutations}

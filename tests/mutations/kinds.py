@@ -21,25 +21,25 @@ from omegaconf import OmegaConf
 
 from tests.learning.tiny import Line
 from ucon.__main__ import main
-from ucon.commands.evaluating import Evaluation
-from ucon.commands.wiring import load_dataset
+from ucon.configuration.wiring import load_dataset
 from ucon.core.errors import UconError
 from ucon.core.files import sha256_bytes, write_atomic, write_manifest
-from ucon.evaluation.folder import PARTIAL, RunFolder
-from ucon.evaluation.survey import draw_items, key_csv, sheet_csv
+from ucon.evaluation.datasets.survey import draw_items, key_csv, sheet_csv
+from ucon.evaluation.kept.folder import PARTIAL, RunFolder
 from ucon.habits import book
 from ucon.habits.datafile import save_dataset
 from ucon.habits.types import HabitDataset
-from ucon.language.answer_cache import AnswerCache
-from ucon.language.answers import Said
+from ucon.language.servers.answer_cache import AnswerCache
+from ucon.language.servers.answers import Said
 from ucon.language.sparse import SparseRows
 from ucon.language.store import TextCache
-from ucon.learning.run import Plan, TrainingRun
-from ucon.learning.saved import load_network, network_files
+from ucon.learning.run.network_files import load_network, network_files
+from ucon.learning.run.training_run import Plan, TrainingRun
+from ucon.programs.evaluating import Evaluation
 from ucon.sim import cache
 from ucon.sim.homefile import house_from_bytes, house_to_bytes
 from ucon.task.check import check_home
-from ucon.task.make import verify_episode
+from ucon.task.making.make_sets import verify_episode
 from ucon.task.sets import load_episodes, save_episodes
 
 ROOT = Path(__file__).resolve().parents[2]

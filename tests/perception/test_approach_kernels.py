@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ucon.perception.approach_kernels import UNSEEN_COST, best_views
-from ucon.perception.map_kernels import CELL_M
-from ucon.perception.planner import UNREACHED
+from ucon.perception.mapping.map_kernels import CELL_M
+from ucon.perception.mapping.planner import UNREACHED
+from ucon.perception.views.approach_kernels import UNSEEN_COST, best_views
 
 HALF, SIDE, EYE_M = 4, 9, 1.25
 

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 
 from ucon.envs.ucon_env import UcONEnv
-from ucon.envs.waypoint import STRATEGIES, Explorer
-from ucon.perception.approach import DRAWER_NEAR_M, Approach
-from ucon.perception.approach_kernels import FAILED_COST, SMALL_COST, UNSEEN_COST
-from ucon.perception.candidates import candidates, frontiers
-from ucon.perception.map_kernels import carve
-from ucon.perception.places import Places, affordance
-from ucon.perception.planner import UNREACHED, Planner
-from ucon.perception.semantic_map import CARVE_M, CELL_M, HALF, SIZE, SemanticMap, View, camera_of
-from ucon.perception.view_kernels import OPAQUE_M, sight
+from ucon.perception.mapping.map_kernels import carve
+from ucon.perception.mapping.planner import UNREACHED, Planner
+from ucon.perception.mapping.semantic_map import CARVE_M, CELL_M, HALF, SIZE, SemanticMap, View, camera_of
+from ucon.perception.places.target_places import Places, affordance
+from ucon.perception.views.approach import DRAWER_NEAR_M, Approach
+from ucon.perception.views.approach_kernels import FAILED_COST, SMALL_COST, UNSEEN_COST
+from ucon.perception.views.candidates import candidates, frontiers
+from ucon.perception.views.view_kernels import OPAQUE_M, sight
+from ucon.search import STRATEGIES, Explorer
 
 Known = tuple[SemanticMap, Planner, Places]
 

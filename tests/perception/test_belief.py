@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ucon.perception.belief import KNOWN_HOME, BeliefWeights, Believing, Locations
-from ucon.perception.coverage import CoverageWeights, Indifferent
-from ucon.perception.neighbourhood import interest
-from ucon.perception.places import Places
-from ucon.perception.semantic_map import HALF, SemanticMap, View
-from ucon.perception.viewpoints import Expectation
+from ucon.perception.belief.coverage import CoverageWeights, Indifferent
+from ucon.perception.belief.target_belief import KNOWN_HOME, BeliefWeights, Believing, Locations
+from ucon.perception.mapping.semantic_map import HALF, SemanticMap, View
+from ucon.perception.places.neighbourhood import interest
+from ucon.perception.places.target_places import Places
+from ucon.perception.views.viewpoints import Expectation
 
 #: Unlike each other and unlike the defaults, so that none can stand in for another.
 WEIGHTS = BeliefWeights(tail=0.2, hidden=0.5, exists=0.25, home_m2=100.0, least_m2=10.0, least_share=0.25)

@@ -5,8 +5,8 @@ import pytest
 
 from models.agents.frontier import FrontierAgent
 from ucon.envs.ucon_env import UcONEnv
-from ucon.perception.body import PAPER_BODY, Body
-from ucon.perception.semantic_map import SemanticMap
+from ucon.perception.mapping.body import PAPER_BODY, Body
+from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.task.actions import Action
 from ucon.task.rules import RELEASED_CODE, RULES
 

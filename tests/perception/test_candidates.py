@@ -2,10 +2,10 @@ from __future__ import annotations
 
 from toy import ToyEnv, two_rooms
 
-from ucon.perception.candidates import candidates, frontiers
-from ucon.perception.places import Places
-from ucon.perception.planner import UNREACHED, Planner
-from ucon.perception.semantic_map import SemanticMap
+from ucon.perception.mapping.planner import UNREACHED, Planner
+from ucon.perception.mapping.semantic_map import SemanticMap
+from ucon.perception.places.target_places import Places
+from ucon.perception.views.candidates import candidates, frontiers
 
 
 def seen_after(actions: list[int]) -> tuple[ToyEnv, SemanticMap, Planner, Places]:

@@ -9,12 +9,12 @@ import pytest
 from toy import Thing, ToyEnv, ToyHome, two_rooms
 
 from ucon.envs.ucon_env import UcONEnv
-from ucon.perception.candidates import Candidate
-from ucon.perception.detections import STRUCTURE_KINDS
-from ucon.perception.directions import Goal, directions, in_view
-from ucon.perception.planner import UNREACHED, Planner
-from ucon.perception.semantic_map import CELL_M, HALF, SemanticMap, View
-from ucon.perception.sightings import Sighting, Sightings
+from ucon.perception.mapping.detections import STRUCTURE_KINDS
+from ucon.perception.mapping.planner import UNREACHED, Planner
+from ucon.perception.mapping.semantic_map import CELL_M, HALF, SemanticMap, View
+from ucon.perception.mapping.sightings import Sighting, Sightings
+from ucon.perception.views.candidates import Candidate
+from ucon.perception.views.heading_candidates import Goal, directions, in_view
 from ucon.task.actions import Action
 from ucon.task.sets import load_episodes
 

@@ -13,11 +13,11 @@ import pytest
 from models.agents.belief import BeliefAgent
 from models.agents.frontier import FrontierAgent
 from ucon.envs.ucon_env import UcONEnv
-from ucon.evaluation import pictures
-from ucon.evaluation.pictures import save_film
-from ucon.perception.belief import Locations
-from ucon.perception.draw_search import _lines, _mass_left, draw_search
-from ucon.perception.thoughts import speaking, wrapped
+from ucon.evaluation.playing import pictures
+from ucon.evaluation.playing.pictures import save_film
+from ucon.perception.belief.target_belief import Locations
+from ucon.perception.drawing.overlay import speaking, wrapped
+from ucon.search.picture import _lines, _mass_left, draw_search
 
 BLUE, WARM = (36, 120, 200), (226, 92, 30)
 

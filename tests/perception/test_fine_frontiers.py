@@ -8,12 +8,20 @@ import numpy as np
 import pytest
 from toy import Thing, ToyEnv, ToyHome, two_rooms
 
-from ucon.perception.body import Body
-from ucon.perception.fine_frontiers import BONUS, BONUS_M, MOST, FineFrontier, fine_frontiers, labels_near, outline
-from ucon.perception.fine_kernels import EXPLORED, OBSTACLE, walk
-from ucon.perception.fine_map import FineMap, cell_of
-from ucon.perception.planner import UNREACHED, Planner
-from ucon.perception.semantic_map import HALF, SemanticMap, View, frame_depth
+from ucon.perception.mapping.body import Body
+from ucon.perception.mapping.fine_frontiers import (
+    BONUS,
+    BONUS_M,
+    MOST,
+    FineFrontier,
+    fine_frontiers,
+    labels_near,
+    outline,
+)
+from ucon.perception.mapping.fine_kernels import EXPLORED, OBSTACLE, walk
+from ucon.perception.mapping.fine_map import FineMap, cell_of
+from ucon.perception.mapping.planner import UNREACHED, Planner
+from ucon.perception.mapping.semantic_map import HALF, SemanticMap, View, frame_depth
 from ucon.task.rules import RELEASED_CODE
 
 TURN = [2, 2, 2, 2]

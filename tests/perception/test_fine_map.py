@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from toy import CELL, ToyEnv, two_rooms
 
-from ucon.perception import fine_kernels as kernels
-from ucon.perception.body import PAPER_BODY
-from ucon.perception.fine_kernels import EXPLORED, FINE_M, OBSTACLE, PER_CELL, VISITED
-from ucon.perception.fine_map import FINE_HALF, FINE_SIZE, FineMap, cell_of, middle_of
-from ucon.perception.semantic_map import CELL_M, HALF, SIZE, SemanticMap, View, camera_of, frame_depth
+from ucon.perception.mapping import fine_kernels as kernels
+from ucon.perception.mapping.body import PAPER_BODY
+from ucon.perception.mapping.fine_kernels import EXPLORED, FINE_M, OBSTACLE, PER_CELL, VISITED
+from ucon.perception.mapping.fine_map import FINE_HALF, FINE_SIZE, FineMap, cell_of, middle_of
+from ucon.perception.mapping.semantic_map import CELL_M, HALF, SIZE, SemanticMap, View, camera_of, frame_depth
 
 TOUR = [2, 2, 2, 2, *[0] * 5, 2, 1, 1, *[0] * 20, 4, 1, 1, 1, 1, 3, *[0] * 6, 1, 0, 0, 0, 1, 4, 1, 1]
 #: The longest side of any home.

@@ -7,9 +7,9 @@ import pytest
 
 from ucon.objects import catalogue
 from ucon.objects.models import build_model
-from ucon.perception.hollows import ALL_OPEN, fit, open_faces, template
-from ucon.perception.map_kernels import shows
-from ucon.perception.place_kernels import INSIDE, ONTOP, facing
+from ucon.perception.mapping.map_kernels import shows
+from ucon.perception.places.hollows import ALL_OPEN, fit, open_faces, template
+from ucon.perception.places.place_kernels import INSIDE, ONTOP, facing
 from ucon.scenes import SCENES, home_spec
 from ucon.sim.cache import load_house
 

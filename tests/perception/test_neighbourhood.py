@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ucon.objects import catalogue
-from ucon.perception.neighbourhood import interest, rooms_of
-from ucon.perception.semantic_map import HALF, SIZE, SemanticMap
+from ucon.perception.mapping.semantic_map import HALF, SIZE, SemanticMap
+from ucon.perception.places.neighbourhood import interest, rooms_of
 
 
 def with_things(**at: tuple[float, float]) -> SemanticMap:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from toy import ToyEnv, two_rooms
 
-from ucon.perception.planner import UNREACHED, Planner
-from ucon.perception.semantic_map import HALF, SemanticMap, View
+from ucon.perception.mapping.planner import UNREACHED, Planner
+from ucon.perception.mapping.semantic_map import HALF, SemanticMap, View
 
 
 def started(heading: int, nav: bool = True) -> tuple[ToyEnv, SemanticMap, Planner]:

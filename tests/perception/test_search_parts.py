@@ -5,15 +5,23 @@ import pytest
 from toy import ToyEnv, two_rooms
 
 from ucon.objects import catalogue
-from ucon.perception.approach import Approach
-from ucon.perception.body import PAPER_BODY
-from ucon.perception.containers import Containers, open_reach_m
-from ucon.perception.map_kernels import shows
-from ucon.perception.places import INSIDE, NEXTTO, Places, affordance, has_room, sight_range_m, with_fallback
-from ucon.perception.planner import Planner
-from ucon.perception.semantic_map import HALF, SemanticMap, View, frame_depth
-from ucon.perception.view_kernels import sight
-from ucon.perception.viewpoints import Expectation, Viewpoints
+from ucon.perception.mapping.body import PAPER_BODY
+from ucon.perception.mapping.map_kernels import shows
+from ucon.perception.mapping.planner import Planner
+from ucon.perception.mapping.semantic_map import HALF, SemanticMap, View, frame_depth
+from ucon.perception.places.containers import Containers, open_reach_m
+from ucon.perception.places.target_places import (
+    INSIDE,
+    NEXTTO,
+    Places,
+    affordance,
+    has_room,
+    sight_range_m,
+    with_fallback,
+)
+from ucon.perception.views.approach import Approach
+from ucon.perception.views.view_kernels import sight
+from ucon.perception.views.viewpoints import Expectation, Viewpoints
 
 CAMERA_M = PAPER_BODY.camera_m
 

@@ -5,9 +5,9 @@ import pytest
 from toy import CELL, ToyEnv, two_rooms
 
 from ucon.core.errors import ConfigError
-from ucon.perception import map_kernels
-from ucon.perception.draw import draw_map
-from ucon.perception.semantic_map import HALF, SIZE, SemanticMap, View, view_of_pose
+from ucon.perception.drawing.map_picture import draw_map
+from ucon.perception.mapping import map_kernels
+from ucon.perception.mapping.semantic_map import HALF, SIZE, SemanticMap, View, view_of_pose
 
 #: Look around, walk through the door, look around again, with some blocked moves and looks down.
 TOUR = [2, 2, 2, 2, *[0] * 5, 2, 1, 1, *[0] * 20, 4, 1, 1, 1, 1, 3, *[0] * 6, 1, 0, 0, 0, 1, 4, 1, 1]

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from ucon.perception import view_kernels as kernels
-from ucon.perception.map_kernels import CELL_M
-from ucon.perception.semantic_map import HALF, SIZE
+from ucon.perception.mapping.map_kernels import CELL_M
+from ucon.perception.mapping.semantic_map import HALF, SIZE
+from ucon.perception.views import view_kernels as kernels
 
 REACH = (22, 4.0)
 

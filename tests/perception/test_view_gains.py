@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ucon.perception.map_kernels import ALL_OPEN, CELL_M
-from ucon.perception.view_kernels import PITCHES_DEG, fade_places, open_gain, place_gain, sight, space_gain
+from ucon.perception.mapping.map_kernels import ALL_OPEN, CELL_M
+from ucon.perception.views.view_kernels import PITCHES_DEG, fade_places, open_gain, place_gain, sight, space_gain
 
 HALF = 20
 SIZE = 2 * HALF + 1

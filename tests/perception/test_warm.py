@@ -8,8 +8,9 @@ from ucon.commands.doctor import WARMING
 from ucon.envs.ucon_env import UcONEnv
 from ucon.perception.detectors import noisy_kernels as d, tracker_kernels as t
 from ucon.perception.detectors.noisy import NoisyDetector
-from ucon.perception import approach_kernels as a, fine_kernels as f, map_kernels as m, node_kernels as n
-from ucon.perception import frontier_kernels as e, place_kernels as p, planner, view_kernels as v
+from ucon.perception.mapping import fine_kernels as f, frontier_kernels as e, map_kernels as m, planner
+from ucon.perception.places import place_kernels as p
+from ucon.perception.views import approach_kernels as a, node_kernels as n, view_kernels as v
 from ucon.perception.warm import look_around
 called_from_python = (
     m.integrate, m.carve, m.look, p.grown, p.make_points, p.stretch, p.facing, p.inherit, v.space_gain, v.place_gain,

@@ -7,6 +7,8 @@ import pytest
 
 from ucon.core.errors import ConfigError
 from ucon.habits import KnowledgeBase, book
+from ucon.readers.anchor_reader import default_reader
+from ucon.readers.sampled_homes import sampled_kb
 from ucon.retrieval import (
     BM25Retriever,
     ContextHabits,
@@ -16,8 +18,6 @@ from ucon.retrieval import (
     habits_at_level,
 )
 from ucon.retrieval.levels import FIXED_LEVELS, LEVELS, RANKED_LEVELS
-from ucon.retrieval.reader import default_reader
-from ucon.retrieval.sampling import sampled_kb
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from ucon.core.errors import ConfigError, DataError
-from ucon.retrieval.held_out import main
+from ucon.fitting.held_out_retrieval import main
 
 ROOT = Path(__file__).parents[2]
 
@@ -27,9 +27,9 @@ def test_mistakes_are_typed(words, kind, message):
 
 
 def test_a_mistake_ends_in_one_line():
-    command = [sys.executable, "-m", "ucon.retrieval.held_out", "--official", "/nope"]
+    command = [sys.executable, "-m", "ucon", "data", "measure-retrieval", "--official", "/nope"]
     result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=120)
-    assert result.returncode == 1
+    assert result.returncode == 2
     assert result.stderr.splitlines() == [
         "error: /nope: cannot be read (No such file or directory); expected a task file of the release"
     ]

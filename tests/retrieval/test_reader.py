@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 
 from ucon.core.errors import DataError
+from ucon.fitting.measures import measure_reader
 from ucon.habits import book
 from ucon.habits.book import book_anchors
 from ucon.habits.types import RELATIONS
 from ucon.objects.catalogue import catalogue
-from ucon.retrieval import AnchorReader, DenseRetriever, habits_at_level
-from ucon.retrieval.measure import measure_reader
-from ucon.retrieval.sampling import sampled_kb
-from ucon.retrieval.weights import WEIGHTS, load_weights
+from ucon.readers import AnchorReader
+from ucon.readers.reader_weights import WEIGHTS, load_weights
+from ucon.readers.sampled_homes import sampled_kb
+from ucon.retrieval import DenseRetriever, habits_at_level
 
 HABITS = [
     "Every night the wallet is left on the low table in front of the couch.",

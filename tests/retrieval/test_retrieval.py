@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from ucon.core.errors import ConfigError
+from ucon.fitting.measures import measure_retrieval
 from ucon.habits import KnowledgeBase, book
+from ucon.readers.sampled_homes import sampled_kb
 from ucon.retrieval import LEVELS, BM25Retriever, DenseRetriever, habits_at_level, mrr, recall_at
 from ucon.retrieval.kernels import LANES, products
-from ucon.retrieval.measure import measure_retrieval
-from ucon.retrieval.sampling import sampled_kb
 
 RETRIEVERS = {"dense": DenseRetriever, "bm25": BM25Retriever}
 

@@ -10,13 +10,14 @@ from threadpoolctl import threadpool_limits
 
 from tests.timing import fastest_s, where_it_was_set
 from ucon.core.errors import DataError
+from ucon.fitting.held_out_retrieval import held_out
 from ucon.habits import KnowledgeBase, book
 from ucon.habits.splits import entry_parts
 from ucon.language import MiniLM
 from ucon.language.adapted import AdaptedMiniLM
-from ucon.retrieval import DenseRetriever, query_text, tuned_encoder
-from ucon.retrieval.held_out import held_out
-from ucon.retrieval.sampling import part_kb, sampled_kb
+from ucon.language.phrases import query_text
+from ucon.readers.sampled_homes import part_kb, sampled_kb
+from ucon.retrieval import DenseRetriever, tuned_encoder
 from ucon.retrieval.tuned import ADAPTER
 
 RELEASE = Path(__file__).resolve().parents[2] / "../shared/official_release/task/seen_obj_seen_scene.json"

@@ -11,10 +11,10 @@ from ucon.habits.splits import entry_parts
 from ucon.language.adapter import read_adapter
 from ucon.language.encoder import MINILM_SHA256
 from ucon.language.pairs import default_pair_reader
-from ucon.retrieval.evidence import EvidenceReader
-from ucon.retrieval.household import default_parts
-from ucon.retrieval.tuned_evidence import ADAPTER, TunedEvidence, book_table
-from ucon.retrieval.weights import default_weights
+from ucon.readers.evidence import EvidenceReader
+from ucon.readers.household import default_parts
+from ucon.readers.reader_weights import default_weights
+from ucon.readers.tuned_evidence import ADAPTER, TunedEvidence, book_table
 
 
 @pytest.fixture(scope="module")

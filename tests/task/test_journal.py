@@ -6,8 +6,8 @@ import itertools
 from pathlib import Path
 
 from ucon.habits import book
-from ucon.task.make import make_episodes
-from ucon.task.plan import set_orders
+from ucon.task.making.make_sets import make_episodes
+from ucon.task.making.set_plans import set_orders
 from ucon.task.sets import load_episodes
 
 ORDERS = list(itertools.islice(set_orders("mini", book()), 3))

@@ -12,8 +12,8 @@ from ucon.habits.verdicts import Verdict, Verdicts
 from ucon.scenes import SCENES, home_spec
 from ucon.sim.cache import load_house
 from ucon.task.episode import Episode
-from ucon.task.living import any_placement, drawn_context, home_kinds, living_in, placement_now, placements_of
-from ucon.task.sampler import EpisodeSampler
+from ucon.task.making.living import any_placement, drawn_context, home_kinds, living_in, placement_now, placements_of
+from ucon.task.making.sampler import EpisodeSampler
 
 WHOLE = {"Rs_int": (), "office_large": ("office",), "grocery_store_cafe": ("shop",), "Pomaria_0_garden": ("garden",)}
 

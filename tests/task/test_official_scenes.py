@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
-from ucon.commands.wiring import official_habits
+from ucon.configuration.wiring import official_habits
 from ucon.core.errors import ConfigError
 from ucon.habits import book
 from ucon.habits.splits import entry_parts
-from ucon.task.plan import HELD_OUT, MIN_HELD_OUT, set_orders
+from ucon.task.making.set_plans import HELD_OUT, MIN_HELD_OUT, set_orders
 
 
 def task(name: str, *places: str) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import pytest
 
 from ucon.habits import official
 from ucon.objects.catalogue import catalogue
-from ucon.task.placeable import ABSENT, Unplaced, counted, unplaced
+from ucon.task.making.placeable import ABSENT, Unplaced, counted, unplaced
 
 RELEASE = Path(__file__).resolve().parents[2] / "../shared/official_release/task"
 

@@ -8,8 +8,8 @@ import pytest
 from ucon.habits import book
 from ucon.habits.verdicts import Verdict, Verdicts
 from ucon.sim.cache import load_house
-from ucon.task.living import living_in
-from ucon.task.residents import BEARING, IMPORTED, UNHOSTED, residents
+from ucon.task.making.living import living_in
+from ucon.task.making.residents import BEARING, IMPORTED, UNHOSTED, residents
 
 
 @pytest.mark.parametrize("scene", ["Rs_int", "office_large"])

@@ -11,16 +11,16 @@ from pathlib import Path
 import pytest
 
 from models.agents.oracle import OracleAgent
-from ucon.commands.wiring import official_habits
+from ucon.configuration.wiring import official_habits
 from ucon.core.errors import EpisodeError
 from ucon.envs.ucon_env import UcONEnv
-from ucon.evaluation.play import RunSpec
-from ucon.evaluation.runner import evaluate
+from ucon.evaluation.playing.play import RunSpec
+from ucon.evaluation.playing.runner import evaluate
 from ucon.habits import book
 from ucon.habits.splits import PARTS_USED, entry_parts
 from ucon.task import sets
-from ucon.task.make import make_episodes, verify_episode
-from ucon.task.plan import HELD_OUT, N_OFFICIAL, OFFICIAL, OFFICIAL_HELD_OUT, set_cells, set_orders
+from ucon.task.making.make_sets import make_episodes, verify_episode
+from ucon.task.making.set_plans import HELD_OUT, N_OFFICIAL, OFFICIAL, OFFICIAL_HELD_OUT, set_cells, set_orders
 from ucon.task.rules import PAPER, RELEASED_CODE, RULES
 from ucon.task.sets import episode_sets, load_episodes, set_name
 

@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Measure and print."""
-    from ucon.commands.output import stdout_to_stderr
+    from ucon.core.output import stdout_to_stderr
 
     with stdout_to_stderr():
         figures = measure(renderer=not args.no_renderer)
@@ -85,7 +85,7 @@ def _belief() -> Any:
     from hydra import compose, initialize_config_dir
     from omegaconf import OmegaConf
 
-    from ucon.commands.wiring import Factory
+    from ucon.configuration.wiring import Factory
 
     with initialize_config_dir(str(configs), version_base="1.3"):
         config = compose("eval", overrides=["agent=belief", "out=runs/bench"])

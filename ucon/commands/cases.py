@@ -13,7 +13,7 @@ from typing import Any
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
-    from ucon.commands.stored import add_said
+    from ucon.configuration.stored import add_said
 
     parser.add_argument("retrieval", metavar="RETRIEVAL", type=Path, help="run folder of an agent at level retrieval")
     parser.add_argument("gt", metavar="GT", type=Path, help="run folder of the same agent at level gt")
@@ -25,13 +25,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print the cases."""
-    from ucon.commands.output import stdout_to_stderr
-    from ucon.commands.stored import checked, said_in
-    from ucon.commands.wiring import Factory
-    from ucon.evaluation.cases import landmark_cases
-    from ucon.evaluation.finished import read_config
-    from ucon.evaluation.record import read_records
-    from ucon.evaluation.seal import CONFIG
+    from ucon.configuration.stored import checked, said_in
+    from ucon.configuration.wiring import Factory
+    from ucon.core.output import stdout_to_stderr
+    from ucon.evaluation.figures.landmark_cases import landmark_cases
+    from ucon.evaluation.kept.finished import read_config
+    from ucon.evaluation.kept.record import read_records
+    from ucon.evaluation.kept.seal import CONFIG
     from ucon.task.sets import load_episodes, save_episodes
     from ucon.task.spoken import target_place
 
@@ -70,7 +70,7 @@ def _require_one_setting(retrieval: dict[str, Any], own: dict[str, Any]) -> None
     The retriever may differ too: level ``gt`` asks none.
     """
     from ucon.core.errors import ConfigError
-    from ucon.evaluation.twins import without_level
+    from ucon.evaluation.kept.twins import without_level
 
     a, b = without_level(retrieval), without_level(own)
     different = sorted(name for name in a.keys() | b.keys() if a.get(name) != b.get(name))

@@ -25,7 +25,7 @@ def run(args: argparse.Namespace) -> int:
     names = tuple(args.category or sorted(cat.names))
     rows = [cat[name] for name in names]
     if args.sheet:
-        from ucon.commands.output import say_written
+        from ucon.core.output import say_written
         from ucon.sim.sheets import catalogue_sheet
 
         catalogue_sheet(names, args.sheet)

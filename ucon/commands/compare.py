@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ucon.evaluation.compare import Comparison
-    from ucon.evaluation.markdown import Run
+    from ucon.evaluation.figures.markdown import Run
+    from ucon.evaluation.figures.paired import Comparison
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -40,10 +40,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print the differences of every pair, the first run minus the later one."""
-    from ucon.commands.output import wide_console
     from ucon.core.errors import ConfigError
-    from ucon.evaluation.compare import compare_records, comparison_table
-    from ucon.evaluation.markdown import markdown_page, read_runs
+    from ucon.core.output import wide_console
+    from ucon.evaluation.figures.markdown import markdown_page, read_runs
+    from ucon.evaluation.figures.paired import compare_records, comparison_table
 
     if args.closed and not (args.json or args.markdown):
         raise ConfigError("--closed is shown by --markdown and --json; give one of them")
@@ -73,7 +73,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _json(pairs: list[Comparison], runs: dict[Path, Run], way: tuple[Run, Run] | None) -> Any:
     """A list of the differences; with a way, beside what every run has closed of it."""
-    from ucon.evaluation.closed import carried_over, distance_closed
+    from ucon.evaluation.figures.gap_closed import carried_over, distance_closed
 
     differences = [pair.to_json() for pair in pairs]
     if way is None:
@@ -102,12 +102,12 @@ def _told(shares: Any) -> Any:
 
 def print_sweep(folder: Path) -> None:
     """Tables of all finished runs below a sweep's folder, and what habits and agents are worth in it."""
-    from ucon.commands.output import wide_console
-    from ucon.evaluation.compare import compare_records, comparison_table
-    from ucon.evaluation.finished import FinishedRun
-    from ucon.evaluation.naming import answers_something, level, player
-    from ucon.evaluation.report import results_table
-    from ucon.evaluation.seal import SUMMARY
+    from ucon.core.output import wide_console
+    from ucon.evaluation.figures.paired import compare_records, comparison_table
+    from ucon.evaluation.figures.report import results_table
+    from ucon.evaluation.kept.finished import FinishedRun
+    from ucon.evaluation.kept.naming import answers_something, level, player
+    from ucon.evaluation.kept.seal import SUMMARY
 
     paths = sorted(p.parent for p in folder.glob(f"*/{SUMMARY}"))
     if len(paths) < 2:

@@ -22,8 +22,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Play it twice, tell."""
-    from ucon.commands.output import stdout_to_stderr
     from ucon.commands.two_searches import search_twice, tell
+    from ucon.core.output import stdout_to_stderr
     from ucon.task.sets import load_episodes, save_episodes
 
     episode = load_episodes("mini")[_EPISODE]

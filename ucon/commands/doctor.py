@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print the report; 0 only if nothing is bad."""
-    from ucon.commands.output import stdout_to_stderr
+    from ucon.core.output import stdout_to_stderr
 
     if args.warm:
         with stdout_to_stderr():

@@ -41,18 +41,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the chosen action; ``verify`` ends with 1 where an episode does not hold."""
-    from ucon.commands.output import stdout_to_stderr
+    from ucon.core.output import stdout_to_stderr
 
     with stdout_to_stderr():
         return _make(args) if args.action == "make" else _verify(args)
 
 
 def _make(args: argparse.Namespace) -> int:
-    from ucon.commands.wiring import load_dataset
+    from ucon.configuration.wiring import load_dataset
     from ucon.core.errors import ConfigError
     from ucon.core.files import require_writable
-    from ucon.task.make import make_episodes
-    from ucon.task.plan import OFFICIAL_SETS, set_orders
+    from ucon.task.making.make_sets import make_episodes
+    from ucon.task.making.set_plans import OFFICIAL_SETS, set_orders
     from ucon.task.sets import save_episodes, set_name, set_path
 
     # The sets `official` are made of no other habits, so their own place is right; a part belongs elsewhere.
@@ -93,7 +93,7 @@ def _verify(args: argparse.Namespace) -> int:
 
 
 def _report(name: str | Path, episodes: Sequence[Episode]) -> int:
-    from ucon.task.make import verify_episode
+    from ucon.task.making.make_sets import verify_episode
 
     problems = []
     with _bar(f"verifying {name}", len(episodes)) as progress:

@@ -22,8 +22,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print what is known."""
-    from ucon.commands.output import stdout_to_stderr
-    from ucon.commands.wiring import load_dataset
+    from ucon.configuration.wiring import load_dataset
+    from ucon.core.output import stdout_to_stderr
     from ucon.task.rules import PAPER, task_rules
     from ucon.task.sets import load_episodes
 

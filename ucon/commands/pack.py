@@ -17,8 +17,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the homes and, into a folder that is named, the sets."""
-    from ucon.commands.output import stdout_to_stderr
     from ucon.core.errors import ConfigError, unknown_name
+    from ucon.core.output import stdout_to_stderr
     from ucon.scenes import SCENES
     from ucon.sim import cache
     from ucon.task import sets

@@ -10,10 +10,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ucon.commands.kept_config import add_places, bad, configuration_of, places_in
+from ucon.configuration.kept_config import add_places, bad, configuration_of, places_in
 
 if TYPE_CHECKING:
-    from ucon.evaluation.replayed import Replayed
+    from ucon.evaluation.kept.replayed import Replayed
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,9 +32,9 @@ def run(args: argparse.Namespace) -> int:
     """Play each; 0 where all came out as they were kept, 1 where some did not or could not be played."""
     from hydra.errors import HydraException
 
-    from ucon.commands.stored import said_in
+    from ucon.configuration.stored import said_in
     from ucon.core.errors import UconError
-    from ucon.evaluation.crew import WorkerError
+    from ucon.evaluation.playing.crew import WorkerError
 
     if args.every < 1:
         raise bad("--every", str(args.every), "a whole number from 1 up")
@@ -70,10 +70,10 @@ class _Again(NamedTuple):
 
 
 def _replay(folder: Path, out: Path, every: int, config: dict[str, Any], workers: str) -> _Again:
-    from ucon.commands.evaluating import Evaluation
-    from ucon.commands.output import stdout_to_stderr
-    from ucon.evaluation.record import read_records
-    from ucon.evaluation.replayed import Kept, replayed
+    from ucon.core.output import stdout_to_stderr
+    from ucon.evaluation.kept.record import read_records
+    from ucon.evaluation.kept.replayed import Kept, replayed
+    from ucon.programs.evaluating import Evaluation
 
     kept = Kept.read(folder)
     limit = config["limit"]

@@ -17,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """List the homes, or draw them."""
-    from ucon.commands.output import say_written, stdout_to_stderr, wide_console
+    from ucon.core.output import say_written, stdout_to_stderr, wide_console
     from ucon.scenes import SCENES
 
     names = tuple(args.scene or SCENES)

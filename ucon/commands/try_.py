@@ -37,10 +37,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Place, play twice, tell."""
-    from ucon.commands.output import stdout_to_stderr
     from ucon.commands.two_searches import search_twice, tell
+    from ucon.core.output import stdout_to_stderr
     from ucon.habits.datafile import save_dataset
-    from ucon.task.own import FaultsError, Wish, own_episode
+    from ucon.task.making.own_household import FaultsError, Wish, own_episode
     from ucon.task.sets import save_episodes
     from ucon.task.spoken import spoken_place
 
@@ -69,7 +69,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _read(target: str, habits: Sequence[str]) -> tuple[Sequence[str], NDArray[np.float64]]:
-    from ucon.perception.reading import ReadHabits
+    from ucon.perception.belief.from_habits import ReadHabits
 
     found = ReadHabits()({"target": target, "habits": tuple(habits), "habit_level": "gt"})
     return found.names, found.p

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ucon.evaluation.record import EpisodeRecord
+    from ucon.evaluation.kept.record import EpisodeRecord
 
 Search = tuple[Path, "EpisodeRecord"]
 """Folder of a run of one episode, and its record."""
@@ -21,8 +21,8 @@ def search_twice(words: Sequence[str], out: Path, levels: Sequence[str], *, film
     Raises:
         ConfigError: outside a clone, or as ``eval.py`` does.
     """
-    from ucon.commands.evaluating import Evaluation
-    from ucon.evaluation.finished import FinishedRun
+    from ucon.evaluation.kept.finished import FinishedRun
+    from ucon.programs.evaluating import Evaluation
 
     fixed = ("workers=0", "progress=false", f"pictures={int(films)}")
     configs = {level: _config(*words, *fixed, f"habit_level={level}", f"out={out / level}") for level in levels}
@@ -55,8 +55,8 @@ def _config(*words: str) -> dict[str, Any]:
     from omegaconf import OmegaConf
 
     import ucon
-    from ucon.commands.entry import explain
     from ucon.core.errors import ConfigError
+    from ucon.programs.errors import explain
 
     configs = Path(ucon.__file__).parents[1] / "configs"
     if not configs.is_dir():

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ucon.evaluation.verify import Verified
+    from ucon.evaluation.kept.recompute import Verified
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Check each; 0 where all figures and checksums are right, 1 where one differs, lacks or cannot be read."""
     from ucon.core.errors import UconError
-    from ucon.evaluation.verify import verify
+    from ucon.evaluation.kept.recompute import verify
 
     good = True
     for folder in args.runs:

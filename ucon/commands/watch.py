@@ -9,11 +9,11 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ucon.commands.kept_config import add_places, bad, configuration_of, places_in
+from ucon.configuration.kept_config import add_places, bad, configuration_of, places_in
 
 if TYPE_CHECKING:
-    from ucon.evaluation.finished import FinishedRun
-    from ucon.evaluation.record import EpisodeRecord
+    from ucon.evaluation.kept.finished import FinishedRun
+    from ucon.evaluation.kept.record import EpisodeRecord
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """List, or film; 1 where what was filmed is not what was kept."""
     from ucon.core.errors import DataError
-    from ucon.evaluation.finished import FinishedRun
+    from ucon.evaluation.kept.finished import FinishedRun
 
     kept = FinishedRun.read(args.run)
     if kept.records is None:
@@ -72,11 +72,11 @@ def number_of(word: str, names: Sequence[str]) -> int:
 def _film(args: argparse.Namespace, kept: FinishedRun, number: int) -> int:
     from dataclasses import replace
 
-    from ucon.commands.evaluating import Evaluation
-    from ucon.commands.output import stdout_to_stderr
-    from ucon.commands.stored import said_in
+    from ucon.configuration.stored import said_in
     from ucon.core.errors import DataError
-    from ucon.evaluation.runner import evaluate
+    from ucon.core.output import stdout_to_stderr
+    from ucon.evaluation.playing.runner import evaluate
+    from ucon.programs.evaluating import Evaluation
     from ucon.task.spoken import target_place
 
     assert kept.records is not None
@@ -84,7 +84,7 @@ def _film(args: argparse.Namespace, kept: FinishedRun, number: int) -> int:
     with stdout_to_stderr():
         config = configuration_of(args.run, places_in(args), said_in(args))
         if args.actions:  # neither its networks nor its language model are needed
-            config["agent"] = {"_target_": "ucon.evaluation.recorded.RecordedAgent", "actions": record.actions}
+            config["agent"] = {"_target_": "ucon.evaluation.playing.recorded.RecordedAgent", "actions": record.actions}
         run = Evaluation(config, args.out / "run", anew=True)
         if [episode.id for episode in run.episodes] != [r.episode for r in kept.records]:
             raise DataError(f"{args.run}: other episodes are kept than its configuration names now")

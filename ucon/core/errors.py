@@ -72,6 +72,10 @@ class AnswerError(ServerError):
     """A server that works, but whose answers to one request cannot be used."""
 
 
+class DivergedError(UconError):
+    """Training met numbers that are not finite."""
+
+
 def brief(value: object) -> str:
     """A value as messages show it: one line, safe to print, its first 80 characters."""
     text = value if isinstance(value, str) else repr(value)

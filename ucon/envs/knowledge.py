@@ -16,8 +16,9 @@ from ucon.habits.book import book
 from ucon.habits.knowledge import MODES, KnowledgeBase
 from ucon.habits.types import Entry, HabitDataset
 from ucon.language.encoder import Progress
+from ucon.language.phrases import phrase
 from ucon.language.store import StoredEncoder, default_encoder
-from ucon.retrieval.base import PreparedRetriever, Retriever, mrr, phrase, recall_at
+from ucon.retrieval.base import PreparedRetriever, Retriever, mrr, recall_at
 from ucon.retrieval.context import ContextHabits, ContextRetriever, ContextWeights
 from ucon.retrieval.dense import DenseRetriever, dataset_vectors
 from ucon.retrieval.levels import LEVELS, RANKED_LEVELS, TOP_P, habits_at_level
@@ -135,7 +136,7 @@ class HabitSource(Shared):
 
     def locations(self, episode: Episode, house: House) -> tuple[tuple[str, str, float], ...]:
         """Where the target may have been put: (relation, anchor category, probability). Privileged."""
-        from ucon.task.living import placements_of
+        from ucon.task.making.living import placements_of
 
         ids = episode.entries if self.mode == "category" else episode.task_entries
         entries = [self.dataset.entries[self.dataset.entry_number[name]] for name in ids]

@@ -10,6 +10,6 @@ def register_envs() -> None:
     if "UcON-v0" not in gym.registry:
         gym.register(id="UcON-v0", entry_point="ucon.envs.ucon_env:UcONEnv")
     if "UcONSearch-v0" not in gym.registry:
-        gym.register(id="UcONSearch-v0", entry_point="ucon.envs.waypoint.search_env:UcONSearchEnv")
+        gym.register(id="UcONSearch-v0", entry_point="ucon.envs.search.env:UcONSearchEnv")
     if "UcONImageGoal-v0" not in gym.registry:
         gym.register(id="UcONImageGoal-v0", entry_point="ucon.envs.image_goal:UcONImageGoalEnv")

@@ -35,7 +35,7 @@ class Tour:
     fov_deg: float
 
     def __call__(self) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
-        """Observations and infos as :class:`ucon.perception.semantic_map.SemanticMap` takes them in.
+        """Observations and infos as :class:`ucon.perception.mapping.semantic_map.SemanticMap` takes them in.
 
         Raises:
             ConfigError: no detector.

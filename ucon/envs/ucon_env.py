@@ -28,7 +28,7 @@ from ucon.envs.painter import Moment, Painter
 from ucon.envs.spaces import NO_ACTION, observation_space, padded
 from ucon.envs.tour import Tour
 from ucon.perception.detectors import Detector, Frame
-from ucon.perception.nav import Nav
+from ucon.perception.mapping.nav import Nav
 from ucon.sim.cache import load_house
 from ucon.sim.state import SceneState
 from ucon.task.actions import Action

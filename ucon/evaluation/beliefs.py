@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import DataError
-from ucon.evaluation.statistics import Interval, mean_interval
+from ucon.evaluation.figures.intervals import Interval, mean_interval
 from ucon.habits.knowledge import KnowledgeBase
 from ucon.habits.types import RELATIONS, Entry
+from ucon.readers.anchor_reader import AnchorBelief
+from ucon.readers.belief_scores import FIGURES, best_of, calibration_error, scores
+from ucon.readers.sampled_homes import location_distribution
 from ucon.retrieval.base import Retriever
 from ucon.retrieval.levels import FIXED_LEVELS, Level, habits_at_level
-from ucon.retrieval.reader import AnchorBelief
-from ucon.retrieval.sampling import location_distribution
-from ucon.retrieval.scores import FIGURES, best_of, calibration_error, scores
 
 Array = NDArray[np.floating]
 ORACLE: Final = "oracle"
@@ -30,7 +30,7 @@ _SLACK = 1e-6
 
 
 class Reader(Protocol):
-    """What reads habits: :class:`ucon.retrieval.reader.AnchorReader` and whatever stands in for it."""
+    """What reads habits: :class:`ucon.readers.anchor_reader.AnchorReader` and whatever stands in for it."""
 
     def belief(
         self, target: str, texts: Sequence[str], candidates: Sequence[str], *, trusted: bool = False

@@ -13,7 +13,7 @@ import numpy as np
 import ucon.envs  # registers the environments
 from ucon.core.progress import ticked
 from ucon.core.rng import stream
-from ucon.evaluation.play import Policy
+from ucon.evaluation.playing.play import Policy
 from ucon.task.actions import Action
 from ucon.task.episode import Episode
 

@@ -15,7 +15,7 @@ from ucon.core.strict_json import MAX_BYTES, parse_json
 from ucon.generation.validate import ANCHORS_TRIED, Progress, code_version, dataset_triples, validate
 from ucon.habits.types import HabitDataset
 from ucon.habits.verdicts import Triple, Verdict, Verdicts
-from ucon.task.placeable import refusal
+from ucon.task.making.placeable import refusal
 
 Tried = dict[Triple, str | None]
 """Reasons of one home; None where it takes the triple."""

@@ -26,7 +26,7 @@ from ucon.habits.rules import Anchors
 from ucon.habits.splits import entry_parts
 from ucon.habits.types import KINDS, RELATIONS, Entry, HabitDataset
 from ucon.habits.writer import format_entries
-from ucon.language.chat import ChatClient, Usage
+from ucon.language.servers.chat import ChatClient, Usage
 from ucon.objects.catalogue import catalogue
 
 PROMPTS: Final = Path(__file__).parent / "prompts"

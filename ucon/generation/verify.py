@@ -2,7 +2,7 @@
 
 The verifier is a logistic model of a (sentence, placement) pair. It sees what the evidence reader reads in the sentence
 (log-odds of the anchor against its usual frequency, of "no place", of the relation) and the pair features between
-sentence and anchor. Its weights are its own: ``python -m ucon.generation.fit_verifier`` makes them. The object's name
+sentence and anchor. Its weights are its own: ``python -m ucon data fit-verifier`` makes them. The object's name
 is left out: it says which places are usual, not what the sentence says.
 
 Nothing is dropped: labels that the text does not bear out are listed for a person.
@@ -22,11 +22,11 @@ from numpy.typing import NDArray
 from ucon.core.errors import DataError
 from ucon.habits.types import RELATIONS, Entry, HabitDataset, Placement
 from ucon.language.pairs import FEATURES, PairReader, default_pair_reader
-from ucon.retrieval.evidence import Evidence, EvidenceReader
-from ucon.retrieval.weights import EVIDENCE, Array, Weights, load_arrays, sigmoid
+from ucon.readers.evidence import Evidence, EvidenceReader
+from ucon.readers.reader_weights import EVIDENCE, Array, Weights, load_arrays, sigmoid
 
 WEIGHTS: Final = Path(__file__).parent / "data" / "verifier.npz"
-MADE_BY: Final = "python -m ucon.generation.fit_verifier"
+MADE_BY: Final = "python -m ucon data fit-verifier"
 INPUTS: Final = ("odds", "chance", "no_place", "relation", *FEATURES)
 """Columns of :meth:`Verifier.inputs`."""
 LOW, HIGH = 0.01, 0.9

@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Final, Literal
 from weakref import WeakKeyDictionary
 
+from ucon.core.rng import stream
 from ucon.habits.types import Entry, HabitDataset
 
 Split = Literal["train", "val", "test"]
@@ -102,3 +103,10 @@ def _entry_hash(entry: Entry) -> int:
 
 def _hash(text: str) -> int:
     return int(hashlib.sha256(text.encode()).hexdigest()[:8], 16)
+
+
+def dealt_pairs(entries: Sequence[Entry], count: int, name: str) -> list[frozenset[tuple[str, str]]]:
+    """(scene, category) pairs of entries dealt into folds, at random but always alike."""
+    pairs = sorted({(e.scene or "", e.category) for e in entries})
+    order = stream(0, "pair folds", name).permutation(len(pairs))
+    return [fold for k in range(count) if (fold := frozenset(pairs[i] for i in order[k::count]))]

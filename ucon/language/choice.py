@@ -86,7 +86,7 @@ class LanguageModel(Protocol):
     """Answers questions. Built by ``configs/language/``; weights are loaded at the first question.
 
     A model that reads :attr:`Question.images` says ``sees_images = True``; one that says nothing reads words alone.
-    One with weights on this machine has ``fingerprint()``, see :mod:`ucon.evaluation.weights`.
+    One with weights on this machine has ``fingerprint()``, see :mod:`ucon.evaluation.playing.needed_weights`.
     """
 
     @property

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ucon.core.rng import stream
+from ucon.language.phrases import phrase
 from ucon.objects.catalogue import catalogue
-from ucon.retrieval.base import phrase
 
 
 def label_set(target: str, size: int) -> tuple[str, ...]:

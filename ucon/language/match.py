@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import Final
 
-from ucon.language.answers import json_object, without_thoughts
+from ucon.language.servers.answers import json_object, without_thoughts
 
 #: Longer texts name too much to mean one thing.
 _MOST_CHARACTERS: Final = 500

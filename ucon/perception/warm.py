@@ -8,15 +8,15 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
-from ucon.perception.candidates import candidates
-from ucon.perception.directions import in_view
-from ucon.perception.fine_frontiers import fine_frontiers
-from ucon.perception.fine_map import FineMap
-from ucon.perception.neighbourhood import interest
-from ucon.perception.places import INSIDE, Places
-from ucon.perception.planner import Planner
-from ucon.perception.semantic_map import SemanticMap, frame_depth
-from ucon.perception.viewpoints import Expectation, Viewpoints
+from ucon.perception.mapping.fine_frontiers import fine_frontiers
+from ucon.perception.mapping.fine_map import FineMap
+from ucon.perception.mapping.planner import Planner
+from ucon.perception.mapping.semantic_map import SemanticMap, frame_depth
+from ucon.perception.places.neighbourhood import interest
+from ucon.perception.places.target_places import INSIDE, Places
+from ucon.perception.views.candidates import candidates
+from ucon.perception.views.heading_candidates import in_view
+from ucon.perception.views.viewpoints import Expectation, Viewpoints
 
 
 def look_around(env: gym.Env[Any, Any], actions: Sequence[int]) -> SemanticMap:

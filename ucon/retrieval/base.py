@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 from ucon.habits.knowledge import KnowledgeBase
 from ucon.habits.types import HabitDataset
 
-#: The paper's query.
-QUERY: Final = "Please retrieve the habit about {target}."
 DECIMALS: Final = 4
 
 
@@ -44,16 +42,6 @@ class PreparedRetriever(Retriever, Protocol):
     def prepare(self, dataset: HabitDataset, progress: Callable[[int, int], None] | None = None) -> None:
         """Encode what was not encoded before; ``progress`` is told (texts done, texts in all)."""
         ...
-
-
-def phrase(category: str) -> str:
-    """A category as people write it: ``coffee_table`` is "coffee table"."""
-    return category.replace("_", " ")
-
-
-def query_text(target: str) -> str:
-    """The paper's query for a target category."""
-    return QUERY.format(target=phrase(target))
 
 
 def ranked(scores: NDArray[np.float64], rows: NDArray[np.int32]) -> NDArray[np.int32]:

@@ -16,9 +16,10 @@ from ucon.habits.knowledge import KnowledgeBase
 from ucon.habits.types import HabitDataset
 from ucon.language.bge import HUB_NAME, BgeM3
 from ucon.language.encoder import Progress
+from ucon.language.phrases import query_text
 from ucon.language.sparse import SparseFolder, SparseRows
 from ucon.language.store import StoredEncoder
-from ucon.retrieval.base import query_text, ranked
+from ucon.retrieval.base import ranked
 from ucon.retrieval.dense import DenseRetriever
 
 

@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from ucon.core.sharing import Remembered, Shared
 from ucon.habits.knowledge import KnowledgeBase
+from ucon.language.phrases import phrase
 from ucon.language.words import content_stems
-from ucon.retrieval.base import phrase, ranked
+from ucon.retrieval.base import ranked
 
 
 class BM25Retriever(Shared):

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from ucon.core.errors import ConfigError
 from ucon.core.sharing import PartlyShared, Remembered, Shared
 from ucon.habits.knowledge import KnowledgeBase
+from ucon.readers.anchor_reader import AnchorReader, default_reader
 from ucon.retrieval.base import Retriever, ranked
 from ucon.retrieval.levels import TOP_P
-from ucon.retrieval.reader import AnchorReader, default_reader
 
 
 @dataclass(frozen=True)

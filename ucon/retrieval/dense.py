@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from ucon.core.sharing import Remembered, Shared
 from ucon.habits.knowledge import KnowledgeBase
 from ucon.habits.types import HabitDataset
+from ucon.language.phrases import query_text
 from ucon.language.store import StoredEncoder, default_encoder
-from ucon.retrieval.base import query_text, ranked
+from ucon.retrieval.base import ranked
 from ucon.retrieval.kernels import products
 
 _VECTORS: WeakKeyDictionary[HabitDataset, dict[str, NDArray[np.float16]]] = WeakKeyDictionary()

@@ -9,15 +9,15 @@ import numpy as np
 
 from ucon.core.rng import stream
 from ucon.objects.catalogue import catalogue
-from ucon.scenes.canvas import Canvas
 from ucon.scenes.colors import floor_of, wall_colors
-from ucon.scenes.enrich import enriched
-from ucon.scenes.fixtures import LIGHTS, Fixer, door_frame
-from ucon.scenes.furnish import Furnisher
+from ucon.scenes.furnishing.canvas import Canvas
+from ucon.scenes.furnishing.enrich import enriched
+from ucon.scenes.furnishing.fixtures import LIGHTS, Fixer, door_frame
+from ucon.scenes.furnishing.furnish import Furnisher
+from ucon.scenes.furnishing.small_things import SmallThings
 from ucon.scenes.layout import lay_out
 from ucon.scenes.openings import cut_openings
 from ucon.scenes.program import HomeProgram, RoomProgram
-from ucon.scenes.small_things import SmallThings
 from ucon.scenes.spec import GRID_M, HomeSpec, Item, Opening, Room
 from ucon.scenes.tidy import Plan
 

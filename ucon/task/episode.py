@@ -11,7 +11,7 @@ from ucon.core.files import canonical_json, sha256_bytes
 from ucon.core.sharing import Shared
 from ucon.habits.contexts import Context
 from ucon.sim.arrangement import Arrangement, PlacedObject
-from ucon.task.check import check_data
+from ucon.task.check_data import check_data
 
 FORMAT = 2
 

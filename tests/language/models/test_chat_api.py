@@ -13,9 +13,9 @@ from PIL import Image
 from tests.language.chat_server import breaks_off, chat_server, closes, dribbles, fails, hangs, says, sends
 from tests.language.tiny_models import HABITS, INJECTED, NAMES, picture, question
 from ucon.core.errors import ConfigError, ServerError
-from ucon.language.answer_cache import AnswerCache
-from ucon.language.chat import ChatClient
 from ucon.language.models.chat_api import ChatModel
+from ucon.language.servers.answer_cache import AnswerCache
+from ucon.language.servers.chat import ChatClient
 
 TIMEOUT_S = 0.15
 #: What threads and the loopback may add to the wall time.

@@ -7,12 +7,12 @@ import pytest
 
 from tests.language.tiny_models import INJECTED, question
 from ucon.core.errors import DataError
+from ucon.fitting.language_encoder import cases, nats, shared_out, single
 from ucon.habits import book
 from ucon.language.choice import Option, Question
 from ucon.language.encoder import MiniLM
 from ucon.language.models.encoder import EncoderModel, EncoderWeights
 from ucon.language.store import StoredEncoder, default_encoder, shipped_table
-from ucon.learning.fit_encoder import cases, nats, shared_out, single
 from ucon.objects import catalogue
 
 #: Of the book, whose vectors are shipped.

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from tests.language.tiny_models import INJECTED
+from ucon.fitting.location_cases import asked, place_cases
+from ucon.fitting.location_model import target_scores
 from ucon.language.choice import Option, Question
 from ucon.language.encoder import MiniLM
 from ucon.language.labels import label_set
 from ucon.language.models.encoder import EncoderModel
 from ucon.language.models.keeping import KeepingWeights, furniture_names
 from ucon.language.store import StoredEncoder, default_encoder, shipped_table
-from ucon.learning.fit_keeping import target_scores
-from ucon.learning.keeping_cases import asked, place_cases
 
 LABELS = ("wallet", "kettle", "hammer", "apple")
 HABITS = ("The wallet is on the desk.", "Tea is at five, as it always was.")

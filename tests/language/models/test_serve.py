@@ -15,9 +15,9 @@ import transformers
 
 from tests.language.tiny_models import HABITS, INJECTED, NAMES, question, save_causal
 from ucon.core.errors import ServerError
-from ucon.language.answer_cache import AnswerCache
-from ucon.language.chat import ChatClient
 from ucon.language.models.chat_api import ChatModel, messages_of
+from ucon.language.servers.answer_cache import AnswerCache
+from ucon.language.servers.chat import ChatClient
 
 pytestmark = [
     pytest.mark.slow,  # a server of transformers takes half a minute to start

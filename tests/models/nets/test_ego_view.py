@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from models.nets.ego_view import (
+from models.nets.end_to_end.ego_view import (
     ASIDE,
     BEHIND,
     BLOCKED,

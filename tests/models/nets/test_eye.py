@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from models.nets.eye import FARTHEST_M, small_image
+from models.nets.vision.eye import FARTHEST_M, small_image
 from ucon.core.rng import stream
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 import torch
 
-from models.nets.ego_view import ASIDE, BEHIND, COLUMNS, FLOOR, ROWS
-from models.nets.floor_memory import CHANNELS, HALF, SIZE, FloorMemory, State, Step
+from models.nets.end_to_end.ego_view import ASIDE, BEHIND, COLUMNS, FLOOR, ROWS
+from models.nets.end_to_end.floor_memory import CHANNELS, HALF, SIZE, FloorMemory, State, Step
 
 FRONT = (3 + BEHIND) * COLUMNS + ASIDE
 """The cell of the patch three ahead."""

@@ -10,9 +10,9 @@ import pytest
 import torch
 from safetensors.torch import load_file, save_file
 
-from models.nets.detr_tokens import DetrTokens, _best_rows
-from models.nets.goals import ClipGoal, SentenceGoal
-from models.nets.resnet18 import FrozenResNet18
+from models.nets.vision.detr_tokens import DetrTokens, _best_rows
+from models.nets.vision.goals import ClipGoal, SentenceGoal
+from models.nets.vision.resnet18 import FrozenResNet18
 from models.vtn import VTN
 from models.zson import ZSON
 from tests.models.nets import tiny_models

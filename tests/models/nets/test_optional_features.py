@@ -13,9 +13,9 @@ from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
 
 from models.habit_policy_e2e import HabitPolicyE2E
-from models.nets.advice import Advisor
-from models.nets.clip_eye import ClipEye
-from ucon.commands.wiring import Factory
+from models.nets.end_to_end.advice import Advisor
+from models.nets.vision.clip_eye import ClipEye
+from ucon.configuration.wiring import Factory
 from ucon.core.errors import DataError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.language.choice import Answer

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 import torch
 
-from models.nets.floor_memory import CHANNELS, WINDOW, Window, coarse
-from models.nets.places_to_go import PlacesToGo, Ways
+from models.nets.end_to_end.floor_memory import CHANNELS, WINDOW, Window, coarse
+from models.nets.end_to_end.places_to_go import PlacesToGo, Ways
 
 MIDDLE = WINDOW // 2
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 import torch
 
-from models.nets.floor_memory import CHANNELS, HALF, SIZE
-from models.nets.reasons import _NEAR, _name, _thing_near
+from models.nets.end_to_end.floor_memory import CHANNELS, HALF, SIZE
+from models.nets.end_to_end.reasons import _NEAR, _name, _thing_near
 from ucon.objects.catalogue import catalogue
 
 MUG = catalogue().names.index("mug")

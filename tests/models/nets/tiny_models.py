@@ -8,7 +8,7 @@ import torch
 import transformers
 from tokenizers import Tokenizer, models, pre_tokenizers, processors
 
-from models.nets.resnet18 import FrozenResNet18
+from models.nets.vision.resnet18 import FrozenResNet18
 
 DETR_LABELS = ("N/A", "cup", "coffee table", "table", "bed")
 

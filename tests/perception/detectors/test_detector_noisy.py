@@ -11,10 +11,10 @@ from models.agents.frontier import FrontierAgent
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.objects.catalogue import catalogue
-from ucon.perception.detections import STRUCTURE_KINDS
 from ucon.perception.detectors import Frame, vocabulary
 from ucon.perception.detectors.confusion import confusion, mistaken
 from ucon.perception.detectors.noisy import EXACT, NoisyDetector, Rates
+from ucon.perception.mapping.detections import STRUCTURE_KINDS
 
 WALK = (1, 1, 1, 1, 0, 0, 3, 2, 4, 0, 0, 2, 0, 0, 4, 1, 1, 3, 0, 0, 5, 1, 0, 0)
 

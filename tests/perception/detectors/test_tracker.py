@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from ucon.envs.ucon_env import UcONEnv
-from ucon.perception import map_kernels
-from ucon.perception.body import Body
 from ucon.perception.detectors import Frame
 from ucon.perception.detectors.boxes import Boxes, overlap
 from ucon.perception.detectors.noisy import EXACT, NoisyDetector
 from ucon.perception.detectors.owners import Owners
 from ucon.perception.detectors.tracker import STRUCTURE, Tracker
-from ucon.perception.semantic_map import SemanticMap
+from ucon.perception.mapping import map_kernels
+from ucon.perception.mapping.body import Body
+from ucon.perception.mapping.semantic_map import SemanticMap
 
 PX = 128
 
@@ -171,7 +171,7 @@ def tracker_of_truth(frame: Frame, owner: np.ndarray) -> dict:
 
 def test_obstacles_are_a_kind_of_their_own() -> None:
     kinds = {map_kernels.FLOORS, map_kernels.WALLS, map_kernels.CEILINGS}
-    from ucon.perception.detections import STRUCTURE_KINDS
+    from ucon.perception.mapping.detections import STRUCTURE_KINDS
 
     assert tuple(STRUCTURE_KINDS) == STRUCTURE
     assert STRUCTURE_KINDS["obstacles"] not in kinds | {0}

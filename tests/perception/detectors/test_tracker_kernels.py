@@ -8,7 +8,7 @@ import pytest
 from ucon.perception.detectors import tracker_kernels as kernels
 from ucon.perception.detectors.boxes import Boxes
 from ucon.perception.detectors.tracker import Tracker, _painted
-from ucon.perception.map_kernels import FAR_M
+from ucon.perception.mapping.map_kernels import FAR_M
 
 ALL = np.zeros((0, 0), bool)
 #: At the origin, 1 m above the floor, looking along x, level, with a focal length of 8 pixels.

@@ -12,8 +12,8 @@ import numpy as np
 
 from ucon.core.errors import ConfigError, UconError, brief, unknown_name
 from ucon.envs.image_goal import UcONImageGoalEnv
+from ucon.envs.search.env import UcONSearchEnv
 from ucon.envs.ucon_env import UcONEnv
-from ucon.envs.waypoint.search_env import UcONSearchEnv
 from ucon.task.episode import Episode
 
 Env = gym.Env[Any, Any]

@@ -14,10 +14,10 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Final
 
 from ucon.core.errors import AnswerError, ConfigError, ServerError
-from ucon.language.chat import ChatClient, Message
-from ucon.language.chat_request import Limits
 from ucon.language.choice import Answer, Image, Question
 from ucon.language.match import chosen
+from ucon.language.servers.chat import ChatClient, Message
+from ucon.language.servers.chat_request import Limits
 
 _TEXT: Final = 500
 _REFUSED: Final = (401, 403)

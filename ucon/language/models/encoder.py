@@ -36,10 +36,11 @@ FOUND = 30.0
 class EncoderWeights:
     """Five temperatures and mixing weights, and two constants, one set for all habit levels.
 
-    Fitted on the ``val`` episodes by ``python -m ucon.learning.fit_encoder``, which says how; raw cosines are too flat
-    to decide anything. Nats of the true category among those of the home, ``none`` / ``full`` / ``gt`` / ``retrieval``,
-    and of a uniform guess: val 4.270 / 3.793 / 3.639 / 3.706 (4.303), test 4.248 / 3.893 / 3.722 / 3.795 (4.292). Odds
-    that add up beat the largest label (val, four options that share out a home: 1.341 against 1.399, uniform 1.386).
+    Fitted on the ``val`` episodes by ``python -m ucon data fit-language-encoder``, which says how; raw cosines are too
+    flat to decide anything. Nats of the true category among those of the home, ``none`` / ``full`` / ``gt`` /
+    ``retrieval``, and of a uniform guess: val 4.270 / 3.793 / 3.639 / 3.706 (4.303), test 4.248 / 3.893 / 3.722 / 3.795
+    (4.292). Odds that add up beat the largest label (val, four options that share out a home: 1.341 against 1.399,
+    uniform 1.386).
     """
 
     beta: float = 1.886

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.language.choice import Question
+from ucon.language.phrases import phrase
 from ucon.objects.catalogue import catalogue
-from ucon.retrieval.base import phrase
 
 Vectors = NDArray[np.float64]
 
@@ -34,10 +34,10 @@ _EPISODES = 64
 class KeepingWeights:
     """Seven figures, one set for all habit levels.
 
-    Fitted on the ``val`` episodes by ``python -m ucon.learning.fit_keeping``, which says how. Share of homes where the
-    true one of four places is the most probable, and its nats, ``none`` / ``full`` / ``gt`` / ``retrieval``: val 0.325
-    / 0.395 / 0.400 / 0.395 (chance 0.25), 1.374 / 1.309 / 1.281 / 1.279 (uniform 1.386); test 0.315 / 0.397 / 0.426 /
-    0.425, 1.372 / 1.322 / 1.277 / 1.283.
+    Fitted on the ``val`` episodes by ``python -m ucon data fit-location-model``, which says how. Share of homes where
+    the true one of four places is the most probable, and its nats, ``none`` / ``full`` / ``gt`` / ``retrieval``: val
+    0.325 / 0.395 / 0.400 / 0.395 (chance 0.25), 1.374 / 1.309 / 1.281 / 1.279 (uniform 1.386); test 0.315 / 0.397 /
+    0.426 / 0.425, 1.372 / 1.322 / 1.277 / 1.283.
     """
 
     like: float = 8.81

@@ -31,7 +31,7 @@ class LocalModel(ABC):
         self._weights.check()
 
     def fingerprint(self) -> str | None:
-        """See :mod:`ucon.evaluation.weights`."""
+        """See :mod:`ucon.evaluation.playing.needed_weights`."""
         return self._weights.fingerprint()
 
     @abstractmethod

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ucon.core.geometry import HEADING_COS, HEADING_SIN
 from ucon.objects.catalogue import catalogue
-from ucon.perception.detections import STRUCTURE_KINDS, Detections
+from ucon.perception.mapping.detections import STRUCTURE_KINDS, Detections
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,7 @@ class Frame:
 class Detector(Protocol):
     """Finds things in frames and follows them through one episode.
 
-    One with weights has ``check()`` and ``fingerprint()`` besides, see :mod:`ucon.evaluation.weights`.
+    One with weights has ``check()`` and ``fingerprint()`` besides, see :mod:`ucon.evaluation.playing.needed_weights`.
     """
 
     name: str

@@ -5,11 +5,11 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 
 from ucon.core.sharing import PartlyShared
-from ucon.perception.detections import Detections
 from ucon.perception.detectors.base import Frame
 from ucon.perception.detectors.boxes import Boxes
 from ucon.perception.detectors.owners import Owners
 from ucon.perception.detectors.tracker import GATE_M, STRUCTURE, Tracker
+from ucon.perception.mapping.detections import Detections
 
 
 class BoxDetector(PartlyShared, ABC):

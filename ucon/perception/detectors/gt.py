@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError
 from ucon.core.sharing import PartlyShared
-from ucon.perception.detections import MIN_PIXELS, Detections
 from ucon.perception.detectors.base import Frame
+from ucon.perception.mapping.detections import MIN_PIXELS, Detections
 
 
 class GtDetector(PartlyShared):

@@ -34,13 +34,13 @@ from ucon.core.errors import ConfigError
 from ucon.core.rng import stream
 from ucon.core.sharing import Shared
 from ucon.objects.catalogue import catalogue
-from ucon.perception.detections import MIN_PIXELS, STRUCTURE_KINDS
 from ucon.perception.detectors import noisy_kernels as kernels
 from ucon.perception.detectors.base import Frame, vocabulary
 from ucon.perception.detectors.box_detector import BoxDetector
 from ucon.perception.detectors.boxes import Boxes
 from ucon.perception.detectors.confusion import mistaken
 from ucon.perception.detectors.tracker import GATE_M
+from ucon.perception.mapping.detections import MIN_PIXELS, STRUCTURE_KINDS
 
 #: False detections are looked for at this many pixels across and down.
 GRID = 8

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ucon.core.jit import F32, F64, I16, I32, jit
-from ucon.perception.map_kernels import FAR_M
+from ucon.perception.mapping.map_kernels import FAR_M
 
 #: False detections sit on spots of this size.
 SPOT_M = 0.5

@@ -11,8 +11,8 @@ from typing import ClassVar
 import numpy as np
 
 from ucon.core.sharing import PartlyShared
-from ucon.perception.detections import Detections
 from ucon.perception.detectors.base import Frame
+from ucon.perception.mapping.detections import Detections
 
 
 class Owners(PartlyShared):

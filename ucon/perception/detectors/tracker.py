@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from ucon.core.sharing import PartlyShared
 from ucon.objects.catalogue import catalogue
-from ucon.perception.detections import MIN_PIXELS, Detections
 from ucon.perception.detectors import tracker_kernels as kernels
 from ucon.perception.detectors.base import Frame
 from ucon.perception.detectors.boxes import Boxes
-from ucon.perception.semantic_map import HALF, SIZE
+from ucon.perception.mapping.detections import MIN_PIXELS, Detections
+from ucon.perception.mapping.semantic_map import HALF, SIZE
 
 #: Names of the first four tracks, in the order of the kernels' numbers.
 STRUCTURE = ("floors", "walls", "ceilings", "obstacles")

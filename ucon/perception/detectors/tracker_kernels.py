@@ -1,6 +1,6 @@
 """Hot loops of the tracker: what in a box is the thing, and what the rest of a frame is by its geometry alone.
 
-A camera is the one of :mod:`ucon.perception.map_kernels`; heights are metres above the floor.
+A camera is the one of :mod:`ucon.perception.mapping.map_kernels`; heights are metres above the floor.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from ucon.core.jit import F32, F64, I16, I32, U8, Flags, jit, merged
-from ucon.perception.map_kernels import CELL_M, FAR_M
+from ucon.perception.mapping.map_kernels import CELL_M, FAR_M
 
 #: Heights that tell floor and ceiling from what stands between.
 FLOOR_M, CEILING_M = 0.05, 2.2

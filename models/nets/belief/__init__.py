@@ -1,0 +1,1 @@
+"""The belief head: a network that reads habits, in place of the fitted reader."""

@@ -1,0 +1,311 @@
+"""The belief head: from habits and candidate anchors to where the target may be.
+
+Two paths add up to a candidate's score. The direct one counts what the habits say for it, each as much as it is taken
+to be about the target, which carries nearly all of the gain; the other lets candidate and target look at the sentences
+by attention, with the pair inputs as bias and the relevance as gate. Candidates do not see each other and habits only
+through sums, so their order means nothing and any number of either will do.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Final
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from models.nets.belief.pooling import N_POOLS, pooled, strongest
+from models.nets.sizes import check_heads, check_sizes
+from ucon.core.errors import ConfigError
+from ucon.readers.head_inputs import N_CANDIDATE, N_HABIT, N_PAIR, N_RELATIONS, N_RELEVANCE, HeadInputs
+
+DIM: Final = 384
+FLOOR: Final = 0.02
+_LEAST: Final = 1e-4
+#: Logit of what cannot be.
+NEVER: Final = -60.0
+SENTENCE_SCALE: Final = DIM**0.5
+"""Unit vectors times this have components of about 1."""
+#: Columns of the direct path beside its channels: prior, name, gated sum and maximum, kinds, context.
+N_DIRECT: Final = 4 + N_CANDIDATE + 5
+
+
+@dataclass(frozen=True, eq=False)
+class Inputs:
+    """:class:`~ucon.readers.head_inputs.HeadInputs` as tensors, same names and shapes."""
+
+    sentence: Tensor
+    habit: Tensor
+    pair: Tensor
+    name: Tensor
+    candidate: Tensor
+    relation_prior: Tensor
+    target: Tensor
+    prior: Tensor
+    relevance: Tensor
+    given: Tensor
+    trusted: Tensor
+    open: Tensor
+
+    @classmethod
+    def of(cls, inputs: HeadInputs) -> Inputs:
+        """Tensors of arrays, without copies where possible."""
+        return cls(**{f.name: torch.as_tensor(getattr(inputs, f.name)) for f in fields(cls)})
+
+
+@dataclass(frozen=True, eq=False)
+class Outputs:
+    """Unnormalised: probabilities are the softmax over ``anchor`` and ``unseen`` together."""
+
+    anchor: Tensor  # (T, C) logits; NEVER where a candidate is not open
+    unseen: Tensor  # (T,) logit of everything that is no candidate
+    relation: Tensor  # (T, C, 4) logits given the anchor
+    relevance: Tensor  # (T, H) logits: the habit is about the target
+
+    @property
+    def log_p(self) -> Tensor:
+        """(T, C + 1): log probabilities of the candidates, and of the unseen at last."""
+        return torch.cat([self.anchor, self.unseen[:, None]], 1).log_softmax(1)
+
+
+class BeliefHead(nn.Module):
+    """See the module.
+
+    Args:
+        width: of tokens in the attention path.
+        heads: of attention.
+        blocks: of attention and feed-forward.
+        channels: of the direct path.
+        hidden: units where the direct path is put together.
+        dropout: in the attention path.
+        pairs, evidence, gate, sentences, prior: whether it is given pair features, what the evidence reader says,
+            the fitted gate, sentence and name vectors (the attention path), common sense: switches for ablations.
+        pools: whether the direct path is also given the pair inputs themselves, pooled over the habits. For text that
+            the evidence reader was not fitted on; the habit book's is read no better by them.
+        mixture: whether the direct path is also given, and begins with, a mixture of what is said and common sense,
+            in which what reads the sentences of a dataset of its own learned to say it
+            (:mod:`ucon.fitting.scene_evidence`).
+
+    Raises:
+        ConfigError: a size below 1, a width that the heads cannot share, or a dropout outside [0, 1).
+    """
+
+    def __init__(
+        self,
+        width: int = 128,
+        heads: int = 4,
+        blocks: int = 1,
+        channels: int = 8,
+        hidden: int = 48,
+        dropout: float = 0.2,
+        pairs: bool = True,
+        evidence: bool = True,
+        gate: bool = True,
+        sentences: bool = True,
+        prior: bool = True,
+        pools: bool = False,
+        mixture: bool = False,
+    ) -> None:
+        super().__init__()
+        check_heads("learner.head", width, heads)
+        check_sizes("learner.head", blocks=blocks, channels=channels, hidden=hidden)
+        if not 0 <= dropout < 1:
+            raise ConfigError(f"learner.head.dropout={dropout}: expected 0 to below 1")
+        self.options = {
+            "width": width,
+            "heads": heads,
+            "blocks": blocks,
+            "channels": channels,
+            "hidden": hidden,
+            "dropout": dropout,
+            "pairs": pairs,
+            "evidence": evidence,
+            "gate": gate,
+            "sentences": sentences,
+            "prior": prior,
+            "pools": pools,
+            "mixture": mixture,
+        }
+        self.pairs, self.evidence, self.gate, self.sentences, self.common = pairs, evidence, gate, sentences, prior
+        self.pools, self.mixture = pools, mixture
+        columns = N_DIRECT + N_POOLS * pools + channels + mixture
+        self.relevance = Relevance(width, dropout)
+        self.said = nn.Sequential(nn.Linear(N_PAIR + N_HABIT, 32), nn.GELU(), nn.Linear(32, channels))
+        self.mix = nn.Sequential(nn.Linear(columns, hidden), nn.Tanh(), nn.Linear(hidden, 1))
+        self.straight = nn.Linear(columns, 1)
+        self.unseen = nn.Sequential(nn.Linear(5, 16), nn.Tanh(), nn.Linear(16, 1))
+        self.relation = nn.Sequential(nn.Linear(2 * N_RELATIONS + 1, 16), nn.Tanh(), nn.Linear(16, N_RELATIONS))
+        self.look = Look(width, heads, blocks, dropout)
+        self.register_buffer("temperature", torch.ones(()))
+        _quiet(self.mix[-1], self.relation[-1])
+        last = self.unseen[-1]
+        assert isinstance(last, nn.Linear)
+        nn.init.constant_(last.bias, -5.0)
+        with torch.no_grad():  # starts as common sense plus what is said
+            self.straight.weight.zero_()
+            self.straight.weight[0, [0, 2, 3]] = torch.tensor([1.0, 0.5, 0.5])
+            if mixture:  # or as their sum
+                self.usual = nn.Parameter(torch.zeros(()))
+                self.straight.weight.zero_()
+                self.straight.weight[0, -1] = 1.0
+
+    def forward(self, inputs: HeadInputs) -> Outputs:
+        """Read T targets of one household; see :class:`~ucon.readers.head_inputs.HeadInputs` for the shapes."""
+        x = self._switched(Inputs.of(inputs))
+        relevance = self.relevance(x)
+        gate = self._gate(relevance, x)  # (T, H)
+        context = self._context(gate, x)  # (T, 5)
+        direct = self._direct(gate, context, x)  # (T, C, columns)
+        score = (self.mix(direct) + self.straight(direct))[..., 0]
+        relation = self._relation(gate, x)
+        if self.sentences:
+            seen_score, seen_relation = self.look(gate, x)
+            score, relation = score + seen_score, relation + seen_relation
+        score, unseen = score / self.temperature, self.unseen(context)[:, 0] / self.temperature
+        return Outputs(score.masked_fill(~x.open, NEVER), unseen, relation, relevance)
+
+    def _switched(self, x: Inputs) -> Inputs:
+        """The inputs without what an ablation leaves out."""
+        values = {f.name: getattr(x, f.name) for f in fields(x)}
+        n = N_PAIR - 3
+        if not self.pairs:
+            values["pair"] = torch.cat([torch.zeros_like(x.pair[..., :n]), x.pair[..., n:]], -1)
+        if not self.evidence:
+            values["pair"] = torch.cat([values["pair"][..., :n], torch.zeros_like(x.pair[..., n:])], -1)
+            values["habit"] = torch.zeros_like(x.habit)
+        if not self.sentences:
+            values |= {key: torch.zeros_like(values[key]) for key in ("sentence", "name", "target")}
+        if not self.common:
+            values["prior"] = torch.full_like(x.prior, -4.0)
+        return Inputs(**values)
+
+    def _gate(self, relevance: Tensor, x: Inputs) -> Tensor:
+        """(T, H) how much each habit counts for each target; 0 for what is not given."""
+        known = torch.ones_like(relevance) if not self.gate else relevance.sigmoid()
+        return torch.where(x.trusted[:, None], 1.0, known) * x.given
+
+    def _context(self, gate: Tensor, x: Inputs) -> Tensor:
+        """(T, 5) how much there is to go by."""
+        place = x.habit[:, 0]
+        amount = [gate @ place, gate.sum(1), x.given.sum(1).to(gate)]
+        counts = torch.log1p(torch.stack(amount, 1))
+        kinds = torch.stack([x.trusted.to(gate), (amount[2] > 0).to(gate)], 1)
+        return torch.cat([counts, kinds], 1)
+
+    def _direct(self, gate: Tensor, context: Tensor, x: Inputs) -> Tensor:
+        """(T, C, .) what is said for each candidate, and what is usual."""
+        said = x.pair[..., N_PAIR - 3]  # (H, C)
+        every = torch.cat([x.pair, x.habit[:, None].expand(-1, x.pair.shape[1], -1)], -1)
+        channels = functional.softplus(self.said(every) - 2.0)  # (H, C, K)
+        counted = torch.einsum("th,hck->tck", gate, channels)
+        total = gate @ said
+        most = strongest(gate, said)
+        alike = (functional.normalize(x.target, dim=1) @ functional.normalize(x.name, dim=1).T)[..., None]
+        c = x.prior.shape[1]
+        parts = [
+            x.prior[..., None],
+            alike,
+            torch.log(FLOOR + total)[..., None],
+            torch.log(FLOOR + most)[..., None],
+            x.candidate.expand(len(gate), -1, -1),
+            context[:, None].expand(-1, c, -1),
+            torch.log(FLOOR + counted),
+        ]
+        if self.pools:
+            parts.append(pooled(gate, x.pair))
+        if self.mixture:
+            parts.append(torch.log(_LEAST + total + self.usual.exp() * x.prior.exp())[..., None])
+        return torch.cat(parts, -1)
+
+    def _relation(self, gate: Tensor, x: Inputs) -> Tensor:
+        """(T, C, 4) logits of what is usual, and what the habits that speak for the candidate say."""
+        said, how = x.pair[..., N_PAIR - 3], x.habit[:, 1:]
+        heard = torch.einsum("th,hc,hr->tcr", gate, said, how)
+        usual = x.relation_prior.expand(len(gate), -1, -1)
+        amount = torch.log(FLOOR + heard.sum(-1, keepdim=True))
+        plain = torch.log(1e-4 + 0.5 * usual + heard * (usual > 0))
+        return plain + self.relation(torch.cat([torch.log(FLOOR + heard), usual, amount], -1))
+
+
+class Relevance(nn.Module):
+    """Is a habit about a target? The fitted gate's answer, and corrections to it."""
+
+    def __init__(self, width: int, dropout: float) -> None:
+        super().__init__()
+        self.habit, self.target = nn.Linear(DIM, width), nn.Linear(DIM, width)
+        self.correct = nn.Sequential(nn.Linear(N_RELEVANCE + N_HABIT, 32), nn.GELU(), nn.Linear(32, 1))
+        self.drop = nn.Dropout(dropout)
+        self.scale = nn.Parameter(torch.zeros(()))
+        _quiet(self.correct[-1])
+
+    def forward(self, x: Inputs) -> Tensor:
+        """(T, H) logits."""
+        t = len(x.target)
+        alike = self.drop(self.target(x.target)) @ self.drop(self.habit(x.sentence)).T  # (T, H)
+        every = torch.cat([x.relevance, x.habit.expand(t, -1, -1)], -1)
+        return x.relevance[..., -1] + self.correct(every)[..., 0] + self.scale * alike
+
+
+class Look(nn.Module):
+    """Candidates and targets look at the sentences."""
+
+    def __init__(self, width: int, heads: int, blocks: int, dropout: float) -> None:
+        super().__init__()
+        self.habit = nn.Linear(DIM + N_HABIT, width)
+        self.name, self.target = nn.Linear(DIM + N_CANDIDATE, width), nn.Linear(DIM, width)
+        self.drop = nn.Dropout(dropout)
+        self.blocks = nn.ModuleList(Block(width, heads, dropout) for _ in range(blocks))
+        self.norm = nn.LayerNorm(width)
+        self.score, self.relation = nn.Linear(width, 1), nn.Linear(width, N_RELATIONS)
+        _quiet(self.score, self.relation)
+
+    def forward(self, gate: Tensor, x: Inputs) -> tuple[Tensor, Tensor]:
+        """Scores (T, C) and relation logits (T, C, 4)."""
+        habits = self.habit(torch.cat([self.drop(x.sentence * SENTENCE_SCALE), x.habit], 1))  # (H, d)
+        names = self.name(torch.cat([self.drop(x.name * SENTENCE_SCALE), x.candidate], 1))  # (C, d)
+        query = names + self.target(self.drop(x.target * SENTENCE_SCALE))[:, None]  # (T, C, d)
+        for block in self.blocks:
+            query = block(query, habits, x.pair, gate)
+        query = self.norm(query)
+        return self.score(query)[..., 0], self.relation(query)
+
+
+class Block(nn.Module):
+    """Attention of (target, candidate) tokens over habits, with pair inputs as bias and the gate as weight."""
+
+    def __init__(self, width: int, heads: int, dropout: float) -> None:
+        super().__init__()
+        self.heads = heads
+        self.norm, self.habit_norm = nn.LayerNorm(width), nn.LayerNorm(width)
+        self.q, self.kv, self.out = nn.Linear(width, width), nn.Linear(width, 2 * width), nn.Linear(width, width)
+        self.bias = nn.Linear(N_PAIR, heads)
+        self.feed = nn.Sequential(
+            nn.LayerNorm(width),
+            nn.Linear(width, 2 * width),
+            nn.GELU(),
+            nn.Dropout(dropout),
+            nn.Linear(2 * width, width),
+        )
+        self.drop = nn.Dropout(dropout)
+
+    def forward(self, query: Tensor, habits: Tensor, pair: Tensor, gate: Tensor) -> Tensor:
+        """``query`` (T, C, d), ``habits`` (H, d), ``pair`` (H, C, N_PAIR), ``gate`` (T, H) -> (T, C, d)."""
+        t, c, d = query.shape
+        k, v = self.kv(self.habit_norm(habits)).view(-1, 2, self.heads, d // self.heads).unbind(1)  # (H, n, e)
+        q = self.q(self.norm(query)).view(t, c, self.heads, d // self.heads)
+        logits = torch.einsum("tcne,hne->tnch", q, k) / q.shape[-1] ** 0.5
+        logits = logits + self.bias(pair).permute(2, 1, 0) + torch.log(gate + 1e-9)[:, None, None]
+        # A sink of weight 1 takes what no habit claims, so no habits at all are nothing to look at.
+        weights = torch.cat([logits, logits.new_zeros(t, self.heads, c, 1)], -1).softmax(-1)[..., :-1]
+        looked = torch.einsum("tnch,hne->tcne", weights, v).reshape(t, c, d)
+        query = query + self.drop(self.out(looked))
+        return query + self.drop(self.feed(query))
+
+
+def _quiet(*layers: nn.Module) -> None:
+    """Layers that start by saying nothing."""
+    for layer in layers:
+        assert isinstance(layer, nn.Linear)
+        nn.init.zeros_(layer.weight)
+        nn.init.zeros_(layer.bias)

@@ -1,0 +1,126 @@
+"""What the end-to-end habit policy thinks, as a picture: its own map, what it believes, where it goes and why."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from torch import Tensor
+
+from models.nets.end_to_end.ego_view import CELL_M
+from models.nets.end_to_end.floor_memory import CHANNELS, HALF, REACH, SIZE
+from models.nets.end_to_end.reasons import Reasons
+from ucon.perception.drawing.map_picture import FLOOR, OPENED, PATH, TALL, TARGET, UNKNOWN, Image, draw_agent
+from ucon.perception.drawing.overlay import FAINT, GOAL, WARM, Line, believes, map_room, page, speaking, words
+from ucon.task.actions import Action
+
+_MOST_CELL_PX: Final = 10
+#: Cells of the unknown that are shown around what was explored.
+_RIM: Final = 2
+#: Actions are told that it takes so probably.
+_LIKELY: Final = 0.05
+#: A goal so near the target is for its sake.
+_BY_M: Final = 2.0
+#: Goals that are so probable beside the most probable one are shown, wherever they are.
+_GLOW: Final = 0.05
+
+Layers = dict[str, NDArray[np.uint8]]
+"""Channels of the memory, (SIZE, SIZE) each."""
+
+
+def draw_reasons(
+    why: Reasons, target: str, cells: Tensor, pose: tuple[int, int, int], height: int = 384, width: int = 384
+) -> Image:
+    """Draw one step of one episode: (height, width, 3) uint8.
+
+    Above the map in its memory: the warmer a cell, the more it believes the target to be with what it saw there; the
+    bluer, the more probable it goes there, and a ring is where it most probably goes. Below what it believes, what it
+    inclines to do, and the habits that speak most for the thing it goes to, with how strongly each does.
+
+    Args:
+        why: of that step.
+        target: category.
+        cells: (len(CHANNELS), SIZE * SIZE) uint8, of the state after it.
+        pose: cell (i, j) from the start and heading in quarter turns.
+        height: of the picture.
+        width: of the picture.
+    """
+    places = [(anchor, relation, p) for anchor, relation, p in why.belief[:3]]
+    layers = dict(zip(CHANNELS, cells.view(-1, SIZE, SIZE).cpu().numpy(), strict=True))
+    lines = [*believes(places, width), *_intends(why, target, layers), *speaking(why.habits, width)]
+    return page(_map(why, layers, pose, *map_room(height, width)), lines, height, width)
+
+
+def _intends(why: Reasons, target: str, layers: Layers) -> list[Line]:
+    at = _target_at(layers)
+    if at is not None and np.hypot(at[0] - why.goal_xy[0], at[1] - why.goal_xy[1]) < _BY_M:
+        where = f"the {words(target)}, which it saw,"
+    else:
+        where = f"the {words(why.thing)}" if why.thing else "where it saw nothing yet"
+    likely = sorted(enumerate(why.actions), key=lambda action: -action[1])[:3]
+    said = ", ".join(f"{words(Action(number).name.lower())} {p:.0%}" for number, p in likely if p > _LIKELY)
+    return [Line(f"goes to: {where} {why.goal_p:.0%}", GOAL), Line(f"inclines to: {said}", FAINT)]
+
+
+def _target_at(layers: Layers) -> tuple[float, float] | None:
+    """Metres from the start, of the middle of what it saw of the target."""
+    cells = np.argwhere(layers["target"] > 0)
+    return _metres(*cells.mean(0)) if cells.size else None
+
+
+def _map(why: Reasons, layers: Layers, pose: tuple[int, int, int], height: int, width: int) -> Image:
+    goals = _over_cells(why.goals, pose)
+    seen = (layers["explored"] > 0) | (goals > _GLOW * goals.max())
+    (i0, i1), (j0, j1) = (_extent(seen.any(axis)) for axis in (1, 0))
+    window = (slice(i0, i1), slice(j0, j1))
+    cell_px = int(np.clip(min(width / (i1 - i0), height / (j1 - j0)), 1, _MOST_CELL_PX))
+    colours = _colours({name: layer[window] for name, layer in layers.items()}, goals[window])
+    image = np.repeat(np.repeat(colours.transpose(1, 0, 2)[::-1], cell_px, 0), cell_px, 1).copy()
+
+    def px(x: float, y: float) -> tuple[int, int]:
+        return round((x / CELL_M + HALF - i0 + 0.5) * cell_px), round((j1 - y / CELL_M - HALF - 0.5) * cell_px)
+
+    for i, j in np.argwhere(layers["visited"] > 0):
+        cv2.circle(image, px(*_metres(i, j)), max(1, cell_px // 4), PATH, -1, cv2.LINE_AA)
+    if (at := _target_at(layers)) is not None:
+        cv2.drawMarker(image, px(*at), TARGET, cv2.MARKER_TILTED_CROSS, 2 * cell_px, 3)
+    middle = px(why.goal_xy[0] + CELL_M / 2, why.goal_xy[1] + CELL_M / 2)  # a goal is a block of two cells
+    cv2.circle(image, middle, max(4, cell_px), FLOOR, 4, cv2.LINE_AA)
+    cv2.circle(image, middle, max(4, cell_px), GOAL, 2, cv2.LINE_AA)
+    draw_agent(image, px, (pose[0] * CELL_M, pose[1] * CELL_M), pose[2] % 4, cell_px)
+    return image
+
+
+def _extent(seen: NDArray[np.bool_]) -> tuple[int, int]:
+    """First and last index that is shown, exclusive, with some of the unknown around."""
+    there = np.flatnonzero(seen)
+    return max(int(there[0]) - _RIM, 0), min(int(there[-1]) + 1 + _RIM, SIZE)
+
+
+def _metres(i: float, j: float) -> tuple[float, float]:
+    return (i - HALF) * CELL_M, (j - HALF) * CELL_M
+
+
+def _over_cells(goals: NDArray[np.float32], pose: tuple[int, int, int]) -> NDArray[np.float32]:
+    """Goals (C, C) around the agent as cells of the whole map, (SIZE, SIZE)."""
+    fine = np.repeat(np.repeat(goals, 2, 0), 2, 1)[: 2 * REACH + 1, : 2 * REACH + 1]
+    whole = np.zeros((SIZE + 2 * REACH, SIZE + 2 * REACH), np.float32)
+    i, j = (int(np.clip(value + HALF, 0, SIZE - 1)) for value in pose[:2])
+    whole[i : i + 2 * REACH + 1, j : j + 2 * REACH + 1] = fine
+    return whole[REACH : REACH + SIZE, REACH : REACH + SIZE]
+
+
+def _colours(layer: Layers, goals: NDArray[np.float32]) -> Image:
+    """(N, M, 3) of N x M cells: what is there, warmer by the belief, bluer by how probable a goal is."""
+    colours = np.full((*goals.shape, 3), UNKNOWN, np.uint8)
+    colours[layer["explored"] > 0] = FLOOR
+    colours[layer["blocked"] > 0] = TALL
+    colours[layer["opened"] > 0] = OPENED
+    most = float(goals.max(initial=0.0)) or 1.0
+    belief = (layer["most"] / 255.0) ** 2  # the memory keeps square roots
+    for share, colour in ((0.5 * np.sqrt(goals / most), GOAL), (0.85 * belief, WARM)):
+        part = share[..., None]
+        colours = ((1 - part) * colours + part * np.array(colour)).astype(np.uint8)
+    return colours

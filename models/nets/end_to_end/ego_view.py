@@ -1,0 +1,221 @@
+"""What one frame shows, as arrays: the floor ahead of the agent and the things in view, in the agent's own directions.
+
+Nothing here remembers anything: :class:`models.nets.end_to_end.floor_memory.FloorMemory` puts these arrays together
+over time. Cells are 0.25 m and centred on nodes; cell (f, l) of the patch is f - 1 cells ahead and l - 24 to the left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.perception.mapping.detections import STRUCTURE_KINDS, Detections
+from ucon.perception.mapping.semantic_map import require_right_angle
+
+CELL_M = 0.25
+AHEAD, ASIDE, BEHIND = 24, 24, 1
+"""Cells of the patch ahead, to either side, and behind: 6 m."""
+ROWS, COLUMNS = AHEAD + BEHIND + 1, 2 * ASIDE + 1
+N_CELLS = ROWS * COLUMNS
+N_THINGS = 32
+"""Things of one frame, the target first, then by pixels; more are left out."""
+N_PAIRS = 192
+"""Pairs of a thing and a cell that it was seen in."""
+EXPLORED, FLOOR, BLOCKED = 1, 2, 4
+"""Bits of the patch: a sight line passed over the cell; floor was seen in it; an obstacle leaves no room to stand."""
+THING_FEATURES = (
+    *("ahead_m", "left_m", "up_m", "nearest_m", "sin", "cos"),
+    *("u0", "v0", "u1", "v1", "pixels", "score", "just_opened"),
+)
+"""Of each thing: mean of its seen points from the camera; horizontal metres to the nearest one; sine and cosine of its
+bearing; box in parts of the image; natural logarithm of pixels / 64; detector's score; it was opened by this step."""
+_LOW_M, _TALL_M, _RADIUS_M, _FAR_M, _LOOK_M = 0.05, 1.8, 0.18, 25.0, 2.0
+_STRIDE = 2
+_N_BINS = 120
+
+F32 = NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
+class EgoView:
+    """One frame. Rows and pairs that are not there are -1."""
+
+    patch: NDArray[np.uint8]
+    """(ROWS, COLUMNS) bits."""
+    look: NDArray[np.uint8]
+    """(ROWS, COLUMNS): 255 exp(-d / 2 m), d the least horizontal distance from which it was seen."""
+    names: tuple[str, ...]
+    """Category of each thing, at most N_THINGS."""
+    tracks: NDArray[np.int16]
+    """(N_THINGS,)."""
+    things: NDArray[np.float16]
+    """(N_THINGS, len(THING_FEATURES))."""
+    pair_cell: NDArray[np.int16]
+    """(N_PAIRS,) cell of the patch."""
+    pair_row: NDArray[np.int16]
+    """(N_PAIRS,) thing seen in it."""
+
+
+def ego_view(depth: F32, pitch_rad: float, camera_m: float, info: Mapping[str, Any], target: str) -> EgoView:
+    """Read one frame.
+
+    Args:
+        depth: (H, W) optical metres.
+        pitch_rad: up positive.
+        camera_m: height of the camera.
+        info: with ``detections``, ``tracks`` and ``opened`` of the step.
+        target: category that is put first.
+
+    Raises:
+        ConfigError: no view of 90 degrees.
+    """
+    require_right_angle(info)
+    found = Detections.from_info(info)
+    points, spread = _points(depth, pitch_rad, camera_m)
+    patch, look, cell = _floor(points[:, ::_STRIDE, ::_STRIDE], spread[::_STRIDE, ::_STRIDE])
+    n_tracks = int(max(found.image.max(), found.track.max(initial=0))) + 1
+    shown = np.zeros(n_tracks + 1, bool)  # the last for pixels of nothing
+    shown[found.image[np.isfinite(spread)]] = True
+    rows, names = _chosen(found, shown, target)
+    table = np.full(n_tracks + 1, -1, np.int16)
+    table[found.track[rows]] = np.arange(len(rows))
+    image = table[found.image]
+    things = np.zeros((N_THINGS, len(THING_FEATURES)), np.float32)
+    tracks = np.full(N_THINGS, -1, np.int16)
+    tracks[: len(rows)] = found.track[rows]
+    middle = _measure(image, points, spread, len(rows), camera_m, things)
+    things[: len(rows), 11] = 1.0 if found.score is None else found.score[rows]
+    things[: len(rows), 12] = np.isin(found.track[rows], np.asarray(info.get("opened", ()), np.int64))
+    pair_cell, pair_row = _pairs(image[::_STRIDE, ::_STRIDE], cell, middle)
+    return EgoView(patch, look, names, tracks, things.astype(np.float16), pair_cell, pair_row)
+
+
+@lru_cache(maxsize=8)
+def _rays(height: int, width: int) -> tuple[F32, F32]:
+    """Tangents (H, 1) upwards and (1, W) to the left of the sight lines."""
+    focal_px = 0.5 * width
+    up = (0.5 * height - np.arange(height) - 0.5) / focal_px
+    left = (0.5 * width - np.arange(width) - 0.5) / focal_px
+    return up[:, None].astype(np.float32), left[None].astype(np.float32)
+
+
+def _points(depth: F32, pitch_rad: float, camera_m: float) -> tuple[F32, F32]:
+    """Metres (3, H, W) ahead, to the left, above the floor; and horizontal distance (H, W), infinite for the sky."""
+    up, left = _rays(*depth.shape)
+    cos, sin = np.float32(np.cos(pitch_rad)), np.float32(np.sin(pitch_rad))
+    points = np.empty((3, *depth.shape), np.float32)
+    np.multiply(depth, cos - sin * up, out=points[0])
+    np.multiply(depth, left, out=points[1])
+    np.multiply(depth, sin + cos * up, out=points[2])
+    points[2] += camera_m
+    spread = np.hypot(points[0], points[1])
+    return points, np.where((depth > 0) & (depth < _FAR_M), spread, np.float32(np.inf))
+
+
+@lru_cache(maxsize=1)
+def _cells() -> tuple[F32, NDArray[np.int64]]:
+    """Distance (ROWS, COLUMNS) in metres and direction bin of every cell of the patch."""
+    f, left = np.mgrid[-BEHIND : AHEAD + 1, -ASIDE : ASIDE + 1] * CELL_M
+    return np.hypot(f, left).astype(np.float32), _bins(f, left)
+
+
+def _bins(ahead: NDArray[Any], left: NDArray[Any]) -> NDArray[np.int64]:
+    turn = np.arctan2(left, ahead) * (_N_BINS / (2 * np.pi))
+    return np.floor(turn + 0.5).astype(np.int64) % _N_BINS
+
+
+def _floor(points: F32, spread: F32) -> tuple[NDArray[np.uint8], NDArray[np.uint8], NDArray[np.int64]]:
+    """Patch, looks, and the cell (h, w) of every point, -1 outside the patch."""
+    f = np.floor(points[0] / CELL_M + 0.5)
+    left = np.floor(points[1] / CELL_M + 0.5)
+    inside = (spread < 30.0) & (f >= -BEHIND) & (f <= AHEAD) & (np.abs(left) <= ASIDE)
+    cell = np.where(inside, (f + BEHIND) * COLUMNS + left + ASIDE, -1).astype(np.int64)
+    z, at = points[2][inside], cell[inside]
+    flags = np.zeros(N_CELLS, np.uint8)
+    flags[at[z < _LOW_M]] |= FLOOR
+    tall = (z >= _LOW_M) & (z < _TALL_M)
+    off = np.stack([points[0][inside] - f[inside] * CELL_M, points[1][inside] - left[inside] * CELL_M])[:, tall]
+    _block(flags, at[tall], off)
+    nearest = np.full(N_CELLS, np.inf, np.float32)
+    np.minimum.at(nearest, at, spread[inside])
+    reach = np.zeros(_N_BINS, np.float32)
+    seen = np.isfinite(spread)
+    np.maximum.at(reach, _bins(points[0][seen], points[1][seen]), spread[seen])
+    distance, direction = _cells()
+    explored = distance <= np.minimum(reach[direction] + 0.125, AHEAD * CELL_M)
+    patch = flags.reshape(ROWS, COLUMNS)
+    patch[explored] |= EXPLORED
+    look = (255.0 * np.exp(-nearest / _LOOK_M)).astype(np.uint8).reshape(ROWS, COLUMNS)
+    return patch, look, cell
+
+
+def _block(flags: NDArray[np.uint8], at: NDArray[np.int64], off: F32) -> None:
+    """Mark the cells whose nodes are within the robot's radius of obstacle points, ``off`` (2, n) metres from nodes."""
+    step = np.where(off > 0, 1, -1)
+    beyond = CELL_M - np.abs(off)
+    flags[at] |= BLOCKED
+    for across, along in ((True, False), (False, True), (True, True)):
+        gap = np.where(across, beyond[0], off[0]) ** 2 + np.where(along, beyond[1], off[1]) ** 2
+        near = at + across * step[0] * COLUMNS + along * step[1]
+        beside = at % COLUMNS + along * step[1]
+        inside = (near >= 0) & (near < N_CELLS) & (beside >= 0) & (beside < COLUMNS)
+        flags[near[(gap < _RADIUS_M**2) & inside]] |= BLOCKED
+
+
+def _chosen(found: Detections, shown: NDArray[np.bool_], target: str) -> tuple[NDArray[np.int64], tuple[str, ...]]:
+    """Rows of detections that are things and in view: the target, then the largest.
+
+    ``shown`` by track: boxes may be listed all of whose pixels others took, or that nothing can be measured of.
+    """
+    seen = shown[found.track].tolist()
+    things = [k for k, name in enumerate(found.category) if seen[k] and name not in STRUCTURE_KINDS]
+    things.sort(key=lambda k: (found.category[k] != target, -int(found.pixels[k]), int(found.track[k])))
+    rows = np.array(things[:N_THINGS], np.int64)
+    return rows, tuple(found.category[k] for k in rows.tolist())
+
+
+def _measure(image: NDArray[np.int16], points: F32, spread: F32, n: int, camera_m: float, out: F32) -> F32:
+    """Fill the features of n things from their pixels; returns their means (n, 3) in metres."""
+    v, u = np.nonzero((image >= 0) & np.isfinite(spread))
+    row = image[v, u].astype(np.int64)
+    order = np.argsort(row, kind="stable")
+    v, u, row = v[order], u[order], row[order]
+    here, start, count = np.unique(row, return_index=True, return_counts=True)
+    middle = np.full((n, 3), np.inf, np.float32)
+    if not len(here):
+        return middle
+    xyz = points[:, v, u].astype(np.float64)
+    mean = np.add.reduceat(xyz, start, axis=1) / count
+    middle[here] = mean.T
+    far = np.maximum(np.hypot(mean[0], mean[1]), 1e-3)
+    height, width = image.shape
+    out[here, 0], out[here, 1], out[here, 2] = mean[0], mean[1], mean[2] - camera_m
+    out[here, 3] = np.minimum.reduceat(spread[v, u], start)
+    out[here, 4], out[here, 5] = mean[1] / far, mean[0] / far
+    out[here, 6], out[here, 7] = np.minimum.reduceat(u, start) / width, np.minimum.reduceat(v, start) / height
+    out[here, 8] = (np.maximum.reduceat(u, start) + 1) / width
+    out[here, 9] = (np.maximum.reduceat(v, start) + 1) / height
+    out[here, 10] = np.log(count * (16384 / image.size) / 64)
+    return middle
+
+
+def _pairs(
+    image: NDArray[np.int16], cell: NDArray[np.int64], middle: F32
+) -> tuple[NDArray[np.int16], NDArray[np.int16]]:
+    """Cells of things: that of each one's middle first, then those of its points."""
+    with np.errstate(invalid="ignore"):
+        f, left = (np.floor(middle[:, k] / CELL_M + 0.5) for k in range(2))
+        inside = np.isfinite(f) & (f >= -BEHIND) & (f <= AHEAD) & (np.abs(left) <= ASIDE)
+    rows = np.flatnonzero(inside)
+    first = rows * N_CELLS + ((f[rows] + BEHIND) * COLUMNS + left[rows] + ASIDE).astype(np.int64)
+    seen = (image >= 0) & (cell >= 0)
+    rest = np.unique(image[seen].astype(np.int64) * N_CELLS + cell[seen])
+    keys = np.concatenate([first, rest[~np.isin(rest, first)]])[:N_PAIRS]
+    pair_cell, pair_row = np.full(N_PAIRS, -1, np.int16), np.full(N_PAIRS, -1, np.int16)
+    pair_cell[: len(keys)], pair_row[: len(keys)] = keys % N_CELLS, keys // N_CELLS
+    return pair_cell, pair_row

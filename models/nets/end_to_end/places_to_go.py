@@ -1,0 +1,88 @@
+"""Where to go: a probability over the poses of the remembered floor, and the action that goes there.
+
+Each pose gets what it promises, learned from what is remembered around it, less what the way there costs. The chance
+of an action is the sum over the poses whose shortest way begins with it. That is a mixture, so the imitated action
+teaches what a place promises: which habit-given anchors, containers, frontiers are worth the way. The same for all
+four headings: what lies ahead of a pose is weighed by one kernel, turned.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from models.nets.end_to_end.floor_memory import CHANNELS, Window, coarse
+from models.nets.end_to_end.shortest_ways import FAR, shortest_ways
+
+_INPUTS = len(CHANNELS) + 2
+_KERNEL = 5
+_NEVER = -1e4
+"""Score of what cannot be; infinities would make gradients that are no numbers."""
+#: What a place promises before anything was learned, in actions that are worth it, by channel.
+_BEFORE = {"ontop": 6.0, "beside": 4.0, "inside": 4.0, "closed": 8.0, "target": 60.0, "frontier": 4.0}
+
+
+class Ways(NamedTuple):
+    """For N agents, C x C blocks of two cells around each."""
+
+    log_p: Tensor
+    """(N, 4) of MoveAhead, RotateRight, RotateLeft, and of staying in this pose."""
+    goals: Tensor
+    """(N, 4, C, C) probability of going to each pose, by heading."""
+    interest: Tensor
+    """(N, F, C, C), what the places are taken for."""
+
+
+class PlacesToGo(nn.Module):
+    """Scores poses."""
+
+    def __init__(self, n_globals: int, width: int = 16, n_interests: int = 8) -> None:
+        """``n_globals``: numbers that hold for the whole episode or step and change what is worth going to."""
+        super().__init__()
+        self.near = nn.Conv2d(_INPUTS, width, 3, padding=1)
+        self.wide = nn.Conv2d(width, width, 3, padding=2, dilation=2)
+        self.interests = nn.Conv2d(width, n_interests, 1)
+        self.globals = nn.Linear(n_globals, width)
+        self.raw = nn.Conv2d(_INPUTS, 1, 1)
+        self.view = nn.Parameter(torch.zeros(1, n_interests + 1, _KERNEL, _KERNEL))
+        self.log_cost = nn.Parameter(torch.tensor(-1.2))
+        self._begin()
+
+    @torch.no_grad()
+    def _begin(self) -> None:
+        names = (*CHANNELS, "unknown", "frontier")
+        self.raw.weight.zero_()
+        self.raw.bias.zero_()  # type: ignore[union-attr]
+        for name, worth in _BEFORE.items():
+            self.raw.weight[0, names.index(name)] = worth
+        nn.init.normal_(self.view[:, 1:], std=0.05)
+        middle = _KERNEL // 2
+        self.view[0, 0, middle + 1, middle] = 0.6  # what is half a metre ahead of a pose
+        self.view[0, 0, middle + 2, middle] = 0.2
+        self.view[0, 0, middle + 1, middle - 1 : middle + 2 : 2] = 0.1
+
+    def forward(self, window: Window, heading: Tensor, given: Tensor) -> Ways:
+        """Weigh the places of windows of N agents with ``heading`` (N,), given ``globals`` (N, n_globals)."""
+        steps, first = shortest_ways(window.free, heading)
+        seen = coarse(window.cells)
+        hidden = functional.relu(self.near(seen) + self.globals(given)[:, :, None, None])
+        hidden = functional.relu(self.wide(hidden))
+        interest = torch.cat([self.raw(seen), self.interests(hidden)], 1)
+        promise = functional.conv2d(interest, self._kernels(), padding=_KERNEL // 2)  # (N, 4, C, C)
+        score = promise - torch.exp(self.log_cost) * steps
+        score = score.masked_fill(steps == FAR, _NEVER).flatten(1)
+        log_goal = torch.log_softmax(score, 1)
+        return Ways(_by_first(log_goal, first.flatten(1)), log_goal.exp().view_as(promise), interest)
+
+    def _kernels(self) -> Tensor:
+        """The view of headings 0 to 3: heading 0 looks along the first axis, 1 along the second."""
+        return torch.cat([torch.rot90(self.view, turns, (2, 3)) for turns in range(4)])
+
+
+def _by_first(log_goal: Tensor, first: Tensor) -> Tensor:
+    """Logarithms (N, 4) of the sums over the goals whose way begins with each action, not below -12."""
+    parts = [torch.logsumexp(log_goal.masked_fill(first != a, _NEVER), 1) for a in range(4)]
+    return torch.stack([torch.logaddexp(part, torch.full_like(part, -12.0)) for part in parts], 1)

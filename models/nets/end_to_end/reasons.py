@@ -1,0 +1,142 @@
+"""Why the end-to-end habit policy did what it did: which place it goes to, for the sake of what, by which habit.
+
+For people: no part of this reaches a decision.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from models.nets.end_to_end.ego_view import CELL_M
+from models.nets.end_to_end.floor_memory import HALF, REACH, SIZE
+from models.nets.end_to_end.inside import Inside
+from models.nets.end_to_end.read_habits import kept_habits, words
+from ucon.habits.types import RELATIONS
+from ucon.learning.policies.action_policy import Tensors
+from ucon.objects.catalogue import catalogue
+from ucon.readers.protocol import Reader
+from ucon.task.actions import Action
+
+_NEAR = 6
+"""Cells around a goal in which the most believed thing is taken for the reason."""
+_SPEAKS = 0.05
+"""A habit with so much support speaks for a place."""
+_MOST_HABITS = 3
+
+
+@dataclass(frozen=True)
+class Reasons:
+    """Of one step of one episode."""
+
+    goal_xy: tuple[float, float]
+    """Metres from the start, of the most probable place to go to."""
+    goal_p: float
+    """Its probability."""
+    thing: str
+    """Category of the most believed thing remembered there; "" where there is none."""
+    belief: tuple[tuple[str, str, float], ...]
+    """The places that are believed most at all: anchor, relation, probability."""
+    habits: tuple[tuple[str, float], ...]
+    """Habits that speak for the target being by ``thing``, else by the most believed anchor, else anywhere: the
+    strongest first, with their support in [0, 1]."""
+    seen: tuple[tuple[str, float], ...]
+    """Things in view by the attention that they got."""
+    actions: tuple[float, ...]
+    """Probability of each of the seven actions."""
+    goals: NDArray[np.float32]
+    """(C, C) probability of going to each place around the agent, 0.5 m cells of the map's axes: to be drawn."""
+
+    def table(self) -> str:
+        """As a few lines of text."""
+        likely = int(np.argmax(self.actions))
+        lines = [
+            f"action    {Action(likely).name} {self.actions[likely]:.2f}",
+            f"goes to   ({self.goal_xy[0]:+.2f}, {self.goal_xy[1]:+.2f}) m  p {self.goal_p:.2f}  {self.thing}",
+            "believes  " + ", ".join(f"{relation} {anchor} {p:.2f}" for anchor, relation, p in self.belief),
+            "sees      " + ", ".join(f"{name} {weight:.2f}" for name, weight in self.seen),
+        ]
+        return "\n".join([*lines, *(f"habit     {support:.2f}  {text}" for text, support in self.habits)])
+
+
+def reasons(
+    reader: Reader,
+    info: Mapping[str, Any],
+    frame: Tensors,
+    context: Tensors,
+    state: Tensors,
+    inside: Inside,
+    logits: Any,
+) -> Reasons:
+    """Read the last step of the only episode of a call of ``HabitPolicyE2E.think``.
+
+    Args:
+        reader: the policy's.
+        info: at the episode's reset, for its sentences.
+        frame: of that step, (1, 1, ...).
+        context: (1, ...).
+        state: after the step.
+        inside: what ``think`` gave.
+        logits: (7,).
+    """
+    goals = inside.ways.goals[-1].sum(0)  # (C, C)
+    at = divmod(int(goals.argmax()), goals.shape[1])
+    i, j = (int(frame["pose"][-1, 0, k]) + 2 * at[k] - REACH for k in range(2))
+    thing = _thing_near(state, i, j)
+    belief = context["belief"][0].float()
+    best = belief.flatten().topk(5)
+    names = catalogue().names
+    places = tuple(
+        (names[k // len(RELATIONS)], RELATIONS[k % len(RELATIONS)], round(p, 3))
+        for p, k in zip(best.values.tolist(), best.indices.tolist(), strict=True)
+    )
+    focus, ids = inside.seen.focus[-1, 0], frame["thing_ids"][-1, 0]
+    order = [k for k in focus.argsort(descending=True).tolist() if ids[k] >= 0][:4]
+    seen = tuple((_name(int(ids[k])), round(float(focus[k]), 3)) for k in order)
+    return Reasons(
+        (i * CELL_M, j * CELL_M),
+        float(goals.max()),
+        thing,
+        places,
+        _speaking(reader, info, (thing, places[0][0])),
+        seen,
+        tuple(torch.softmax(torch.as_tensor(logits), -1).tolist()),
+        goals.detach().cpu().numpy().astype(np.float32),
+    )
+
+
+def _thing_near(state: Tensors, i: int, j: int) -> str:
+    """The most believed category remembered within some cells of a place."""
+    most = state["cells"][0, -1].view(SIZE, SIZE)
+    a, b = max(i + HALF - _NEAR, 0), max(j + HALF - _NEAR, 0)
+    around = most[a : a + 2 * _NEAR + 1, b : b + 2 * _NEAR + 1]
+    if not around.numel() or int(around.max()) == 0:
+        return ""
+    k, m = divmod(int(around.argmax()), around.shape[1])
+    return _name(int(state["what"][0].view(SIZE, SIZE)[a + k, b + m]))
+
+
+def _name(number: int) -> str:
+    names = catalogue().names
+    return names[number] if 0 <= number < len(words().number) else "?"
+
+
+def _speaking(reader: Reader, info: Mapping[str, Any], anchors: Sequence[str]) -> tuple[tuple[str, float], ...]:
+    """Habits with the most support for the first of some anchors that has any to speak of, or for any place."""
+    texts: Sequence[str] = tuple(info["habits"])
+    if not texts:
+        return ()
+    reading = reader.read(str(info["target"]), texts, trusted=info.get("habit_level") == "gt")
+    for anchor in (name for name in anchors if name in tuple(reader.known)):
+        support = np.asarray(reading.support(anchor))
+        if support.max() > _SPEAKS:
+            break
+    else:
+        support = kept_habits(reading, texts, tuple(reader.known))[1].max(1)
+    order = np.argsort(-support, kind="stable")[:_MOST_HABITS]
+    return tuple((texts[k], round(float(support[k]), 3)) for k in order.tolist() if support[k] > 0.005)

@@ -1,0 +1,100 @@
+"""The frozen ResNet-18 of VTN: a 7 x 7 map of 512 channels for every frame (He et al., 2016)."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from functools import cached_property
+from typing import Any, Final
+
+import torch
+from torch import Tensor
+
+from models.nets.vision.frozen import FrozenWeights, without_models
+from ucon.core.errors import DataError
+from ucon.core.rng import derived_seed
+
+CHANNELS: Final = 512
+SIDE: Final = 7
+#: A map of 7 x 7 comes from an image of this size; VTNet's frames had 300 pixels, ours have 128.
+INPUT_PX: Final = 224
+_CHUNK: Final = 64
+#: Maps of the newest frames that are kept: an agent that is stuck sees one frame again and again. 13 MB.
+_REMEMBERED: Final = 256
+#: Mean and deviation of ImageNet's colours, which the published weights expect.
+_MEAN, _DEVIATION = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
+
+
+class FrozenResNet18:
+    """The last convolution's map of a frame, rounded to fp16.
+
+    VTNet takes weights that were trained on ImageNet. They are read from a folder (of ``hf download
+    microsoft/resnet-18``); without one the weights are random numbers of a fixed seed: features of some use, but not
+    those of the paper, and whatever is trained on them says so in its configuration.
+    """
+
+    def __init__(self, path: str | None = None, seed: int = 0) -> None:
+        """``path``: folder in Hugging Face layout or a name in its cache; None: random weights of ``seed``."""
+        self._weights = None if path is None else FrozenWeights(path, "ResNetModel", "agent.policy.backbone.path")
+        self._seed = seed
+        self._known: OrderedDict[bytes, Tensor] = OrderedDict()
+
+    @cached_property
+    def name(self) -> str:
+        """Which weights these are."""
+        return f"resnet18 random {self._seed}" if self._weights is None else f"resnet18 {self._weights.identity}"
+
+    def check(self) -> None:
+        """See :meth:`models.nets.vision.frozen.FrozenWeights.check`."""
+        if self._weights is not None:
+            self._weights.check()
+
+    def fingerprint(self) -> str | None:
+        """See :meth:`models.nets.vision.frozen.FrozenWeights.fingerprint`."""
+        return "" if self._weights is None else self._weights.fingerprint()
+
+    @torch.no_grad()
+    def maps(self, rgb: Tensor) -> Tensor:
+        """Frames (N, H, W, 3) uint8 to maps (N, 512, 7, 7) float16, on the frames' device."""
+        with torch.autocast(rgb.device.type, enabled=False):  # stored maps are the same whatever training computes in
+            if len(rgb) == 1 and not rgb.is_cuda:
+                return self._remembered(rgb)
+            parts = [self._computed(part) for part in rgb.split(_CHUNK)]
+            return torch.cat(parts) if parts else rgb.new_zeros((0, CHANNELS, SIDE, SIDE), dtype=torch.float16)
+
+    def _remembered(self, rgb: Tensor) -> Tensor:
+        key = rgb.numpy().tobytes()
+        if key not in self._known:
+            self._known[key] = self._computed(rgb).clone()
+            if len(self._known) > _REMEMBERED:
+                self._known.popitem(last=False)
+        return self._known[key]
+
+    def _computed(self, rgb: Tensor) -> Tensor:
+        images = rgb.permute(0, 3, 1, 2).float() / 255
+        images = torch.nn.functional.interpolate(images, (INPUT_PX, INPUT_PX), mode="bilinear", align_corners=False)
+        mean, deviation = (images.new_tensor(values).view(3, 1, 1) for values in (_MEAN, _DEVIATION))
+        images = ((images - mean) / deviation).contiguous(memory_format=torch.channels_last)
+        found: Tensor = self._model.to(rgb.device)(images).last_hidden_state
+        return found.contiguous().half()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return without_models(self, "_model") | {"_known": OrderedDict()}
+
+    @cached_property
+    def _model(self) -> Any:
+        model = self._random() if self._weights is None else self._weights.model
+        config = model.config
+        if (config.layer_type, list(config.depths), config.hidden_sizes[-1]) != ("basic", [2, 2, 2, 2], CHANNELS):
+            raise DataError(
+                f"agent.policy.backbone.path={self._weights and self._weights.path}: a ResNet of layers "
+                f"{config.depths} ({config.layer_type}), expected a ResNet-18"
+            )
+        return model.to(memory_format=torch.channels_last)
+
+    def _random(self) -> Any:
+        from transformers import ResNetConfig, ResNetModel
+
+        config = ResNetConfig(hidden_sizes=[64, 128, 256, CHANNELS], depths=[2, 2, 2, 2], layer_type="basic")
+        with torch.random.fork_rng(devices=[]), torch.inference_mode(False):
+            torch.manual_seed(derived_seed(self._seed, "resnet18"))
+            return ResNetModel(config).eval().requires_grad_(False)

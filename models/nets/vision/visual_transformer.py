@@ -1,0 +1,112 @@
+"""VTN's visual transformer (Du, Yu, Zheng, ICLR 2021): what the 49 regions of a frame say in the light of its things.
+
+Things are encoded by a transformer; its decoder asks them once for each region, whose query is the frozen network's
+map with a position code. The layers are those of DETR (post-norm, 8 heads, 512 hidden units).
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import torch
+from torch import Tensor, nn
+from torch.nn.functional import relu
+
+from models.nets.vision.local_tokens import WIDTH
+from models.nets.vision.resnet18 import CHANNELS, SIDE
+
+REGIONS: Final = SIDE * SIDE
+REGION_WIDTH: Final = 64
+#: Numbers that describe a frame: 49 x 64.
+VISUAL_WIDTH: Final = REGIONS * REGION_WIDTH
+_HEADS, _HIDDEN, _LAYERS = 8, 512, 6
+#: Of a token's 256 numbers: label, box (4), score, target.
+_DESCRIBED: Final = 7
+#: VTNet knew 22 labels and feeds in their numbers; ours are scaled to that range.
+_LABEL_RANGE: Final = 22.0
+
+
+class DecoderLayer(nn.Module):
+    """DETR's: position queries are added to queries and keys of self-attention, and to queries of cross-attention."""
+
+    def __init__(self, dropout: float) -> None:
+        super().__init__()
+        self.self_attention = nn.MultiheadAttention(WIDTH, _HEADS, dropout, batch_first=True)
+        self.cross_attention = nn.MultiheadAttention(WIDTH, _HEADS, dropout, batch_first=True)
+        self.linear1, self.linear2 = nn.Linear(WIDTH, _HIDDEN), nn.Linear(_HIDDEN, WIDTH)
+        self.norms = nn.ModuleList(nn.LayerNorm(WIDTH) for _ in range(3))
+        self.dropout = nn.Dropout(dropout)
+
+    def forward(self, x: Tensor, memory: Tensor, query: Tensor) -> Tensor:
+        """Regions ``x`` and their ``query`` (N, 49, 256), things ``memory`` (N, 100, 256)."""
+        asked = x + query
+        found = self.self_attention(asked, asked, x, need_weights=False)[0]
+        x = self.norms[0](x + self.dropout(found))
+        found = self.cross_attention(x + query, memory, memory, need_weights=False)[0]
+        x = self.norms[1](x + self.dropout(found))
+        found = self.linear2(self.dropout(relu(self.linear1(x))))
+        out: Tensor = self.norms[2](x + self.dropout(found))
+        return out
+
+
+class VisualTransformer(nn.Module):
+    """Frames to 3136 numbers each; 8.0 M parameters."""
+
+    position: Tensor
+
+    def __init__(self, dropout: float = 0.1) -> None:
+        super().__init__()
+        self.local_embed = nn.Linear(WIDTH, WIDTH - _DESCRIBED)
+        self.global_embed = nn.Conv2d(CHANNELS, WIDTH, 1)
+        self.register_buffer("position", position_code(SIDE, WIDTH), persistent=False)
+        layer = nn.TransformerEncoderLayer(WIDTH, _HEADS, _HIDDEN, dropout, batch_first=True)
+        self.encoder = nn.TransformerEncoder(layer, _LAYERS, enable_nested_tensor=False)
+        self.decoder = nn.ModuleList(DecoderLayer(dropout) for _ in range(_LAYERS))
+        self.norm = nn.LayerNorm(WIDTH)
+        self.regions = nn.Sequential(nn.Linear(WIDTH, 128), nn.ReLU(), nn.Linear(128, REGION_WIDTH), nn.ReLU())
+
+    def forward(self, features: Tensor, things: Tensor, maps: Tensor) -> Tensor:
+        """One row of 3136 for each of N frames.
+
+        Args:
+            features: (N, 100, 256) of the things.
+            things: (N, 100, 7), see :func:`described`.
+            maps: (N, 512, 7, 7) of the frozen network.
+        """
+        tokens = torch.cat([relu(self.local_embed(features)), things], -1)  # (N, 100, 256)
+        query = relu(self.global_embed(maps)).flatten(2).transpose(1, 2) + self.position  # (N, 49, 256)
+        memory = self.encoder(tokens)
+        x = torch.zeros_like(query)
+        for layer in self.decoder:
+            x = layer(x, memory, query)
+        return self.regions(self.norm(x)).flatten(1)
+
+
+def described(label: Tensor, n_labels: int, box: Tensor, score: Tensor, target: Tensor) -> Tensor:
+    """Label, box, score and target indicator of things (N, 100[, 4]) as the last 7 numbers of their tokens."""
+    parts = [label.float()[..., None] * (_LABEL_RANGE / n_labels), box.float(), score.float()[..., None]]
+    return torch.cat([*parts, target[..., None]], -1)
+
+
+def position_code(side: int, width: int) -> Tensor:
+    """DETR's sine code (side * side, width): half for the row, half for the column, counted from 1."""
+    half = width // 2
+    rate = 10_000 ** (2 * (torch.arange(half) // 2) / half)
+    angle = torch.arange(1, side + 1)[:, None] / rate  # (side, half)
+    code = torch.where(torch.arange(half) % 2 == 0, angle.sin(), angle.cos())
+    rows, columns = code[:, None].expand(side, side, half), code[None].expand(side, side, half)
+    return torch.cat([rows, columns], -1).reshape(side * side, width)
+
+
+def glorot_(module: nn.Module) -> None:
+    """VTNet's rule for every convolution and linear map: uniform Glorot, no bias. For :meth:`torch.nn.Module.apply`.
+
+    Attention's joint projections are drawn by DETR's rule, which is the same on another shape.
+    """
+    if isinstance(module, nn.MultiheadAttention):
+        nn.init.xavier_uniform_(module.in_proj_weight)
+        nn.init.zeros_(module.in_proj_bias)
+    elif isinstance(module, nn.Conv2d | nn.Linear):
+        nn.init.xavier_uniform_(module.weight)
+        if module.bias is not None:
+            nn.init.zeros_(module.bias)

@@ -1,0 +1,36 @@
+"""``python -m ucon data ACTION``: the programs that fit, measure and ship what comes with the package."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+from typing import Final
+
+#: The actions: the module whose ``main(words)`` carries it out, and what it does.
+_ACTIONS: Final[dict[str, tuple[str, str]]] = {
+    "text-tables": ("ucon.fitting.text_tables", "embed the habit book and the catalogue"),
+    "fit-reader": ("ucon.fitting.anchor_reader", "fit the anchor reader"),
+    "fit-place-encoder": ("ucon.fitting.place_encoder", "teach the encoder which place a sentence speaks for"),
+    "fit-language-encoder": ("ucon.fitting.language_encoder", "fit the embedded language model's figures"),
+    "fit-location-model": ("ucon.fitting.location_model", "fit its answers about places"),
+    "fit-verifier": ("ucon.fitting.verifier", "fit the verifier of proposed habits"),
+    "ship-retriever": ("ucon.fitting.ship_retriever", "make a run of learner=retriever the shipped one"),
+    "measure-readers": ("ucon.fitting.measures", "measure retrieval and the reader on held-out categories"),
+    "measure-retrieval": ("ucon.fitting.held_out_retrieval", "measure retrievers on held-out entries"),
+    "measure-head": ("models.nets.belief.measure_head", "measure the belief head, or the reader, on held-out habits"),
+}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
+    for name, (_, text) in _ACTIONS.items():
+        action = actions.add_parser(name, help=text, add_help=False, prefix_chars="\0")  # options are the action's own
+        action.add_argument("words", nargs="*")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Carry out the chosen action."""
+    name, _ = _ACTIONS[args.action]
+    importlib.import_module(name).main(args.words)
+    return 0

@@ -1,0 +1,84 @@
+"""``python -m ucon habits build``: from the book's text to the dataset file that everything else loads."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+_SHOWN = 20
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the action."""
+    parser.add_argument("--book", metavar="FOLDER", help="files in the habit book's format; default: the embedded book")
+    parser.add_argument("--out", metavar="FILE", help="file to write; default, without --book: the shipped one")
+    parser.add_argument("--work", metavar="FOLDER", help="keeps finished work; default: the user's cache")
+    parser.add_argument("--doubts", metavar="FILE", help="write the labels that the verifier doubts, one a line")
+    parser.add_argument("--workers", type=int, default=2, help="processes (default 2); changes no byte of the result")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Build and say what was found."""
+    from ucon.configuration.wiring import existing
+    from ucon.core.errors import ConfigError
+    from ucon.core.files import require_writable, write_atomic
+    from ucon.core.output import stdout_to_stderr
+    from ucon.core.progress import Progress
+    from ucon.generation.build import build
+    from ucon.habits.book import BOOK_FILE, BOOK_FOLDER
+    from ucon.habits.datafile import SUFFIX
+    from ucon.language.store import write_manifest_of
+
+    if args.book and not args.out:
+        raise ConfigError("--book without --out: the shipped dataset is of the embedded book; give --out FILE")
+    out = Path(args.out).expanduser() if args.out else BOOK_FILE
+    book = existing(args.book, "--book") if args.book else BOOK_FOLDER
+    doubts = Path(args.doubts).expanduser() if args.doubts else None
+    if doubts:
+        require_writable(doubts)
+    with stdout_to_stderr(), ExitStack() as stack:
+        steps: dict[str, Progress] = {}
+
+        def show(step: str, done: int, total: int) -> None:
+            if step not in steps:
+                stack.close()  # one is over where the next begins
+                steps[step] = stack.enter_context(Progress(step, total))
+            steps[step].update(done)
+
+        built = build(
+            out,
+            book=book,
+            work=Path(args.work).expanduser() if args.work else None,
+            workers=args.workers,
+            progress=show,
+        )
+    if (book, out) == (BOOK_FOLDER, BOOK_FILE):
+        for folder in {out.parent, book}:
+            write_manifest_of(folder)
+    if doubts:
+        write_atomic(doubts, "".join(f"{doubt}\n" for doubt in built.doubts))
+    figures = {"path": str(out), "bytes": out.stat().st_size, "sha256": built.dataset.sha256, **built.steps}
+    lines = [str(doubt) for doubt in built.doubts]
+    if args.json:
+        print(json.dumps({**figures, "doubts": lines}, indent=1, ensure_ascii=False))
+        return 0
+    _print(figures, lines)
+    sys.stderr.write(f"{out.name.removesuffix(SUFFIX)}: {len(built.dataset)} habits\n")
+    return 0
+
+
+def _print(figures: dict[str, Any], doubts: Sequence[str]) -> None:
+    for name, value in figures.items():
+        print(f"{name:<10} {value}")
+    if doubts:
+        print("labels that the text does not bear out, for a person to read:")
+    for line in doubts[:_SHOWN]:
+        print(f"  {line}")
+    if len(doubts) > _SHOWN:
+        print(f"  ... and {len(doubts) - _SHOWN} more (--doubts FILE writes all)")

@@ -1,0 +1,1 @@
+"""What configurations may say: kinds of values, permitted constructors, names of older versions, help."""

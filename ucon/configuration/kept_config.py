@@ -1,0 +1,96 @@
+"""The configuration of a finished run, as what plays by it again takes it."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+#: Options that older configurations lack, at what they were then.
+_LATER = {"limit": None, "every": 1, "batch": 1, "seed": 0, "worker_timeout_s": 3600.0}
+#: What a configuration must say, and how: nobody would notice before the middle of a run.
+_NEEDED: Mapping[str, type] = {
+    "episodes": str,
+    "agent._target_": str,
+    "env._target_": str,
+    "env.detector._target_": str,
+    "env.source._target_": str,
+    "habit_level.name": str,
+    "task.name": str,
+    "task.context": bool,
+}
+
+
+def add_places(parser: argparse.ArgumentParser) -> None:
+    """``--path``, and what only a command line may say."""
+    from ucon.configuration.stored import add_said
+
+    parser.add_argument(
+        "--path",
+        action="append",
+        default=[],
+        metavar="OLD=NEW",
+        help="where what a configuration names OLD lies here (runs/head1=FOLDER, PATH=FOLDER); may be given again",
+    )
+    add_said(parser)
+
+
+def places_in(args: argparse.Namespace) -> dict[str, str]:
+    """What ``--path`` said, new places by old ones."""
+    return dict(_place(word) for word in args.path)
+
+
+def configuration_of(folder: Path, places: Mapping[str, str], said: Mapping[str, Any]) -> dict[str, Any]:
+    """A run's own, with what it names where that lies here.
+
+    Raises:
+        DataError: there is none, it lacks something, or it would build what it must not.
+        ConfigError: it needs what has to be said again, or chooses no part of its episodes.
+    """
+    from ucon.configuration.known_options import EVALUATION, check_options
+    from ucon.configuration.stored import checked
+    from ucon.core.errors import DataError
+    from ucon.evaluation.kept.finished import read_config
+    from ucon.evaluation.kept.seal import CONFIG
+
+    where, config = folder / CONFIG, {**_LATER, **_moved(read_config(folder), places)}
+    if missing := [name for name, kind in _NEEDED.items() if not isinstance(_at(config, name), kind)]:
+        raise DataError(f"{where}: no usable {', '.join(missing)} in it; restore it or evaluate again")
+    allowed: dict[str, Any] = checked(config, str(where), ("agent", "env"), said, "--set ")
+    check_options({name: allowed[name] for name in ("limit", "every")}, EVALUATION)
+    return allowed
+
+
+def _at(config: Any, name: str) -> Any:
+    """What stands under a dotted name; None where nothing does."""
+    for part in name.split("."):
+        config = config.get(part) if isinstance(config, dict) else None
+    return config
+
+
+def _moved(value: Any, places: Mapping[str, str]) -> Any:
+    """A configuration whose paths begin where they lie here."""
+    if isinstance(value, dict):
+        return {name: _moved(inner, places) for name, inner in value.items()}
+    if isinstance(value, list):
+        return [_moved(inner, places) for inner in value]
+    if isinstance(value, str):
+        for old, new in places.items():
+            if value == old or value.startswith(f"{old}/"):
+                return new + value[len(old) :]
+    return value
+
+
+def bad(option: str, value: str, expected: str) -> Exception:
+    """The error for a word of the command line that is not what was expected."""
+    from ucon.core.errors import ConfigError
+
+    return ConfigError(f"{option} {value}: expected {expected}")
+
+
+def _place(word: str) -> tuple[str, str]:
+    old, sign, new = word.partition("=")
+    if not (old and sign and new):
+        raise bad("--path", word, "OLD=NEW")
+    return old.rstrip("/"), str(Path(new).expanduser())

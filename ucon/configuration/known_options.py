@@ -1,0 +1,114 @@
+"""Kinds and ranges of the options of ``eval.yaml`` and ``train.yaml`` that are no constructor's arguments.
+
+Those of constructors are annotated where they are made, see :mod:`ucon.configuration.arguments`. A test holds every
+option of both files against one of the two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from ucon.configuration.kinds import (
+    ANYTHING,
+    NOTHING,
+    PART,
+    PLACE,
+    SECONDS,
+    SWITCH,
+    TEXT,
+    Kind,
+    either,
+    is_part,
+    one_of,
+    whole,
+)
+from ucon.core.errors import ConfigError, brief, unknown_name
+
+#: More threads than any machine has; torch fails on far larger numbers.
+MOST_THREADS: Final = 1024
+
+EVALUATION: Final[Mapping[str, Kind]] = {
+    "episodes": TEXT,
+    "limit": either([whole(1), NOTHING]),
+    "every": whole(1),
+    "out": PLACE,
+    "workers": either([whole(0), one_of("auto")]),
+    "worker_timeout_s": either([SECONDS, NOTHING]),
+    "batch": whole(1),
+    "seed": whole(0),
+    "pictures": whole(0),
+    "progress": SWITCH,
+    "knowledge_base": TEXT,
+    "habit_level.name": TEXT,
+    "habit_level.top_p": whole(1),
+    "task.name": TEXT,
+    "task.context": SWITCH,
+    "agent": PART,
+    "detector": PART,
+    "habits": PART,
+    "language": PART,
+    "retriever": PART,
+    "env": PART,
+    "env.detector": PART,
+    "env.source": PART,
+}
+
+TRAINING: Final[Mapping[str, Kind]] = {
+    "out": PLACE,
+    "resume": either([TEXT, NOTHING]),
+    "seed": whole(0),
+    "threads": whole(1, MOST_THREADS),
+    "progress": SWITCH,
+    "wandb": either([Kind("false", lambda value: value is False), NOTHING, one_of("offline", "online")]),
+    "tensorboard": SWITCH,
+    "training.steps": whole(1),
+    "training.validate_every": whole(1),
+    "training.save_every": whole(1),
+    "training.keep": whole(1),
+    "training.extended": ANYTHING,  # of runs that were: the plan reads it
+    "agent": either([PART, NOTHING]),
+    "collector": PART,
+    "detector": PART,
+    "habits": PART,
+    "language": PART,
+    "retriever": PART,
+    "learner": PART,
+    "env": PART,
+    "search": PART,
+}
+
+
+def check_options(config: Mapping[str, Any], kinds: Mapping[str, Kind]) -> None:
+    """Refuse values of other kinds, and names of options that are none.
+
+    Options that a configuration lacks are not judged: older runs have fewer.
+
+    Args:
+        config: resolved, as plain data.
+        kinds: :data:`EVALUATION` or :data:`TRAINING`.
+
+    Raises:
+        ConfigError: naming the option and what is expected.
+    """
+    for name, value in _leaves(config, kinds):
+        kind = kinds.get(name)
+        if kind is None:
+            raise ConfigError(unknown_name("option", name, kinds))
+        if not kind.takes(value):
+            raise ConfigError(f"{name}={brief(value)}: expected {kind.expected}")
+
+
+def _leaves(config: Mapping[str, Any], kinds: Mapping[str, Kind]) -> list[tuple[str, Any]]:
+    """Options with their values: of groups without a ``_target_`` those in them, and parts that are named."""
+    out: list[tuple[str, Any]] = []
+    for name, value in config.items():
+        groups = {known.partition(".")[2] for known in kinds if known.startswith(f"{name}.")}
+        if name in kinds:
+            out.append((str(name), value))
+            out += [(f"{name}.{inner}", value[inner]) for inner in groups if is_part(value) and inner in value]
+        elif groups and isinstance(value, Mapping):
+            out += [(f"{name}.{inner}", content) for inner, content in value.items()]
+        else:
+            out.append((str(name), value))
+    return out

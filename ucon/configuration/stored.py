@@ -1,0 +1,151 @@
+"""What a run's folder may have built: folders are passed on, so their configurations are a stranger's.
+
+``replay``, ``cases`` and ``train.py resume=`` build objects by a configuration that lies in a folder. It may name, at
+each place, only what ``configs/`` names there. And whatever reaches beyond this process (programs, servers, downloads)
+is never taken from it: whoever plays the run says it again on the command line. Classes declare such arguments
+themselves, by ``from_command_line``.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from ucon.configuration.constructors import ROOT, Call, Place, places
+from ucon.configuration.old_names import in_todays_names
+from ucon.core.errors import ConfigError, DataError, brief
+
+
+def add_said(parser: argparse.ArgumentParser) -> None:
+    """The option by which a command takes what a folder must not decide."""
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="OPTION=VALUE",
+        help="a program, server or download that a run's folder must not decide, such as detector.python=FILE; may be "
+        "given again",
+    )
+
+
+def said_in(args: argparse.Namespace) -> dict[str, Any]:
+    """What was said by that option; raises :class:`ConfigError` where it is none of those."""
+    said: dict[str, Any] = {}
+    for word in args.set:
+        name, sign, value = word.partition("=")
+        if not (name and sign):
+            raise ConfigError(f"--set {word}: expected OPTION=VALUE")
+        if not has_to_be_said(name):
+            raise ConfigError(
+                f"--set {word}: expected an option that a stored run does not decide, such as detector.python; "
+                "anything else is as it is stored"
+            )
+        said[name] = {"true": True, "false": False}.get(value, value)
+    return said
+
+
+def checked(config: Mapping[str, Any], where: str, built: Sequence[str], said: Mapping[str, Any], how: str) -> Any:
+    """A stored configuration in today's names that builds nothing but what it may, with what the command line said.
+
+    Args:
+        config: what is stored, as plain data.
+        where: names its file.
+        built: names of the parts of it that are going to be built; others are looked through for constructors only.
+        said: values of options from the command line, by the names that a new run takes them by (``detector.python``).
+        how: what goes before such a name on the command line, such as ``--set ``.
+
+    Raises:
+        DataError: naming a key that builds what it must not, or holds an interpolation.
+        ConfigError: naming the options that have to be said again.
+    """
+    config = in_todays_names(config, where)
+    _check_calls(config, where)
+    needed: dict[str, Any] = {}
+    out = {name: _with(said, needed, config[name], places().within(ROOT, name)) for name in config if name in built}
+    if needed:
+        told = " ".join(f"{how}{name}={brief(value)}" for name, value in sorted(needed.items()))
+        raise ConfigError(
+            f"{where}: programs, servers and downloads are not taken from a folder; if you trust it, say again: {told}"
+        )
+    return {**config, **out}
+
+
+def has_to_be_said(option: str) -> bool:
+    """Whether an option, by the name that a new run takes it by, is one that a stored run does not decide."""
+    *place, name = option.split(".")
+    return any(name in _beyond(call.target) for call in places().calls.get(tuple(place), ()))
+
+
+def _with(said: Mapping[str, Any], needed: dict[str, Any], node: Any, names: frozenset[Place]) -> Any:
+    """``node`` with what was said; what was not, but has to be, goes into ``needed``."""
+    if isinstance(node, list | tuple):
+        return [_with(said, needed, inner, places().within(names, str(k))) for k, inner in enumerate(node)]
+    if not isinstance(node, Mapping):
+        return node
+    out = {name: _with(said, needed, inner, places().within(names, str(name))) for name, inner in node.items()}
+    target = node.get("_target_")
+    for name in _beyond(target):
+        option = ".".join((*_home(names, target), name))
+        if option in said:
+            out[name] = said[option]
+        elif node.get(name):
+            needed[option] = node[name]
+    return out
+
+
+def _home(names: frozenset[Place], target: Any) -> Place:
+    """The one of a node's names under which ``configs/`` itself describes such a part."""
+    calls = places().calls
+    return min(name for name in names if any(call.target == target for call in calls.get(name, ())))
+
+
+def _check_calls(config: Any, where: str) -> None:
+    """Refuse what ``configs/`` would not build at its place, and interpolations, at any depth.
+
+    Interpolations could hide a call; no run's configuration has any, since it is stored resolved.
+    """
+    known = places()
+    for key, node, names in _nodes(config, (), ROOT):
+        if isinstance(node, str) and "${" in node:
+            raise DataError(
+                f"{where}: {_dotted(key)}={brief(node)}: a stored run has no interpolations; write its value"
+            )
+        if not isinstance(node, Mapping) or (call := Call.of(node)) is None:
+            continue
+        permitted = known.permitted(names)
+        if call in permitted and isinstance(node.get("_target_"), str):
+            continue
+        if call.target in {one.target for one in permitted}:
+            told = ", ".join(f"{name}: {value}" for name, value in call.manner) or "nothing else"
+            problem = f"{_dotted(key)} is called with {brief(told)}, and never so in configs/"
+        else:
+            problem = f"{_dotted((*key, '_target_'))}={brief(call.target)}: nothing in configs/ builds that there"
+        raise DataError(
+            f"{where}: {problem}; a folder builds only what configs/ does: where you trust it, add a file that does"
+        )
+
+
+def _nodes(node: Any, key: Place, names: frozenset[Place]) -> Iterator[tuple[Place, Any, frozenset[Place]]]:
+    """All nodes: the keys that lead there, what is there, and all names of the place."""
+    yield key, node, names
+    inner = enumerate(node) if isinstance(node, list | tuple) else node.items() if isinstance(node, Mapping) else ()
+    for name, value in inner:
+        yield from _nodes(value, (*key, str(name)), places().within(names, str(name)))
+
+
+def _dotted(key: Place) -> str:
+    return ".".join(key) or "the configuration"
+
+
+def _beyond(target: Any) -> Sequence[str]:
+    """Arguments of a permitted constructor that reach beyond this process."""
+    if not isinstance(target, str):
+        return ()
+    from hydra.utils import get_object
+
+    try:
+        found = get_object(target)
+    except Exception:  # building it says so
+        return ()
+    return tuple(getattr(found, "from_command_line", ()))

@@ -1,0 +1,126 @@
+"""From configuration to objects: picklable factories that workers call, and habit datasets by path."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ucon.configuration.arguments import check_arguments
+from ucon.core.errors import ConfigError, UconError
+from ucon.core.output import say_once
+
+if TYPE_CHECKING:
+    from ucon.habits import HabitDataset
+
+
+@dataclass(frozen=True)
+class Factory:
+    """Builds the object that a configuration with ``_target_`` describes, each time anew.
+
+    Plain data, so it can be sent to a worker. ``extra`` are arguments that are objects already.
+    """
+
+    config: dict[str, Any]
+    extra: Mapping[str, Any] = field(default_factory=dict)
+
+    def __call__(self) -> Any:
+        """Build it; raises :class:`ConfigError` where the target or an argument does not exist, or is of no use."""
+        from hydra.errors import InstantiationException
+        from hydra.utils import instantiate
+
+        check_arguments(self.config)
+        try:
+            # Partial, so that Hydra resolves the configuration but never looks into `extra`.
+            return instantiate(self.config | {"_partial_": True}, _convert_="all")(**self.extra)
+        except InstantiationException as error:
+            _raise_users_error(error.__cause__, self.config["_target_"])
+            raise
+        except TypeError as error:
+            _raise_users_error(error, self.config["_target_"])
+            raise
+
+
+def _raise_users_error(error: BaseException | None, target: str) -> None:
+    """Raise the :class:`UconError` among the causes, or one about ``target`` or an argument that it does not take."""
+    while error is not None:
+        if isinstance(error, UconError):
+            raise error from None
+        if isinstance(error, TypeError) and "argument" in str(error):
+            raise ConfigError(f"{target}: {' '.join(str(error).split())}; see its file in configs/") from None
+        if isinstance(error, ModuleNotFoundError) and error.name:
+            raise ConfigError(f"{target}: {_missing(target, error.name)}") from None
+        error = error.__cause__
+
+
+def _missing(target: str, module: str) -> str:
+    """What is wrong where importing ``target`` ends in no such ``module``."""
+    owner, _, name = target.rpartition(".")
+    if module == target:
+        return f"{owner} has no {name}; see its file in configs/"
+    if target.startswith(f"{module}."):
+        return f"there is no module {module}; see its file in configs/"
+    return f"it needs the module {module}, which is not installed"
+
+
+def official_habits(path: str) -> HabitDataset:
+    """Dataset of the official release at ``path``, without what is not in the catalogue.
+
+    What is left out, and why, is told in one line, and also where most sentences are not English. Its verdicts are
+    those of the shapes, so that sampling gives the same on every machine; the sampler settles what it places anyway.
+    What really trying them says is told by ``habits import``.
+    """
+    from ucon.generation.kept import shape_verdicts
+    from ucon.habits import official
+    from ucon.objects.catalogue import catalogue
+
+    dataset, report = official(existing(path, "habits.path"), catalogue().names)
+    if (lost := report.left_out(len(dataset))) is not None:
+        say_once(f"warning: {lost}")
+    _warn_of_language(dataset)
+    return replace(dataset, verdicts=shape_verdicts(dataset))
+
+
+def folder_habits(path: str) -> HabitDataset:
+    """Dataset of a file of ``habits build``, or of a folder in the habit book's format (not validated then).
+
+    What the catalogue lacks, and what breaks a rule of the format, is an error in either.
+    """
+    from ucon.habits.book import read_book
+    from ucon.habits.datafile import SUFFIX, load_dataset_file
+    from ucon.objects.catalogue import catalogue
+
+    found = existing(path, "habits.path")
+    read = load_dataset_file if found.name.endswith(SUFFIX) else read_book
+    dataset = read(found, catalogue().names)
+    _warn_of_language(dataset)
+    return dataset
+
+
+def _warn_of_language(dataset: HabitDataset) -> None:
+    from ucon.language.english import language_warning
+
+    texts = [habit.text for entry in dataset.entries for habit in entry.habits]
+    if (warning := language_warning(dataset.name, texts)) is not None:
+        say_once(warning)
+
+
+def existing(path: str, option: str) -> Path:
+    """``path`` as a path that exists; raises :class:`ConfigError` naming the option otherwise."""
+    found = Path(path).expanduser()
+    if not found.exists():
+        raise ConfigError(f"{option}={path}: no such file or folder; give the path of an existing one")
+    return found
+
+
+def load_dataset(path: str | None) -> HabitDataset:
+    """The dataset at a path: ``*.habits.xz`` a built file, JSON the official release, a folder of text a book."""
+    from ucon.habits import book
+    from ucon.habits.datafile import SUFFIX
+
+    if path is None:
+        return book()
+    found = existing(path, "PATH")
+    is_book = found.name.endswith((SUFFIX, ".txt")) or (found.is_dir() and any(found.glob("*.txt")))
+    return folder_habits(path) if is_book else official_habits(path)

@@ -1,0 +1,1 @@
+"""``UcONSearch-v0``: choose which view to go to."""

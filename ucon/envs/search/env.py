@@ -1,0 +1,276 @@
+"""``UcONSearch-v0``: choose which view to go for next, by tokens; what the habit policy is trained on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar, SupportsFloat, cast
+
+import gymnasium as gym
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from ucon.core.errors import ConfigError
+from ucon.core.sharing import PartlyShared
+from ucon.envs.knowledge import HabitSource
+from ucon.envs.options import checked_action, told, with_texts
+from ucon.envs.search.course import RENDER_MODES, Course
+from ucon.envs.search.distance_to_goal import ToGo
+from ucon.envs.ucon_env import Obs, UcONEnv
+from ucon.objects.catalogue import catalogue
+from ucon.perception.belief.from_habits import Locate, ReadHabits, expecting
+from ucon.search.search_tokens import N_EGO, N_FRONTIER, N_THING, Sizes, TokenReader, Tokens
+from ucon.search.searcher import MISS, Searcher
+from ucon.search.text_tokens import SaidTokens, TextTokens
+from ucon.search.view_tokens import N_VIEW
+from ucon.sim.paths import UNREACHABLE
+from ucon.task.actions import Action
+
+#: What only the map needs of a frame.
+_FRAME = ("detections", "tracks", "opened", "depth")
+_MOST = 1e4
+
+
+@dataclass(frozen=True)
+class Returns:
+    """What an episode is worth in the end, for trainers."""
+
+    spl: float = 1.0
+    success: float = 0.0
+    speed: float = 0.5
+    """Of a success at once; falls to 0 at the last step."""
+    contained: float = 0.0
+    """Of finding what is kept behind doors, beside the rest."""
+
+    def __call__(self, metrics: dict[str, Any], max_steps: int) -> float:
+        """The worth of an episode with these ``episode_metrics``."""
+        if not metrics["success"]:
+            return 0.0
+        worth = self.spl * float(metrics["spl"]) + self.success + self.speed * (1.0 - int(metrics["steps"]) / max_steps)
+        return worth + (self.contained if metrics["contained"] else 0.0)
+
+
+class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
+    """Search a home by choosing among views.
+
+    ### Description
+    Wraps ``UcON-v0``: a step chooses a view; the planner goes towards it and asks again after five actions, opens on
+    its way what is closed and worth it, and as soon as the target is in view walks up to it and says Done. The habits
+    are read once, at level ``context`` whenever their list changes; what was looked at in vain lowers the belief by
+    arithmetic. Where there is nothing to choose, it is
+    not asked. Every primitive action costs one of the 300 steps.
+
+    ### Action space
+    ``Discrete(V)``: the row of a view. Rows whose ``action_mask`` is 0 are no views; choosing one turns the agent
+    left, which costs a step, and sets ``info["invalid"]``.
+
+    ### Observation space
+    ``views``, ``prior``, ``unexplored``, ``things``, ``thing_rows``, ``things_mask``, ``frontiers``,
+    ``frontiers_mask``, ``ego``: see :class:`ucon.search.search_tokens.Tokens`; ``target``, ``habits``,
+    ``habits_relevance``, ``habits_mask``: see :meth:`ucon.search.text_tokens.TextTokens.read`; ``action_mask``
+    int8 (V,), 1 where a view stands.
+
+    For trainers: with ``to_go=True``, ``to_go`` float32 (V + 1,), moves from each view, and last from here, to where
+    the episode would succeed, -1 where there is no view or no way.
+
+    ### Rewards
+    0, and at the end what ``returns`` says of the episode.
+
+    ### Termination
+    That of ``UcON-v0``.
+    """
+
+    metadata = {"render_modes": RENDER_MODES, "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
+    _shared: ClassVar[frozenset[str]] = frozenset(
+        {"spec", "metadata", "_locate", "_sizes", "_text", "_returns", "_to_go", "_last", "_tokens"}
+    )
+
+    options_of = UcONEnv
+    """Whose options it takes beside its own."""
+
+    def __init__(
+        self,
+        episodes: Any = "mini",
+        *,
+        locate: Locate | None = None,
+        miss: float = MISS,
+        sizes: Sizes | None = None,
+        text: TextTokens | None = None,
+        returns: Returns | None = None,
+        to_go: bool = False,
+        observe: str = "symbolic",
+        detector: Any = True,
+        texts: bool | None = None,
+        render_mode: str | None = None,
+        **options: Any,
+    ) -> None:
+        """Describe the environment.
+
+        Args:
+            episodes: see ``UcON-v0``.
+            locate: says where the target may be; by default it is read from the habits.
+            miss: chance that a look at a place misses the target there.
+            sizes: rows of the tokens.
+            text: embeds names and habits.
+            returns: what an episode is worth.
+            to_go: add ``to_go`` to observations: what only a trainer may know.
+            observe: see ``UcON-v0``.
+            detector: what is mapped; see ``UcON-v0``.
+            texts: see ``UcON-v0``.
+            render_mode: ``rgb_array``, or ``rgb_array_list``: all frames since the last call, between choices too.
+            **options: of ``UcON-v0``.
+
+        Raises:
+            ConfigError: no detector.
+        """
+        if not detector:
+            raise ConfigError("detector=None: views are valued by what is detected; name a detector")
+        self.env = UcONEnv(episodes, observe=observe, detector=detector, texts=True, **options)  # type: ignore[arg-type]
+        self._course = Course(render_mode)
+        self.render_mode, self._texts = render_mode, with_texts(texts)
+        self._locate, self._miss, self._sizes = locate or ReadHabits(), miss, sizes or Sizes()
+        self._text, self._returns = text or TextTokens(), returns or Returns()
+        self._searcher: Searcher | None = None
+        self._to_go: ToGo | None = None
+        self._tells_way = to_go
+        self.action_space = spaces.Discrete(self._sizes.views)  # type: ignore[assignment]  # it draws NumPy integers
+        self.observation_space = observation_space(self._sizes, self._text, to_go=to_go)
+
+    @property
+    def source(self) -> HabitSource:
+        """Gives every episode its habits."""
+        return self.env.source
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Obs, dict[str, Any]]:
+        """Start an episode, as ``UcON-v0`` does, and play until there is something to choose."""
+        super().reset(seed=seed)
+        self._course.close()  # a reset that fails leaves nothing to go on with
+        obs, info = self.env.reset(seed=seed, options=options)
+        locations = self._locate(info)
+        believing = expecting(info, self._locate, locations=locations)
+        self._searcher = Searcher(info, believing, miss=self._miss)
+        self._reader = TokenReader(self._searcher, info, self._sizes)
+        self._said = SaidTokens(self._text, str(info["target"]), believing)
+        self._to_go = ToGo(self.env) if self._tells_way else None
+        self._last, self._over = (obs, info), (False, False)
+        self._tokens: Tokens | None = None
+        self._course.begin(self.env)
+        self._until_due(None)
+        return self._observed(), told({**_kept(info), **_kept(self._last[1]), "invalid": False}, texts=self._texts)
+
+    def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
+        """Choose a view, and play until there is something to choose again or the episode ends.
+
+        Raises:
+            EpisodeError: before the first reset, or after the end of an episode.
+            ActionError: no row of the observation; nothing was done.
+        """
+        self._course.require_open("step")
+        assert self._searcher is not None
+        action = checked_action(action, self._sizes.views)
+        offered = self._tokens.choices if self._tokens is not None else ()
+        invalid = action >= max(1, len(offered))
+        if not any(self._over):
+            choice = None if invalid or not offered else offered[action]
+            self._until_due(self._searcher.choose(choice))
+        info = self._last[1]
+        rules = cast(UcONEnv, self.env.unwrapped).rules
+        self._course.told(over=any(self._over))
+        reward = self._returns(info["episode_metrics"], rules.max_steps) if any(self._over) else 0.0
+        return self._observed(), reward, *self._over, told(_kept(info) | {"invalid": invalid}, texts=self._texts)
+
+    def _until_due(self, action: Action | None) -> None:
+        """Play ``action`` and what follows until a choice among two views or more is due, or the episode ends."""
+        assert self._searcher is not None
+        self._tokens = None
+        while True:
+            if action is not None:
+                obs, _, *over, info = self.env.step(int(action))
+                self._last, self._over = (obs, info), (over[0], over[1])
+                self._course.note(self.env)
+                if any(over):
+                    return
+            action = self._searcher.look(*self._last)
+            if action is None:
+                self._tokens = self._reader.read(self._searcher.decision())
+                if len(self._tokens.choices) > 1:
+                    return
+                action = self._searcher.choose(next(iter(self._tokens.choices), None))
+
+    def _observed(self) -> Obs:
+        if self._tokens is None:  # the end: nothing is due
+            blank = {name: np.zeros(space.shape, space.dtype) for name, space in self.observation_space.items()}  # type: ignore[attr-defined]
+            blank["action_mask"][0] = 1
+            if self._to_go is not None:
+                blank["to_go"][:] = UNREACHABLE
+            return blank | self._text_arrays()
+        return {**self._tokens.arrays, **self._text_arrays(), **self._way()}
+
+    def _way(self) -> Obs:
+        """How far it is from the views, and from here."""
+        if self._to_go is None or self._searcher is None or self._tokens is None:
+            return {}
+        views = [choice.view for choice in self._tokens.choices]
+        out = np.full(self._sizes.views + 1, UNREACHABLE, np.float32)
+        far = self._to_go([*views, self._searcher.map.view])
+        out[: len(views)], out[-1] = far[:-1], far[-1]
+        return {"to_go": out}
+
+    def _text_arrays(self) -> Obs:
+        """Copies: whoever keeps an observation owns it."""
+        return {name: array.copy() for name, array in self._said().items()}
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """(V,) rows that may be chosen, as MaskablePPO asks: ``action_mask`` of the last observation.
+
+        Raises:
+            EpisodeError: before the first reset.
+        """
+        self._course.require("action_masks")
+        offered = 0 if self._tokens is None else len(self._tokens.choices)
+        return np.arange(self._sizes.views) < max(1, offered)
+
+    def render(self) -> NDArray[np.uint8] | list[Any] | None:
+        """A frame as in ``UcON-v0``, or with ``rgb_array_list`` those of all primitive steps since the last call."""
+        return self._course.render(self.env)
+
+    def close(self) -> None:
+        """See ``UcON-v0``."""
+        self._course.close()
+        self.env.close()
+
+    def fingerprint(self) -> str:
+        """Which trained reader says where the target may be, see :mod:`ucon.evaluation.playing.needed_weights`."""
+        return str(getattr(self._locate, "fingerprint", str)())
+
+
+def observation_space(sizes: Sizes, text: TextTokens, *, to_go: bool = False) -> spaces.Dict:
+    """The space of what a policy over tokens is given; ``to_go``: and its trainer."""
+
+    def box(*shape: int) -> spaces.Box:
+        return spaces.Box(-_MOST, _MOST, shape, np.float32)
+
+    d, habits = text.encoder.dim, text.n_habits
+    return spaces.Dict(
+        {
+            "views": box(sizes.views, N_VIEW),
+            "prior": box(sizes.views),
+            "unexplored": box(sizes.views),
+            "action_mask": spaces.MultiBinary(sizes.views),
+            "things": box(sizes.things, N_THING),
+            "thing_rows": spaces.Box(-1, len(catalogue().names) - 1, (sizes.things,), np.int32),
+            "things_mask": spaces.MultiBinary(sizes.things),
+            "frontiers": box(sizes.frontiers, N_FRONTIER),
+            "frontiers_mask": spaces.MultiBinary(sizes.frontiers),
+            "ego": box(N_EGO),
+            "target": box(d),
+            "habits": box(habits, d),
+            "habits_relevance": box(habits),
+            "habits_mask": spaces.MultiBinary(habits),
+            **({"to_go": box(sizes.views + 1)} if to_go else {}),
+        }
+    )
+
+
+def _kept(info: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in info.items() if name not in _FRAME}

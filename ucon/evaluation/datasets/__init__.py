@@ -1,0 +1,1 @@
+"""Habit datasets in figures, and surveys among people about them."""

@@ -1,0 +1,208 @@
+"""The tables of a results page, in Markdown: runs, paired differences, and both by home size and by split."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+from math import isnan
+from pathlib import Path
+from typing import get_args
+
+from ucon.core.errors import ConfigError
+from ucon.evaluation.figures.gap_closed import CELLS, DISTANCES, carried_over, distance_closed
+from ucon.evaluation.figures.intervals import Interval, mean_interval, rate_interval
+from ucon.evaluation.figures.paired import Comparison
+from ucon.evaluation.kept.finished import FinishedRun
+from ucon.evaluation.kept.naming import level, player
+from ucon.evaluation.kept.record import EpisodeRecord, read_records
+from ucon.evaluation.kept.seal import has_summary
+from ucon.scenes import home_spec
+from ucon.task.outcome import FailureCause
+
+#: Limits of the home sizes, in square metres, around the sizes of the calibration study.
+SIZE_LIMITS_M2 = (0, 40, 70, 115, 170, 250, 600)
+
+
+@dataclass(frozen=True)
+class Run:
+    """The records of one run under the name that tables give it."""
+
+    label: str
+    records: tuple[EpisodeRecord, ...]
+
+
+def read_run(path: Path) -> Run:
+    """Read a run folder of ``eval.py``, or its records alone; a summary says what the agent asks and sees with.
+
+    Raises:
+        DataError: no records there, or a damaged file.
+    """
+    if has_summary(path):
+        run = FinishedRun.read(path)
+        if run.records is not None:
+            return Run(run.label, run.records)
+    records = tuple(read_records(path))
+    said = {"agent": records[0].agent, "habit_level": records[0].habit_level}
+    return Run(f"{player(said)}, {level(said)}", records)
+
+
+def read_runs(folders: Sequence[Path]) -> dict[Path, Run]:
+    """Read run folders; runs of one label are told apart by the names of their folders.
+
+    Raises:
+        DataError: no records in one of them.
+    """
+    runs = {folder: read_run(folder) for folder in folders}
+    labels = [run.label for run in runs.values()]
+    return {
+        folder: Run(f"{run.label}: {folder.name}", run.records) if labels.count(run.label) > 1 else run
+        for folder, run in runs.items()
+    }
+
+
+def named_apart(runs: Sequence[Run]) -> None:
+    """Raise :class:`ConfigError` where two runs would have one name in a table."""
+    labels = [run.label for run in runs]
+    twice = sorted({label for label in labels if labels.count(label) > 1})
+    if twice:
+        raise ConfigError(f"two runs of '{twice[0]}'; give their folders different names")
+
+
+def markdown_page(runs: Sequence[Run], comparisons: Sequence[Comparison], way: tuple[Run, Run] | None = None) -> str:
+    """All tables of ``runs``, separated by empty lines; ``way``: runs between which distance closed is measured."""
+    named_apart(runs)
+    tables = [_runs(runs, way), _differences(comparisons), _causes(runs)]
+    if way is not None and (carried := _carried(runs, way[1])):
+        tables.append(carried)
+    sizes = _sizes(runs)
+    if len(sizes) > 1:
+        tables.append(_groups(runs, sizes, lambda r: _size(_area_m2(r.scene))))
+    splits = sorted({r.split for run in runs for r in run.records})
+    if len(splits) > 1:
+        tables.append(_groups(runs, splits, lambda r: r.split))
+    return "\n\n".join(tables)
+
+
+def _runs(runs: Sequence[Run], way: tuple[Run, Run] | None) -> str:
+    head = ["agent, habits", "n", "SR % [95 %]", "SPL [95 %]", "SR 75", "SR 150", "steps", "SR contained"]
+    rows = [_run_row(run.label, run.records) for run in runs]
+    if way is not None:
+        head += [f"% closed: {name}" for name in DISTANCES]
+        rows = [row + _closed(run, *way) for row, run in zip(rows, runs, strict=True)]
+    return _table(head, rows)
+
+
+def _closed(run: Run, start: Run, goal: Run) -> tuple[str, ...]:
+    """Distance closed, in percent."""
+    if run is start or run is goal:
+        return (f"{100 * (run is goal)}",) * len(DISTANCES)
+    found = distance_closed(run.records, start.records, goal.records).values()
+    return tuple(_percent(share) for share in found)
+
+
+def _carried(runs: Sequence[Run], goal: Run) -> str:
+    """SR over the goal's in seen and unseen cells; "" where no run has such."""
+    kinds = [name for name, _, _ in CELLS]
+    head = [f"% of the SR of {goal.label}"]
+    head += [f"{part} {kind}" for kind in kinds for part in ("seen", "unseen", "lost:")]
+    rows = []
+    for run in runs:
+        found = carried_over(run.records, goal.records)
+        cells = [(one.seen, one.unseen, one.lost) for one in map(found.get, kinds) if one is not None]
+        if run is not goal and len(cells) == len(kinds):
+            rows.append((run.label, *(_percent(share) for cell in cells for share in cell)))
+    return _table(head, rows) if rows else ""
+
+
+def _percent(share: Interval) -> str:
+    return "-" if isnan(share.mean) else f"{100 * share.mean:.0f} [{100 * share.low:.0f}, {100 * share.high:.0f}]"
+
+
+def _run_row(label: str, records: Sequence[EpisodeRecord]) -> tuple[str, ...]:
+    success, spl = rate_interval([r.success for r in records]), mean_interval([r.spl for r in records])
+    hidden = [r for r in records if r.contained]
+    return (
+        label,
+        str(len(records)),
+        f"{100 * success.mean:.1f} [{100 * success.low:.1f}, {100 * success.high:.1f}]",
+        f"{spl.mean:.3f} [{spl.low:.3f}, {spl.high:.3f}]",
+        f"{100 * _mean(records, lambda r: r.success_75):.1f}",
+        f"{100 * _mean(records, lambda r: r.success_150):.1f}",
+        f"{_mean(records, lambda r: r.steps):.0f}",
+        f"{100 * _mean(hidden, lambda r: r.success):.1f}" if hidden else "-",
+    )
+
+
+def _differences(comparisons: Sequence[Comparison]) -> str:
+    rows = [
+        (
+            f"({c.first}) - ({c.second})",
+            str(c.n),
+            _signed(c.differences["spl"], 3),
+            _signed(c.differences["success_rate"], 3),
+            _signed(c.differences["steps"], 1),
+        )
+        for c in comparisons
+    ]
+    return _table(("paired difference", "n", "SPL", "SR", "steps"), rows)
+
+
+def _causes(runs: Sequence[Run]) -> str:
+    """Why episodes failed: percent of all episodes of each run, for the causes that occur."""
+    there = {r.failure_cause for run in runs for r in run.records if not r.success}
+    causes = [cause for cause in get_args(FailureCause) if cause in there]
+    rows = []
+    for run in runs:
+        counts = Counter(r.failure_cause for r in run.records)
+        rows.append((run.label, *(f"{100 * counts[cause] / len(run.records):.1f}" for cause in causes)))
+    return _table(("% failed by cause", *(cause.replace("_", " ") for cause in causes)), rows)
+
+
+def _groups(runs: Sequence[Run], names: Sequence[str], group: Callable[[EpisodeRecord], str]) -> str:
+    """SR / SPL of every run in every group, and how many episodes of the first run each group has."""
+    rows = []
+    for run in runs:
+        parts = [[r for r in run.records if group(r) == name] for name in names]
+        rows.append((run.label, *(_rates(part) for part in parts)))
+    rows.append(("n", *(str(sum(group(r) == name for r in runs[0].records)) for name in names)))
+    return _table(("SR / SPL", *names), rows)
+
+
+def _rates(records: Sequence[EpisodeRecord]) -> str:
+    if not records:
+        return "-"
+    return f"{_mean(records, lambda r: r.success):.2f} / {_mean(records, lambda r: r.spl):.2f}"
+
+
+def _sizes(runs: Sequence[Run]) -> list[str]:
+    """The size classes that occur, from small to large."""
+    areas = {_area_m2(scene) for scene in {r.scene for run in runs for r in run.records}}
+    return list(dict.fromkeys(_size(area) for area in sorted(areas)))
+
+
+def _size(area_m2: float) -> str:
+    for low, high in pairwise(SIZE_LIMITS_M2):
+        if area_m2 < high:
+            return f"{low}-{high} m2"
+    return f"from {SIZE_LIMITS_M2[-1]} m2"
+
+
+@lru_cache(maxsize=4096)
+def _area_m2(scene: str) -> float:
+    return home_spec(scene).area_m2
+
+
+def _mean(records: Sequence[EpisodeRecord], measure: Callable[[EpisodeRecord], float]) -> float:
+    return sum(map(measure, records)) / len(records)
+
+
+def _signed(interval: Interval, digits: int) -> str:
+    return f"{interval.mean:+.{digits}f} [{interval.low:+.{digits}f}, {interval.high:+.{digits}f}]"
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)

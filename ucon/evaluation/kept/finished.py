@@ -1,0 +1,171 @@
+"""A finished run as its folder keeps it: the one way in which all that reads such folders reads them."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+from omegaconf import OmegaConf
+from omegaconf.errors import OmegaConfBaseException
+from yaml import YAMLError
+
+from ucon.core.errors import DataError, brief
+from ucon.core.plain_file import read_plain
+from ucon.core.yaml_text import without_aliases
+from ucon.evaluation.kept.decisions import DecisionRecord
+from ucon.evaluation.kept.naming import level, player
+from ucon.evaluation.kept.record import EpisodeRecord, EpisodeTiming, json_lines, parse_records
+from ucon.evaluation.kept.seal import CONFIG, DECISIONS, RECORDS, SUMMARY, TIMING, RunFiles, has_summary, read_files
+from ucon.evaluation.playing.play import Played
+
+#: What tables show of a summary, and of which types: a number, or one for each end of an interval.
+_NUMBERS: Final = ("n", "success_rate", "spl", "soft_spl", "success_75", "success_150", "success_300", "steps")
+_INTERVALS: Final = ("success_rate_ci95", "spl_ci95")
+_MAX_CONFIG: Final = 1 << 24
+_ALTERED = "the file is altered, restore it or evaluate again"
+
+
+@dataclass(frozen=True)
+class FinishedRun:
+    """What a folder keeps of a run."""
+
+    folder: Path
+    summary: dict[str, Any]
+    seconds: dict[str, Any]
+    records: tuple[EpisodeRecord, ...] | None
+    """None where figures alone are kept."""
+    content: Mapping[str, bytes]
+    """Of the files, by name."""
+
+    @classmethod
+    def read(cls, folder: Path) -> FinishedRun:
+        """Read and check it.
+
+        Raises:
+            DataError: no finished run, one without checksums, or one that is altered.
+        """
+        return cls.of(read_files(folder))
+
+    @classmethod
+    def of(cls, files: RunFiles) -> FinishedRun:
+        """Make sense of what was read; raises as :meth:`read`."""
+        folder = files.folder
+        check_summary(files.summary, folder / SUMMARY)
+        raw, records = files.content.get(RECORDS), None
+        if raw is not None:
+            records = tuple(parse_records(raw, folder / RECORDS))
+            if len(records) != files.summary["n"]:
+                n = brief(files.summary["n"])
+                raise DataError(f"{folder / RECORDS}: {len(records)} episodes, {SUMMARY} says {n}; {_ALTERED}")
+        return cls(folder, files.summary, files.seconds, records, files.content)
+
+    @property
+    def label(self) -> str:
+        """What tables call it."""
+        return f"{player(self.summary)}, {level(self.summary)}"
+
+    def timings(self) -> list[EpisodeTiming]:
+        """Of each episode, in order; [] where they are not kept.
+
+        Raises:
+            DataError: they are not those of the records.
+        """
+        path = self.folder / TIMING
+        raw = self.content.get(TIMING)
+        if raw is None:
+            return []
+        timings = [EpisodeTiming.from_json(value, where=where) for value, where in json_lines(raw, path)]
+        if self.records is not None and [t.episode for t in timings] != [r.episode for r in self.records]:
+            raise DataError(f"{path}: not of the episodes in {RECORDS}, one line each; {_ALTERED}")
+        return timings
+
+    def decisions(self) -> dict[str, list[DecisionRecord]]:
+        """By episode; {} where they are not kept, or none was made.
+
+        Raises:
+            DataError: one is damaged, or of no episode of the records.
+        """
+        made: dict[str, list[DecisionRecord]] = defaultdict(list)
+        for value, where in json_lines(self.content.get(DECISIONS, b""), self.folder / DECISIONS):
+            decision = DecisionRecord.from_json(value, where=where)
+            made[decision.episode].append(decision)
+        if self.records is not None and (odd := made.keys() - {r.episode for r in self.records}):
+            raise DataError(f"{self.folder / DECISIONS}: of an episode {brief(min(odd))} that is not there; {_ALTERED}")
+        return dict(made)
+
+    def played(self) -> dict[int, Played]:
+        """The episodes by index, as they were when they ended.
+
+        Raises:
+            DataError: not all of a run is kept.
+        """
+        timings, decisions = self.timings(), self.decisions()
+        if self.records is None or not timings:
+            raise DataError(f"{self.folder}: figures of a finished run, without all of its records; evaluate again")
+        where = str(self.folder / DECISIONS)
+        return {
+            i: as_played(i, record, timing, decisions.get(record.episode, []), where)
+            for i, (record, timing) in enumerate(zip(self.records, timings, strict=True))
+        }
+
+
+def as_played(
+    index: int, record: EpisodeRecord, timing: EpisodeTiming, made: list[DecisionRecord], where: str
+) -> Played:
+    """An episode as it was when it ended: decisions get their seconds back from the timing.
+
+    Raises:
+        DataError: the three are not of one episode.
+    """
+    seconds = timing.decision_seconds or (0.0,) * len(made)
+    if len(seconds) != len(made):
+        raise DataError(f"{where}: {len(made)} decisions in {record.episode}, expected {len(seconds)}; {_ALTERED}")
+    if {timing.episode, *(d.episode for d in made)} != {record.episode}:
+        raise DataError(f"{where}: a timing or decision of another episode than {record.episode}; {_ALTERED}")
+    return Played(index, record, timing, tuple(replace(d, seconds=s) for d, s in zip(made, seconds, strict=True)))
+
+
+def check_summary(said: Mapping[str, Any], path: Path) -> None:
+    """Raises :class:`DataError` where a summary lacks what tables show of it, or has it otherwise."""
+    numbers = [said.get(name) for name in _NUMBERS]
+    for name in _INTERVALS:
+        pair = said.get(name)
+        numbers += pair if isinstance(pair, list) and len(pair) == 2 else [None]
+    names, retrieval = [said.get("agent"), said.get("habit_level")], said.get("retrieval")
+    parts = [said.get("language_model"), said.get("detector")]
+    causes = said.get("failure_causes")
+    usable = (
+        all(type(number) in (int, float) for number in numbers)
+        and all(isinstance(name, str) for name in names)
+        and all(isinstance(part, str | None) for part in parts)
+        and isinstance(causes, dict)
+        and all(type(count) is int for count in causes.values())
+        and isinstance(retrieval, dict)
+        and all(type(retrieval.get(name)) in (int, float, type(None)) for name in ("recall_20", "mrr"))
+        and isinstance(said.get("hashes"), dict)
+    )
+    if not usable:
+        raise DataError(f"{path}: no summary of a finished run of eval.py; give the folder of one")
+
+
+def read_config(folder: Path) -> dict[str, Any]:
+    """The configuration of a run; where a ``summary.json`` lies beside it, checked by its checksum.
+
+    Raises:
+        DataError: there is none, or it is damaged.
+    """
+    path = folder / CONFIG
+    if not path.is_file():
+        raise DataError(f"{path}: no such file; expected the folder of a finished run of eval.py")
+    if has_summary(folder):
+        read_files(folder)
+    try:
+        config = OmegaConf.to_container(OmegaConf.create(without_aliases(read_plain(path, _MAX_CONFIG).decode())))
+    except (DataError, OSError, ValueError, RecursionError, YAMLError, OmegaConfBaseException):
+        config = None
+    if not isinstance(config, dict) or not {"env", "task", "episodes"} <= config.keys():
+        raise DataError(f"{path}: no configuration of a run; {_ALTERED}")
+    return {str(name): value for name, value in config.items()}

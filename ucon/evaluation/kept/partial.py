@@ -1,0 +1,142 @@
+"""The file of an unfinished run: a line for each episode as it ends, with a checksum before it.
+
+The first line names the run; the checksums of the others are of its checksum too, so that a line of another run is
+none of this one. A line that is damaged costs the episode that it kept, and no other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from ucon.core.errors import DataError
+from ucon.core.files import canonical_json, sha256_bytes
+from ucon.core.plain_file import read_plain
+from ucon.core.typed import parse_line, read_as
+from ucon.evaluation.kept.decisions import DecisionRecord
+from ucon.evaluation.kept.finished import as_played
+from ucon.evaluation.kept.record import EpisodeRecord, EpisodeTiming
+from ucon.evaluation.kept.seal import RECORDS
+from ucon.evaluation.playing.play import Played
+
+PARTIAL: Final = f"{RECORDS}.partial"
+#: Of a first line, in bytes.
+_LONGEST: Final = 1 << 16
+#: Of the file: some million episodes.
+_MAX_BYTES: Final = 1 << 30
+#: Letters of a checksum.
+_CHECKSUM: Final = 64
+
+
+@dataclass(frozen=True)
+class _Line:
+    """What a line says beside its record, timing and decisions."""
+
+    index: int
+    seconds: float
+    """Of the run until this episode was finished."""
+
+
+@dataclass(frozen=True)
+class Left:
+    """What an interrupted run left."""
+
+    header: dict[str, Any] | None
+    """None where nothing was written yet."""
+    done: dict[int, Played]
+    seconds: float
+    """Of the run, until the last episode that is left."""
+    damaged: int
+    """Lines that are left out."""
+    whole: bytes
+    """The file without them."""
+
+
+def line_of(value: Mapping[str, Any], first: bytes = b"") -> bytes:
+    """A line: checksum, space, JSON. ``first``: the first line, of the others."""
+    body = canonical_json(value).encode()
+    return f"{_checksum(body, first)} ".encode() + body + b"\n"
+
+
+def line_of_played(played: Played, seconds: float, first: bytes) -> bytes:
+    """The line of an episode, with the seconds of the run so far; ``first``: the first line."""
+    value: dict[str, Any] = {
+        "index": played.index,
+        "seconds": round(float(seconds), 3),
+        "record": asdict(played.record),
+        "timing": asdict(played.timing),
+        "decisions": [d.to_json() for d in played.decisions],
+    }
+    return line_of(value, first)
+
+
+def read_partial(path: Path, episodes: Sequence[str]) -> Left:
+    """What is whole of it. ``episodes``: ids of what is to be played, in order.
+
+    Raises:
+        DataError: its first line is damaged.
+    """
+    raw = read_plain(path, _MAX_BYTES)
+    lines = [line + b"\n" for line in raw.split(b"\n")[:-1]]  # what follows was cut off in mid-write
+    header = _value(lines[0], path) if lines else None
+    done: dict[int, Played] = {}
+    seconds, kept = 0.0, lines[:1]
+    for number, line in enumerate(lines[1:], 2):
+        try:
+            played, seconds_then = _played(_value(line, path, lines[0]), f"{path}:{number}", episodes, done)
+        except DataError:
+            continue
+        done[played.index], seconds = played, max(seconds, seconds_then)
+        kept.append(line)
+    return Left(header, done, seconds, len(lines) - len(kept), b"".join(kept))
+
+
+def read_header(path: Path) -> dict[str, Any]:
+    """What the first line says of its run.
+
+    Raises:
+        DataError: it is damaged.
+    """
+    with path.open("rb") as file:
+        return _value(file.readline(_LONGEST), path)
+
+
+def _checksum(body: bytes, first: bytes) -> str:
+    return sha256_bytes(first[:_CHECKSUM] + body)
+
+
+def _value(line: bytes, path: Path, first: bytes = b"") -> dict[str, Any]:
+    """What a line says; ``first``: the first line, of the others.
+
+    Raises:
+        DataError: its checksum is of other content, or it says nothing.
+    """
+    checksum, _, body = line.removesuffix(b"\n").partition(b" ")
+    value = parse_line(body, str(path)) if checksum == _checksum(body, first).encode() else None
+    if not isinstance(value, dict):
+        raise DataError(
+            f"{path}: its first line is damaged, or of an older version; remove the folder or choose another"
+        )
+    return value
+
+
+def _played(
+    value: dict[str, Any], where: str, episodes: Sequence[str], done: Mapping[int, Played]
+) -> tuple[Played, float]:
+    """The episode of a line, and the seconds of the run until then.
+
+    Raises:
+        DataError: it is damaged, not of these episodes, or of one that is already ``done``.
+    """
+    parts = {name: value.pop(name, None) for name in ("record", "timing", "decisions")}
+    line = read_as(_Line, value, where, "an episode's line")
+    record = EpisodeRecord.from_json(parts["record"], where=where)
+    timing = EpisodeTiming.from_json(parts["timing"], where=where)
+    decisions = parts["decisions"] if isinstance(parts["decisions"], list) else [None]
+    made = [DecisionRecord.from_json(one, where=where) for one in decisions]
+    known = 0 <= line.index < len(episodes) and line.index not in done and episodes[line.index] == record.episode
+    if not known or line.seconds < 0:
+        raise DataError(f"{where}: episode {line.index} is another one, or there twice")
+    return as_played(line.index, record, timing, made, where), line.seconds

@@ -1,0 +1,191 @@
+"""What is kept of one episode: one JSON line, the same bytes in every run, whatever the workers and their order.
+
+Wall-clock seconds differ between runs, so they live in :class:`EpisodeTiming`, written to a file of their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Final, get_args
+
+from ucon.core.errors import DataError, brief
+from ucon.core.files import canonical_json
+from ucon.core.typed import parse_line, read_as
+from ucon.evaluation.kept.seal import RECORDS, has_summary, read_bytes, read_file, read_files
+from ucon.retrieval.levels import LEVELS
+from ucon.task.outcome import FailureCause
+
+#: Digits kept of every figure: enough for any table, few enough to hide nothing that could differ.
+_DIGITS: Final = 6
+_FAILURES: Final = get_args(FailureCause)
+_SHARES: Final = ("spl", "soft_spl", "recall_10", "recall_20", "mrr")
+_COUNTS: Final = ("opens", "collisions", "n_habits", "language_calls", "language_tokens")
+
+
+@dataclass(frozen=True)
+class EpisodeRecord:
+    """One evaluated episode. Lengths in metres, ``first_seen_step`` -1 where the target was never visible.
+
+    Figures are rounded as they are kept, so that all that is computed from them is the same before and after.
+    """
+
+    episode: str
+    scene: str
+    split: str
+    target: str
+    relation: str
+    contained: bool
+    """Whether the target was behind a closed door."""
+    agent: str
+    habit_level: str
+    seed: int
+    success: bool
+    success_75: bool
+    success_150: bool
+    success_300: bool
+    spl: float
+    soft_spl: float
+    shortest_path_m: float
+    path_length_m: float
+    steps: int
+    actions: str
+    """The actions taken, as digits 0 to 6: replaying them replays the episode."""
+    opens: int
+    collisions: int
+    first_seen_step: int
+    failure_cause: str
+    """``none`` or one of :data:`ucon.task.outcome.FailureCause`."""
+    n_habits: int
+    recall_10: float | None
+    """Share of the target's habits among the first 10 that the agent was given; None without habits."""
+    recall_20: float | None
+    mrr: float | None
+    """One over the rank of the first habit about the target."""
+    language_calls: int = 0
+    language_tokens: int = 0
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if isinstance(value, float):
+                object.__setattr__(self, name, round(float(value), _DIGITS) + 0.0)
+
+    def to_line(self) -> str:
+        """One line of canonical JSON without the line break."""
+        return canonical_json(asdict(self))
+
+    @classmethod
+    def from_json(cls, data: Any, *, where: str = "record") -> EpisodeRecord:
+        """Rebuild a record; raises :class:`DataError` where it is none, or contradicts itself."""
+        record = read_as(cls, data, where, "an episode record")
+        if problem := next(_contradictions(record), None):
+            raise DataError(f"{where}: {problem}; the file is altered, evaluate again")
+        return record
+
+
+@dataclass(frozen=True)
+class EpisodeTiming:
+    """How long an episode took. Kept apart from the record because it differs from run to run."""
+
+    episode: str
+    seconds: float
+    language_seconds: float = 0.0
+    decision_seconds: tuple[float, ...] = ()
+    """Of the answers to each decision, for agents that ask a language model."""
+
+    def to_line(self) -> str:
+        """One line of canonical JSON without the line break."""
+        return canonical_json(asdict(self))
+
+    @classmethod
+    def from_json(cls, data: Any, *, where: str = "timing") -> EpisodeTiming:
+        """Rebuild a timing from a parsed line; raises :class:`DataError` where it is none."""
+        timing = read_as(cls, data, where, "an episode's timing")
+        if min(timing.seconds, timing.language_seconds, *timing.decision_seconds) < 0:
+            raise DataError(f"{where}: seconds below 0; the file is altered, evaluate again")
+        return timing
+
+
+def read_records(path: Path) -> list[EpisodeRecord]:
+    """Records of ``episodes.jsonl``, or of the folder that holds it: a run's, or one of ``results/`` (``.xz``).
+
+    Where a ``summary.json`` lies beside them, they are checked against it.
+
+    Raises:
+        DataError: the file is missing, empty, not whole, or a line is not a record; names file and line.
+    """
+    folder, name = (path, RECORDS) if path.is_dir() else (path.parent, path.name)
+    if name in (RECORDS, f"{RECORDS}.xz") and has_summary(folder):
+        raw = read_files(folder).content.get(RECORDS)
+    else:
+        raw = read_file(folder, name) if path.is_dir() else read_bytes(path) if path.is_file() else None
+    if raw is None:
+        raise DataError(f"{folder / name}: no such file; expected a run folder of eval.py (with {RECORDS})")
+    return parse_records(raw, folder / name)
+
+
+def parse_records(raw: bytes, path: Path) -> list[EpisodeRecord]:
+    """Records of a file with one a line; ``path`` is what errors call it.
+
+    Raises:
+        DataError: none, a line that is none, or an episode twice; names the line.
+    """
+    records = [EpisodeRecord.from_json(value, where=where) for value, where in json_lines(raw, path)]
+    if not records:
+        raise DataError(f"{path}: empty; expected one record a line, evaluate again")
+    seen: set[str] = set()
+    for number, record in enumerate(records, 1):
+        if record.episode in seen:
+            raise DataError(f"{path}:{number}: episode {brief(record.episode)} is there twice; evaluate again")
+        seen.add(record.episode)
+    return records
+
+
+def json_lines(raw: bytes, path: Path) -> Iterator[tuple[Any, str]]:
+    """The value of every line of a file, and where it stands.
+
+    Raises:
+        DataError: a line is not JSON, or the last one has no end.
+    """
+    lines = raw.split(b"\n")
+    for number, line in enumerate(lines[:-1], 1):
+        yield parse_line(line, f"{path}:{number}", "the file is cut off or altered, evaluate again"), f"{path}:{number}"
+    if lines[-1]:
+        raise DataError(f"{path}:{len(lines)}: not JSON with a line break; the file is cut off, evaluate again")
+
+
+def to_lines(items: Iterable[EpisodeRecord | EpisodeTiming]) -> str:
+    """Text of a JSON lines file."""
+    return "".join(f"{item.to_line()}\n" for item in items)
+
+
+def episode_spl(success: bool, shortest_path_m: float, path_length_m: float) -> float:
+    """Success weighted by path length of one episode."""
+    return shortest_path_m / max(path_length_m, shortest_path_m, 1e-9) if success else 0.0
+
+
+def _contradictions(record: EpisodeRecord) -> Iterator[str]:
+    """What in a record cannot be, in words."""
+    steps = record.steps
+    if len(record.actions) != steps or record.actions.strip("0123456"):
+        yield f"actions={brief(record.actions)}: expected {steps} digits from 0 to 6"
+    for limit in (75, 150, 300):
+        if getattr(record, f"success_{limit}") != (record.success and steps <= limit):
+            yield f"success_{limit} is not what success={record.success} in {steps} steps says"
+    for name in _SHARES:
+        value = getattr(record, name)
+        if value is not None and not 0 <= value <= 1:
+            yield f"{name}={value}: expected a number from 0 to 1"
+    if min(record.shortest_path_m, record.path_length_m) < 0:
+        yield "a path of less than 0 metres"
+    if abs(episode_spl(record.success, record.shortest_path_m, record.path_length_m) - record.spl) > 1e-5:
+        yield f"spl={record.spl} is not what its success and lengths say"
+    if any(getattr(record, name) < 0 for name in _COUNTS) or max(record.opens, record.collisions) > steps:
+        yield "counts below 0 or above the number of steps"
+    if not -1 <= record.first_seen_step <= steps:
+        yield f"first_seen_step={record.first_seen_step}: expected -1 to {steps}"
+    if record.failure_cause not in _FAILURES or (record.failure_cause == "none") != record.success:
+        yield f"failure_cause={brief(record.failure_cause)}: no cause that an episode with success={record.success} has"
+    if record.habit_level not in LEVELS:
+        yield f"habit_level={brief(record.habit_level)}: expected one of {', '.join(LEVELS)}"

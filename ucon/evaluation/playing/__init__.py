@@ -1,0 +1,1 @@
+"""Playing episodes: one agent in one process, worker processes, pictures and progress."""

@@ -1,0 +1,216 @@
+"""Worker processes that play shares of the episodes, and are replaced where they stop answering.
+
+A stopped process does not end when it is asked to, and may leave half a message in its pipe. So a thread for each
+worker reads its pipe, and a worker that is silent for too long is killed; another one plays what is left of its share.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import queue
+import sys
+import threading
+import time
+import traceback
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection
+from typing import Any, Final
+
+from ucon.core.errors import EpisodeError, UconError
+from ucon.evaluation.playing.play import Played, RunSpec, play
+from ucon.task.episode import Episode
+
+Job = tuple[int, Episode]
+
+_ONE_THREAD: Final = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
+)
+#: How often an episode is tried that nobody finishes in time.
+TRIES: Final = 3
+#: Seconds between two looks at who is silent, at most.
+_TICK_S: Final = 1.0
+#: Seconds in which a process ends: in the middle of a call into the system it may not even by SIGKILL.
+_END_S: Final = 10.0
+
+
+class WorkerError(RuntimeError):
+    """A worker failed; the message ends with its traceback."""
+
+
+@dataclass(eq=False)
+class _Worker:
+    """A process, the pipe in which it answers, and what it has yet to play, in its order."""
+
+    process: Any
+    receiver: Connection
+    left: list[Job]
+    silent_s: float = 0.0
+    reader: threading.Thread = field(init=False)
+
+
+class Crew:
+    """Plays with worker processes; to be closed, which ends them.
+
+    Args:
+        spec: agent, environment, habit level.
+        timeout_s: the longest time that an episode may take; a worker with several environments has it for each of
+            them, since they take turns.
+    """
+
+    def __init__(self, spec: RunSpec, timeout_s: float) -> None:
+        methods = multiprocessing.get_all_start_methods()
+        self._context: Any = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
+        if "forkserver" in methods:
+            self._context.set_forkserver_preload(["ucon.evaluation.playing.play", "ucon.envs"])
+        self._spec, self._timeout_s = spec, timeout_s
+        self._tick_s = min(_TICK_S, timeout_s / 4)
+        self._news: queue.SimpleQueue[tuple[_Worker, str, Any]] = queue.SimpleQueue()
+        self._working: list[_Worker] = []
+        self._ended: list[_Worker] = []
+        self._failed: Counter[int] = Counter()
+
+    def play(self, shares: Sequence[Sequence[Job]]) -> Iterator[Played]:
+        """Each share in a process of its own; episodes as they end.
+
+        Raises:
+            UconError: what a worker raised, unchanged.
+            EpisodeError: an episode that no worker finishes in time.
+            WorkerError: a worker failed in another way or died.
+        """
+        for number, share in enumerate(shares):
+            self._start(f"ucon-eval-{number}", share)
+        while self._working:
+            for worker, kind, content in self._waited():
+                if worker in self._working:  # a replaced one has nothing to say any more
+                    yield from self._heard(worker, kind, content)
+            for worker in list(self._working):
+                if worker.silent_s > self._limit_s(worker):
+                    self._replace(worker)
+
+    def close(self) -> None:
+        """End all processes: those that have nothing to do by themselves, the others at once."""
+        for worker in self._ended:
+            worker.process.join(_END_S)
+        while workers := self._working or self._ended:
+            _kill(workers.pop())
+
+    def _start(self, name: str, jobs: Sequence[Job]) -> None:
+        with _one_thread_environment():
+            receiver, sender = self._context.Pipe(duplex=False)
+            process = self._context.Process(target=_work, args=(sender, self._spec, jobs), name=name, daemon=True)
+            process.start()
+            sender.close()
+        worker = _Worker(process, receiver, list(jobs))
+        worker.reader = threading.Thread(target=_read, args=(worker, self._news), name=f"{name}-reader", daemon=True)
+        self._working.append(worker)
+        worker.reader.start()
+
+    def _waited(self) -> list[tuple[_Worker, str, Any]]:
+        """What has come in the meantime. Where this process itself stood still, by Ctrl-Z, nobody was silent."""
+        news, begun = [], time.monotonic()
+        try:
+            news.append(self._news.get(timeout=self._tick_s))
+            while True:
+                news.append(self._news.get_nowait())
+        except queue.Empty:
+            pass
+        passed = min(time.monotonic() - begun, 2 * self._tick_s)
+        for worker in self._working:
+            worker.silent_s += passed
+        return news
+
+    def _heard(self, worker: _Worker, kind: str, content: Any) -> Iterator[Played]:
+        if kind == "played":
+            worker.silent_s = 0.0
+            worker.left = [job for job in worker.left if job[0] != content.index]
+            yield content
+        elif kind == "end":
+            self._working.remove(worker)
+            self._ended.append(worker)
+        elif kind == "user":
+            raise content
+        elif kind == "gone":
+            worker.process.join(_END_S)
+            raise WorkerError(
+                f"{worker.process.name} died with exit code {worker.process.exitcode} (negative: signal; -9: often out "
+                "of memory); try fewer workers, or workers=0 to run in this process"
+            )
+        else:
+            raise WorkerError(f"{worker.process.name} failed:\n{content}")
+
+    def _limit_s(self, worker: _Worker) -> float:
+        return self._timeout_s * max(1, len(worker.left[: self._spec.batch]))
+
+    def _replace(self, worker: _Worker) -> None:
+        """Have a new process play what a silent one left, unless it was silent in one of these too often."""
+        limit, name, running = self._limit_s(worker), worker.process.name, worker.left[: self._spec.batch]
+        self._working.remove(worker)
+        _kill(worker)
+        if not running:  # it had only to say so
+            return
+        self._failed.update(index for index, _ in running)
+        if worst := [episode.id for index, episode in running if self._failed[index] >= TRIES]:
+            raise EpisodeError(
+                f"{', '.join(worst)}: not finished within {limit:g} s by any of {TRIES} workers; what is finished is "
+                "kept, the same command goes on: play with workers=0 to see where it hangs, or raise worker_timeout_s"
+            )
+        sys.stderr.write(
+            f"warning: {name} did not finish {', '.join(episode.id for _, episode in running)} within {limit:g} s "
+            "(worker_timeout_s); it is ended, and another one plays it again\n"
+        )
+        self._start(name, worker.left)
+
+
+def _kill(worker: _Worker) -> None:
+    """End a process whatever it does; a stopped one hears nothing but this."""
+    worker.process.kill()
+    worker.process.join(_END_S)
+    worker.reader.join(_END_S)
+    if not worker.reader.is_alive():
+        worker.receiver.close()
+
+
+def _read(worker: _Worker, news: queue.SimpleQueue[tuple[_Worker, str, Any]]) -> None:
+    """Pass on what a worker says, until it ends: half a message holds up nobody but this thread."""
+    try:
+        while True:
+            news.put((worker, *worker.receiver.recv()))
+    except Exception:  # the pipe has ended, or what came was no message
+        news.put((worker, "gone", None))
+
+
+def _work(sender: Connection, spec: RunSpec, jobs: Sequence[Job]) -> None:
+    os.environ.update(_ONE_THREAD)
+    try:
+        for played in play(spec, jobs):
+            sender.send(("played", played))
+        sender.send(("end", None))
+    except UconError as error:
+        sender.send(("user", type(error)(str(error))))
+    except KeyboardInterrupt:
+        pass
+    except BrokenPipeError:
+        pass  # the parent has gone; nobody is left to tell
+    except BaseException:
+        sender.send(("crash", traceback.format_exc()))
+    finally:
+        sender.close()
+
+
+@contextmanager
+def _one_thread_environment() -> Iterator[None]:
+    """Thread limits that children inherit before they import numpy or torch."""
+    before = {name: os.environ.get(name) for name in _ONE_THREAD}
+    os.environ.update(_ONE_THREAD)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value

@@ -1,0 +1,237 @@
+"""Plays stored episodes with one agent in one process and turns each into a record.
+
+An agent is known here by its protocol only: ``reset(infos, slots)`` and ``act(observations, infos, slots)``. Where it
+calls a language model it may offer ``language_usage(slot) -> (calls, tokens, seconds)`` since the slot's reset, and
+where it chooses among candidates ``decisions(slot)``.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Protocol
+
+import gymnasium as gym
+import numpy as np
+
+from ucon.core.errors import ConfigError, brief
+from ucon.evaluation.kept.decisions import DecisionRecord
+from ucon.evaluation.kept.record import EpisodeRecord, EpisodeTiming
+from ucon.retrieval.levels import RANKED_LEVELS
+from ucon.task.actions import Action
+from ucon.task.episode import Episode
+from ucon.task.spoken import target_place
+
+Env = gym.Env[Any, Any]
+
+
+class Policy(Protocol):
+    """The part of an agent that evaluation uses."""
+
+    name: str
+
+    def reset(self, infos: Sequence[Any], slots: Sequence[int] | None = None) -> None:
+        """Start an episode in each of ``slots``."""
+        ...
+
+    def act(self, observations: Sequence[Any], infos: Sequence[Any], slots: Sequence[int] | None = None) -> list[int]:
+        """One action for each of ``slots``."""
+        ...
+
+
+@dataclass(frozen=True)
+class RunSpec:
+    """What a worker needs to know. The factories must be picklable: they are called inside the workers.
+
+    Raises:
+        ConfigError: no such number of environments.
+    """
+
+    agent: Callable[[], Policy]
+    env: Callable[[], Env]
+    habit_level: str
+    seed: int = 0
+    batch: int = 1
+    """Environments that one worker hands to its agent together; more than 1 helps agents that batch a model."""
+    films: Path | None = None
+    """Folder for the map and the video of every episode; None: none is filmed."""
+
+    def __post_init__(self) -> None:
+        if type(self.batch) is not int or self.batch < 1:
+            raise ConfigError(f"batch={brief(self.batch)}: expected a whole number from 1 up")
+
+
+@dataclass(frozen=True)
+class Played:
+    """One finished episode: its place in the evaluated list, its record, its seconds."""
+
+    index: int
+    record: EpisodeRecord
+    timing: EpisodeTiming
+    decisions: tuple[DecisionRecord, ...] = ()
+    """Of agents that choose among candidates."""
+
+
+@dataclass
+class _Slot:
+    """One environment of the batch and the episode in it."""
+
+    number: int
+    env: Env
+    index: int = -1
+    episode: Episode | None = None
+    observation: Any = None
+    info: Any = None
+    first_info: Any = None
+    actions: list[int] = field(default_factory=list)
+    frames: list[Any] | None = None
+    started: float = 0.0
+
+    def start(self, index: int, episode: Episode, seed: int, film: bool) -> None:
+        self.index, self.episode, self.actions = index, episode, []
+        self.started = time.perf_counter()
+        self.observation, self.info = self.env.reset(seed=seed, options={"episode": episode})
+        self.first_info = self.info
+        self.frames = [self.env.render()] if film else None
+
+    def think(self, picture: Any) -> None:
+        """Put what the agent thinks beside the last frame."""
+        assert self.frames is not None
+        self.frames[-1] = np.concatenate([self.frames[-1], picture], axis=1)
+
+    def step(self, action: int) -> bool:
+        self.actions.append(int(action))
+        self.observation, _, terminated, truncated, self.info = self.env.step(int(action))
+        if self.frames is not None:
+            self.frames.append(self.env.render())
+        return bool(terminated or truncated)
+
+
+def play(spec: RunSpec, jobs: Sequence[tuple[int, Episode]]) -> Iterator[Played]:
+    """Play ``jobs`` (index, episode) in order and yield each as it ends. What is yielded depends on no other job."""
+    if not jobs:
+        return
+    agent = spec.agent()
+    one_thread()
+    slots = [_Slot(n, spec.env()) for n in range(min(spec.batch, len(jobs)))]
+    waiting = iter(jobs)
+    try:
+        running = [slot for slot in slots if _begin(slot, waiting, agent, spec)]
+        while running:
+            actions = agent.act(
+                [s.observation for s in running], [s.info for s in running], [s.number for s in running]
+            )
+            still = []
+            for slot, action in zip(running, actions, strict=True):
+                _draw_thoughts(slot, agent)
+                ended = slot.step(action)
+                if ended:
+                    yield _played(slot, agent, spec)
+                if not ended or _begin(slot, waiting, agent, spec):
+                    still.append(slot)
+            running = still
+    finally:
+        for slot in slots:
+            slot.env.close()
+
+
+def _draw_thoughts(slot: _Slot, agent: Policy) -> None:
+    """Where a film is made and the agent shows what it thinks."""
+    picture = getattr(agent, "picture", None)
+    if slot.frames is not None and picture is not None and (drawn := picture(slot.number)) is not None:
+        slot.think(drawn)
+
+
+def one_thread() -> None:
+    """Keep torch to one thread: workers are the parallelism, and sums must not depend on the number of threads."""
+    if "torch" in sys.modules:
+        sys.modules["torch"].set_num_threads(1)
+
+
+def _begin(slot: _Slot, waiting: Iterator[tuple[int, Episode]], agent: Policy, spec: RunSpec) -> bool:
+    job = next(waiting, None)
+    if job is None:
+        return False
+    index, episode = job
+    slot.start(index, episode, spec.seed, film=spec.films is not None)
+    agent.reset([slot.info], [slot.number])
+    return True
+
+
+def _played(slot: _Slot, agent: Policy, spec: RunSpec) -> Played:
+    seconds = time.perf_counter() - slot.started
+    episode = slot.episode
+    assert episode is not None
+    usage = getattr(agent, "language_usage", None)
+    calls, tokens, language_s = usage(slot.number) if usage else (0, 0, 0.0)
+    record = _record(slot, episode, agent.name, spec, calls, tokens)
+    if slot.frames is not None and spec.films is not None:
+        from ucon.evaluation.playing.pictures import save_film
+
+        ending = "found" if record.success else "lost"
+        name = f"{slot.index:03d}_{ending}_{episode.scene.replace(':', '-')}_{record.target}"
+        save_film(slot.frames, _captions(record, target_place(episode)), spec.films, name)
+    made = getattr(agent, "decisions", None)
+    decisions = tuple(replace(d, seconds=round(float(d.seconds), 5)) for d in made(slot.number)) if made else ()
+    spent = tuple(d.seconds for d in decisions) if calls else ()
+    timing = EpisodeTiming(record.episode, round(seconds, 4), round(float(language_s), 4), spent)
+    return Played(slot.index, record, timing, decisions)
+
+
+def _captions(record: EpisodeRecord, place: str) -> list[str]:
+    """One line for every frame of a film: what is looked for, what was done, how it ended and where the target is."""
+    find = f"find: {record.target.replace('_', ' ')}"
+    names = [Action(int(digit)).name.lower().replace("_", " ") for digit in record.actions]
+    lines = [find, *(f"{find}   step {number}: {name}" for number, name in enumerate(names, 1))]
+    if record.success:
+        lines[-1] = f"{find}   found {place} after {record.steps} steps"
+    else:
+        cause = record.failure_cause.replace("_", " ")
+        lines[-1] = f"{find}   {cause} after {record.steps} steps; it is {place}"
+    return lines
+
+
+def _record(slot: _Slot, episode: Episode, agent: str, spec: RunSpec, calls: int, tokens: int) -> EpisodeRecord:
+    m = slot.info["episode_metrics"]
+    success, steps = bool(m["success"]), int(m["steps"])
+    return EpisodeRecord(
+        episode=episode.id,
+        scene=episode.scene,
+        split=episode.split,
+        target=episode.target_category,
+        relation=str(episode.target_object.relation),
+        contained=bool(m["contained"]),
+        agent=agent,
+        habit_level=spec.habit_level,
+        seed=spec.seed,
+        success=success,
+        success_75=success and steps <= 75,
+        success_150=success and steps <= 150,
+        success_300=success and steps <= 300,
+        spl=float(m["spl"]),
+        soft_spl=float(m["soft_spl"]),
+        shortest_path_m=float(m["shortest_path_m"]),
+        path_length_m=float(m["path_length_m"]),
+        steps=steps,
+        actions="".join(map(str, slot.actions)),
+        opens=int(m["opens"]),
+        collisions=int(m["collisions"]),
+        first_seen_step=int(m["first_seen_step"]),
+        failure_cause=str(m["failure_cause"]),
+        n_habits=len(slot.first_info["habits"]),
+        language_calls=int(calls),
+        language_tokens=int(tokens),
+        **_retrieval(slot.env, episode, spec.habit_level),
+    )
+
+
+def _retrieval(env: Env, episode: Episode, level: str) -> dict[str, float | None]:
+    """How well the retriever ranks the target's habits among the episode's; None at levels that do not rank."""
+    if level not in RANKED_LEVELS:
+        return {"recall_10": None, "recall_20": None, "mrr": None}
+    found = env.unwrapped.source.knowledge(episode, "none").retrieval_metrics()  # type: ignore[attr-defined]
+    names = {"recall_10": "recall_at_10", "recall_20": "recall_at_20", "mrr": "mrr"}
+    return {name: float(found[of]) for name, of in names.items()}

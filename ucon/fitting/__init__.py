@@ -1,0 +1,1 @@
+"""Programs that fit and measure what is shipped: ``python -m ucon data``."""

@@ -1,0 +1,1 @@
+"""Language models behind an HTTP server, and their answers kept on disk."""

@@ -1,0 +1,1 @@
+"""``learner=belief``: where things are kept, from the habits of many households."""

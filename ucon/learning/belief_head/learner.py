@@ -1,0 +1,300 @@
+"""Teaches the belief head where things are kept: from households of the train part, at all habit levels together.
+
+The parts that read sentences for it were fitted on the habit book's train text as well, so each of its households is
+read by parts that were fitted on other categories (:mod:`ucon.learning.belief_head.crossfit`). In use, on the val part
+that chooses, and on other datasets, it stands on the shipped ones. A dataset that is bound to scenes brings its own
+common sense, by the pairs that are not being asked about. Steps depend on seed and number alone, so a resumed run
+repeats an uninterrupted one.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from safetensors.torch import save
+from torch import Tensor, nn
+
+from ucon.core.errors import ConfigError
+from ucon.core.files import sha256_file
+from ucon.core.progress import ticked
+from ucon.core.rng import derived_seed, stream
+from ucon.core.tensor_files import read_fitting
+from ucon.habits.splits import Split, entry_parts
+from ucon.habits.types import HabitDataset
+from ucon.learning.belief_head.draws import Draw, Draws, Sample, sample
+from ucon.learning.belief_head.held_out_readers import N_FOLDS, Fold, folds_of, parts_of
+from ucon.learning.belief_head.households import KnowledgeBases
+from ucon.learning.belief_head.losses import losses
+from ucon.learning.retriever.learner import schedule
+from ucon.learning.run.option_checks import check
+from ucon.learning.run.protocol import Card, Figures, State
+from ucon.learning.run.run_folder import MODEL
+from ucon.learning.run.updates import Updates
+from ucon.readers.belief_scores import best_of, calibration_error, scores
+from ucon.readers.household import FittedParts
+from ucon.retrieval.levels import FIXED_LEVELS
+
+WEIGHTS = "belief_head.safetensors"
+CONFIG = "config.json"
+#: The common sense of a dataset that has its own.
+PRIOR = "prior.npz"
+#: Seeds of the knowledge bases that choose, and of those that the temperature is fitted on.
+_CHOOSE, _CALIBRATE = 0, 5_000
+
+
+class BeliefLearner:
+    """See the module.
+
+    Args:
+        head: makes the network (:class:`models.nets.belief.belief_head.BeliefHead`), which reads
+            :class:`~ucon.readers.head_inputs.HeadInputs`.
+        dataset: habits; only entries of its ``train`` part teach, those of ``val`` choose and calibrate.
+        steps: length of the schedule.
+        draw: how households are drawn.
+        households: of one step.
+        lr: highest learning rate of AdamW.
+        warm_up: steps until it is reached.
+        decay: weight decay.
+        relation, relevance: weights of these losses beside that of the anchors.
+        average: decay of the moving average of the parameters, which is what is chosen and kept.
+        n_folds: of the parts that read the train text; of habits that belong to no scenes, as ``used_folds``.
+        used_folds: so many of them are learned from (each takes minutes to fit); all by default.
+        own_places: of a dataset that is bound to scenes, learn also which places its sentences speak for.
+        n_kbs: knowledge bases of one validation.
+        seed: of the start and of what is drawn.
+        initial: folder of a head of the same options, whose weights it begins with; None: random ones.
+        parts: what reads the val part, and what the head will stand on; the shipped ones by default.
+        folds: what reads the train part, by pieces of it; fitted where not given.
+
+    Raises:
+        ConfigError: a value out of its range.
+        DataError: no head in ``initial``, a damaged one, or one of another shape.
+    """
+
+    def __init__(
+        self,
+        head: Callable[[], nn.Module],
+        dataset: HabitDataset,
+        steps: int,
+        draw: Draw | None = None,
+        households: int = 2,
+        lr: float = 2e-3,
+        warm_up: int = 50,
+        decay: float = 0.02,
+        relation: float = 0.3,
+        relevance: float = 0.5,
+        average: float = 0.99,
+        n_folds: int = N_FOLDS,
+        used_folds: int | None = None,
+        own_places: bool = False,
+        n_kbs: int = 8,
+        seed: int = 0,
+        initial: str | None = None,
+        parts: FittedParts | None = None,
+        folds: Sequence[Fold] | None = None,
+    ) -> None:
+        whole = {"steps": steps, "households": households, "warm_up": warm_up, "n_kbs": n_kbs}
+        check("above 0 and whole", lambda x: x > 0, (int,), **whole)
+        check("above 0", lambda x: 0 < x < 1e9, lr=lr)
+        check("at least 0", lambda x: 0 <= x < 1e9, decay=decay, relation=relation, relevance=relevance)
+        check("at least 0 and below 1", lambda x: 0 <= x < 1, average=average)
+        self.dataset, self.steps, self.seed, self.n_kbs = dataset, steps, seed, n_kbs
+        self.households, self.lr, self.warm_up = households, lr, warm_up
+        self.weights = {"anchor": 1.0, "relation": relation, "relevance": relevance}
+        torch.manual_seed(derived_seed(seed, "belief head"))
+        self.head = head()
+        draw = draw or Draw()
+        self._initial = "" if initial is None else _begin_with(self.head, Path(initial).expanduser())
+        check("true or false", lambda x: True, (bool,), own_places=own_places)
+        if own_places and not dataset.scenes:
+            raise ConfigError(f"learner.own_places=true: {dataset.name} belongs to no scenes, and is read as it is")
+        folds = folds_of(dataset, n_folds, used_folds, own_places) if folds is None else folds
+        self._parts = parts or parts_of(dataset, own_places)
+        # Where a source says what stands in a scene, that is all there is to ask about.
+        others = () if dataset.standing else dataset.anchors if dataset.scenes else None
+        self._folds = [
+            (KnowledgeBases(f.dataset, f.parts.known), Draws(f.parts, draw, others, f.pairs), f.pairs) for f in folds
+        ]
+        self._chosen_by = KnowledgeBases(dataset, self._parts.known)
+        self.updates = Updates(self.head, lr=lr, decay=decay, average=average)
+        self._done = 0
+
+    @property
+    def identity(self) -> Mapping[str, str]:
+        """Hashes of the habits, of the fitted parts and of the weights that it began with."""
+        initial = {"initial": self._initial} if self._initial else {}
+        return {"habits": self.dataset.sha256, "parts": self._parts.sha256, **initial}
+
+    def training_sample(self, number: int) -> Sample:
+        """Household number ``number``: entries of the ``train`` part, of one fold's categories."""
+        bases, draws, pairs = self._folds[number % len(self._folds)]
+        rng = stream(self.seed, "belief", number)
+        seed, mode = derived_seed(self.seed, "kb", number), draws.mode(rng)
+        kb = bases.drawn("train", seed, mode) if pairs is None else bases.asked("train", seed, mode, pairs)
+        return draws(kb, rng, bases.candidates(kb))
+
+    def step(self) -> Figures:
+        """One update from some households."""
+        self.head.train()
+        torch.manual_seed(derived_seed(self.seed, "dropout", self._done))
+        self.updates.begin()
+        total = dict.fromkeys(("loss", *self.weights), 0.0)
+        for k in range(self.households):
+            one = self.training_sample(self._done * self.households + k)
+            found = losses(self.head(one.inputs), one.truth)
+            loss = sum((self.weights[name] * value for name, value in found.items()), torch.zeros(()))
+            (loss / self.households).backward()  # type: ignore[no-untyped-call]
+            for name, value in {"loss": loss, **found}.items():
+                total[name] += float(value.detach()) / self.households
+        updated = self.updates.take(self._done, self.lr * schedule(self._done, self.steps, self.warm_up))
+        self._done += 1
+        return {**total, **updated}
+
+    @cached_property
+    def validation(self) -> list[Sample]:
+        """The same for every run and seed, so that runs can be compared."""
+        return self._samples("val", _CHOOSE, self.n_kbs)
+
+    def _samples(self, part: Split, first: int, count: int) -> list[Sample]:
+        """All targets of ``count`` knowledge bases, at all levels."""
+        found = []
+        for kb in self._chosen_by.several(part, first, count):
+            asked = self._chosen_by.targets(kb, part)
+            targets = [target for target in asked for _ in FIXED_LEVELS]
+            found.append(sample(kb, self._parts, self._chosen_by.candidates(kb), targets, FIXED_LEVELS * len(asked)))
+        return found
+
+    def validate(self) -> Figures:
+        """Figures of the average on the ``val`` part; the best state is chosen by ``score``, minus the mean NLL."""
+        with self.updates.averaged():
+            found = self._figures(self.validation)
+        nll = [found[f"{level}/nll"] for level in FIXED_LEVELS]
+        return found | {"score": -round(float(np.mean(nll)), 6)}
+
+    def _figures(self, samples: list[Sample]) -> Figures:
+        """By level: the figures of :func:`~ucon.readers.belief_scores.scores`, and the calibration error."""
+        rows: dict[str, list[dict[str, float]]] = {str(level): [] for level in FIXED_LEVELS}
+        best: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {str(level): [] for level in FIXED_LEVELS}
+        for one in ticked("validating", samples):
+            p, relation = self._predict(one)
+            for t, level in enumerate(one.levels):
+                rows[level].append(scores(p[t], relation[t], one.truth.relation[t]))
+                best[level].append(best_of(p[t], one.truth.anchor[t, :-1]))
+        out: Figures = {}
+        for name_of, found in rows.items():
+            out |= {f"{name_of}/{name}": round(float(np.mean([row[name] for row in found])), 4) for name in found[0]}
+            stated, true = (np.concatenate(values) for values in zip(*best[name_of], strict=True))
+            out[f"{name_of}/ece"] = round(calibration_error(stated, true), 4)
+        return out
+
+    def _predict(self, one: Sample) -> tuple[np.ndarray, np.ndarray]:
+        """P (T, C) and p(relation | anchor) (T, C, 4)."""
+        self.head.eval()
+        with torch.no_grad():
+            outputs = self.head(one.inputs)
+        return outputs.log_p.exp().numpy()[:, :-1], outputs.relation.softmax(-1).numpy()
+
+    def state_dict(self) -> State:
+        """Parameters, their average, moments of the optimiser, number of steps."""
+        return State(self.updates.tensors(), {"done": self._done})
+
+    def load_state_dict(self, state: State) -> None:
+        """Go on after ``done`` steps."""
+        self._done = state.count("done")
+        self.updates.load(state.tensors, self._done)
+
+    def lengthen(self, steps: int) -> bool:
+        """See :class:`ucon.learning.run.protocol.Learner`."""
+        self.steps = steps
+        return True
+
+    def product(self) -> Mapping[str, bytes]:
+        """Weights in fp16 with a fitted temperature, and the options that the head is built with."""
+        half = {name: value.half().contiguous() for name, value in self.updates.average.items()}
+        half["temperature"] = torch.tensor(self._temperature())
+        options: dict[str, Any] = {"head": self.head.options, "parts": self.identity["parts"]}
+        files = {WEIGHTS: save(half)}
+        if (prior := self._parts.own_prior) is not None:
+            options["anchors"], files[PRIOR] = list(prior.names), prior.to_bytes()
+        if (own := self._parts.own_places) is not None:
+            options["own_places"], files = own.sha256, files | own.files
+        return {**files, CONFIG: (json.dumps(options, indent=1, sort_keys=True) + "\n").encode()}
+
+    def _temperature(self) -> float:
+        """By which the average's scores are divided: the likeliest on other households of the ``val`` part."""
+        samples = self._samples("val", _CALIBRATE, self.n_kbs)
+        with self.updates.averaged(), torch.no_grad():
+            self.head.eval()
+            scores = [self.head(one.inputs) for one in samples]
+        grid = np.geomspace(0.6, 1.8, 61)
+
+        def nll(temperature: float) -> float:
+            values = [
+                -(torch.from_numpy(one.truth.anchor) * _cooled(score, temperature)).sum(1)
+                for one, score in zip(samples, scores, strict=True)
+            ]
+            return float(torch.cat(values).mean())
+
+        return float(min(grid, key=nll))
+
+    def close(self) -> None:
+        """It plays in none."""
+
+    def _own_reader(self) -> str:
+        """What the card says of what reads places in the sentences of a dataset of its own."""
+        if self._parts.own_places is None:
+            return ""
+        return (
+            "What reads places is an adapter of the encoder that comes with it (fp16), taught by where the things of "
+            "the same entries are kept, without being told which sentence says so.\n\n"
+        )
+
+    def card(self) -> Card:
+        """What it is and what for."""
+        parts = entry_parts(self.dataset)
+        chosen = sum(part == "val" for part in parts.values())
+        read = {e.id for bases, *_ in self._folds for e in bases.dataset.entries}
+        taught = sum(parts.get(id) == "train" for id in read)
+        size = sum(value.numel() for value in self.updates.parameters.values())
+        whose = "this dataset's" if self.dataset.scenes else "the habit book's"
+        return Card(
+            "Belief head: where a thing may be, by what the habits say",
+            f"A network of {size:,} parameters (fp16). It reads sentence vectors (all-MiniLM-L6-v2, Apache-2.0), pair "
+            "features and what the fitted anchor reader says of each sentence, and gives p(anchor), p(relation | "
+            "anchor), the relevance of every habit and the mass of what was not seen.\n\n"
+            f"{self._own_reader()}"
+            f"Trained on {taught} `train` entries of `{self.dataset.name}` (read by parts that were not fitted on "
+            f"them), chosen and calibrated on its {chosen} `val` entries; `test` entries were not read. "
+            "One set of weights for all habit levels.\n\n"
+            "It reads English sentences about where people keep things. Its probabilities are those of "
+            f"{whose} households: elsewhere they are too sure.",
+            self.dataset.name,
+        )
+
+
+def head_tensors(path: Path, head: nn.Module) -> dict[str, Tensor]:
+    """The weights in a file that its folder's manifest lists, as float32, for a head of their shape.
+
+    Raises:
+        DataError: it is missing or altered, no safetensors, of another head, or holds values that are no numbers.
+    """
+    return {name: value.float() for name, value in read_fitting(path, head.state_dict())[0].items()}
+
+
+def _begin_with(head: nn.Module, folder: Path) -> str:
+    """Give a head the weights of another one, without its temperature; returns the hash of their file."""
+    path = (folder / MODEL if (folder / MODEL).is_dir() else folder) / WEIGHTS
+    head.load_state_dict(head_tensors(path, head) | {"temperature": torch.ones(())})
+    return sha256_file(path)
+
+
+def _cooled(outputs: Any, temperature: float) -> Tensor:
+    """Log p (T, C + 1) at a temperature."""
+    logits = torch.cat([outputs.anchor, outputs.unseen[:, None]], 1)
+    return (logits / temperature).log_softmax(1).clamp_min(-30.0)

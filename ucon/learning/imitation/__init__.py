@@ -1,0 +1,1 @@
+"""``learner=imitation`` and ``learner=dagger``: doing what is shown."""

@@ -1,0 +1,299 @@
+"""``learner=imitation``: a policy over the seven actions learns to do what it is shown (``demonstrators``).
+
+A step is a batch of whole episodes, each at a habit level of its own. They are read in chunks: gradients end where a
+chunk begins, the recurrent state goes on (:mod:`ucon.learning.policies.sequences`). The best state is chosen by what
+the policy does on validation episodes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cached_property
+from itertools import count
+from typing import Any, Literal, cast
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from ucon.core.device import batch_size, torch_device, torch_precision
+from ucon.core.errors import ConfigError, DivergedError, brief
+from ucon.core.files import sha256_bytes
+from ucon.core.progress import part
+from ucon.core.rng import derived_seed, stream
+from ucon.habits.splits import entry_parts
+from ucon.learning.imitation.demonstrators import Demonstrator, Solutions
+from ucon.learning.imitation.feeding import Feeder
+from ucon.learning.imitation.sequence_loss import SequenceLoss
+from ucon.learning.imitation.trajectories import Replay, Trajectory
+from ucon.learning.imitation.workers import MOST_WORKERS, WORKER_TIMEOUT_S, check_timeout
+from ucon.learning.policies.action_policy import ActionPolicy
+from ucon.learning.policies.playing import Players
+from ucon.learning.policies.sequences import Batch, Chunk, cut
+from ucon.learning.policies.validation import Validation, spaced
+from ucon.learning.run.network_files import learns_from, load_network, network_files
+from ucon.learning.run.option_checks import check, check_parts, text_weights
+from ucon.learning.run.protocol import Card, Figures, State
+from ucon.learning.run.updates import Updates, require_finite
+from ucon.retrieval.levels import check_level
+from ucon.task.episode import Episode
+from ucon.task.sets import load_episodes
+
+
+class ImitationLearner:
+    """See the module.
+
+    Args:
+        policy: an :class:`ucon.learning.policies.action_policy.ActionPolicy` that is a module; begins with the weights
+            that it has.
+        env: makes an environment of ``UcON-v0``, with what the policy reads; sent to workers.
+        loss: what is learned from a chunk.
+        validation: how states are compared.
+        steps: length of the run, and of the schedule of the learning rate.
+        episodes: a named set or a file, of the ``train`` part alone.
+        demonstrator: shows what to do in them; by default their stored shortest solutions.
+        n_episodes: so many of them, evenly spaced; None: all.
+        levels: habit levels that a batch mixes. One is enough for a policy that reads none.
+        batch: episodes of one step; ``auto``: as many as the demonstrator says, four times as many on a GPU.
+        chunk: steps through which gradients flow.
+        lr, warm_up, clip, decay, average: see :class:`ucon.learning.run.updates.Updates`.
+        seed: of the order of episodes, of dropout and augmentation.
+        initial: folder of the weights that it begins with, or a run of ``train.py``; None: those that it has.
+        device: ``cpu``, ``cuda``, or ``auto``: a GPU if there is one.
+        precision: ``float32``, or ``bfloat16`` for the passes of the network (the loss stays in float32); ``auto``:
+            the latter on a GPU that has it.
+        workers: processes that play episodes ahead; 0 plays them in this one. Changes nothing that is learned.
+        worker_timeout_s: so long may the next batch take them; then they are ended, and the run with them.
+        memory_gb: of what was seen, kept for the next time.
+        half: leave the policy in float16.
+
+    Raises:
+        ConfigError: a value of the wrong type or outside its range, or episodes that must not be learned from.
+        DataError: no weights in ``initial``, or those of another network.
+    """
+
+    title = "imitation"
+
+    def __init__(
+        self,
+        policy: nn.Module,
+        env: Callable[[], Any],
+        loss: SequenceLoss,
+        validation: Validation,
+        steps: int,
+        episodes: str = "train",
+        demonstrator: Demonstrator | None = None,
+        n_episodes: int | None = None,
+        levels: Sequence[str] = ("none", "retrieval", "full", "gt"),
+        batch: int | Literal["auto"] = 16,
+        chunk: int = 32,
+        lr: float = 3e-4,
+        warm_up: int = 50,
+        clip: float = 1.0,
+        decay: float = 0.0,
+        average: float = 0.0,
+        seed: int = 0,
+        initial: str | None = None,
+        device: str = "cpu",
+        precision: str = "float32",
+        workers: int = 0,
+        worker_timeout_s: float = WORKER_TIMEOUT_S,
+        memory_gb: float = 1.0,
+        half: bool = True,
+    ) -> None:
+        if not isinstance(policy, nn.Module):
+            raise ConfigError("agent has no policy that can be trained; choose one that has, such as agent=vtn")
+        if not hasattr(policy, "frame"):
+            scorer = type(policy).__name__
+            raise ConfigError(
+                f"{scorer} scores views, and stored solutions name actions; train it with learner=ppo or expert"
+            )
+        self.device = torch_device(device, "learner.device")
+        self._precision = torch_precision(precision, self.device)
+        self.demonstrator = demonstrator or Solutions()
+        batch = batch_size(batch, self.device, self.demonstrator.batch)
+        check("above 0 and whole", lambda x: x > 0, (int,), steps=steps, batch=batch, chunk=chunk)
+        check("at least 0 and whole", lambda x: x >= 0, (int,), warm_up=warm_up)
+        check(
+            f"at least 0 and whole, at most {MOST_WORKERS}", lambda x: 0 <= x <= MOST_WORKERS, (int,), workers=workers
+        )
+        check("above 0", lambda x: 0 < x < 1e9, lr=lr, clip=clip)
+        check("at least 0", lambda x: 0 <= x < 1e9, decay=decay, memory_gb=memory_gb)
+        check("at least 0 and below 1", lambda x: 0 <= x < 1, average=average)
+        check("a whole number", lambda x: True, (int,), seed=seed)
+        check_timeout("learner.worker_timeout_s", worker_timeout_s)
+        self.policy, self.make_env, self.loss, self.validation = policy, env, loss, validation
+        self.seed, self.batch, self.chunk, self.half = seed, batch, chunk, half
+        self.act = cast(ActionPolicy, policy)
+        if isinstance(levels, str) or not levels:
+            raise ConfigError(f"learner.levels={brief(levels)}: expected a list of at least one habit level")
+        for level in levels:
+            check_level(str(level))
+        self.levels = tuple(levels) if self.act.uses_habits else ("none",)
+        self.episodes = spaced(load_episodes(episodes), n_episodes, "learner.n_episodes")
+        seen = env().unwrapped
+        self.source = seen.source
+        self.dataset = self.source.dataset
+        check_parts(self.episodes, validation.all, entry_parts(self.dataset))
+        self._initial = "" if initial is None else load_network(str(initial), cast(Any, policy))
+        learns_from(policy, seen)
+        memory = {"workers": workers, "memory_bytes": int(memory_gb * (1 << 30))}
+        self.feeder = Feeder(policy, env, **memory, worker_timeout_s=worker_timeout_s)
+        self.policy.to(self.device)
+        self.updates = Updates(policy, lr=lr, clip=clip, steps=steps, warm_up=warm_up, decay=decay, average=average)
+        self.done, self.frames, self.labels = 0, 0, 0
+        self._stream: Iterator[list[tuple[Trajectory, Replay]]] | None = None
+        self._ordered: tuple[int, NDArray[np.int64]] = (-1, np.empty(0, np.int64))
+
+    @property
+    def identity(self) -> Mapping[str, str]:
+        """Hashes of the episodes, of the habits, of frozen weights and of those that rank habits."""
+        of_episodes = [f"{e.id} {e.home_hash} {e.solution}" for e in (*self.episodes, *self.validation.all)]
+        frozen, shown = getattr(self.policy, "fingerprint", str)(), self.demonstrator.fingerprint()
+        hashes = {"habits": self.dataset.sha256, "episodes": sha256_bytes("\n".join(of_episodes).encode())}
+        text = text_weights(self.source, (*self.levels, self.validation.level))
+        others = {"frozen": frozen, "demonstrator": shown, "initial": self._initial, "text": text}
+        return hashes | {name: by for name, by in others.items() if by}
+
+    @property
+    def settled(self) -> Mapping[str, str | int]:
+        """What ``auto`` came to here, by option: a run keeps it, wherever it goes on."""
+        precision = str(self._precision).removeprefix("torch.")
+        return {"device": self.device, "precision": precision, "batch": self.batch}
+
+    @property
+    def n_labels(self) -> int:
+        """Different labelled frames so far: an episode counts once, at whatever levels it was seen."""
+        return self.labels
+
+    def assigned(self, item: int) -> tuple[Episode, str]:
+        """Episode and habit level number ``item``: all episodes at random, again and again, the levels in turn."""
+        epoch, place = divmod(item, len(self.episodes))
+        return self.episodes[int(self._order(epoch)[place])], self.levels[(item + epoch) % len(self.levels)]
+
+    def batches(self) -> Iterator[list[Trajectory]]:
+        """What the next steps learn from."""
+        for step in count(self.done):
+            items = range(step * self.batch, (step + 1) * self.batch)
+            yield [self.demonstrator(*self.assigned(item)) for item in items]
+
+    def step(self) -> Figures:
+        """One batch.
+
+        Raises:
+            DivergedError: a loss or gradient that is not finite.
+        """
+        if self._stream is None:
+            self._stream = self.feeder(self.batches())
+        pairs = next(self._stream)
+        batch = Batch(pairs, self.loss.discount, self.device)
+        seed = derived_seed(self.seed, "step", self.done)
+        torch.manual_seed(seed)
+        batch.augment(self.act, seed)
+        self.policy.train()
+        for frames in batch.frames:
+            self.act.take_in(frames)
+        self.updates.begin()
+        sums = self._pass(batch, backward=True)
+        figures = self.loss.figures(sums) | self.updates.take(self.done)
+        self.labels += sum(len(replay) for _, replay in pairs[: max(0, len(self.episodes) - self.done * self.batch)])
+        self.done += 1
+        self.frames += sum(batch.lengths)
+        return figures | {"frames": float(self.frames), "labels": float(self.n_labels)}
+
+    def validate(self) -> Figures:
+        """Loss and accuracy on validation demonstrations, and what the policy does by itself."""
+        with self.updates.averaged():
+            self.policy.eval()
+            found = self.measured(self.validation.demonstrations(self.levels))
+            found |= self.validation.played(self.players, self.seed)
+        return found | self.validation.score(found)
+
+    @cached_property
+    def players(self) -> Players:
+        """Those who play validation episodes."""
+        return Players(self.policy, self.make_env, self.validation.slots, self.validation.max_steps)
+
+    def measured(self, trajectories: Sequence[Trajectory]) -> Figures:
+        """Loss and accuracy on trajectories, without learning from them."""
+        batches = [trajectories[at : at + self.batch] for at in range(0, len(trajectories), self.batch)]
+        sums = torch.zeros(self.loss.n_sums, dtype=torch.float64)
+        with torch.no_grad(), part("validating demonstrations", len(batches)) as tick:
+            for number, pairs in enumerate(self.feeder(batches), 1):
+                tick(number)
+                sums += self._pass(Batch(pairs, self.loss.discount, self.device), backward=False)
+        return self.loss.figures(sums)
+
+    def state_dict(self) -> State:
+        """Network, its average, moments of the optimiser, counters."""
+        return State(self.updates.tensors(), {"done": self.done, "frames": self.frames, "labels": self.labels})
+
+    def load_state_dict(self, state: State) -> None:
+        """Go on after ``done`` steps."""
+        self.done, self.frames = state.count("done"), state.count("frames")
+        self.labels = state.count("labels") if "labels" in state.values else self.frames  # earlier versions had none
+        self.updates.load(state.tensors, self.done)
+        self._stream = None
+
+    def lengthen(self, steps: int) -> bool:
+        """See :class:`ucon.learning.run.protocol.Learner`."""
+        return self.updates.lengthen(steps)
+
+    def product(self) -> Mapping[str, bytes]:
+        """The policy, as :class:`models.agents.policy.PolicyAgent` loads it."""
+        with self.updates.averaged():
+            return network_files(cast(Any, self.policy), half=self.half)
+
+    def card(self) -> Card:
+        """What it is and what for."""
+        size = sum(value.numel() for value in self.updates.parameters.values())
+        name = self.act.architecture
+        return Card(
+            f"Policy over the seven actions: {name}, by {self.title}",
+            f"`{name}`, {size:,} trained parameters. Learned from episodes drawn from {len(self.episodes)} of the "
+            f"`train` part, {self.n_labels:,} different labelled frames, {self.frames:,} with repetitions; habit "
+            f"levels {', '.join(self.levels)}. Validation episodes chose the state; `test` was not touched.\n\n"
+            f"Use: `python eval.py agent={name} agent.checkpoint=RUN`.\n\n"
+            f"It learned from {self.demonstrator.title}; in homes unlike these it was not measured.",
+            self.dataset.name,
+        )
+
+    def close(self) -> None:
+        """See :class:`ucon.learning.run.protocol.Learner`."""
+        self.feeder.close()
+        self._stream = None  # what was asked of the workers is lost
+        self.players.close()
+
+    def _pass(self, batch: Batch, *, backward: bool) -> Tensor:
+        """The sums of the loss over a batch, (n_sums,) float64; with ``backward`` also its gradient."""
+        total = torch.zeros(self.loss.n_sums, dtype=torch.float64)
+        scale = self.loss.scale(batch)
+        state: Mapping[str, Tensor] = self.act.initial_state(len(batch.lengths))
+        kind = torch.device(self.device).type
+        for chunk in batch.chunks(self.chunk):
+            state = cut(state, chunk.labels.shape[1])
+            with torch.autocast(kind, self._precision, enabled=self._precision != torch.float32):
+                outputs = self.act(chunk.frames, chunk.context, state)
+            state = outputs.state
+            loss, sums = self.loss(outputs, chunk, scale)
+            if not bool(torch.isfinite(loss)):
+                self._diverged(chunk, outputs._asdict())
+            if backward:
+                loss.backward()  # type: ignore[no-untyped-call]
+            total += sums
+        return total
+
+    def _diverged(self, chunk: Chunk, outputs: Mapping[str, Any]) -> None:
+        """Name the first tensor on the way to the loss that is not finite."""
+        parts = {"frames": chunk.frames, "context": chunk.context, "parameter": self.updates.parameters}
+        for kind, tensors in parts.items():
+            require_finite({f"{kind} {name}": tensor for name, tensor in tensors.items()}, self.done)
+        require_finite({name: outputs[name] for name in ("logits", "value")}, self.done)
+        raise DivergedError(f"step {self.done + 1}: the loss is not finite; start a run anew with a smaller learner.lr")
+
+    def _order(self, epoch: int) -> NDArray[np.int64]:
+        """The order of the episodes in an epoch, (n,)."""
+        if self._ordered[0] != epoch:
+            self._ordered = (epoch, stream(self.seed, "order", epoch).permutation(len(self.episodes)))
+        return self._ordered[1]

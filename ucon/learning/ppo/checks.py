@@ -1,0 +1,78 @@
+"""What ``learner=ppo`` refuses before it begins."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Final, cast
+
+from torch import nn
+
+from ucon.core.device import AUTO
+from ucon.core.errors import ConfigError, brief
+from ucon.envs.image_goal import UcONImageGoalEnv
+from ucon.learning.policies.action_policy import ActionPolicy
+from ucon.learning.policies.validation import Validation
+from ucon.learning.run.option_checks import check
+from ucon.retrieval.levels import check_level
+
+#: Of the recurrent states of one collection.
+_MOST_STATE_BYTES: Final = 4 << 30
+#: And where none are asked for: a collection is copied more than once.
+_USUAL_STATE_BYTES: Final = 1 << 30
+_USUAL_FRAMES: Final = 9000
+
+
+def check_choices(policy: object, levels: Sequence[str], validation: Validation) -> None:
+    """Refuse what names no policy, habit level or figure to choose by.
+
+    Raises:
+        ConfigError: naming what to give.
+    """
+    if not isinstance(policy, nn.Module):
+        raise ConfigError("agent has no policy that can be trained; choose one that has, like agent=habit_policy")
+    if isinstance(levels, str) or not levels:
+        raise ConfigError(f"learner.levels={brief(levels)}: expected a list of at least one habit level")
+    for level in levels:
+        check_level(str(level))
+    if validation.choose not in ("success_rate", "spl"):
+        raise ConfigError(f"learner.validation.choose={validation.choose}: expected success_rate or spl")
+
+
+def check_taught(policy: nn.Module, env: Any, objective: float) -> None:
+    """Refuse a policy that would be taught nothing, or the wrong thing, in these environments.
+
+    Args:
+        policy: what is trained.
+        env: an environment of policies over the seven actions.
+        objective: weight of what came of it.
+
+    Raises:
+        ConfigError: naming what to give.
+    """
+    name = type(policy).__name__
+    if isinstance(env.unwrapped, UcONImageGoalEnv) and not getattr(policy, "reads_goal_images", False):
+        raise ConfigError(f"learner=image_goal: {name} reads names, not images of goals; give agent=zson")
+    if objective == 0:
+        raise ConfigError(f"learner.loss.objective=0: {name} would learn nothing; give a number above 0")
+
+
+def collection_size(policy: ActionPolicy, frames: int | str) -> int:
+    """Steps of the environment that one collection holds, whose recurrent states, one each, have to fit a machine.
+
+    ``auto`` are 9,000, or as many thousand as a gigabyte of states leaves room for.
+
+    Raises:
+        ConfigError: more than a machine may hold; the message says how many there may be.
+    """
+    size = sum(tensor.nbytes for tensor in policy.initial_state(1).values())
+    if frames == AUTO:
+        room = _USUAL_STATE_BYTES // size if size else _USUAL_FRAMES
+        return min(_USUAL_FRAMES, max(1000, room // 1000 * 1000))
+    check("above 0 and whole", lambda x: x > 0, (int,), frames=frames)
+    given = cast(int, frames)
+    if given * size > _MOST_STATE_BYTES:
+        raise ConfigError(
+            f"learner.frames={given}: the memory of {policy.architecture} at each of them takes "
+            f"{given * size / (1 << 30):.1f} GB; give learner.frames={_MOST_STATE_BYTES // size} or less"
+        )
+    return given

@@ -1,0 +1,162 @@
+"""Who gathers experience: TorchRL's collectors, in this process or in workers.
+
+Every collection begins with fresh episodes and seeds: it depends on the weights and the seed that it is given alone.
+"""
+
+from __future__ import annotations
+
+import atexit
+import copy
+import functools
+import os
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from multiprocessing.process import BaseProcess
+from typing import Any, Protocol, cast
+
+# Both are read when torchrl is imported: a worker that hangs is an error after so many seconds, not never.
+os.environ.setdefault("MAX_IDLE_COUNT", "3600")
+os.environ.setdefault("BATCHED_PIPE_TIMEOUT", "3600")
+
+import torch
+from tensordict import TensorDictBase
+from torch import nn
+from torchrl.collectors import Collector, MultiSyncCollector
+
+from ucon.core.errors import ConfigError, brief
+from ucon.learning.imitation.workers import WORKER_TIMEOUT_S, ask, begin_worker, check_timeout
+from ucon.learning.policies.actor import rollout_actor
+from ucon.learning.ppo.rollout_env import rollout_env
+from ucon.task.episode import Episode
+
+MakeEnv = Callable[[], Any]
+
+
+class Collecting(Protocol):
+    """Which collector."""
+
+    rows: int
+    """Environments that are played at the same time."""
+    worker_timeout_s: float
+    """So long may one collection take."""
+
+    def collector(self, make: Callable[[], Any], actor: nn.Module, steps: int) -> Any:
+        """A TorchRL collector of batches with ``steps`` of each environment, which begin with a reset."""
+        ...
+
+
+@dataclass(frozen=True)
+class InProcess:
+    """One environment in this process."""
+
+    rows = 1
+    worker_timeout_s = WORKER_TIMEOUT_S
+
+    def collector(self, make: Callable[[], Any], actor: nn.Module, steps: int) -> Any:
+        """See :class:`Collecting`."""
+        return Collector(make, actor, frames_per_batch=steps, **_OPTIONS)
+
+
+@dataclass(frozen=True)
+class InWorkers:
+    """One environment in each of ``workers`` processes, which end the run if a collection takes them longer than so.
+
+    Raises:
+        ConfigError: no workers, or no time.
+    """
+
+    workers: int = 2
+    worker_timeout_s: float = WORKER_TIMEOUT_S
+
+    def __post_init__(self) -> None:
+        if type(self.workers) is not int or not 1 <= self.workers <= 1024:
+            raise ConfigError(
+                f"collector.workers={brief(self.workers)}: expected a whole number from 1 to 1024; "
+                "collector=in_process plays without workers"
+            )
+        check_timeout("collector.worker_timeout_s", self.worker_timeout_s)
+
+    @property
+    def rows(self) -> int:
+        """Environments."""
+        return self.workers
+
+    def collector(self, make: Callable[[], Any], actor: nn.Module, steps: int) -> Any:
+        """See :class:`Collecting`."""
+        frames = steps * self.workers
+        made = [functools.partial(_in_worker, make, os.getpid())] * self.workers
+        return MultiSyncCollector(made, actor, frames_per_batch=frames, cat_results="stack", **_OPTIONS)
+
+
+def _in_worker(make: Callable[[], Any], trainer: int) -> Any:
+    if os.getpid() != trainer:  # TorchRL may make one where the trainer is
+        begin_worker()
+    return make()
+
+
+#: Of every collector. What is seen next is what is seen in the next row; storing it once halves the memory.
+_OPTIONS: dict[str, Any] = {
+    "total_frames": -1,
+    "reset_at_each_iter": True,
+    "compact_obs": True,
+    "device": torch.device("cpu"),
+}
+
+
+class Rollouts:
+    """Gathers experience with a policy on the CPU, whatever device it is trained on.
+
+    Args:
+        policy: an :class:`ucon.learning.policies.action_policy.ActionPolicy` that is a module; plays with its weights
+            of the time.
+        make_env: makes an environment; sent to workers.
+        episodes: to draw from.
+        levels: habit levels that are mixed.
+        collecting: which collector.
+        steps: of each environment in a collection.
+    """
+
+    def __init__(
+        self,
+        policy: nn.Module,
+        make_env: MakeEnv,
+        episodes: Sequence[Episode],
+        levels: Sequence[str],
+        collecting: Collecting,
+        steps: int,
+    ) -> None:
+        self._policy, self._playing = policy, copy.deepcopy(policy).cpu().eval()
+        self._playing.requires_grad_(False)
+        reader = copy.deepcopy(self._playing)
+        make = functools.partial(rollout_env, reader, make_env, tuple(episodes), tuple(levels))
+        self.shape = (collecting.rows, steps)
+        self._collecting, self._make, self._actor = collecting, make, rollout_actor(self._playing)
+        self._collector: Any = None
+        self._batches: Iterator[TensorDictBase] | None = None
+
+    def collect(self, seed: int) -> TensorDictBase:
+        """Experience (rows, steps): a function of the weights and ``seed``, below 2 ** 63."""
+        if self._batches is None:
+            self._collector = self._collecting.collector(self._make, self._actor, self.shape[1])
+            self._batches = iter(self._collector)
+            atexit.register(self.close)  # before Python waits for processes that nobody ended
+        self._playing.load_state_dict(self._policy.state_dict())
+        question = functools.partial(self._collected, seed)
+        return ask(question, self._collecting.worker_timeout_s, self._workers, "collector.worker_timeout_s")
+
+    def _collected(self, seed: int) -> TensorDictBase:
+        self._collector.update_policy_weights_()
+        self._collector.set_seed(seed % (1 << 31))
+        torch.manual_seed(seed)
+        batches = cast("Iterator[TensorDictBase]", self._batches)
+        return next(batches).reshape(self.shape)
+
+    def _workers(self) -> list[BaseProcess]:
+        return list(getattr(self._collector, "procs", ()))
+
+    def close(self) -> None:
+        """End the workers."""
+        if self._collector is not None:
+            atexit.unregister(self.close)
+            self._collector.shutdown(raise_on_error=False)  # of workers that are gone
+            self._collector = self._batches = None

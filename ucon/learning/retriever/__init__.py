@@ -1,0 +1,1 @@
+"""``learner=retriever``: which habits are about what."""

@@ -1,0 +1,246 @@
+"""Teaches the sentence encoder which habits are about what: InfoNCE inside knowledge bases, by a low-rank adapter.
+
+One step is one knowledge base: each of its categories asks the paper's query, its own habits are the answers, the
+habits of the other categories are what they are told apart from. Habits that support a placement weigh more, for
+they are what a robot needs. Steps depend on seed and number alone, so a resumed run repeats an uninterrupted one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import cached_property
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from ucon.core.device import torch_precision
+from ucon.core.errors import ConfigError, brief
+from ucon.core.files import sha256_file
+from ucon.core.progress import part
+from ucon.core.rng import derived_seed
+from ucon.fitting.measures import measure_retrieval
+from ucon.fitting.rate_schedule import schedule
+from ucon.habits.knowledge import KnowledgeBase
+from ucon.habits.splits import entry_parts
+from ucon.habits.types import HabitDataset
+from ucon.language.adapter import adapter_bytes, add_adapters, begin_with, read_adapter
+from ucon.language.batch_encoder import BatchEncoder
+from ucon.language.encoder import MINILM_SHA256, MiniLM
+from ucon.language.phrases import query_text
+from ucon.learning.run.option_checks import check
+from ucon.learning.run.protocol import Card, Figures, State
+from ucon.learning.run.updates import Updates
+from ucon.readers.sampled_homes import part_kb
+from ucon.retrieval.base import ranked
+from ucon.retrieval.tuned import adapter_file
+
+PRODUCT = "retriever.safetensors"
+_MOST = 1e9
+"""Above every sensible option; keeps infinity out."""
+
+
+def info_nce(similarity: Tensor, own: Tensor, weight: Tensor, temperature: float) -> Tensor:
+    """Contrastive loss, a scalar.
+
+    Each own habit of a query is told apart from the habits of others; its siblings are neither for nor against.
+
+    Args:
+        similarity: (Q, N) cosines of queries and habits.
+        own: (Q, N) bool: the habit is about the query's target.
+        weight: (N,) how much a habit counts as an answer.
+        temperature: cosines are divided by it.
+    """
+    logits = similarity / temperature
+    others = logits.masked_fill(own, -torch.inf).logsumexp(1, keepdim=True)  # (Q, 1)
+    losses = torch.nn.functional.softplus(others - logits)  # -log of own / (own + others)
+    weights = own * weight
+    return ((losses * weights).sum(1) / weights.sum(1)).mean()
+
+
+def owner_loss(similarity: Tensor, own: Tensor, weight: Tensor, temperature: float) -> Tensor:
+    """The other way round, a scalar: each habit is to be told whose it is, among the queries.
+
+    Args: as of :func:`info_nce`; every habit belongs to at least one query.
+    """
+    logits = similarity / temperature
+    losses = logits.logsumexp(0) - logits.masked_fill(~own, -torch.inf).logsumexp(0)  # (N,)
+    return (losses * weight).sum() / weight.sum()
+
+
+#: Of an adapter: what is larger than the maps that it adds to is no adapter.
+_MOST_RANK = 1024
+
+
+class _Ranker:
+    """Ranks with vectors that were made beforehand: the retriever of one validation."""
+
+    def __init__(self, vectors: Mapping[str, NDArray[np.float64]]) -> None:
+        self._vectors = vectors
+
+    def scores(self, target: str, kb: KnowledgeBase) -> NDArray[np.float64]:
+        return np.stack([self._vectors[text] for text in kb.texts]) @ self._vectors[query_text(target)]
+
+    def rank(self, target: str, kb: KnowledgeBase) -> NDArray[np.int32]:
+        return ranked(self.scores(target, kb), kb.rows)
+
+
+class RetrieverLearner:
+    """See the module.
+
+    Args:
+        dataset: habits; only entries of its ``train`` part teach, those of ``val`` choose.
+        steps: length of the schedule.
+        rank: of the adapter's matrices.
+        lr: highest learning rate of AdamW.
+        warm_up: steps until it is reached.
+        temperature: of the loss.
+        other_weight: what a habit that supports no placement counts against 1 for one that does.
+        decay: weight decay.
+        owner: weight of :func:`owner_loss`.
+        mask: share of the tokens that are hidden while learning.
+        average: decay of the moving average of the adapter, which is what is chosen and kept.
+        seed: of the adapter's start and of the knowledge bases.
+        n_kbs: knowledge bases of one validation.
+        initial: folder of the adapter that it begins with, or a run of ``train.py``, of the same ``rank``; None: a new
+            one, which changes nothing.
+        precision: ``bfloat16`` multiplies in half the bits (three times as fast where the processor can), else
+            ``float32``.
+        encoder: the frozen encoder; MiniLM by default.
+
+    Raises:
+        ConfigError: a value of the wrong type or outside its range.
+        DataError: no adapter in ``initial``, a damaged one, or one of another shape.
+    """
+
+    def __init__(
+        self,
+        dataset: HabitDataset,
+        steps: int,
+        rank: int = 32,
+        lr: float = 7e-4,
+        warm_up: int = 20,
+        temperature: float = 0.05,
+        other_weight: float = 0.05,
+        decay: float = 0.01,
+        owner: float = 1.0,
+        mask: float = 0.15,
+        average: float = 0.95,
+        seed: int = 0,
+        n_kbs: int = 10,
+        initial: str | None = None,
+        precision: str = "bfloat16",
+        encoder: MiniLM | None = None,
+    ) -> None:
+        kind = torch_precision(precision)
+        if not isinstance(dataset, HabitDataset):
+            raise ConfigError(f"learner.dataset={brief(dataset)}: expected a dataset; choose one by habits=...")
+        check("above 0 and whole", lambda x: x > 0, (int,), steps=steps, warm_up=warm_up, n_kbs=n_kbs)
+        check(f"above 0 and whole, at most {_MOST_RANK}", lambda x: 1 <= x <= _MOST_RANK, (int,), rank=rank)
+        check("a whole number", lambda x: True, (int,), seed=seed)
+        check("above 0", lambda x: 0 < x < _MOST, lr=lr, temperature=temperature, other_weight=other_weight)
+        check("at least 0", lambda x: 0 <= x < _MOST, decay=decay, owner=owner)
+        check("at least 0 and below 1", lambda x: 0 <= x < 1, mask=mask, average=average)
+        self.dataset, self.seed, self.n_kbs, self.steps, self.warm_up = dataset, seed, n_kbs, steps, warm_up
+        self.lr, self.temperature, self.other_weight, self.rank = lr, temperature, other_weight, rank
+        self.mask, self.owner = mask, owner
+        tokenizer, model = (encoder or MiniLM()).parts()
+        adapters, self._initial = add_adapters(model, rank, seed), ""
+        if initial is not None:
+            path = adapter_file(str(initial))
+            begin_with(adapters, read_adapter(path, MINILM_SHA256), str(path))
+            self._initial = sha256_file(path)
+        self.updates = Updates(adapters, lr=lr, decay=decay, average=average)
+        self._encode = BatchEncoder(tokenizer, model, kind)
+        self._done = 0
+
+    @property
+    def identity(self) -> Mapping[str, str]:
+        """Hashes of the habits, of the frozen weights and of those that it began with."""
+        initial = {"initial": self._initial} if self._initial else {}
+        return {"habits": self.dataset.sha256, "base": MINILM_SHA256, **initial}
+
+    def training_kb(self, step: int) -> KnowledgeBase:
+        """What step number ``step`` learns from: entries of the ``train`` part alone."""
+        return part_kb(self.dataset, "train", self.seed * 1_000_003 + step)
+
+    @cached_property
+    def validation_kbs(self) -> list[KnowledgeBase]:
+        """The same for every run and seed, so that runs can be compared."""
+        return [part_kb(self.dataset, "val", number) for number in range(self.n_kbs)]
+
+    def step(self) -> Figures:
+        """One knowledge base."""
+        kb = self.training_kb(self._done)
+        targets = list(kb.entries)
+        texts = [*map(query_text, targets), *kb.texts]
+        vectors = self._encode(texts, self.mask, derived_seed(self.seed, "mask", self._done))
+        queries, habits = vectors[: len(targets)], vectors[len(targets) :]
+        own = torch.from_numpy(np.stack([np.isin(kb.rows, kb.rows_about(target)) for target in targets]))
+        similarity = queries @ habits.T
+        weights = self._weights(kb)
+        loss = info_nce(similarity, own, weights, self.temperature)
+        if self.owner:
+            loss = loss + self.owner * owner_loss(similarity, own, weights, self.temperature)
+        self.updates.begin()
+        loss.backward()  # type: ignore[no-untyped-call]
+        updated = self.updates.take(self._done, self.lr * schedule(self._done, self.steps, self.warm_up))
+        self._done += 1
+        return {"loss": float(loss.detach()), **updated}
+
+    def _weights(self, kb: KnowledgeBase) -> Tensor:
+        """(N,) What each habit counts as an answer; all the same where supports are unknown."""
+        known = self.dataset.labelled
+        answers = [1.0 if self.dataset.habits[row].supports or not known else self.other_weight for row in kb.rows]
+        return torch.tensor(answers)
+
+    def validate(self) -> Figures:
+        """Recall and MRR of the average for targets of the ``val`` part; the best state is chosen by ``score``."""
+        parts = entry_parts(self.dataset)
+        texts = list(dict.fromkeys(text for kb in self.validation_kbs for text in kb.texts))
+        texts += [query_text(target) for target in sorted({t for kb in self.validation_kbs for t in kb.entries})]
+        with torch.no_grad(), self.updates.averaged(), part("validating"):
+            vectors = self._encode(texts).numpy().astype(np.float64)
+        ranker = _Ranker(dict(zip(texts, vectors, strict=True)))
+        found = measure_retrieval(self.validation_kbs, ranker, lambda entry: parts[entry.id] == "val")
+        score = found["supporting_at_20"] if self.dataset.labelled else found["recall_at_20"]
+        return found | {"score": score}
+
+    def state_dict(self) -> State:
+        """Adapter, its average, moments of the optimiser, number of steps."""
+        return State(self.updates.tensors(), {"done": self._done})
+
+    def load_state_dict(self, state: State) -> None:
+        """Go on after ``done`` steps."""
+        self._done = state.count("done")
+        self.updates.load(state.tensors, self._done)
+
+    def lengthen(self, steps: int) -> bool:
+        """See :class:`ucon.learning.run.protocol.Learner`."""
+        self.steps = steps
+        return True
+
+    def product(self) -> Mapping[str, bytes]:
+        """The adapter, as :class:`ucon.language.adapted.AdaptedMiniLM` reads it."""
+        return {PRODUCT: adapter_bytes(self.updates.average, MINILM_SHA256)}
+
+    def close(self) -> None:
+        """It plays in none."""
+
+    def card(self) -> Card:
+        """What it is and what for."""
+        parts = entry_parts(self.dataset)
+        count: Callable[[str], int] = lambda part: sum(p == part for p in parts.values())  # noqa: E731
+        size = sum(value.numel() for value in self.updates.parameters.values())
+        return Card(
+            "Habit retriever: an adapter of all-MiniLM-L6-v2",
+            f"A low-rank adapter (rank {self.rank}, {size:,} parameters, fp16) of attention and MLP matrices. The "
+            "frozen encoder is all-MiniLM-L6-v2 (Apache-2.0).\n\n"
+            f"Trained with InfoNCE inside knowledge bases on the {count('train')} `train` entries of "
+            f"`{self.dataset.name}`, chosen on its {count('val')} `val` entries; `test` entries were not read.\n\n"
+            "Use: `python eval.py retriever=tuned retriever.encoder.adapter=RUN`.\n\n"
+            "It ranks sentences in English about where people keep things. It is no general sentence encoder any "
+            "more: similarity of other texts was not measured.",
+            self.dataset.name,
+        )

@@ -1,0 +1,111 @@
+"""The folder of a training run: what is in it, and reading one that somebody else made.
+
+Going on with a run reads, writes and deletes in its folder, so nothing there may lead elsewhere.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, Final
+
+from ucon.core.errors import DataError
+from ucon.core.files import write_atomic
+from ucon.core.plain_file import read_plain
+from ucon.core.strict_json import JsonError, parse_json
+
+CONFIG: Final = "config.yaml"
+METRICS: Final = "metrics.jsonl"
+CARD: Final = "MODEL_CARD.md"
+SUMMARY: Final = "summary.json"
+SECONDS: Final = "seconds.json"
+MODEL: Final = "model"
+CHECKPOINTS: Final = "checkpoints"
+#: Of an evaluation, see :mod:`ucon.evaluation.kept.folder`.
+RECORDS: Final = "episodes.jsonl"
+#: What loggers make there.
+_LOGS: Final = ("tensorboard", "wandb")
+_FILES: Final = (CONFIG, METRICS, CARD, SUMMARY, SECONDS)
+
+#: Bytes: of what is small whatever the run, and of the longest logs.
+_MOST_SMALL: Final = 16 << 20
+_MOST_METRICS: Final = 4 << 30
+
+
+def check_run_folder(folder: Path) -> None:
+    """Refuse a folder in which something is no file or folder of its own, where a run has one.
+
+    Raises:
+        DataError: naming the first.
+    """
+    for name in _FILES:
+        _check(folder / name, file=True)
+    for name in (MODEL, CHECKPOINTS, *_LOGS):
+        _check(folder / name, file=False)
+    for path in _inside(folder / MODEL):
+        _check(path, file=True)
+    for path in _inside(folder / CHECKPOINTS):
+        of_step = path.name.startswith(("step_", ".step_"))  # the latter was left by a killed process
+        _check(path, file=not of_step)
+        for inner in _inside(path) if of_step else ():
+            _check(inner, file=True)
+
+
+def _inside(folder: Path) -> list[Path]:
+    return sorted(folder.iterdir()) if folder.is_dir() else []
+
+
+def _check(path: Path, *, file: bool) -> None:
+    if path.is_symlink():
+        raise DataError(f"{path}: is a link, and a run's folder holds none; put what it names there")
+    if path.exists() and not (path.is_file() if file else path.is_dir()):
+        raise DataError(f"{path}: expected a {'file' if file else 'folder'}; restore it, or start the run anew")
+
+
+def read_config(folder: Path) -> bytes:
+    """``config.yaml``.
+
+    Raises:
+        FileNotFoundError: there is none.
+        DataError: it is no file, or too large for one.
+    """
+    _check(folder / CONFIG, file=True)
+    return read_plain(folder / CONFIG, _MOST_SMALL)
+
+
+def read_seconds(folder: Path) -> float:
+    """What earlier calls took; 0 where nothing says it."""
+    try:
+        found: Any = parse_json(read_plain(folder / SECONDS, _MOST_SMALL))["seconds"]
+    except (OSError, DataError, JsonError, LookupError, TypeError):
+        return 0.0
+    return float(found) if type(found) in (int, float) and found >= 0 else 0.0
+
+
+def cut_metrics(folder: Path, step: int) -> None:
+    """Keep the lines of ``metrics.jsonl`` up to a step; a last line that was cut off goes too.
+
+    Raises:
+        DataError: naming a line that is none.
+    """
+    path = folder / METRICS
+    try:
+        text = read_plain(path, _MOST_METRICS).decode("utf-8", errors="replace")
+    except FileNotFoundError:
+        text = ""
+    kept = []
+    for number, line in enumerate(text[: text.rfind("\n") + 1].split("\n")[:-1], 1):
+        if _step_of(line, f"{path}:{number}") <= step:
+            kept.append(line + "\n")
+    write_atomic(path, "".join(kept))
+
+
+def _step_of(line: str, where: str) -> int:
+    """Its figures are not read, and may be what is no number: a run that goes astray says so there."""
+    try:
+        step = json.loads(line)["step"]
+    except (ValueError, LookupError, TypeError, RecursionError):
+        step = None
+    if type(step) is not int or step < 0:
+        raise DataError(f"{where}: not a line of metrics; restore it, or start the run anew")
+    return step

@@ -1,0 +1,291 @@
+"""One training run: a folder, a loop that can be stopped anywhere, and what is left when it ends.
+
+config.yaml      what was asked for; `resume=` reads it
+metrics.jsonl    a line a step and a validation: no times, so equal runs write equal bytes
+checkpoints/     see :mod:`ucon.learning.run.checkpoints`
+model/           what was learned, by the best checkpoint, with a manifest
+MODEL_CARD.md, summary.json
+seconds.json     what it took, over all interruptions: the only file that differs between equal runs
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import Any, Final
+
+from ucon.core.errors import ConfigError, DataError
+from ucon.core.files import canonical_json, sha256_bytes, write_atomic, write_manifest
+from ucon.learning.run.checkpoints import LATEST, Checkpoints, step_name
+from ucon.learning.run.protocol import Figures, Learner, State
+from ucon.learning.run.run_folder import (
+    CARD,
+    CHECKPOINTS,
+    CONFIG,
+    METRICS,
+    MODEL,
+    RECORDS,
+    SECONDS,
+    SUMMARY,
+    check_run_folder,
+    cut_metrics,
+    read_seconds,
+)
+from ucon.learning.run.run_plan import Plan
+from ucon.learning.run.trainer_state import SCORE, TrainerState
+
+#: A state has moments of the optimiser, and others of the kind, that a beginning one lacks.
+_MORE_TENSORS: Final = 16
+
+OnFigures = Callable[[int, Mapping[str, float]], None]
+
+
+class Interrupted(Exception):  # noqa: N818 (no error: the run was asked to stop and did)
+    """Stopped by a signal after everything was saved."""
+
+    def __init__(self, step: int, number: int) -> None:
+        super().__init__(step, number)
+        self.step, self.number = step, number
+
+
+class TrainingRun:
+    """Trains ``learner`` by ``plan`` in ``folder``. Use :meth:`start` or :meth:`resume`, then :meth:`run`."""
+
+    def __init__(self, folder: Path, learner: Learner, plan: Plan, identity: Mapping[str, str]) -> None:
+        """``identity``: hashes of the run beside the learner's own, such as that of the configuration."""
+        self.folder, self.learner, self.plan = folder, learner, plan
+        self.checkpoints = Checkpoints(folder / CHECKPOINTS, {**identity, **learner.identity}, plan.keep)
+        self.step = 0
+        self.rescheduled = False
+        """The run was extended, and schedules of the learner depend on its length."""
+        self._saved = -1
+        self.best: dict[str, float] = {}
+        """Validation figures of the best checkpoint and its step; empty before the first validation."""
+        self._seconds_before, self._started = 0.0, time.perf_counter()
+
+    def start(self, config_yaml: str) -> None:
+        """Begin in a folder that holds no run yet.
+
+        Raises:
+            ConfigError: there is a run, or what one left, or the folder cannot be written.
+            DataError: something there leads elsewhere.
+        """
+        if (self.checkpoints.folder / LATEST).exists():
+            raise ConfigError(
+                f"out={self.folder}: holds a run already; go on with resume={self.folder} or choose another folder"
+            )
+        results = sorted(p.name for name in (SUMMARY, MODEL, f"{RECORDS}*") for p in self.folder.glob(name))
+        if results:
+            raise ConfigError(
+                f"out={self.folder}: {results[0]} there is of another run and would be overwritten; "
+                "choose another folder"
+            )
+        check_run_folder(self.folder)
+        try:
+            write_atomic(self.folder / CONFIG, config_yaml)
+            write_atomic(self.folder / METRICS, "")
+        except OSError as error:
+            raise ConfigError(
+                f"out={self.folder}: cannot be written ({error.strerror}); choose another folder"
+            ) from None
+
+    def resume(self, checkpoint: str = LATEST, steps: int | None = None) -> None:
+        """Go on from a checkpoint; what was logged after it is logged again.
+
+        Args:
+            checkpoint: its name, or ``latest``.
+            steps: in all, more than were planned: :attr:`plan` then says so, and whoever wrote ``config.yaml`` is to
+                write it there before the run goes on. None: those that are planned.
+
+        Raises:
+            DataError: something in the folder is damaged, leads elsewhere, or is of another run.
+            ConfigError: not more ``steps``.
+        """
+        check_run_folder(self.folder)
+        step, state = self.checkpoints.load(checkpoint, self._most_bytes())
+        trainer = self._trainer(state, step)
+        plan = self.plan if steps is None else self.plan.extend(step, steps)
+        self._load(state)
+        self.step, self.plan, self._saved = step, plan, step
+        self._keep_to_schedule()
+        if checkpoint != LATEST:
+            self.checkpoints.rewind(checkpoint)
+        # Where the best one is gone, the next validation finds another.
+        self.best = dict(trainer.best) if self.checkpoints.point_to_best(trainer.best_step) else {}
+        cut_metrics(self.folder, step)
+        self._seconds_before = read_seconds(self.folder)
+
+    def _trainer(self, state: State, step: int) -> TrainerState:
+        """What a checkpoint says of this run.
+
+        Raises:
+            CheckpointError: nothing that can be used, or it was extended otherwise than the run was.
+        """
+        try:
+            found = TrainerState.of(state.values.get("trainer"), step)
+        except DataError as error:
+            raise self.checkpoints.unusable(step, str(error)) from None
+        if found.extended != self.plan.followed(step):
+            raise self.checkpoints.unusable(step, f"{CONFIG} says of other extensions of the run")
+        return found
+
+    def _most_bytes(self) -> int:
+        """Bytes that a checkpoint's tensors may have: many times what the learner begins with."""
+        return _MORE_TENSORS * sum(tensor.nbytes for tensor in self.learner.state_dict().tensors.values()) + (1 << 26)
+
+    def _load(self, state: State) -> None:
+        learned = state.values.get("learner")
+        self.learner.load_state_dict(State(state.tensors, learned if isinstance(learned, dict) else {}))
+
+    def _keep_to_schedule(self) -> None:
+        """Tell the learner of how many steps its schedules are from here on."""
+        if self.plan.extended:
+            self.rescheduled = self.learner.lengthen(self.plan.length_at(self.step))
+
+    def run(self, on_figures: OnFigures = lambda step, figures: None) -> dict[str, Any]:
+        """Train to the end and write what is left of it; returns the content of ``summary.json``.
+
+        What training starts from is validated before the first step.
+
+        Raises:
+            Interrupted: SIGINT or SIGTERM came; the state after the last whole step is saved.
+        """
+        self._started = time.perf_counter()
+        with _signals() as caught:
+            self._begin(on_figures)
+            while self.step < self.plan.length and not caught:
+                self._one_step(on_figures)
+            if self.step < self.plan.length:
+                if self._saved != self.step:
+                    self._save()
+                raise Interrupted(self.step, caught[0])
+            return self._finish()
+
+    def _begin(self, on_figures: OnFigures) -> None:
+        """Validate what a new run starts from."""
+        if self._saved < 0:
+            on_figures(self.step, self._validate())
+
+    def _one_step(self, on_figures: OnFigures) -> None:
+        self._keep_to_schedule()
+        figures = self.learner.step()
+        self.step += 1
+        self._log(figures)
+        on_figures(self.step, figures)
+        if self.plan.validates(self.step):
+            on_figures(self.step, self._validate())
+        elif self.plan.saves(self.step):
+            self._save()
+
+    def _validate(self) -> Figures:
+        """Validate, log, save; the first of equally good states stays the best."""
+        found = self.learner.validate()
+        if odd := next((name for name, value in found.items() if not math.isfinite(value)), None):
+            from ucon.core.errors import DivergedError
+
+            raise DivergedError(f"step {self.step}: {odd} of the validation is not finite; learn with a smaller rate")
+        self._log({f"val/{name}": value for name, value in found.items()})
+        better = not self.best or found[SCORE] > self.best[SCORE]
+        if better:
+            self.best = dict(sorted({"step": self.step, **found}.items()))  # as a checkpoint gives it back
+        self._save()
+        return {f"val/{name}": value for name, value in found.items()}
+
+    def _save(self) -> None:
+        state = self.learner.state_dict()
+        trainer = TrainerState(self.best, self.plan.followed(self.step))
+        values = {"learner": dict(state.values), "trainer": trainer.to_json()}
+        self._saved = self.step
+        self.checkpoints.save(self.step, State(state.tensors, values), best=trainer.best_step, planned=self.plan.saves)
+        self._write_seconds()
+
+    @property
+    def seconds(self) -> float:
+        """What the run took so far, with what earlier calls took up to their last checkpoints."""
+        return round(self._seconds_before + time.perf_counter() - self._started, 1)
+
+    def _write_seconds(self) -> None:
+        write_atomic(self.folder / SECONDS, json.dumps({"seconds": self.seconds}) + "\n")
+
+    def _log(self, figures: Mapping[str, float]) -> None:
+        with (self.folder / METRICS).open("a", encoding="utf-8") as file:
+            file.write(canonical_json({"step": self.step, **figures}) + "\n")
+
+    def _finish(self) -> dict[str, Any]:
+        if not self.best:
+            raise self.checkpoints.unusable(self.step, "the best one of the run is gone")
+        _, state = self.checkpoints.load(step_name(int(self.best["step"])))
+        self._load(state)
+        product = self.learner.product()
+        for name, content in product.items():
+            write_atomic(self.folder / MODEL / name, content)
+        write_manifest(self.folder / MODEL, product)
+        extended = [one.to_json() for one in self.plan.extended]
+        summary = {
+            "steps": self.step,
+            **({"extended": extended} if extended else {}),
+            "best": self.best,
+            "hashes": self.checkpoints.identity,
+            "files": {name: {"bytes": len(c), "sha256": sha256_bytes(c)} for name, c in product.items()},
+        }
+        write_atomic(self.folder / CARD, self._card(summary))
+        write_atomic(self.folder / SUMMARY, json.dumps(summary, indent=1) + "\n")
+        self._write_seconds()
+        return summary
+
+    def _card(self, summary: Mapping[str, Any]) -> str:
+        card, extended = self.learner.card(), self.extended()
+        rows = "".join(f"| {name} | {value:g} |\n" for name, value in self.best.items() if name != SCORE)
+        hashes = "".join(f"- {name}: `{value}`\n" for name, value in summary["hashes"].items())
+        files = "".join(
+            f"- `{MODEL}/{name}`, {file['bytes']:,} bytes, SHA-256 `{file['sha256']}`\n"
+            for name, file in summary["files"].items()
+        )
+        extended = f"{extended.capitalize()}.\n\n" if extended else ""
+        return (
+            f"# {card.title}\n\n{card.text}\n\n{extended}"
+            f"## Validation, best checkpoint\n\n| figure | value |\n|---|---|\n{rows}"
+            f"\n## Files\n\n{files}\n## Made from\n\n{hashes}\n## Licence\n\n{card.licence}\n"
+        )
+
+    def extended(self) -> str:
+        """How the run was extended and what that means, in a line; empty where it was not."""
+        if not self.plan.extended:
+            return ""
+        more = "".join(f", after {one.at} extended to {one.steps}" for one in self.plan.extended)
+        if self.rescheduled:
+            then = "since then its learning rate is that of the longer schedule, which is not how such a run begins"
+        else:
+            then = "no schedule depends on their number"
+        return f"planned for {self.plan.steps} steps{more}; {then}"
+
+
+@contextmanager
+def _signals() -> Iterator[list[int]]:
+    """SIGINT and SIGTERM end the loop after the step in hand; a second SIGINT ends it at once."""
+    caught: list[int] = []
+
+    def remember(number: int, frame: FrameType | None) -> None:
+        if caught and number == signal.SIGINT:
+            raise KeyboardInterrupt
+        if not caught:
+            print("stopping after this step; Ctrl-C again aborts it at once", file=sys.stderr, flush=True)  # noqa: T201
+        caught.append(number)
+
+    try:
+        before = {number: signal.signal(number, remember) for number in (signal.SIGINT, signal.SIGTERM)}
+    except ValueError:  # not the main thread: whoever runs us deals with signals
+        yield caught
+        return
+    try:
+        yield caught
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

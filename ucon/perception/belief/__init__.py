@@ -1,0 +1,1 @@
+"""Where the target may be, given the habits and what was seen."""

@@ -1,0 +1,81 @@
+"""Hot loops of frontiers on the 0.25 m map: nodes that border on the unknown, where to stand for a group of them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ucon.core.jit import F32, I32, U8, jit
+from ucon.perception.views.view_kernels import OPAQUE_M
+
+_DI, _DJ = (1, 0, -1, 0), (0, 1, 0, -1)
+
+
+@jit
+def edges(
+    window: tuple[int, int, int, int], explored: U8, height: F32, steps: I32, unreached: int, out: U8
+) -> None:  # fmt: skip
+    """Mark in out (a, b) the explored nodes of a window (i0, i1, j0, j1) that can be reached and border on the unknown.
+
+    Unknown is what was not explored and is not known to be too high to see across.
+    """
+    i0, i1, j0, j1 = window
+    for i in range(i0, i1):
+        for j in range(j0, j1):
+            if explored[i, j] == 0:
+                continue
+            if min(steps[i, j, 0], steps[i, j, 1], steps[i, j, 2], steps[i, j, 3]) >= unreached:
+                continue
+            for h in range(4):
+                a, b = i + _DI[h], j + _DJ[h]
+                if i0 <= a < i1 and j0 <= b < j1 and explored[a, b] == 0 and height[a, b] < OPAQUE_M:
+                    out[i - i0, j - j0] = 1
+
+
+@jit
+def groups(label: I32, corner: tuple[int, int], explored: U8, steps: I32, out: I32) -> None:
+    """Write to out (groups, 4) for every label from 1 on: a node i, j, a heading, and how many nodes the group has.
+
+    It is the node nearest to the group's middle, looking where most of the unexplored neighbours of all nodes are; of
+    equal headings the cheapest. label (a, b): the group of every node of a window of the map, which begins at corner.
+    """
+    count = out.shape[0]
+    middle, votes, nearest = np.zeros((count, 2)), np.zeros((count, 4), np.int32), np.full(count, np.inf)
+    for i in range(label.shape[0]):
+        for j in range(label.shape[1]):
+            k = label[i, j] - 1
+            if k >= 0:
+                middle[k, 0] += i + corner[0]
+                middle[k, 1] += j + corner[1]
+                out[k, 3] += 1
+                _vote(i + corner[0], j + corner[1], explored, votes[k])
+    for k in range(count):
+        middle[k, 0], middle[k, 1] = middle[k, 0] / out[k, 3], middle[k, 1] / out[k, 3]
+    for i in range(label.shape[0]):
+        for j in range(label.shape[1]):
+            k = label[i, j] - 1
+            if k < 0:
+                continue
+            away = abs(i + corner[0] - middle[k, 0]) + abs(j + corner[1] - middle[k, 1])
+            if away < nearest[k]:
+                nearest[k], out[k, 0], out[k, 1] = away, i + corner[0], j + corner[1]
+    for k in range(count):
+        out[k, 2] = _heading(votes[k], steps[out[k, 0], out[k, 1]])
+
+
+@jit
+def _vote(i: int, j: int, explored: U8, votes: I32) -> None:
+    """Count for each heading (4,) whether the neighbour there is unexplored; at the map's rim, the node itself."""
+    for h in range(4):
+        a = min(max(i + _DI[h], 0), explored.shape[0] - 1)
+        b = min(max(j + _DJ[h], 0), explored.shape[1] - 1)
+        votes[h] += explored[a, b] == 0
+
+
+@jit
+def _heading(votes: I32, steps: I32) -> int:
+    """The heading with most votes (4,); of equal ones that with the fewest steps (4,), then the first."""
+    best = 0
+    for h in range(1, 4):
+        if votes[h] > votes[best] or (votes[h] == votes[best] and steps[h] < steps[best]):
+            best = h
+    return best

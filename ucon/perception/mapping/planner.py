@@ -1,0 +1,131 @@
+"""Shortest action sequences on the 0.25 m grid: breadth-first search over (cell, heading), every action one step.
+
+The planner may know the true free grid (``nav`` of the environment) or go by what the map has seen; goals always
+come from the map. Blocked moves are marked in the map and disappear from the next plan.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.jit import jit
+from ucon.core.sharing import PartlyShared
+from ucon.perception.mapping.nav import Nav
+from ucon.perception.mapping.semantic_map import HALF, SIZE, SemanticMap, View
+from ucon.task.actions import Action
+
+I32: TypeAlias = NDArray[np.int32]
+
+UNREACHED = 1 << 29
+_TURN = {0: (), 1: (Action.ROTATE_LEFT,), 2: (Action.ROTATE_LEFT, Action.ROTATE_LEFT), 3: (Action.ROTATE_RIGHT,)}
+_PRIMITIVES = (Action.MOVE_AHEAD, Action.ROTATE_LEFT, Action.ROTATE_RIGHT)
+
+
+@jit
+def _search(
+    free: NDArray[np.bool_], i: int, j: int, heading: int, steps: I32, moves: I32, came: NDArray[np.int8], queue: I32
+) -> int:
+    """Fill steps, moves (i, j, heading) int32 and came (0 move, 1 left, 2 right) from one pose; returns states."""
+    n = free.shape[0]
+    di, dj = (1, 0, -1, 0), (0, 1, 0, -1)
+    steps[i, j, heading], moves[i, j, heading], came[i, j, heading] = 0, 0, -1
+    queue[0] = (i * n + j) * 4 + heading
+    head, tail = 0, 1
+    while head < tail:
+        state = queue[head]
+        head += 1
+        h, j0 = state & 3, (state >> 2) % n
+        i0 = (state >> 2) // n
+        for action in range(3):
+            if action == 0:
+                i1, j1, h1 = i0 + di[h], j0 + dj[h], h
+                if i1 < 0 or j1 < 0 or i1 >= n or j1 >= n or not free[i1, j1]:
+                    continue
+            else:
+                i1, j1, h1 = i0, j0, (h + (1 if action == 1 else 3)) & 3
+            if steps[i1, j1, h1] < UNREACHED:
+                continue
+            steps[i1, j1, h1] = steps[i0, j0, h] + 1
+            moves[i1, j1, h1] = moves[i0, j0, h] + (action == 0)
+            came[i1, j1, h1] = action
+            queue[tail] = (i1 * n + j1) * 4 + h1
+            tail += 1
+    return tail
+
+
+class Planner(PartlyShared):
+    """Distances and plans for one episode.
+
+    Attributes:
+        steps: (257, 257, 4) int32 actions to stand at a cell with a heading; UNREACHED where there is no way.
+        moves: the same, counting only moves ahead.
+    """
+
+    _shared: ClassVar[frozenset[str]] = frozenset({"_true", "_used"})
+
+    def __init__(self, nav: Nav | Mapping[str, Any] | None = None) -> None:
+        """``nav``: the environment's true grid (free, start), or None to go by the map."""
+        self._true = None if nav is None else _in_window(nav["free"], nav["start"])
+        self.steps = np.full((SIZE, SIZE, 4), UNREACHED, np.int32)
+        self.moves = np.zeros((SIZE, SIZE, 4), np.int32)
+        self._came = np.zeros((SIZE, SIZE, 4), np.int8)
+        self._used: NDArray[np.int32] = np.zeros(0, np.int32)
+        self.origin = View(HALF, HALF, 0)
+
+    def free(self, known: SemanticMap) -> NDArray[np.bool_]:
+        """(257, 257) nodes that a plan may pass."""
+        if self._true is not None:
+            return self._true & (known.bumped == 0)
+        i0, i1, j0, j1 = known.extent(margin=6)
+        free = np.zeros((SIZE, SIZE), bool)
+        free[i0:i1, j0:j1] = known.passable()[i0:i1, j0:j1]
+        return free
+
+    def update(self, known: SemanticMap) -> None:
+        """Measure all ways from the map's current view."""
+        self.origin = view = known.view
+        self.steps.reshape(-1)[self._used] = UNREACHED
+        free = self.free(known)
+        free[view.i, view.j] = True
+        queue = np.empty(SIZE * SIZE * 4, np.int32)
+        count = _search(free, view.i, view.j, view.heading, self.steps, self.moves, self._came, queue)
+        self._used = queue[:count].copy()
+
+    def cost(self, goal: View) -> int:
+        """Actions to reach a view, pitch included; UNREACHED or more where there is no way."""
+        return int(self.steps[goal.i, goal.j, goal.heading]) + abs(goal.pitch_deg - self.origin.pitch_deg) // 30
+
+    def plan(self, goal: View) -> list[Action]:
+        """Actions that lead from the origin of the last update to ``goal``, the pitch changed last; [] if none."""
+        if self.steps[goal.i, goal.j, goal.heading] >= UNREACHED:
+            return []
+        i, j, h = goal.i, goal.j, goal.heading
+        backwards: list[Action] = []
+        while (action := int(self._came[i, j, h])) >= 0:
+            backwards.append(_PRIMITIVES[action])
+            if action == 0:
+                i, j = i - (1, 0, -1, 0)[h], j - (0, 1, 0, -1)[h]
+            else:
+                h = (h - (1 if action == 1 else 3)) % 4
+        delta = (goal.pitch_deg - self.origin.pitch_deg) // 30
+        look = Action.LOOK_UP if delta > 0 else Action.LOOK_DOWN
+        return backwards[::-1] + [look] * abs(delta)
+
+
+def turns(heading: int, wanted: int) -> tuple[Action, ...]:
+    """Shortest turn from one heading to another."""
+    return _TURN[(wanted - heading) % 4]
+
+
+def _in_window(free: NDArray[np.bool_], start: tuple[int, int]) -> NDArray[np.bool_]:
+    """Put the environment's grid into the map's window, so that its start cell is the centre."""
+    out = np.zeros((SIZE, SIZE), bool)
+    nx, ny = free.shape
+    i0, j0 = HALF - int(start[0]), HALF - int(start[1])
+    a0, b0, a1, b1 = max(i0, 0), max(j0, 0), min(i0 + nx, SIZE), min(j0 + ny, SIZE)
+    out[a0:a1, b0:b1] = free[a0 - i0 : a1 - i0, b0 - j0 : b1 - j0]
+    return out

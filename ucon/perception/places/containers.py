@@ -1,0 +1,47 @@
+"""Which of the things seen are closed containers, and which of them an Open here would reach."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.sharing import PartlyShared
+from ucon.perception.mapping.detections import MIN_PIXELS
+from ucon.perception.mapping.semantic_map import SemanticMap
+from ucon.perception.places.target_places import affordance
+
+#: Open reaches as far as the body; a little less leaves room for the part of the box that was not seen.
+_MARGIN_M = 0.02
+
+
+def open_reach_m(known: SemanticMap) -> float:
+    """How near the seen part of a container must be for Open to reach it."""
+    return known.body.near_m - _MARGIN_M
+
+
+class Containers(PartlyShared):
+    """The containers of one episode. What opens is the catalogue's knowledge, by category."""
+
+    _flat: ClassVar[frozenset[str]] = frozenset({"_openable"})
+
+    def __init__(self) -> None:
+        self._openable: list[bool] = []
+
+    def closed(self, known: SemanticMap) -> NDArray[np.int64]:
+        """Tracks that are closed and may still open."""
+        for track in range(len(self._openable), known.n_tracks):
+            name = known.category[track]
+            self._openable.append(bool(name) and affordance(name).openable)
+        shut = np.array(self._openable, bool) & ~known.opened[: known.n_tracks]
+        return np.flatnonzero(shut & (known.box[: known.n_tracks, 3] >= known.box[: known.n_tracks, 0]))
+
+    def in_reach(self, known: SemanticMap) -> list[int]:
+        """Closed tracks that Open would open now: in view and near enough, as far as the map can tell."""
+        reach_m = open_reach_m(known)
+        return [
+            int(track)
+            for track in self.closed(known)
+            if known.pixels[track] >= MIN_PIXELS and known.gap_m(int(track), known.view.xy) <= reach_m
+        ]

@@ -1,0 +1,1 @@
+"""Where to look next: views, candidates, and walking up to what was found."""

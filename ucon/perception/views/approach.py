@@ -1,0 +1,124 @@
+"""Walking up to a thing that was seen: where to stand, which way to look, when to say Done."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.sharing import PartlyShared
+from ucon.perception.mapping.body import Body
+from ucon.perception.mapping.detections import MIN_PIXELS
+from ucon.perception.mapping.planner import UNREACHED, Planner
+from ucon.perception.mapping.semantic_map import CELL_M, HALF, SemanticMap, View
+from ucon.perception.places.target_places import affordance
+from ucon.perception.views.approach_kernels import best_views
+
+#: Content of a drawer shows where the drawer took it; its box stays where it was, farther back.
+DRAWER_NEAR_M = 0.55
+
+
+class Approach(PartlyShared):
+    """Finds poses from which a track is visible and in reach, forgetting those that did not work."""
+
+    _flat: ClassVar[frozenset[str]] = frozenset({"_failed"})
+
+    def __init__(self) -> None:
+        self._failed: dict[View, int] = {}
+        self._best = (0.0, 1.0)
+
+    def arrived(self, known: SemanticMap, track: int) -> bool:
+        """Whether Done would succeed now, as far as the map can tell."""
+        if known.pixels[track] < MIN_PIXELS:
+            return False
+        return known.gap_m(track, known.view.xy) <= float(_reach_m(known, np.array([track]))[0])
+
+    def failed(self, view: View) -> None:
+        """Remember that the thing was not visible from a view."""
+        self._failed[view] = self._failed.get(view, 0) + 1
+
+    def goal(self, known: SemanticMap, planner: Planner, track: int) -> View | None:
+        """The cheapest pose on an explored node that should do, or None; the planner must be up to date."""
+        poses, costs = self.goals(known, planner, np.array([track]))
+        return View(*poses[0].tolist()) if costs[0] < UNREACHED else None
+
+    def goals(
+        self, known: SemanticMap, planner: Planner, tracks: NDArray[np.int64]
+    ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """:meth:`goal` of one track after the other: poses (m, 4) as in ``View``, and what they cost, (m,).
+
+        The cost is UNREACHED where there is no pose; it counts against a pose that the thing may not be seen from it.
+        """
+        seen = self._sights(known, tracks)
+        cells = (planner.steps, known.height, known.walls, HALF)
+        eyes, look = _eyes(known.body), known.view.pitch_deg
+        failed = np.array([(v.i, v.j, v.heading, v.pitch_deg, n) for v, n in self._failed.items()], np.int32)
+        poses, costs = np.zeros((len(tracks), 4), np.int32), np.full(len(tracks), UNREACHED, np.int32)
+        best_views(
+            known.box[tracks], _reach_m(known, tracks), cells, known.explored, eyes, look, seen, failed.reshape(-1, 5),
+            poses, costs,
+        )  # fmt: skip
+        poses[:, 3] = eyes[poses[:, 3], 3]
+        return poses, costs
+
+    def nearer(self, known: SemanticMap, planner: Planner, track: int) -> View:
+        """The explored node nearest to what was seen of a thing, looking that way: from there more of it shows.
+
+        For things of which only a far corner was seen, with no explored node in reach of it.
+        """
+        i0, i1, j0, j1 = known.extent(0)
+        window = (slice(i0, i1), slice(j0, j1))
+        ok = (planner.steps[window].min(2) < UNREACHED) & (known.explored[window] > 0)
+        nodes = np.argwhere(ok) + np.array([i0, j0])
+        xy = (nodes - HALF) * CELL_M
+        box = known.box[track]
+        gap = np.maximum(np.maximum(box[:2] - xy, xy - box[3:5]), 0.0)
+        away = np.hypot(gap[:, 0], gap[:, 1])
+        steps = planner.steps[nodes[:, 0], nodes[:, 1]].min(1)
+        for view, times in self._failed.items():  # a node that did not help counts as a metre farther
+            away[(nodes[:, 0] == view.i) & (nodes[:, 1] == view.j)] += times
+        k = int(np.lexsort((steps, np.round(away, 3)))[0])
+        dx, dy = (_center(box)[:2] - xy[k]).tolist()
+        heading = (0 if dx > 0 else 2) if abs(dx) >= abs(dy) else (1 if dy > 0 else 3)
+        return View(int(nodes[k, 0]), int(nodes[k, 1]), heading)
+
+    def _sights(self, known: SemanticMap, tracks: NDArray[np.int64]) -> NDArray[np.float64]:
+        """(m, 2) the best sight up to each track, pixels and metres: it tells how many a nearer view will have."""
+        out = np.empty((len(tracks), 2))
+        out[:] = self._best
+        for k in np.flatnonzero(known.pixels[tracks] > self._best[0]).tolist():
+            pixels = float(known.pixels[tracks[k]])
+            if pixels > self._best[0]:
+                gap = _center(known.box[tracks[k]]) - (*known.view.xy, known.body.eyes[known.view.pitch_deg][0])
+                self._best = (pixels, float(np.linalg.norm(gap)))
+                out[k:] = self._best
+        return out
+
+
+def _reach_m(known: SemanticMap, tracks: NDArray[np.int64]) -> NDArray[np.float64]:
+    """(m,) how near what was seen must be: less where a thing may have come out with a drawer."""
+    box = known.box[tracks]
+    x, y = 0.5 * (box[:, 0] + box[:, 3]), 0.5 * (box[:, 1] + box[:, 4])
+    out = np.full(len(tracks), known.body.near_m - 0.005)
+    for holder in np.flatnonzero(known.opened[: known.n_tracks]).tolist():
+        if affordance(known.category[holder]).drawers:
+            x0, y0, _, x1, y1, z1 = known.box[holder]
+            gap = np.hypot(np.maximum(np.maximum(x0 - x, x - x1), 0.0), np.maximum(np.maximum(y0 - y, y - y1), 0.0))
+            out[(gap < 0.7) & (box[:, 2] < z1 + 0.05)] = DRAWER_NEAR_M
+    return out
+
+
+def _center(box: NDArray[np.float64]) -> NDArray[np.float64]:
+    return 0.5 * (box[:3] + box[3:])
+
+
+@lru_cache(maxsize=8)
+def _eyes_of(looks: tuple[tuple[int, float, int], ...]) -> NDArray[np.float64]:
+    return np.array([(eye_m, np.cos(np.deg2rad(p)), np.sin(np.deg2rad(p)), look) for look, eye_m, p in looks])
+
+
+def _eyes(body: Body) -> NDArray[np.float64]:
+    """(L, 4) height in metres, cosine and sine of the pitch, look in degrees; the level look first."""
+    return _eyes_of(tuple((look, eye_m, pitch) for look, (eye_m, pitch) in body.eyes.items()))

@@ -1,0 +1,109 @@
+"""Hot loop of walking up to a thing: the cheapest pose from which it should be seen and be in reach."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ucon.core.jit import F64, I32, U8, jit, merged
+from ucon.perception.mapping.map_kernels import CELL_M
+from ucon.perception.views.view_kernels import sight
+
+_DI, _DJ = (1, 0, -1, 0), (0, 1, 0, -1)
+UNSEEN_COST = 25
+SMALL_COST = 4
+FAILED_COST = 30
+
+
+@jit
+def best_views(
+    boxes: F64, reach_m: F64, cells: Any, allowed: U8, eyes: F64, look: int, seen: F64, failed: I32, best: I32,
+    cost: I32,
+) -> None:  # fmt: skip
+    """Put the best pose for every thing into ``best`` (m, 4) (i, j, heading, row of eyes) and its cost into ``cost``.
+
+    Args:
+        boxes: (m, 6) what was seen of the things, metres.
+        reach_m: (m,) horizontal distance that is near enough.
+        cells: steps (n, n, 4) int32 actions to every cell and heading; height (n, n); walls (2, n, n); half.
+        allowed: (n, n) nodes that may be stood on are above 0.
+        eyes: (L, 4) height in metres, cosine and sine of the pitch, look in degrees.
+        look: the look at present.
+        seen: (m, 2) pixels of the best sight so far and its distance: tells how large a thing will be from nearby.
+        failed: (k, 5) poses (i, j, heading, look) that did not work, and how often.
+        best: (m, 4) int32, written.
+        cost: (m,) int32; holds what only a cheaper pose replaces, the cost of what cannot be reached.
+    """
+    for k in range(boxes.shape[0]):
+        sight_of = (seen[k, 0], seen[k, 1])
+        cost[k] = _best_view(boxes[k], reach_m[k], cells, allowed, eyes, look, sight_of, failed, cost[k], best[k])
+
+
+@jit
+def _best_view(
+    box: F64, reach_m: float, cells: Any, allowed: U8, eyes: F64, look: int, seen: tuple[float, float], failed: I32,
+    lowest: int, best: I32,
+) -> int:  # fmt: skip
+    """The least cost of a pose for one thing, which is put into ``best``; ``lowest`` where none is cheaper."""
+    steps, _, _, half = cells
+    cx, cy, cz = 0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), 0.5 * (box[2] + box[5])
+    i0, i1 = int((box[0] - reach_m) / CELL_M) + half - 1, int((box[3] + reach_m) / CELL_M) + half + 2
+    j0, j1 = int((box[1] - reach_m) / CELL_M) + half - 1, int((box[4] + reach_m) / CELL_M) + half + 2
+    for i in range(max(i0, 0), min(i1, steps.shape[0])):
+        for j in range(max(j0, 0), min(j1, steps.shape[1])):
+            if allowed[i, j] == 0 or min(steps[i, j, 0], steps[i, j, 1], steps[i, j, 2], steps[i, j, 3]) >= lowest:
+                continue
+            x, y = (i - half) * CELL_M, (j - half) * CELL_M
+            gap_x, gap_y = max(box[0] - x, x - box[3], 0.0), max(box[1] - y, y - box[4], 0.0)
+            if np.hypot(gap_x, gap_y) > reach_m:
+                continue
+            lowest = _at_node(i, j, (cx, cy, cz), cells, eyes, look, seen, failed, lowest, best)
+    return lowest
+
+
+@jit
+def _at_node(
+    i: int, j: int, center: tuple[float, float, float], cells: Any, eyes: F64, look: int, seen: tuple[float, float],
+    failed: I32, lowest: int, best: I32,
+) -> int:  # fmt: skip
+    """Try every heading and look at one node."""
+    steps, height, walls, half = cells
+    x, y = (i - half) * CELL_M, (j - half) * CELL_M
+    dx, dy = center[0] - x, center[1] - y
+    judged_m, free = -1.0, False  # the sight line from a height is the same for all headings and pitches
+    for heading in range(4):
+        if steps[i, j, heading] >= lowest:
+            continue
+        c, s = _DI[heading], _DJ[heading]
+        flat, side = c * dx + s * dy, abs(s * dx - c * dy)
+        for row in range(eyes.shape[0]):
+            eye_m, cp, sp, degrees = eyes[row]
+            rise = center[2] - eye_m
+            optical, up = cp * flat + sp * rise, cp * rise - sp * flat
+            if not (optical > 0.1 and side <= 0.93 * optical and abs(up) <= 0.93 * optical):
+                continue
+            cost = steps[i, j, heading] + abs(int(degrees) - look) // 30
+            if cost >= lowest:
+                continue
+            if seen[0] * (seen[1] / max(optical, 0.1)) ** 2 < 6.0:
+                cost += SMALL_COST
+            cost += FAILED_COST * _failures(i, j, heading, int(degrees), failed)
+            if cost >= lowest:
+                continue
+            if eye_m != judged_m:
+                judged_m, free = eye_m, sight(x, y, eye_m, center[0], center[1], center[2], height, walls, half)
+            cost += 0 if free else UNSEEN_COST
+            if cost < lowest:
+                lowest = cost
+                best[0], best[1], best[2], best[3] = i, j, heading, row
+    return lowest
+
+
+@merged
+def _failures(i: int, j: int, heading: int, look: int, failed: I32) -> int:
+    count = 0
+    for k in range(failed.shape[0]):
+        if failed[k, 0] == i and failed[k, 1] == j and failed[k, 2] == heading and failed[k, 3] == look:
+            count = failed[k, 4]
+    return count

@@ -1,0 +1,224 @@
+"""Hot loops that value views: how much unexplored space and how much expected mass a pose would show.
+
+A view is (node, heading 0..3, pitch -60, -30, 0 or 30). Sight lines are judged on the height map and the walls seen.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.jit import F32, F64, I32, U8, jit, merged
+from ucon.perception.mapping.map_kernels import CELL_M, shows
+
+PITCHES_DEG = (-60, -30, 0, 30)
+_COS = np.cos(np.deg2rad(PITCHES_DEG))
+_SIN = np.sin(np.deg2rad(PITCHES_DEG))
+OPAQUE_M = 1.2
+RAYS = 64
+MOST_CELLS = 32
+#: Unexplored space counts less with every cell that it lies behind the last explored one of a ray: exp(-CELL_M / 2 m).
+#: A literal, since NumPy's exp ends in another bit on another processor, which tips views that are worth the same.
+DEEPER = 0.8824969025845953
+#: Unexplored cells of a ray that count, 3 m. Counted, not told by what is left of them: that is a tie in the last bit.
+DEEP_CELLS = 12
+
+
+@jit
+def sight(x: float, y: float, cam_z: float, px: float, py: float, pz: float, height: F32, walls: U8, half: int) -> bool:
+    """Whether nothing known stands between a camera and a point.
+
+    Walls block everywhere; things as high as they are, except within 0.36 m of the point.
+    """
+    dx, dy = px - x, py - y
+    length = np.sqrt(dx * dx + dy * dy)
+    n = int(np.ceil(length / 0.2))
+    open_part = 1.0 - 0.36 / max(length, 0.36)
+    li, lj = int(np.floor(x / CELL_M + 0.5)) + half, int(np.floor(y / CELL_M + 0.5)) + half
+    for k in range(1, n + 1):
+        t = min(k * 0.2 / length, 1.0)
+        i, j = int(np.floor((x + t * dx) / CELL_M + 0.5)) + half, int(np.floor((y + t * dy) / CELL_M + 0.5)) + half
+        if (i != li or j != lj) and _walled(li, lj, i, j, walls):
+            return False
+        li, lj = i, j
+        if t <= open_part and height[i, j] > cam_z + t * (pz - cam_z) + 0.02:
+            return False
+    return True
+
+
+@merged
+def _walled(i0: int, j0: int, i1: int, j1: int, walls: U8) -> bool:
+    """Whether a wall stands between two neighbouring cells; diagonally two borders must be closed."""
+    i, j = min(i0, i1), min(j0, j1)
+    if j0 == j1:
+        return walls[0, i, j0] > 0
+    if i0 == i1:
+        return walls[1, i0, j] > 0
+    return walls[0, i, j0] + walls[0, i, j1] + walls[1, i0, j] + walls[1, i1, j] > 1
+
+
+def _rays() -> tuple[NDArray[np.int32], NDArray[np.float64]]:
+    """Offsets (RAYS, MOST_CELLS, 2) of cells along each ray, and the square metres they stand for (RAYS, MOST_CELLS).
+
+    A cell that a ray enters twice stands for nothing the second time. Ray r looks along (r + 0.5) / RAYS of a turn.
+    """
+    angle = 2.0 * np.pi * (np.arange(RAYS) + 0.5) / RAYS
+    k = np.arange(1, MOST_CELLS + 1)
+    way = np.stack([np.cos(angle), np.sin(angle)], 1)[:, None] * k[:, None]
+    cell = np.floor(way + 0.5).astype(np.int32)
+    area = np.tile(k * CELL_M * CELL_M * 2.0 * np.pi / RAYS, (RAYS, 1))
+    area[:, 1:][(cell[:, 1:] == cell[:, :-1]).all(-1)] = 0.0
+    return cell, area
+
+
+RAY_CELL, RAY_AREA = _rays()
+
+
+@jit
+def space_gain(nodes: I32, cells: Any, reach: tuple[int, float], weight: tuple[float, float], out: F64) -> None:
+    """Add to out (n, 4) the weighted square metres that each heading at each node would newly show.
+
+    cells = (explored, height, near, stale, interest); reach = (cells, metres): how far unexplored space counts, and how
+    near explored space must have been seen; weight of a square metre of either. ``stale`` multiplies both, ``interest``
+    what is not explored.
+    """
+    for n in range(nodes.shape[0]):
+        for ray in range(RAYS):
+            heading = ((ray + RAYS // 8) % RAYS) // (RAYS // 4)
+            out[n, heading] += _ray(nodes[n, 0], nodes[n, 1], ray, cells, reach, weight, 1.0)
+
+
+@jit
+def fade_space(i: int, j: int, heading: int, cells: Any, reach: tuple[int, float], factor: float) -> None:
+    """Multiply ``stale`` by ``factor`` where a view from here expected to see new space (and evidently cannot)."""
+    for k in range(RAYS // 4):
+        ray = (heading * (RAYS // 4) + k - RAYS // 8) % RAYS
+        _ray(i, j, ray, cells, reach, (1.0, 1.0), factor)
+
+
+@merged
+def _ray(
+    i0: int, j0: int, ray: int, cells: Any, reach: tuple[int, float], weight: tuple[float, float], factor: float
+) -> float:
+    """Weighted square metres of one ray's share of the circle; multiplies ``stale`` on its way."""
+    explored, height, near, stale, interest = cells
+    gain, trust, far_m, deep = 0.0, 1.0, reach[1] + 0.25, 0
+    near_cells = int(reach[1] / CELL_M)
+    for k in range(min(reach[0], MOST_CELLS)):
+        i, j = i0 + RAY_CELL[ray, k, 0], j0 + RAY_CELL[ray, k, 1]
+        if i < 1 or j < 1 or i >= explored.shape[0] - 1 or j >= explored.shape[1] - 1:
+            break
+        tall = height[i, j] >= OPAQUE_M
+        if explored[i, j] == 0 and not tall:
+            gain += weight[0] * RAY_AREA[ray, k] * stale[i, j] * interest[i, j] * trust
+            trust *= DEEPER
+            deep += 1
+            stale[i, j] *= factor
+        elif k < near_cells and near[i, j] > far_m:
+            gain += weight[1] * RAY_AREA[ray, k] * stale[i, j]
+            stale[i, j] *= factor
+        if tall or deep >= DEEP_CELLS:
+            break
+    return gain
+
+
+@jit
+def place_gain(
+    index: I32, place: F64, hollow: F64, faces: U8, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8,
+    half: int, out: F64,
+) -> None:  # fmt: skip
+    """Add to out (n, 4, 4) the weight of the places (m, 3) that each view would show from within ``reach_m``.
+
+    A place in a hollow (m, 6) shows through its open faces (m,) only.
+
+    ``index`` (cells) int32 gives the row of a node in ``out``, -1 where no view is considered.
+    """
+    for m in range(place.shape[0]):
+        w = weight[m]
+        if w <= 0.0:
+            continue
+        px, py, pz = place[m]
+        ci, cj = int(np.floor(px / CELL_M + 0.5)) + half, int(np.floor(py / CELL_M + 0.5)) + half
+        span = int(reach_m / CELL_M) + 1
+        for i in range(max(1, ci - span), min(index.shape[0] - 1, ci + span + 1)):
+            for j in range(max(1, cj - span), min(index.shape[0] - 1, cj + span + 1)):
+                n = index[i, j]
+                if n < 0:
+                    continue
+                x, y = (i - half) * CELL_M, (j - half) * CELL_M
+                dx, dy, dz = px - x, py - y, pz - cam_z
+                if dx * dx + dy * dy > reach_m * reach_m or not shows(x, y, cam_z, px, py, pz, hollow[m], faces[m]):
+                    continue
+                if not sight(x, y, cam_z, px, py, pz, height, walls, half):
+                    continue
+                _share(dx, dy, dz, w, reach_m, out[n])
+
+
+@merged
+def _share(dx: float, dy: float, dz: float, w: float, reach_m: float, out: F64) -> None:
+    """Add ``w`` to every view (4, 4) whose frustum holds a point at (dx, dy, dz) from the camera."""
+    for heading in range(4):
+        if heading == 0:
+            flat, side = dx, abs(dy)
+        elif heading == 1:
+            flat, side = dy, abs(dx)
+        elif heading == 2:
+            flat, side = -dx, abs(dy)
+        else:
+            flat, side = -dy, abs(dx)
+        for p in range(4):
+            cp, sp = _COS[p], _SIN[p]
+            optical, up = cp * flat + sp * dz, cp * dz - sp * flat
+            if 0.15 < optical <= reach_m and side <= 0.95 * optical and abs(up) <= 0.95 * optical:
+                out[heading, p] += w
+
+
+@jit
+def fade_places(
+    x: float, y: float, cam_z: float, heading: int, pitch: int, place: F64, hollow: F64, faces: U8, weight: F64,
+    reach_m: float, height: F32, walls: U8, half: int, unseen: F64, factor: float,
+) -> None:  # fmt: skip
+    """Multiply ``unseen`` by ``factor`` for the places that a view expected to show (and evidently does not)."""
+    view = np.zeros((4, 4))
+    for m in range(place.shape[0]):
+        if weight[m] <= 0.0:
+            continue
+        px, py, pz = place[m]
+        if not shows(x, y, cam_z, px, py, pz, hollow[m], faces[m]):
+            continue
+        if not sight(x, y, cam_z, px, py, pz, height, walls, half):
+            continue
+        view[:] = 0.0
+        _share(px - x, py - y, pz - cam_z, 1.0, reach_m, view)
+        if view[heading, pitch] > 0.0:
+            unseen[m] *= factor
+
+
+@jit
+def open_gain(
+    index: I32, boxes: F64, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8, half: int, out: F64
+) -> None:
+    """Add to out (n, 4, 4) the weight of the closed containers (m, 6) that Open would open from each view."""
+    span = int(reach_m / CELL_M) + 1
+    for m in range(boxes.shape[0]):
+        w = weight[m]
+        if w <= 0.0:
+            continue
+        x0, y0, z0, x1, y1, z1 = boxes[m]
+        i0, i1 = int(np.floor(x0 / CELL_M)) + half - span, int(np.floor(x1 / CELL_M)) + half + span + 2
+        j0, j1 = int(np.floor(y0 / CELL_M)) + half - span, int(np.floor(y1 / CELL_M)) + half + span + 2
+        for i in range(max(1, i0), min(index.shape[0] - 1, i1)):
+            for j in range(max(1, j0), min(index.shape[0] - 1, j1)):
+                n = index[i, j]
+                if n < 0:
+                    continue
+                x, y = (i - half) * CELL_M, (j - half) * CELL_M
+                gx, gy = max(x0 - x, x - x1, 0.0), max(y0 - y, y - y1, 0.0)
+                if gx * gx + gy * gy > reach_m * reach_m:
+                    continue
+                px, py = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
+                pz = min(max(cam_z - 0.2, z0), z1)
+                if sight(x, y, cam_z, px, py, pz, height, walls, half):
+                    _share(px - x, py - y, pz - cam_z, w, 4.0, out[n])

@@ -1,0 +1,1 @@
+"""``eval.py`` and ``train.py`` behind their first line."""

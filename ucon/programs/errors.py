@@ -1,0 +1,145 @@
+"""What ``eval.py`` and ``train.py`` share: errors in one line, with the nearest names that exist."""
+
+from __future__ import annotations
+
+import errno
+import inspect
+import os
+import re
+import sys
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NoReturn
+
+from ucon.configuration.help_page import help_page
+from ucon.core.errors import UconError, unknown_name
+
+#: Exit code of errors that the user can mend; 130 is the shell's code for Ctrl-C.
+USER_ERROR, INTERRUPTED = 2, 130
+#: What is wrong with the disk, not with the program.
+_OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO)
+
+
+def run_entry(main: Callable[[], Any], config_name: str) -> None:
+    """Run a Hydra main whose errors before it begins, and of :func:`one_line_errors`, end in one line.
+
+    Before it begins Hydra composes the configuration and makes the folder ``out``: what fails there is the user's.
+    """
+    words = sys.argv[1:]
+    if {"-h", "--help"} & set(words):
+        sys.stdout.write(help_page(_configs(), config_name, words))
+        return
+    os.environ.setdefault("HYDRA_FULL_ERROR", "1")  # else Hydra prints its own text and exits
+    from hydra.errors import HydraException
+    from omegaconf.errors import OmegaConfBaseException
+
+    try:
+        main()
+    except (HydraException, OmegaConfBaseException) as error:
+        _end(explain(error, _configs(), config_name), USER_ERROR)
+    except (OSError, ValueError) as error:
+        if _within(main, error):
+            raise
+        if isinstance(error, OSError):
+            _end(
+                f"{error.filename}: cannot be made ({error.strerror}); give out=FOLDER that can be written", USER_ERROR
+            )
+        _end(explain(error, _configs(), config_name), USER_ERROR)
+    except KeyboardInterrupt:
+        _end("interrupted", INTERRUPTED)
+
+
+@contextmanager
+def one_line_errors(config_name: str) -> Iterator[None]:
+    """Inside a Hydra main: errors that a user can mend end the program in one line with exit code 2.
+
+    Leaving by SystemExit keeps Hydra from adding lines of its own. Bugs keep their traceback.
+    """
+    from hydra.errors import HydraException
+    from omegaconf.errors import OmegaConfBaseException
+
+    try:
+        yield
+    except UconError as error:
+        _end(str(error), USER_ERROR)
+    except (HydraException, OmegaConfBaseException) as error:
+        _end(explain(error, _configs(), config_name), USER_ERROR)
+    except OSError as error:
+        if error.errno not in _OF_THE_DISK:
+            raise
+        where = error.filename2 or error.filename or "cannot write"
+        _end(
+            f"{where}: {error.strerror}; make room or mend permissions, {_what_is_kept(config_name)}",
+            USER_ERROR,
+        )
+    except KeyboardInterrupt:
+        _end(f"interrupted; {_what_is_kept(config_name)}", INTERRUPTED)
+
+
+def _within(main: Callable[[], Any], error: BaseException) -> bool:
+    """Whether an error comes from within a decorated main, in this process or another."""
+    code = getattr(inspect.unwrap(main), "__code__", None)
+    return error.__cause__ is not None or any(
+        frame.f_code is code for frame, _ in traceback.walk_tb(error.__traceback__)
+    )
+
+
+def _what_is_kept(config_name: str) -> str:
+    if config_name == "train":
+        return "what is saved is kept: resume=RUN goes on"
+    return "what is finished is kept: the same command with the same out= goes on"
+
+
+def explain(error: BaseException, configs: Path, config_name: str) -> str:
+    """One line for a configuration error, with the nearest names that exist."""
+    text = str(error)
+    if type(error).__name__ in ("MissingMandatoryValue", "InterpolationToMissingValueError"):
+        key = getattr(error, "full_key", None) or text.rsplit(" ", 1)[-1]
+        return f"{key} has no value; give {key}=..."
+    if override := getattr(error, "override", None):
+        return f"cannot read '{override}': {text.splitlines()[0]}; expected name=value, quoted where it has brackets"
+    if found := re.search(r"Could not find '([^']+)/([^'/]+)'", text):
+        group, name = found.groups()
+        names = sorted(p.stem for p in (configs / group).glob("*.yaml"))
+        if group == "learner/of":
+            return f"agent={name} has no learner of its own; give learner=..., or one that has: {', '.join(names)}"
+        return unknown_name(group, name, names)
+    if found := re.search(r"Could not (?:override|append to|find a match for) '([^'@]+)'", text):
+        return unknown_name("option", found[1], _options(configs, config_name))
+    if found := re.search(r"Key '([^']+)' (?:is not in struct|not in)[\s\S]*full_key: (\S+)", text):
+        return unknown_name("option", found[2], _options(configs, config_name))
+    return " ".join(line.strip() for line in text.splitlines()[:2] if line.strip())
+
+
+def _options(configs: Path, config_name: str) -> list[str]:
+    """Dotted names of all options of a configuration, with its groups."""
+    from hydra import compose, initialize_config_dir
+    from hydra.core.global_hydra import GlobalHydra
+    from omegaconf import OmegaConf
+
+    GlobalHydra.instance().clear()
+    with initialize_config_dir(str(configs), version_base="1.3"):
+        config = OmegaConf.to_container(compose(config_name), resolve=False)
+    groups = [p.name for p in configs.iterdir() if p.is_dir()]
+    return sorted({*groups, *_keys(config)})
+
+
+def _configs() -> Path:
+    """Folder of the configurations: beside the script."""
+    return Path(sys.argv[0]).resolve().parent / "configs"
+
+
+def _keys(node: Any, prefix: str = "") -> Iterator[str]:
+    if isinstance(node, dict):
+        for key, value in node.items():
+            if not str(key).startswith("_"):
+                yield f"{prefix}{key}"
+                yield from _keys(value, f"{prefix}{key}.")
+
+
+def _end(message: str, code: int) -> NoReturn:
+    sys.stdout.flush()
+    print(f"error: {message}", file=sys.stderr)
+    sys.exit(code)

@@ -1,0 +1,243 @@
+"""What ``train.py`` is asked to do: a new run, or one to go on with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from ucon.configuration.known_options import TRAINING, check_options
+from ucon.configuration.old_names import in_todays_names
+from ucon.configuration.stored import checked, has_to_be_said
+from ucon.core.device import torch_device
+from ucon.core.errors import ConfigError, DataError, brief
+from ucon.core.files import canonical_json, sha256_bytes, write_atomic
+from ucon.core.yaml_text import without_aliases
+from ucon.learning.run.run_folder import CONFIG, read_config
+from ucon.learning.run.run_plan import Plan
+
+if TYPE_CHECKING:
+    from omegaconf import DictConfig
+
+#: What to do about a run's configuration that cannot be used.
+_REMEDY = "restore it, or start the run anew"
+#: Options that say where and how a run is watched, not what is learned.
+NEUTRAL_OPTIONS = ("out", "resume", "progress", "wandb", "tensorboard")
+
+
+@dataclass(frozen=True)
+class ChosenRun:
+    """A run's configuration and folder.
+
+    ``checkpoint`` is what it goes on from, empty for a new run; ``steps`` how many it is extended to, None for as many
+    as are planned.
+    """
+
+    config: dict[str, Any]
+    folder: Path
+    checkpoint: str = ""
+    steps: int | None = None
+
+
+def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) -> ChosenRun:
+    """The new run that ``cfg`` describes, or the one in ``cfg.resume``: a run's folder or one of its checkpoints.
+
+    Raises:
+        ConfigError: nothing to resume there, options beside ``resume`` that would make it another run, or fewer steps.
+        DataError: a stored configuration that cannot be used.
+    """
+    from omegaconf import OmegaConf
+
+    if not cfg.resume:
+        if cfg.learner is None:
+            raise ConfigError("learner has no value; give learner=retriever")
+        _check_agent(cfg, overrides)
+        config: Any = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)
+        if not config.get("out"):
+            raise ConfigError("out has no value; give out=FOLDER")
+        _check(config, "configuration")
+        if isinstance(config["training"], Mapping) and "extended" in config["training"]:
+            raise ConfigError("training.extended is of runs that go on; give resume=RUN training.steps=MORE")
+        check_options(config, TRAINING)
+        return ChosenRun(config, swept or Path(str(config["out"])))
+    said = _said(word for word in overrides if word.startswith("++"))
+    more = [word for word in overrides if word.split("=")[0].lstrip("+") == "training.steps"]
+    known = {*NEUTRAL_OPTIONS[1:], *said}
+    odd = [word for word in overrides if word not in more and _option(word) not in known]
+    if odd:
+        raise ConfigError(
+            f"resume={cfg.resume}: a run goes on with its own configuration; leave out {' '.join(odd)} "
+            "(training.steps=MORE extends it)"
+        )
+    path = Path(str(cfg.resume)).expanduser()
+    folder, checkpoint = path, "latest"
+    if path.name.startswith("step_") and not (path / CONFIG).exists():
+        folder, checkpoint = path.resolve().parent.parent, path.name
+    try:
+        raw = read_config(folder)
+    except OSError:  # there is none, or no file has such a name
+        raise ConfigError(f"resume={cfg.resume}: no run there (no config.yaml); give the folder of a run") from None
+    config = _stored(folder / CONFIG, raw, said)
+    _check_device(config["learner"], str(cfg.resume))
+    steps = None
+    if more:
+        steps = Plan(cfg.training.steps).steps
+        Plan.of(config["training"]).extend(0, steps)  # before the learner is built; from its last step later
+    watched = {name: cfg[name] for name in ("progress", "wandb", "tensorboard")}
+    return ChosenRun({**config, **watched}, folder, checkpoint, steps)
+
+
+def _option(word: str) -> str:
+    return word.split("=")[0].lstrip("+~")
+
+
+def write_extension(folder: Path, plan: Plan) -> None:
+    """Write into a run's ``config.yaml`` what its plan was extended by; all else stays what was asked for at first."""
+    from omegaconf import OmegaConf
+
+    config = _parsed(folder / CONFIG, read_config(folder))
+    config["training"]["extended"] = [one.to_json() for one in plan.extended]
+    write_atomic(folder / CONFIG, OmegaConf.to_yaml(OmegaConf.create(config)))
+
+
+def _said(words: Iterable[str]) -> dict[str, Any]:
+    """Values of the options among ``words`` that a stored run must have said again."""
+    from hydra.core.override_parser.overrides_parser import OverridesParser
+
+    found = [OverridesParser.create().parse_override(word) for word in words]
+    return {over.key_or_group: over.value() for over in found if has_to_be_said(over.key_or_group)}
+
+
+def _check_device(learner: Mapping[str, Any], resume: str) -> None:
+    """Refuse to go on elsewhere than where a run began: other sums would make it another run.
+
+    Raises:
+        ConfigError: torch does not see that device here.
+    """
+    device = learner.get("device", "cpu")
+    try:
+        torch_device(device)
+    except ConfigError:
+        raise ConfigError(
+            f"resume={resume}: it began on learner.device={brief(device)}, which torch does not see here; go on where "
+            "it is, or start a run anew"
+        ) from None
+
+
+#: Options of agents that say how weights are played, and what says the like of training.
+_OF_PLAYING: Final = {
+    "agent.checkpoint": "learner.initial=FOLDER, the weights that training begins with",
+    "agent.device": "learner.device",
+    "agent.sample": "learner.validation.sample, how validation episodes are played",
+    "agent.temperature": "it to eval.py",
+}
+
+
+def _check_agent(cfg: DictConfig, overrides: Sequence[str]) -> None:
+    """Refuse a learner of policies without an agent that has one, and a named agent with a learner of something else.
+
+    Raises:
+        ConfigError: naming what to give.
+    """
+    from omegaconf import DictConfig, OmegaConf
+
+    name = str(cfg.learner.get("_target_", "")).rsplit(".", 1)[-1]
+    if "policy" not in cfg.learner:
+        if any(word.startswith("agent") for word in overrides):
+            raise ConfigError(f"agent with {name}, which trains no policy; give learner=imitation, dagger or ppo")
+    elif not isinstance(OmegaConf.select(cfg, "agent.policy"), DictConfig):
+        target = str(cfg.agent.get("_target_", "")).rsplit(".", 1)[-1]
+        raise ConfigError(f"{target} has no policy that could be trained; choose an agent that has one, such as vtn")
+    for word in overrides:
+        if (option := _option(word)) in _OF_PLAYING:
+            raise ConfigError(f"{word}: {option} is of playing; give {_OF_PLAYING[option]}")
+
+
+def _stored(path: Path, raw: bytes, said: Mapping[str, Any]) -> dict[str, Any]:
+    """The configuration that a run left as ``raw``, if it builds nothing but what it may.
+
+    Raises:
+        DataError: it is no text, no YAML, lacks something, or would build what it must not.
+        ConfigError: it needs what has to be said again, or something else was said than it has.
+    """
+    config = in_todays_names(_parsed(path, raw), str(path))
+    allowed: dict[str, Any] = checked(config, str(path), ("learner",), said, "++")
+    try:
+        check_options(config, TRAINING)
+    except ConfigError as error:
+        raise DataError(f"{path}: {error}; {_REMEDY}") from None
+    if allowed != config:
+        raise ConfigError(f"{path}: the run has other values than ++{', ++'.join(said)}; say those that it has")
+    return allowed
+
+
+def _parsed(path: Path, raw: bytes) -> dict[str, Any]:
+    """The options in ``raw``, of the right kinds.
+
+    Raises:
+        DataError: it is no text, no YAML, or lacks something.
+    """
+    from omegaconf import OmegaConf
+    from omegaconf.errors import OmegaConfBaseException
+    from yaml import YAMLError
+
+    try:
+        config: Any = OmegaConf.to_container(OmegaConf.create(without_aliases(raw.decode("utf-8"))))
+    except UnicodeDecodeError:
+        raise DataError(f"{path}: not UTF-8; {_REMEDY}") from None
+    except YAMLError as error:
+        line = mark.line + 1 if (mark := getattr(error, "problem_mark", None)) else 1
+        raise DataError(f"{path}:{line}: not YAML; {_REMEDY}") from None
+    except (ValueError, RecursionError, OmegaConfBaseException):
+        raise DataError(f"{path}: not the configuration of a run; {_REMEDY}") from None
+    try:
+        _check(config, str(path))
+    except ConfigError as error:
+        raise DataError(f"{error}; {_REMEDY}") from None
+    return dict(config)
+
+
+def _check(config: Any, where: str) -> None:
+    """Refuse a configuration without what every run needs."""
+    if not isinstance(config, dict):
+        raise ConfigError(f"{where}: no options in it")
+    if missing := [key for key in ("learner", "training", "threads") if key not in config]:
+        raise ConfigError(f"{where}: no {missing[0]} in it")
+    learner = config["learner"]
+    if not (isinstance(learner, dict) and isinstance(learner.get("_target_"), str)):
+        raise ConfigError(f"{where}: learner has no _target_")
+
+
+def learner_name(learner: Mapping[str, Any]) -> str:
+    """What ``learner=`` calls the learner of a configuration: ``ppo``, ``image_goal``, ``searches``, ..."""
+    env = learner.get("env")
+    of_env = env["config"].get("_target_", "") if isinstance(env, Mapping) and "config" in env else ""
+    if str(of_env).endswith("ImageGoalEnv"):
+        return "image_goal"
+    if learner.get("demonstrator"):
+        return "searches"
+    return str(learner["_target_"]).rsplit(".", 1)[-1].removesuffix("Learner").lower()
+
+
+def run_identity(config: Mapping[str, Any]) -> dict[str, str]:
+    """Hash of what is learned; the learner adds those of its data.
+
+    Extensions do not count: checkpoints say of themselves which of them they depend on.
+    """
+    learned = {key: value for key, value in config.items() if key not in NEUTRAL_OPTIONS}
+    if isinstance(training := learned.get("training"), Mapping):
+        learned["training"] = {key: value for key, value in training.items() if key != "extended"}
+    return {"config": sha256_bytes(canonical_json(learned).encode())}
+
+
+def use_threads(threads: Any) -> None:
+    """Let torch use ``threads`` threads. Sums depend on their number, so it is part of the configuration.
+
+    Raises:
+        ConfigError: no such number of threads.
+    """
+    import torch
+
+    check_options({"threads": threads}, TRAINING)
+    torch.set_num_threads(threads)

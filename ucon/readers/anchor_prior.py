@@ -1,0 +1,81 @@
+"""What is usual where, learned from a dataset's own placements: p(anchor | target) before any habit is read.
+
+The shipped common sense knows the habit book's anchors. A dataset with other names, as the official release, brings
+its own: softmax regression on the target's sentence vector, among the anchors that its scene has.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+
+from ucon.core.errors import DataError
+from ucon.core.unpack import MAX_BYTES, read_arrays
+from ucon.habits.types import RELATIONS, Entry
+from ucon.readers.reader_weights import Array, softmax
+
+_KEPT: Final = ("dense", "bias", "relation")
+
+
+@dataclass(frozen=True, eq=False)
+class AnchorPrior:
+    """Softmax regression from a vector (D,) to A anchors, and the relation to each."""
+
+    names: tuple[str, ...]
+    dense: Array  # (D, A)
+    bias: Array  # (A,)
+    relation: Array  # (A, 4) how things are kept by each anchor
+
+    @cached_property
+    def relations(self) -> dict[str, Array]:
+        """p(relation | anchor), (4,), by anchor."""
+        return dict(zip(self.names, self.relation, strict=True))
+
+    def log_p(self, vectors: Array, names: Sequence[str], unknown: float) -> Array:
+        """Log p (T, C) of names for target vectors (T, D); ``unknown`` for names that it does not know."""
+        number = {name: i for i, name in enumerate(self.names)}
+        known = np.log(softmax(np.round(vectors @ self.dense + self.bias, 4)))
+        out = np.full((len(vectors), len(names)), unknown)
+        for i, name in enumerate(names):
+            if name in number:
+                out[:, i] = known[:, number[name]]
+        return out
+
+    def to_bytes(self) -> bytes:
+        """The weights, in float16."""
+        buffer = io.BytesIO()
+        half = {name: getattr(self, name).astype(np.float16) for name in _KEPT}
+        np.savez_compressed(buffer, **half)  # type: ignore[arg-type]
+        return buffer.getvalue()
+
+    @classmethod
+    def from_bytes(cls, raw: bytes, names: Sequence[str], where: str) -> AnchorPrior:
+        """What :meth:`to_bytes` wrote.
+
+        Raises:
+            DataError: it is something else, or for other names.
+        """
+        try:
+            file = read_arrays(raw, MAX_BYTES)
+            dense, bias, relation = (file[name].astype(np.float64) for name in _KEPT)
+        except (ValueError, KeyError, TypeError) as error:
+            raise DataError(f"{where}: no anchor prior ({str(error)[:80]}); train the head again") from None
+        if not all(np.isfinite(array).all() for array in (dense, bias, relation)):
+            raise DataError(f"{where}: values that are no numbers; train the head again")
+        shapes = dense.shape[1:] == bias.shape == (len(names),) and relation.shape == (len(names), len(RELATIONS))
+        if dense.ndim != 2 or not shapes:
+            raise DataError(f"{where}: {dense.shape} for {len(names)} anchors; train the head again")
+        return cls(tuple(names), dense, bias, relation)
+
+
+def scene_anchors(entries: Iterable[Entry]) -> dict[str, set[str]]:
+    """Anchors that entries name, by the scene that they are bound to."""
+    found: dict[str, set[str]] = {}
+    for entry in entries:
+        found.setdefault(entry.scene or "", set()).update(place.anchor for place in entry.placements)
+    return found

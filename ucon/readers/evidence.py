@@ -1,0 +1,74 @@
+"""What one sentence says about places: which anchor it speaks for, if any, and in which relation.
+
+Read once a text and remembered. Known anchors are read by words, sentence vector and pair features together; names
+that training never met by pair features alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ucon.language.pairs import PairReader
+from ucon.language.words import stems
+from ucon.readers.reader_weights import Array, Weights, sigmoid, softmax
+
+REMEMBERED = 60_000
+DECIMALS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What H sentences say. All float64."""
+
+    anchor: Array
+    """(H, A): probability that it speaks for each known anchor; the rest to 1 is "no place"."""
+    place: Array
+    """(H,): probability that it speaks for a place at all."""
+    relation: Array
+    """(H, 4): relation, given that it does, in the order of ``RELATIONS``."""
+
+
+def grams(text: str) -> list[str]:
+    """Distinct stems and pairs of neighbouring stems of a text, in order."""
+    words = stems(text)
+    return list(dict.fromkeys([*words, *(f"{a} {b}" for a, b in pairwise(words))]))
+
+
+class EvidenceReader:
+    """Applies the weights to texts."""
+
+    def __init__(self, weights: Weights, pairs: PairReader) -> None:
+        self.weights = weights
+        self.pairs = pairs
+        self._seen: dict[str, Array] = {}
+
+    def read(self, texts: Sequence[str]) -> Evidence:
+        """Evidence of each text."""
+        new = [text for text in dict.fromkeys(texts) if text not in self._seen]
+        if len(self._seen) + len(new) > REMEMBERED:
+            self._seen.clear()
+            new = list(dict.fromkeys(texts))
+        if new:
+            self._seen.update(zip(new, self._logits(new), strict=True))
+        n = len(self.weights.anchors)
+        logits = np.stack([self._seen[text] for text in texts]) if texts else np.zeros((0, n + 5))
+        spoken = softmax(logits[:, : n + 1])
+        return Evidence(spoken[:, :n], 1 - spoken[:, n], softmax(logits[:, n + 1 :]))
+
+    def unknown(self, texts: Sequence[str], names: Sequence[str], place: Array) -> Array:
+        """(H, C): probability that each text speaks for names that training never met."""
+        score = self.pairs.features(texts, names).astype(np.float64) @ self.weights["any"][:-1]
+        return sigmoid(score + self.weights["any"][-1]) * place[:, None]
+
+    def _logits(self, texts: Sequence[str]) -> Array:
+        w, n = self.weights, len(self.weights.anchors)
+        out = self.pairs.encoder.encode_half(texts).astype(np.float64) @ w["dense"] + w["bias"]
+        for i, text in enumerate(texts):
+            rows = [w.vocabulary[gram] for gram in grams(text) if gram in w.vocabulary]
+            out[i] += w.bow[rows].sum(axis=0, dtype=np.float64)
+        out[:, :n] += self.pairs.features(texts, w.anchors).astype(np.float64) @ w["pair"]
+        return np.round(out, DECIMALS)

@@ -1,0 +1,1 @@
+"""Furnishing rooms: groups, where they may stand, and what stands on them."""

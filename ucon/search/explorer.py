@@ -1,0 +1,227 @@
+"""Carries out choices in one episode: walks there, looks around, opens, and takes what it was looking for.
+
+All agents that choose among candidates share it, so that they differ in choosing alone. Every action costs a step.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from ucon.core.errors import ConfigError, brief
+from ucon.core.rng import stream
+from ucon.core.sharing import PartlyShared
+from ucon.perception.mapping.body import Body
+from ucon.perception.mapping.detections import MIN_PIXELS
+from ucon.perception.mapping.planner import UNREACHED, Planner
+from ucon.perception.mapping.semantic_map import CELL_M, SemanticMap, View
+from ucon.perception.mapping.sightings import Sighting
+from ucon.perception.places.containers import Containers
+from ucon.perception.views.candidates import Candidate
+from ucon.perception.views.homing import Homing
+from ucon.search.strategies import Strategy
+from ucon.task.actions import Action
+
+Info = Mapping[str, Any]
+#: When a sight of the target ends the search: at once; only while looking around; only where a direction with it in
+#: view was chosen.
+Interrupt = Literal["always", "around", "chosen"]
+_WANDER_M = 1.0
+
+
+@dataclass(frozen=True)
+class Manner:
+    """How choices are carried out."""
+
+    look_around: bool = True
+    """Turn through all four headings on arrival (and at the start)."""
+    opens: bool = True
+    """Open on arrival, once a heading, what is closed, in view and in reach."""
+    interrupt: Interrupt = "always"
+    replan_steps: int = 0
+    """Ask for a new choice after so many actions of a walk; 0: on arrival only."""
+
+    def __post_init__(self) -> None:
+        if type(self.replan_steps) is not int or self.replan_steps < 0:
+            raise ConfigError(f"agent.replan_steps={brief(self.replan_steps)}: expected a whole number from 0 up")
+
+
+@dataclass(frozen=True, eq=False)
+class Decision:
+    """A choice that is due."""
+
+    number: int
+    """Of the episode, from 0."""
+    step: int
+    target: str
+    candidates: tuple[Candidate, ...]
+    """At least one."""
+    known: SemanticMap
+    sightings: tuple[Sighting, ...]
+    draw: np.random.Generator
+    """For what is drawn at random in this decision; depends on seed, episode and number alone."""
+
+
+class Explorer(PartlyShared):
+    """One search in one home."""
+
+    _flat: ClassVar[frozenset[str]] = frozenset({"_plan", "_opened_at", "_stood", "_visited"})
+
+    def __init__(self, info: Info, strategy: Strategy, manner: Manner | None = None, seed: int = 0) -> None:
+        """``info``: of the reset; ``strategy``: this episode's own; ``seed``: of what is drawn at random."""
+        self.target = str(info["target"])
+        self.map = SemanticMap(Body.of(info))
+        self.planner = Planner(info.get("nav"))
+        self.strategy = strategy
+        self.manner = manner or Manner()
+        self.containers = Containers()
+        self.homing = Homing()
+        self.decisions = 0
+        self._key = (seed, "waypoint", str(info.get("episode", "")))
+        self._decision: Decision | None = None
+        self._goal: View | None = None
+        self._plan: deque[Action] = deque()
+        self._walked = 0
+        self._arrived = True
+        self._turns = 3 if self.manner.look_around else 0
+        self._opened_at: set[View] = set()
+        self._stood: set[View] = set()
+        self._sent_to: int = -1
+        self._visited: set[int] = set()
+        self._taken: int | None = None
+
+    @property
+    def taking(self) -> bool:
+        """Whether the target was found and is being walked up to."""
+        return self._taken is not None
+
+    def look(self, observation: Mapping[str, Any], info: Info) -> Action | None:
+        """Take in a frame; the next action, or None where a choice is due (:meth:`decision`, :meth:`choose`)."""
+        self._decision = None  # what was offered before this frame is out of date
+        self.map.update(observation, info)
+        self.strategy.look(self.map, observation, info)
+        if self._arrived or not self._plan:
+            self._stood.add(self.map.view)
+        track = self._target_track()
+        if track is not None and self._may_take(track):
+            self._taken = track
+            return self.homing.act(self.map, self.planner, track, blocked=bool(observation["collision"]))
+        if bool(observation["collision"]) and self._goal is not None:
+            walked = self._walked
+            self.planner.update(self.map)
+            self._walk_to(self._goal)
+            self._walked = walked
+        return self._next()
+
+    def decision(self) -> Decision:
+        """What may be chosen now."""
+        if self._decision is None:
+            self.planner.update(self.map)
+            draw = stream(*self._key, self.decisions)
+            found = self._fresh(self.strategy.candidates(self.map, self.planner, draw)) or [self._somewhere(draw)]
+            around = tuple(self.strategy.sightings(self.map))
+            self._decision = Decision(self.decisions, self.map.step, self.target, tuple(found), self.map, around, draw)
+        return self._decision
+
+    def _fresh(self, found: list[Candidate]) -> list[Candidate]:
+        """Without what would be looked at again from the very pose, and things walked up to before; directions stay."""
+
+        def known(c: Candidate) -> bool:
+            return c.kind != "view" and (c.view in self._stood or c.track in self._visited)
+
+        return [c for c in found if not known(c)]
+
+    def choose(self, number: int) -> Action:
+        """Choose candidate ``number`` of the decision that is due; the first action towards it."""
+        chosen = self.decision().candidates[number]
+        self._decision = None
+        self.decisions += 1
+        if self.manner.interrupt == "chosen" and any(name == self.target for name, _ in chosen.things):
+            track = self._target_track(chosen.view.heading)
+            if track is not None:
+                self._taken = track
+                return self.homing.act(self.map, self.planner, track)
+        self._sent_to = chosen.track
+        self._walk_to(chosen.view)  # the planner was brought up to date for the decision
+        first = self._next()
+        # A choice that is no walk must cost a step as well, or a stubborn chooser would never end.
+        return Action.ROTATE_LEFT if first is None else first
+
+    def _walk_to(self, view: View) -> None:
+        self._goal, self._plan = view, deque(self.planner.plan(view))
+        self._walked, self._arrived = 0, False
+
+    def _next(self) -> Action | None:
+        if self._plan:
+            if 0 < self.manner.replan_steps <= self._walked:
+                return None
+            self._walked += 1
+            return self._plan.popleft()
+        if not self._arrived:
+            self._arrived, self._goal = True, None
+            if self._sent_to >= 0:
+                self._visited.add(self._sent_to)
+            self._turns = 3 if self.manner.look_around else 0
+        if self._opens_here():
+            self._opened_at.add(self.map.view)
+            return Action.OPEN
+        if self._turns:
+            self._turns -= 1
+            return Action.ROTATE_LEFT
+        return None
+
+    def _opens_here(self) -> bool:
+        """Whether to Open now: on arrival, once a pose, where that would reach something closed."""
+        if not self.manner.opens or self.map.view in self._opened_at:
+            return False
+        return bool(self.containers.in_reach(self.map))
+
+    def _may_take(self, track: int) -> bool:
+        """Whether a target that was seen ends the search."""
+        standing = self._arrived or not self._plan
+        if self.manner.interrupt == "around" and standing and self.map.pixels[track] >= MIN_PIXELS:
+            return True
+        return self.taking or self.manner.interrupt == "always"
+
+    def _target_track(self, heading: int | None = None) -> int | None:
+        """The track to take: the one being taken, else one in view, else the nearest; with ``heading``: that way first.
+
+        There may be several where a detector can be wrong.
+        """
+        known = self.map
+        tracks = [t for t in known.instances.get(self.target, ()) if known.seen(t)]
+        if self._taken is not None or not tracks:
+            return self._taken
+
+        def order(track: int) -> tuple[bool, bool, float, int]:
+            aside = heading is not None and _heading_to(known, track) != heading
+            return aside, known.pixels[track] < MIN_PIXELS, known.gap_m(track, known.view.xy), track
+
+        return min(tracks, key=order)
+
+    def _somewhere(self, draw: np.random.Generator) -> Candidate:
+        """An explored node drawn at random: what is left where a strategy offers nothing."""
+        i0, i1, j0, j1 = self.map.extent(0)
+        window = (slice(i0, i1), slice(j0, j1))
+        ok = (self.planner.steps[window].min(2) < UNREACHED) & (self.map.explored[window] > 0)
+        nodes = np.argwhere(ok) + np.array([i0, j0])
+        here = np.array([self.map.view.i, self.map.view.j])
+        far = nodes[np.abs(nodes - here).sum(1) * CELL_M >= _WANDER_M]
+        nodes = far if len(far) else nodes
+        i, j = nodes[int(draw.integers(len(nodes)))].tolist()
+        heading = int(self.planner.steps[i, j].argmin())
+        view = View(i, j, heading, 0)
+        return Candidate("wander", view, self.planner.cost(view))
+
+
+def _heading_to(known: SemanticMap, track: int) -> int:
+    """The quarter turn in which a thing lies from where the agent stands."""
+    x0, y0, _, x1, y1, _ = known.box[track]
+    dx, dy = 0.5 * (x0 + x1) - known.view.xy[0], 0.5 * (y0 + y1) - known.view.xy[1]
+    if abs(dx) >= abs(dy):
+        return 0 if dx > 0 else 2
+    return 1 if dy > 0 else 3

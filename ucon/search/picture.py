@@ -1,0 +1,97 @@
+"""What a searching agent thinks, as a picture: its own map, where it believes the target is, where it goes and why."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.habits.types import RELATIONS
+from ucon.perception.drawing.map_picture import Image, Pixels, draw_map, pixels_of
+from ucon.perception.drawing.overlay import FAINT, GOAL, INK, WARM, Line, believes, map_room, page, speaking, words
+from ucon.perception.mapping.semantic_map import SemanticMap
+from ucon.perception.places.target_places import INSIDE
+
+if TYPE_CHECKING:
+    from ucon.search.searcher import Searcher
+
+_MOST_CELL_PX = 10
+
+
+def draw_search(searcher: Searcher, height: int = 384, width: int = 384, *, also: str = "") -> Image:
+    """Draw the search as it stands: (height, width, 3) uint8.
+
+    Above the agent's own map: the warmer a thing, the greater its part of what is left of the belief; a ring is where
+    it goes. Below what it believes most, and the habits that speak most for the thing it goes to (or believes most),
+    with how strongly each does, from 0 to 100 %. ``also`` is a last line, of whoever has more to say.
+    """
+    mass = _mass_left(searcher)
+    lines = _lines(searcher, searcher.map, mass, width) + ([Line(also, FAINT)] if also else [])
+    return page(_map(searcher, mass, *map_room(height, width)), lines, height, width)
+
+
+def _mass_left(searcher: Searcher) -> NDArray[np.float64]:
+    """(T, 4) expected mass of every track and relation that was not looked at in vain."""
+    expected, places, n = searcher.expected, searcher.places, searcher.map.n_tracks
+    if expected is None or len(expected.mass) != n:
+        return np.zeros((n, len(RELATIONS)))
+    return places.left(expected.mass)
+
+
+def _map(searcher: Searcher, mass: NDArray[np.float64], height: int, width: int) -> Image:
+    known = searcher.map
+    i0, i1, j0, j1 = known.extent()
+    cell_px = int(np.clip(min(width / (i1 - i0), height / (j1 - j0)), 1, _MOST_CELL_PX))
+    image = draw_map(known, target=searcher.target, cell_px=cell_px)
+    px = pixels_of(known, cell_px)
+    total = mass.sum(1)
+    for track in np.argsort(total, kind="stable").tolist():
+        if total[track] > 0.0 and known.seen(track):
+            _tint(image, px, known.box[track], float(np.sqrt(total[track] / total.sum())))
+    if searcher.choice is not None:
+        cv2.circle(image, px(*searcher.choice.view.xy), max(4, cell_px), GOAL, 2, cv2.LINE_AA)
+    return image
+
+
+def _tint(image: Image, px: Pixels, box: NDArray[np.float64], share: float) -> None:
+    """Colour the box of a thing."""
+    (x0, y0), (x1, y1) = px(box[0], box[4]), px(box[3], box[1])
+    part = image[max(y0, 0) : max(y1, y0 + 2), max(x0, 0) : max(x1, x0 + 2)]
+    part[:] = ((1 - 0.85 * share) * part + 0.85 * share * np.array(WARM)).astype(np.uint8)
+
+
+def _lines(searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64], width: int) -> list[Line]:
+    """What is written below the map."""
+    found, going = searcher.expecting.locations, Line(_going(searcher, known, mass), GOAL)
+    if found is None:
+        return [going._replace(color=INK)]
+    best = np.argsort(-found.p, axis=None, kind="stable")[:3]
+    places = [(found.names[k // len(RELATIONS)], RELATIONS[k % len(RELATIONS)], float(found.p.flat[k])) for k in best]
+    lines = [*believes(places, width), going]
+    for thing in (_near_goal(searcher, known, mass), places[0][0]):
+        support = found.support(thing) if thing and found.support is not None else ()
+        if speaks := speaking(zip(found.habits, map(float, support), strict=False), width):
+            return lines + speaks
+    return lines
+
+
+def _going(searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64]) -> str:
+    if searcher.taking:
+        return f"goes to: the {words(searcher.target)}, which it sees"
+    if searcher.choice is None:
+        return "looks around"
+    thing = _near_goal(searcher, known, mass)
+    opens = ", to open it" if searcher.choice.opens else ""
+    return f"goes to: {words(thing)}{opens}" if thing else "goes to: what is not explored yet"
+
+
+def _near_goal(searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64]) -> str:
+    """Category of the thing with most mass within two metres of where it goes; "" where there is none to speak of."""
+    if searcher.choice is None or not len(mass):
+        return ""
+    near = np.array([known.seen(t) and known.gap_m(t, searcher.choice.view.xy) < 2.0 for t in range(len(mass))])
+    worth = np.where(near, mass[:, INSIDE] if searcher.choice.opens else mass.sum(1), 0.0)
+    track = int(worth.argmax())
+    return known.category[track] if worth[track] > 0.1 * searcher.choice.gain else ""

@@ -1,0 +1,182 @@
+"""A search decision as arrays: what the habit policy sees. Candidate views, things, frontiers, and the state.
+
+Everything is relative to where the agent stands and looks. Only what the agent itself knows goes in: its map, what it
+expects by the habits it was given, and what looking and walking would cost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.sharing import PartlyShared, Shared
+from ucon.objects.catalogue import catalogue
+from ucon.perception.mapping.semantic_map import CELL_M
+from ucon.perception.places.target_places import INSIDE, affordance, sight_range_m
+from ucon.perception.views.candidates import frontiers
+from ucon.perception.views.pick_kernels import picked_views
+from ucon.perception.views.view_kernels import PITCHES_DEG
+from ucon.perception.views.viewpoints import Choice, Valued
+from ucon.search.searcher import SearchDecision, Searcher
+from ucon.search.text_tokens import category_rows
+from ucon.search.view_tokens import N_VIEW, Surroundings, ego, lg, view_rows
+
+F32 = NDArray[np.float32]
+KINDS: Final = ("fixed_furniture", "movable_furniture", "fixture", "wall", "ceiling", "movable", "structure")
+N_THING: Final = 14 + len(KINDS)
+#: Columns of metres ahead and to the left, in units of 5 m.
+THING_AHEAD: Final = slice(4, 6)
+N_FRONTIER: Final = 6
+N_EGO: Final = 18 + len(PITCHES_DEG)
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Rows of each kind of token."""
+
+    views: int = 32
+    things: int = 32
+    frontiers: int = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Tokens(Shared):
+    """One decision."""
+
+    arrays: Mapping[str, NDArray[Any]]
+    """``views`` (V, N_VIEW), ``things`` (T, N_THING), ``frontiers`` (F, N_FRONTIER), ``ego`` (N_EGO,) float32;
+    ``thing_rows`` (T,) int32 rows of the catalogue, -1 for none; ``prior`` (V,) float32, the logarithm of each view's
+    gain over cost; ``unexplored`` (V,) float32, the part of that gain in space not explored; ``action_mask`` (of the
+    views), ``things_mask``, ``frontiers_mask`` int8. Rows past what there is are zero."""
+    choices: tuple[Choice, ...]
+    """The choice behind each row of ``views`` whose mask is 1."""
+
+
+class TokenReader(PartlyShared):
+    """Turns the decisions of one search into arrays."""
+
+    _shared: ClassVar[frozenset[str]] = frozenset({"sizes", "_fixed"})
+
+    def __init__(self, searcher: Searcher, info: Mapping[str, Any], sizes: Sizes | None = None) -> None:
+        """``info``: of the reset."""
+        self._searcher, self.sizes = searcher, sizes or Sizes()
+        book, target = catalogue(), searcher.target
+        size = sorted(book[target].size) if target in book else [0.1, 0.1, 0.1]
+        self._fixed = [np.log10(side) for side in size]
+        self._fixed += [sight_range_m(target) / 4.5, len(info["habits"]) / 500.0]
+        self._fixed.append(float(info.get("habit_level") == "gt"))
+
+    def read(self, decision: SearchDecision) -> Tokens:
+        """The arrays of a decision that is due. Where no view promises anything there is one row, or none."""
+        places = self._searcher.places
+        weight, mass = places.weights(decision.expected.mass), places.left(decision.expected.mass)
+        rows, prior, space, choices = self._views(decision, weight)
+        things, numbers = self._things(mass)
+        edges = self._frontiers(decision)
+        sizes = self.sizes
+        arrays: dict[str, NDArray[Any]] = {
+            "views": _padded(rows, sizes.views, N_VIEW),
+            "prior": _padded(prior[:, None], sizes.views, 1)[:, 0],
+            "unexplored": _padded(space[:, None], sizes.views, 1)[:, 0],
+            "action_mask": _mask(len(choices), sizes.views),
+            "things": _padded(things, sizes.things, N_THING),
+            "thing_rows": np.append(numbers, np.full(sizes.things - len(numbers), -1)).astype(np.int32),
+            "things_mask": _mask(len(things), sizes.things),
+            "frontiers": _padded(edges, sizes.frontiers, N_FRONTIER),
+            "frontiers_mask": _mask(len(edges), sizes.frontiers),
+            "ego": self._ego(decision, mass),
+        }
+        return Tokens(arrays, choices)
+
+    def _views(self, decision: SearchDecision, weight: NDArray[np.float64]) -> tuple[F32, F32, F32, tuple[Choice, ...]]:
+        """Rows, logarithm of gain over cost, share of space, and choices of the views worth considering."""
+        valued, known = decision.valued, self._searcher.map
+        if valued is None:
+            only = () if decision.best is None else (decision.best,)
+            blank = np.zeros(len(only), np.float32)
+            return np.zeros((len(only), N_VIEW), np.float32), blank, blank, only
+        at = self._picked(valued)
+        choices = tuple(valued.at(*view) for view in zip(*(k.tolist() for k in at), strict=True))
+        score = np.array([choice.score for choice in choices])
+        prior = np.log(np.maximum(score, 1e-12)).astype(np.float32)
+        gain = np.maximum([choice.gain for choice in choices], 1e-12)
+        space = np.minimum(valued.space[at] / gain, 1.0).astype(np.float32)
+        around = Surroundings(known, self._searcher.places.xyz, weight)
+        return view_rows(valued, at, choices, known, around), prior, space, choices
+
+    def _picked(self, valued: Valued) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+        """Node, heading and pitch numbers; the view that is looked from already is left out."""
+        pitch = valued.score.argmax(2)[..., None]
+        score = np.take_along_axis(valued.score, pitch, 2)[..., 0]
+        gain = np.take_along_axis(valued.looks + valued.opens, pitch, 2)[..., 0]
+        n, h, p = valued.kept_at
+        if n >= 0:
+            pitch[n, h, 0] = p
+        here = self._searcher.map.view
+        if here.pitch_deg in PITCHES_DEG:
+            stands = (valued.nodes[:, 0] == here.i) & (valued.nodes[:, 1] == here.j)
+            score[stands, here.heading] *= pitch[stands, here.heading, 0] != PITCHES_DEG.index(here.pitch_deg)
+        picked = picked_views(valued.nodes, score, gain, self.sizes.views, 4 * n + h if n >= 0 else -1)
+        return picked >> 2, picked & 3, pitch[picked >> 2, picked & 3, 0]
+
+    def _things(self, mass: NDArray[np.float64]) -> tuple[F32, NDArray[np.int64]]:
+        """The things with the most mass left, and their rows in the catalogue."""
+        known, places = self._searcher.map, self._searcher.places
+        total = mass.sum(1)
+        tracks = np.argsort(-total, kind="stable")[: self.sizes.things]
+        tracks = tracks[total[tracks] > 1e-9]
+        box, shut = known.box[tracks], np.zeros(known.n_tracks, bool)
+        shut[self._searcher.openable_now()] = True
+        rows = np.zeros((len(tracks), N_THING), np.float32)
+        rows[:, :4] = lg(mass[tracks])
+        xy = 0.5 * (box[:, :2] + box[:, 3:5])
+        rows[:, THING_AHEAD] = ego(xy - np.array(known.view.xy), known.view) / 5.0
+        rows[:, 6] = 0.5 * (box[:, 2] + box[:, 5])
+        rows[:, 7:10] = box[:, 3:] - box[:, :3]
+        rows[:, 10], rows[:, 11] = shut[tracks], known.opened[tracks]
+        rows[:, 12] = known.pixels[tracks] > 0
+        rows[:, 13] = places.unseen_share(known.n_tracks)[tracks]
+        names = [known.category[track] for track in tracks]
+        rows[np.arange(len(names)), 14 + np.array([KINDS.index(affordance(name).kind) for name in names], int)] = 1.0
+        return rows, np.array([category_rows().get(name, -1) for name in names], np.int64)
+
+    def _frontiers(self, decision: SearchDecision) -> F32:
+        known, planner = self._searcher.map, self._searcher.planner
+        found = frontiers(known, planner)[: self.sizes.frontiers]
+        interest = decision.expected.interest
+        rows = np.zeros((len(found), N_FRONTIER), np.float32)
+        for row, edge in zip(rows, found, strict=True):
+            xy = np.array(edge.view.xy) - np.array(known.view.xy)
+            row[:2] = ego(xy[None], known.view)[0] / 5.0
+            row[2], row[3] = np.sqrt(edge.cost / 40.0), np.log10(edge.cells)
+            row[4] = 1.0 if interest is None else interest[edge.view.i, edge.view.j]
+            row[5] = np.hypot(*edge.view.xy) / 5.0
+        return rows
+
+    def _ego(self, decision: SearchDecision, mass: NDArray[np.float64]) -> F32:
+        known, expected, best = self._searcher.map, decision.expected, decision.best
+        shut = self._searcher.openable_now()
+        area = float(np.count_nonzero(known.floor)) * CELL_M**2
+        left_m2 = max(25.0, 130.0 - area)
+        chosen = (0.0, 0.0) if best is None else (lg(best.score), lg(best.gain))
+        left = (mass.sum(), mass[shut, INSIDE].sum(), mass.max(initial=0.0), expected.unknown_per_m2 * left_m2)
+        out = [
+            *self._fixed, known.step / 300.0, np.sqrt(known.step / 300.0), area / 100.0, known.n_tracks / 100.0,
+            *map(lg, left), len(shut) / 20.0, *chosen, float(decision.valued is None),
+        ]  # fmt: skip
+        turned = [float(known.view.pitch_deg == pitch) for pitch in PITCHES_DEG]
+        return np.array([*out, *turned], np.float32)
+
+
+def _padded(rows: NDArray[Any], most: int, width: int) -> F32:
+    out = np.zeros((most, width), np.float32)
+    out[: len(rows)] = rows
+    return out
+
+
+def _mask(n: int, most: int) -> NDArray[np.int8]:
+    return (np.arange(most) < n).astype(np.int8)

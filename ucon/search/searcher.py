@@ -1,0 +1,210 @@
+"""Carries out a search by views: maps what it sees, values every view, goes to the chosen one, opens on its way.
+
+``frontier``, ``belief`` and the habit policy share it, so that they differ in what they expect and in choosing alone.
+Like :class:`~ucon.search.explorer.Explorer` it asks for a choice whenever one is due; unlike there, a choice
+is due again every few steps, what is worth it is opened on the way, and nobody turns around unless that was chosen.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.sharing import PartlyShared, Shared
+from ucon.objects.catalogue import catalogue
+from ucon.perception.belief.protocol import Expecting
+from ucon.perception.mapping.body import Body
+from ucon.perception.mapping.planner import Planner
+from ucon.perception.mapping.semantic_map import SemanticMap, frame_depth
+from ucon.perception.places.containers import Containers, open_reach_m
+from ucon.perception.places.target_places import INSIDE, Places, sight_range_m
+from ucon.perception.views.homing import Homing
+from ucon.perception.views.viewpoints import Choice, Costs, Expectation, Valued, Viewpoints
+from ucon.task.actions import Action
+
+Info = Mapping[str, Any]
+#: A container that did not open this often is let be.
+MOST_REFUSALS = 3
+#: The view on its way stays chosen unless another one is better by this factor.
+LOYALTY = 1.25
+#: A frame that shows a place from within sight range still misses the target with this probability.
+MISS = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class SearchDecision(Shared):
+    """A choice that is due."""
+
+    number: int
+    """Of the episode, from 0."""
+    step: int
+    best: Choice | None
+    """What gain over cost chooses; None where there is nothing to go to."""
+    valued: Valued | None
+    """All views; None where nothing promises anything any more, and ``best`` merely is somewhere else."""
+    expected: Expectation
+    closed: NDArray[np.int64]
+    """Tracks of the containers that may be opened."""
+
+
+class Searcher(PartlyShared):
+    """One search in one home for one target."""
+
+    _flat: ClassVar[frozenset[str]] = frozenset({"refused", "_plan"})
+
+    REPLAN_STEPS = 5
+
+    def __init__(self, info: Info, expecting: Expecting, costs: Costs | None = None, miss: float = MISS) -> None:
+        """Begin a search.
+
+        Args:
+            info: of the reset.
+            expecting: this episode's own.
+            costs: of moves, turns and looks.
+            miss: chance that a frame which shows a place from within sight range misses the target there; at 1
+                nothing is learned from what was found empty.
+        """
+        self.target = str(info["target"])
+        book = catalogue()
+        height_m = book[self.target].size[2] if self.target in book else 0.1
+        self.map = SemanticMap(Body.of(info))
+        self.planner = Planner(info.get("nav"))
+        self.places = Places(height_m)
+        self.viewpoints = Viewpoints(sight_range_m(self.target), costs)
+        self.containers = Containers()
+        self.homing = Homing()
+        self.expecting = expecting
+        self.miss = miss
+        self.choice: Choice | None = None
+        self.refused: dict[int, int] = {}
+        self.taking = False
+        self.decisions = 0
+        self.expected: Expectation | None = None
+        self._decision: SearchDecision | None = None
+        self._plan: deque[Action] = deque()
+        self._age = 0
+
+    def look(self, observation: Mapping[str, Any], info: Info) -> Action | None:
+        """Take in a frame; the next action, or None where a choice is due (:meth:`decision`, :meth:`choose`)."""
+        self.take_in(observation, info)
+        blocked = bool(observation["collision"])
+        if blocked:
+            self._plan.clear()
+        track = self._target_track()
+        if track is not None:
+            self.taking = True
+            return self.homing.act(self.map, self.planner, track, blocked=blocked)
+        self.expect()
+        assert self.expected is not None
+        return self._open_here(self.expected) or self._go_on(self.expected)
+
+    def take_in(self, observation: Mapping[str, Any], info: Info) -> None:
+        """Map a frame, and what it shows empty, without going on."""
+        self._decision = None
+        known = self.map
+        known.update(observation, info)
+        self.places.refresh(known)
+        shut = np.zeros(known.n_tracks, bool)
+        shut[self.closed()] = True
+        active, reach = self.places.searched(shut), self.viewpoints.reach_m
+        self.places.look(known, frame_depth(observation, info), active, reach, self.miss)
+
+    def expect(self) -> None:
+        """Expect the target by what is known now."""
+        self.expected = self.expecting.expect(self.map, self.places)
+
+    def decision(self) -> SearchDecision:
+        """What may be chosen now."""
+        if self._decision is None:
+            assert self.expected is not None
+            if self.expecting.reread(self.map, self.places):
+                self.expected = self.expecting.expect(self.map, self.places)
+            self._decision = self._decide(self.expected)
+        return self._decision
+
+    def choose(self, choice: Choice | None) -> Action:
+        """Go where ``choice`` says (None: turn left); the first action towards it."""
+        self.choice, self._age = choice, 1
+        self.decisions += 1
+        self._decision = None
+        self._plan = deque(self.planner.plan(choice.view)) if choice is not None else deque()
+        return self._plan.popleft() if self._plan else Action.ROTATE_LEFT
+
+    def closed(self) -> NDArray[np.int64]:
+        """Tracks of containers that are closed and may still open."""
+        return self.containers.closed(self.map)
+
+    def _target_track(self) -> int | None:
+        tracks = self.map.instances.get(self.target, ())
+        return next((t for t in tracks if self.map.seen(t)), None)
+
+    def _open_here(self, expected: Expectation) -> Action | None:
+        """Open what is closed, in view and in reach, where that is worth a step."""
+        tracks = self.containers.in_reach(self.map)
+        worth = 0.0
+        for track in tracks:
+            worth += expected.mass[track, INSIDE] * 0.5 ** self.refused.get(track, 0)
+        bar = 0.0 if self.choice is None else self.choice.score
+        if not tracks or worth / self.viewpoints.costs.open < max(bar, 1e-6):
+            return None
+        if all(self.refused.get(t, 0) >= MOST_REFUSALS for t in tracks):
+            return None
+        for track in tracks:
+            self.refused[track] = self.refused.get(track, 0) + 1
+        return Action.OPEN
+
+    def _go_on(self, expected: Expectation) -> Action | None:
+        arrived = self.choice is not None and self.map.view == self.choice.view
+        if arrived:
+            self._closed_after_all()
+            self.viewpoints.disappoint(self.map, self.places, expected, self.openable_now())
+            self.choice = None
+        if self.choice is None or not self._plan or self._age >= self.REPLAN_STEPS:
+            return None
+        self._age += 1
+        return self._plan.popleft()
+
+    def _closed_after_all(self) -> None:
+        """Lose faith in opening what this view was chosen to open and does not show."""
+        if self.choice is not None and self.choice.opens:
+            for track in self.closed():
+                if self.map.gap_m(int(track), self.map.view.xy) <= open_reach_m(self.map):
+                    self.refused[int(track)] = self.refused.get(int(track), 0) + 1
+
+    def openable_now(self) -> NDArray[np.int64]:
+        """Closed containers that were not tried in vain too often."""
+        return np.array([t for t in self.closed() if self.refused.get(int(t), 0) < MOST_REFUSALS], np.int64)
+
+    def _decide(self, expected: Expectation) -> SearchDecision:
+        self.planner.update(self.map)
+        keep = self.choice.view if self.choice is not None else None
+        known, places, closed = self.map, self.places, self.openable_now()
+        valued, best = None, None
+        for _ in range(4):
+            valued = self.viewpoints.value(known, self.planner, places, expected, closed, keep)
+            best = None if valued is None else _loyal(valued)
+            if best is None or best.view != known.view:
+                break
+            self.viewpoints.disappoint(known, places, expected, closed)
+        if best is None or best.gain <= 1e-9:
+            self._second_look()
+            valued, best = None, self.viewpoints.elsewhere(known, self.planner)
+        return SearchDecision(self.decisions, known.step, best, valued, expected, closed)
+
+    def _second_look(self) -> None:
+        """Everything was looked at: believe that some looks missed it, and go round again from nearer."""
+        self.places.unseen[:] = np.maximum(self.places.unseen, 0.3)
+        self.viewpoints.stale[:] = 1.0
+        self.viewpoints.reach_m = max(1.2, 0.7 * self.viewpoints.reach_m)
+        self.refused.clear()
+
+
+def _loyal(valued: Valued) -> Choice:
+    """The best view, or the one on its way if that is nearly as good."""
+    best, kept = valued.best, valued.kept
+    return kept if kept is not None and kept.score * LOYALTY >= best.score and kept.gain > 0.0 else best

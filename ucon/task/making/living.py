@@ -1,0 +1,125 @@
+"""Who lives in a home and where they keep things: the placements that an episode may realise, in drawn order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ucon.habits.contexts import Context, condition_of, draw_context
+from ucon.habits.hosting import Hosted, hosted, household
+from ucon.habits.splits import Split
+from ucon.habits.types import KINDS, Entry, HabitDataset, Placement
+from ucon.objects.model import Relation
+from ucon.scenes.spec import HomeSpec
+from ucon.sim.house import House
+from ucon.sim.placement import importable
+from ucon.task.making.draft import bearing_categories
+
+#: What a home's household has of every category that can be sampled there.
+Living = Mapping[str, tuple[Hosted, ...]]
+_OUTSIDE = frozenset({"garage", "sauna"})
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A placement that the sampler intends: entry, index of the placement in it, relation and anchor category."""
+
+    entry: str
+    index: int
+    relation: Relation
+    anchor: str
+
+
+def home_kinds(spec: HomeSpec) -> tuple[str, ...]:
+    """The kinds of place that a home is, of those that entries are bound to."""
+    found = [spec.kind] if spec.kind in KINDS else []
+    if any(room.outdoor or room.type in _OUTSIDE for room in spec.rooms):
+        found.append("garden")
+    return tuple(found)
+
+
+def living_in(house: House, dataset: HabitDataset, part: Split | None = None) -> dict[str, tuple[Hosted, ...]]:
+    """What lives in a home, by category, without what would take away a support of the home itself.
+
+    A category needs a hosted entry to be sampled; the habits of its other entries belong to the household too.
+    """
+    present, never = frozenset(house.categories), bearing_categories(house)
+    home = house.spec.name
+    people = household(home, dataset, kinds=home_kinds(house.spec), part=part)
+    living = {
+        name: tuple(hosted(entries, present, importable, home=home, verdicts=dataset.verdicts))
+        for name, entries in people.items()
+        if name not in never
+    }
+    return {name: found for name, found in living.items() if any(h.ok for h in found)}
+
+
+def any_placement(living: Living, name: str, rng: np.random.Generator) -> list[Drawn]:
+    """All realisable placements of a category, whatever their context, in random order."""
+    drawn = [place for host in living[name] if host.ok for place in _all(host)]
+    return [drawn[int(k)] for k in rng.permutation(len(drawn))]
+
+
+def placement_now(living: Living, name: str, context: Context, rng: np.random.Generator) -> list[Drawn]:
+    """The placements of one of a category's entries that hold in a context, in random order.
+
+    Those with a context that is fulfilled come before those without any; one whose context is not fulfilled is never
+    used. The asker's own entry is taken where the category has one.
+    """
+    hosts = [host for host in living[name] if host.ok]
+    own = [host for host in hosts if host.entry.household == context.asker]
+    for host in [own[0]] if own else [hosts[int(k)] for k in rng.permutation(len(hosts))]:
+        found = [place for group in _active(host, context) for place in _shuffled(group, rng)]
+        if found:
+            return found
+    return []
+
+
+def placements_of(
+    house: House, dataset: HabitDataset, entries: Iterable[Entry], context: Context | None
+) -> list[Placement]:
+    """The placements of one category's entries among which the sampler draws in a home."""
+    hosts = hosted(entries, set(house.categories), importable, home=house.spec.name, verdicts=dataset.verdicts)
+    ok = [host for host in hosts if host.ok]
+    if context is None:
+        return [place for host in ok for place in host.placements]
+    own = [host for host in ok if host.entry.household == context.asker][:1] or ok
+    groups = [next((group for group in _active(host, context) if group), []) for host in own]
+    by_id = {host.entry.id: host.entry for host in own}
+    return [by_id[drawn.entry].placements[drawn.index] for group in groups for drawn in group]
+
+
+def occasions_of(living: Living, names: Iterable[str]) -> list[str]:
+    """Occasions that the placements of these categories depend on."""
+    places = [place for name in names for host in living[name] if host.ok for place in host.placements]
+    found = {condition_of(place.context).occasion for place in places if place.context}
+    return sorted(occasion for occasion in found if occasion)
+
+
+def drawn_context(living: Living, names: Sequence[str], target: str, rng: np.random.Generator) -> Context:
+    """A context for an episode about ``target``: who asks is one of its users, the occasion matters to them."""
+    hosts = [host for host in living[target] if host.ok]
+    asker = hosts[int(rng.integers(len(hosts)))].entry.household
+    return draw_context(rng, occasions_of(living, [target]) or occasions_of(living, names), asker)
+
+
+def _active(host: Hosted, context: Context) -> tuple[list[Drawn], list[Drawn]]:
+    """Placements whose context is fulfilled, and those without one."""
+    fulfilled, always = [], []
+    for place, drawn in zip(host.placements, _all(host), strict=True):
+        if place.context is None:
+            always.append(drawn)
+        elif condition_of(place.context).holds(context):
+            fulfilled.append(drawn)
+    return fulfilled, always
+
+
+def _all(host: Hosted) -> list[Drawn]:
+    places = host.entry.placements
+    return [Drawn(host.entry.id, k, places[k].relation, places[k].anchor) for k in host.realisable]
+
+
+def _shuffled(group: list[Drawn], rng: np.random.Generator) -> list[Drawn]:
+    return [group[int(k)] for k in rng.permutation(len(group))]

@@ -1,0 +1,151 @@
+"""Making and checking whole sets of episodes on several processes; the result does not depend on how many."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import nullcontext
+from pathlib import Path
+
+from ucon.core.errors import EpisodeError, UconError
+from ucon.core.files import canonical_json, write_atomic
+from ucon.core.plain_file import read_plain
+from ucon.core.pool import Pool
+from ucon.core.strict_json import JsonError, parse_json
+from ucon.habits.book import book
+from ucon.habits.types import HabitDataset
+from ucon.sim.cache import load_house
+from ucon.sim.render import RasterRenderer
+from ucon.sim.state import SceneState
+from ucon.task.check import check_home
+from ucon.task.episode import Episode
+from ucon.task.making.sampler import EpisodeSampler
+from ucon.task.making.set_plans import Order
+from ucon.task.rules import PAPER, task_rules
+from ucon.task.search import Pose, Search
+
+RETRY_SEED_STEP = 1 << 32
+_MAX_JOURNAL = 1 << 30
+
+
+def make_episodes(
+    orders: Sequence[Order],
+    dataset: HabitDataset | None = None,
+    *,
+    task: str = PAPER.name,
+    context: bool = False,
+    workers: int = 2,
+    progress: Callable[[int, int], None] | None = None,
+    journal: Path | None = None,
+) -> list[Episode]:
+    """Sample every order, in order, under the rules ``task``, their context stated or not; by default of the book.
+
+    ``journal`` is a file in which episodes are noted as they are made: what an interrupted call noted is not made anew.
+
+    Raises:
+        EpisodeError: an order that no seed satisfies.
+    """
+    begin = (dataset, task, context)
+    done = [] if journal is None else _noted(journal, orders, (dataset or book()).sha256)
+    left = orders[len(done) :]
+    if workers <= 1:
+        _begin(*begin)
+        return _collect(map(_sample, left), done, len(orders), progress, journal)
+    with Pool(workers, _begin, begin) as pool:
+        return _collect(pool.map(_sample, left), done, len(orders), progress, journal)
+
+
+def _collect(
+    results: Iterable[Episode],
+    done: list[Episode],
+    total: int,
+    progress: Callable[[int, int], None] | None,
+    journal: Path | None,
+) -> list[Episode]:
+    with journal.open("a", encoding="utf-8") if journal else nullcontext() as notes:
+        for episode in results:
+            done.append(episode)
+            if notes:
+                notes.write(canonical_json(episode.to_json()) + "\n")
+                notes.flush()
+            if progress:
+                progress(len(done), total)
+    return done
+
+
+def _noted(journal: Path, orders: Sequence[Order], habits_hash: str) -> list[Episode]:
+    """The episodes of the first orders that a journal holds; what does not belong to them is cut off."""
+    found: list[Episode] = []
+    raw = read_plain(journal, _MAX_JOURNAL) if journal.is_file() else b""
+    for order, line in zip(orders, raw[: raw.rfind(b"\n") + 1].split(b"\n"), strict=False):
+        try:
+            episode = Episode.from_json(parse_json(line))
+            same = (episode.id, episode.seed % RETRY_SEED_STEP, episode.habits_hash)
+            if same != (order.id, order.seed, habits_hash) or load_house(episode.scene).spec.hash != episode.home_hash:
+                break
+        except (JsonError, UconError):
+            break
+        found.append(episode)
+    write_atomic(journal, "".join(canonical_json(episode.to_json()) + "\n" for episode in found))
+    return found
+
+
+def _begin(dataset: HabitDataset | None, task: str, context: bool) -> None:
+    """Give this process its sampler; a worker gets the dataset once, not with every order."""
+    global _sampler
+    _sampler = EpisodeSampler(dataset or book(), rules=task_rules(task), context=context)
+
+
+_sampler: EpisodeSampler | None = None
+
+
+def _sample(order: Order) -> Episode:
+    if _sampler is None:
+        raise RuntimeError("a worker without a sampler")
+    last = ""
+    for again in range(4):
+        try:
+            seed = order.seed + again * RETRY_SEED_STEP
+            return _sampler.sample(
+                order.scene, seed, targets=order.targets, part=order.part, split=order.split, episode_id=order.id
+            )
+        except EpisodeError as error:
+            last = str(error)
+    raise EpisodeError(f"{order.id}: {last}")
+
+
+def verify_episode(episode: Episode) -> str:
+    """Walk the stored solution; the empty string if it succeeds as recorded, else what is wrong."""
+    try:
+        house = load_house(episode.scene)
+        rules = task_rules(episode.task)
+        check_home(episode, house)
+    except UconError as error:
+        return str(error)
+    world, eyes = SceneState(house, episode.arrangement), RasterRenderer()
+    eyes.load(house, episode.arrangement)
+    start = episode.start
+    pose = Pose(start.i, start.j, start.heading, rules.start_height, 0)
+    search = Search(world, eyes, house.n_instances + episode.target, pose, rules)
+    if search.target_in_reach():
+        return "the target is in reach at the start"
+    return _walk(search, episode, rules.max_steps)
+
+
+def _walk(search: Search, episode: Episode, max_steps: int) -> str:
+    moved = 0
+    if len(episode.solution) > max_steps:
+        return f"the solution has {len(episode.solution)} steps, expected at most {max_steps}"
+    for number, digit in enumerate(episode.solution):
+        before = search.pose
+        outcome = search.step(int(digit))
+        moved += (search.pose.i, search.pose.j) != (before.i, before.j)
+        if outcome.collision:
+            return f"the solution is blocked at step {number}"
+        if outcome.done:
+            length_m = moved * 0.25
+            if not outcome.success:
+                return "the solution's Done fails"
+            if abs(length_m - episode.shortest_path_m) > 1e-6:
+                return f"the solution is {length_m} m long, recorded {episode.shortest_path_m} m"
+            return ""
+    return "the solution does not end in Done"

@@ -1,0 +1,153 @@
+"""One's own household in a home of ours: an object, what its people say about it, and where it is kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.errors import ConfigError, EpisodeError, UconError, unknown_name
+from ucon.habits.book import book, book_anchors
+from ucon.habits.rules import OWN_LIMITS, count_fault, habit_fault, line_fault, placement_fault
+from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
+from ucon.habits.verdicts import Triple, Verdicts
+from ucon.objects.catalogue import catalogue
+from ucon.scenes.library import parse_procedural, parse_scene
+from ucon.sim.cache import load_house
+from ucon.task.episode import Episode
+from ucon.task.making.living import living_in
+from ucon.task.making.sampler import EpisodeSampler
+from ucon.task.rules import PAPER, TaskRules
+from ucon.task.spoken import spoken_place
+
+HOUSEHOLD: Final = "you"
+NAME: Final = "own"
+#: Places that are tried, the likeliest by the habits first, until one takes the object.
+_TRIED: Final = 12
+#: From a target and its habits: names of A anchors, and (A, 4) how likely each is, by relation.
+ReadPlaces = Callable[[str, Sequence[str]], tuple[Sequence[str], NDArray[np.float64]]]
+
+
+class FaultsError(UconError):
+    """All that is wrong with what was asked for, one line each."""
+
+    def __init__(self, faults: Sequence[str]) -> None:
+        super().__init__("\n".join(faults))
+        self.faults = tuple(faults)
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What somebody wants to try."""
+
+    scene: str
+    target: str
+    habits: tuple[str, ...]
+    place: Placement | None = None
+    """Where it is kept; None: where the habits say."""
+
+    @classmethod
+    def of(cls, scene: str, target: str, habits: Sequence[str], place: str | None) -> Wish:
+        """Check the words of a command line; ``place`` is ``relation:anchor``.
+
+        Raises:
+            FaultsError: with everything that is wrong.
+        """
+        faults = list(_scene_faults(scene))
+        names = catalogue().names
+        if target not in names:
+            faults.append(f"--object: {unknown_name('object', target, names)}")
+        if fault := count_fault(1, len(habits), OWN_LIMITS):
+            faults.append(f"--habit: {fault}")
+        for number, text in enumerate(habits, 1):
+            if fault := line_fault(text) or habit_fault(text, (), 1, OWN_LIMITS):
+                faults.append(f"--habit, number {number}: {fault}")
+        found = None if place is None else _placement(place)
+        if isinstance(found, Placement):
+            fault = placement_fault(target, [], found, book_anchors())
+            found = found if fault is None else fault
+        if isinstance(found, str):
+            faults.append(f"--place {place}: {found}")
+        if faults:
+            raise FaultsError(faults)
+        return cls(scene, target, tuple(habits), cast("Placement | None", found))
+
+
+def _scene_faults(scene: str) -> Iterable[str]:
+    try:
+        parse_procedural(scene) if scene.startswith("procedural") else parse_scene(scene)
+    except UconError as error:
+        yield f"--scene: {error}"
+
+
+def _placement(text: str) -> Placement | str:
+    relation, colon, anchor = text.partition(":")
+    if not colon:
+        return f"expected RELATION:ANCHOR, as in nextto:laptop; relations are {', '.join(RELATIONS)}"
+    return Placement(cast(Relation, relation), anchor)
+
+
+def others_of(wish: Wish) -> list[Entry]:
+    """Entries of the habit book that the home has of everything else, in the order of the book."""
+    living = living_in(load_house(wish.scene), book())
+    found = {host.entry for name, hosts in living.items() if name != wish.target for host in hosts}
+    return sorted(found, key=lambda entry: book().entry_number[entry.id])
+
+
+def own_household(wish: Wish, place: Placement, others: Sequence[Entry]) -> HabitDataset:
+    """The wish as an entry among those of the home: other things are kept, and told of, too."""
+    habits = tuple(Habit(text, (0,)) for text in wish.habits)
+    own = Entry(f"{wish.target}/own", wish.target, HOUSEHOLD, (place,), habits)
+    entries = (own, *others)
+    triples: set[Triple] = {(e.category, p.relation, p.anchor) for e in entries for p in e.placements}
+    known = {triple: verdict for triple, verdict in book().verdicts.of.items() if triple in triples}
+    known.pop((wish.target, place.relation, place.anchor), None)  # it is tried here
+    return HabitDataset(NAME, entries, verdicts=Verdicts(known))
+
+
+def likely_places(wish: Wish, read: ReadPlaces) -> list[tuple[Placement, float]]:
+    """Where the habits say that it is, of what stands in the home: likeliest first, with their probabilities.
+
+    The place that the wish names is the only one.
+    """
+    if wish.place is not None:
+        return [(wish.place, 1.0)]
+    house = load_house(wish.scene)
+    names, p = read(wish.target, wish.habits)
+    found = [
+        (Placement(relation, name), float(p[row, column]))
+        for row, name in enumerate(names)
+        for column, relation in enumerate(RELATIONS)
+        if name in house.categories
+    ]
+    allowed = [one for one in found if placement_fault(wish.target, [], one[0], book_anchors()) is None]
+    return sorted(allowed, key=lambda one: -one[1])[:_TRIED]
+
+
+def own_episode(
+    wish: Wish, read: ReadPlaces, seed: int = 0, rules: TaskRules = PAPER
+) -> tuple[Episode, HabitDataset, Placement, float]:
+    """An episode of the wish, the dataset it belongs to, the place and how likely the habits made it.
+
+    Raises:
+        ConfigError: no place takes the object.
+    """
+    reasons, others = [], others_of(wish)
+    for place, chance in likely_places(wish, read):
+        dataset = own_household(wish, place, others)
+        try:
+            episode = EpisodeSampler(dataset, rules=rules).sample(wish.scene, seed, targets=[wish.target])
+        except EpisodeError as error:
+            reasons.append(str(error))
+            continue
+        target = episode.placed_by[episode.target]
+        if target[0] == f"{wish.target}/own":
+            return replace(episode, id=f"{wish.scene}/{wish.target}/own"), dataset, place, chance
+    where = spoken_place(wish.place.relation, wish.place.anchor) if wish.place else f"any of {len(reasons)} places"
+    raise ConfigError(
+        f"{wish.scene}: a {wish.target} cannot be kept {where} there, or cannot be found there"
+        f"{f' ({reasons[-1]})' if reasons else ''}; give another --place, --object or --scene"
+    )

@@ -1,0 +1,163 @@
+"""The fixed sets: which home, seed and target categories every episode of a named set has.
+
+``test``: 250 episodes in each of seen / unseen category x seen / unseen scene, all people new; ``val`` 400 and ``mini``
+50 on homes and categories of their own. ``test_large``: 2,000 more episodes like those of ``test``, for differences too
+small for 1,000. Seen scenes are the canonical layouts of the 20 official training scenes;
+unseen ones are the two official test scenes and generated homes from a reserved range of seeds.
+
+``train``: 4,000 episodes to learn from, in 800 homes that no other set knows (other furnishings of the seen scenes, and
+generated homes), with targets and people of the ``train`` part alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from ucon.core.errors import ConfigError, UconError, brief, unknown_name
+from ucon.core.rng import derived_seed
+from ucon.habits.splits import Split, entry_parts, split_categories
+from ucon.habits.types import HabitDataset
+from ucon.scenes import SCENES, scene_split
+from ucon.task.making.sampler import EpisodeSampler
+from ucon.task.rules import PAPER
+from ucon.task.sets import set_name
+
+#: Episodes in each cell, and generated homes, of the test sets.
+TEST_SETS = {"test": (250, 20), "test_large": (500, 40)}
+#: First seed of the generated homes kept for testing; validation homes start 10,000 below.
+RESERVED_SEED = 900_000
+TRAIN = "train"
+#: Episodes in each of its two cells, other furnishings of each seen scene, generated homes, and their first seed.
+N_TRAIN, N_VARIANTS, N_GENERATED, TRAIN_SEED = 2000, 20, 400, 100_000
+OFFICIAL, N_OFFICIAL = "official", 2000
+#: Targets of every second round of official episodes: (scene, category) pairs from which nothing is ever learned.
+LEARNED, HELD_OUT = "official/learned", "official/held_out"
+#: Of such pairs alone.
+OFFICIAL_HELD_OUT, N_HELD_OUT = "official_held_out", 1000
+OFFICIAL_SETS = {OFFICIAL: N_OFFICIAL, OFFICIAL_HELD_OUT: N_HELD_OUT}
+#: Fewer held-out categories in a scene are not asked for: episodes would be all alike.
+MIN_HELD_OUT = 3
+KINDS = ("house", "flat", "house", "flat", "office", "house", "flat", "restaurant", "house", "shop")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One kind of episodes in a set."""
+
+    label: str
+    category_split: Split
+    part: Split
+    """Entries that its episodes may use: :data:`ucon.habits.splits.PARTS_USED`."""
+    scenes: tuple[str, ...]
+    count: int
+
+
+@dataclass(frozen=True)
+class Order:
+    """What to sample for one episode."""
+
+    id: str
+    scene: str
+    seed: int
+    split: str
+    targets: tuple[str, ...] | None
+    """Categories that may be the target; None: all."""
+    part: Split | None = None
+    """People are drawn from the entries that episodes of this part may use; None: from all."""
+
+
+def set_cells(name: str) -> tuple[Cell, ...]:
+    """The cells of a named set."""
+    seen = tuple(scene for scene in SCENES if scene_split(scene) == "seen")
+    if name in TEST_SETS:
+        count, homes = TEST_SETS[name]
+        unseen = tuple(scene for scene in SCENES if scene_split(scene) == "unseen") + generated(RESERVED_SEED, homes)
+        pairs = [
+            (f"{c}_category/{s}_scene", split, scenes)
+            for c, split in (("seen", "train"), ("unseen", "test"))
+            for s, scenes in (("seen", seen), ("unseen", unseen))
+        ]
+        return tuple(Cell(label, split, "test", scenes, count) for label, split, scenes in pairs)  # type: ignore[arg-type]
+    if name == TRAIN:
+        variants = tuple(f"{scene}~{number}" for number in range(1, N_VARIANTS + 1) for scene in seen)
+        return (
+            Cell("train_category/variant_scene", "train", "train", variants, N_TRAIN),
+            Cell("train_category/generated_scene", "train", "train", generated(TRAIN_SEED, N_GENERATED), N_TRAIN),
+        )
+    if name in ("val", "mini"):
+        count = 200 if name == "val" else 25
+        return (
+            Cell("val_category/seen_scene", "val", "val", seen, count),
+            Cell("val_category/val_scene", "val", "val", generated(RESERVED_SEED - 10_000, 20), count),
+        )
+    raise ConfigError(unknown_name("episode set to make", name, (*TEST_SETS, "val", "mini", TRAIN, *OFFICIAL_SETS)))
+
+
+def generated(first_seed: int, count: int) -> tuple[str, ...]:
+    """Names of generated homes of mixed kinds."""
+    return tuple(f"procedural:{KINDS[k % len(KINDS)]}:{first_seed + k}" for k in range(count))
+
+
+def set_orders(
+    name: str,
+    dataset: HabitDataset,
+    task: str = PAPER.name,
+    *,
+    context: bool = False,
+    left_out: Callable[[str], None] = lambda line: None,
+) -> Iterator[Order]:
+    """What to sample for every episode of a named set under the rules ``task``, scenes taken in turn.
+
+    Scenes and seeds are the same under all rules, so that the sets of two rule sets differ by the rules alone.
+    The sets ``official`` need a dataset whose entries are bound to scenes, as those of the official release are. A
+    scene that is no home, or where no category can be placed, is left out: ``left_out`` is given a line that says why.
+    """
+    label = set_name(name, task, context=context)
+    if name in OFFICIAL_SETS:
+        yield from _official_orders(name, dataset, label, left_out)
+        return
+    for cell in set_cells(name):
+        targets = split_categories(dataset.categories, cell.category_split)
+        for number in range(cell.count):
+            scene = cell.scenes[number % len(cell.scenes)]
+            seed = derived_seed(0, "set", name, cell.label, number) % (1 << 31)
+            yield Order(f"{label}/{cell.label}/{number:03d}", scene, seed, cell.label, targets, cell.part)
+
+
+def _official_orders(name: str, dataset: HabitDataset, label: str, left_out: Callable[[str], None]) -> Iterator[Order]:
+    if not dataset.scenes:
+        raise ConfigError(
+            f"episode set '{name}' with dataset '{dataset.name}', whose entries belong to no scene; "
+            "give the official release: --habits PATH"
+        )
+    sampler, parts = EpisodeSampler(dataset), entry_parts(dataset)
+    held = {(e.scene, e.category) for e in dataset.entries if parts[e.id] == "test"}
+    targets: dict[str, dict[str, tuple[str, ...]]] = {}
+    for scene in dataset.scenes:
+        try:
+            hosted = sampler.target_categories(scene)
+        except UconError as error:
+            left_out(f"{brief(scene)}: left out, {error}")
+            continue
+        if not hosted:
+            left_out(f"{scene}: left out, no category of dataset '{dataset.name}' can be placed there")
+            continue
+        unseen = tuple(name for name in hosted if (scene, name) in held)
+        learned = tuple(name for name in hosted if (scene, name) not in held)
+        if not learned and len(unseen) < MIN_HELD_OUT:
+            left_out(f"{scene}: left out, all that can be placed there is held out, and is less than {MIN_HELD_OUT}")
+            continue
+        targets[scene] = {HELD_OUT: unseen if len(unseen) >= MIN_HELD_OUT else (), LEARNED: learned}
+    only_held = name == OFFICIAL_HELD_OUT
+    scenes = [scene for scene, of in targets.items() if of[HELD_OUT] or not only_held]
+    if not targets:
+        raise ConfigError(f"episode set '{name}': in no scene of '{dataset.name}' can enough of it be placed")
+    if not scenes:
+        raise ConfigError(f"episode set '{name}': no scene of '{dataset.name}' has {MIN_HELD_OUT} categories held out")
+    for number in range(OFFICIAL_SETS[name]):
+        scene = scenes[number % len(scenes)]
+        odd = only_held or number // len(scenes) % 2
+        kind = HELD_OUT if targets[scene][HELD_OUT] and (odd or not targets[scene][LEARNED]) else LEARNED
+        seed = derived_seed(0, "set", name, number) % (1 << 31)
+        yield Order(f"{label}/{scene}/{number:04d}", scene, seed, kind, targets[scene][kind])
