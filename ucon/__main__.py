@@ -53,7 +53,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             _module(name).add_arguments(command)
     args, unknown = parser.parse_known_args(arguments)
     if unknown:
-        return _error(unknown_name("argument", unknown[0], _options(parser), remedy="See --help."))
+        return _error(unknown_name("argument", unknown[0], {*_options(parser)}, remedy="(see --help)"))
     if args.command is None:
         parser.print_help()
         return 0

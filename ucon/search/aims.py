@@ -39,10 +39,10 @@ def aim_of(searcher: Searcher, decision: SearchDecision, choice: Choice | None) 
     if choice is None:
         return Aim("wander", "turn: there is nowhere to go", "")
     away = _away(searcher.map, choice.view)
-    actions = searcher.planner.cost(choice.view)
+    actions = _actions(searcher.planner.cost(choice.view))
     if decision.valued is None or choice.gain <= 0.0:
-        return Aim("wander", f"go on: {away}", f"nothing promises anything, {actions} actions away")
-    worth = f"worth {choice.gain:.3g}, {actions} actions away, score {choice.score:.3g}"
+        return Aim("wander", f"go on: {away}", f"nothing promises anything, {actions} away")
+    worth = f"worth {choice.gain:.3g}, {actions} away, score {choice.score:.3g}"
     space, opens = _parts(decision.valued, choice)
     looks = choice.gain - space - opens
     if opens > max(space, looks) and (track := _opened(searcher, decision, choice)) >= 0:
@@ -90,6 +90,10 @@ def thing(known: SemanticMap, track: int) -> str:
 def _away(known: SemanticMap, view: View) -> str:
     metres = math.dist(known.view.xy, view.xy)
     return f"{metres:.1f} m away" if metres else "a turn away"
+
+
+def _actions(n: int) -> str:
+    return "1 action" if n == 1 else f"{n} actions"
 
 
 def _belief(searcher: Searcher, probability: float) -> str:
