@@ -70,7 +70,7 @@ $(VENV)/.docs: $(STAMP)
 	@touch $@
 
 docs: setup $(VENV)/.docs ## Build the pages of docs/ into build/site.
-	NO_MKDOCS_2_WARNING=1 $(VENV)/bin/mkdocs build --strict --quiet
+	NO_MKDOCS_2_WARNING=1 $(VENV)/bin/mkdocs build --strict
 
 lint: setup ## ruff and mypy.
 	$(VENV)/bin/ruff check .

@@ -66,6 +66,7 @@ class HabitPolicy(nn.Module):
     """Scores candidate views."""
 
     architecture = "habit_policy"
+    chooses = "views"
 
     def __init__(
         self, width: int = 64, layers: int = 2, heads: int = 4, *, use_prior: bool = True, seed: int = 0

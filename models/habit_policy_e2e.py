@@ -19,7 +19,7 @@ from torch import Tensor, nn
 from models.nets.belief.head_reader import default_head_reader
 from models.nets.end_to_end.advice import Advisor
 from models.nets.end_to_end.ego_view import THING_FEATURES
-from models.nets.end_to_end.floor_memory import CHANNELS, N_TRACKS, REACH, FloorMemory, Step, Window
+from models.nets.end_to_end.floor_memory import CHANNELS, N_TRACKS, REACH, FloorMemory, MemoryStep, Window
 from models.nets.end_to_end.frames_of_reference import from_here, target_at, turned
 from models.nets.end_to_end.inside import Inside
 from models.nets.end_to_end.one_frame import one_frame
@@ -31,9 +31,10 @@ from models.nets.sizes import MOST, check_sizes
 from models.nets.vision.clip_eye import ClipEye
 from models.nets.vision.eye import Eye
 from ucon.core.errors import ConfigError, brief
+from ucon.core.fingerprint import fingerprint_of
 from ucon.core.rng import derived_seed
 from ucon.language.encoder import DIM
-from ucon.learning.policies.action_policy import Arrays, Outputs, Tensors
+from ucon.learning.policies.action_policy import Arrays, PolicyOutputs, Tensors
 from ucon.learning.run.network_files import MAX_HABITS
 from ucon.readers.anchor_reader import default_reader
 from ucon.readers.protocol import Reader
@@ -145,7 +146,7 @@ class HabitPolicyE2E(PolicyModule):
     def fingerprint(self) -> str | None:
         """See :class:`models.nets.policy_defaults.PolicyModule`."""
         parts = [part.fingerprint() for part in (self._advisor, self._clip) if part is not None]
-        parts.append(str(getattr(self.reader, "fingerprint", str)()))
+        parts.append(str(fingerprint_of(self.reader)))
         return None if None in parts else " ".join(part for part in parts if part)
 
     def context(self, info: Mapping[str, Any]) -> Arrays:
@@ -187,11 +188,11 @@ class HabitPolicyE2E(PolicyModule):
             "target_at": torch.zeros(batch, 4, device=device),
         }
 
-    def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
+    def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> PolicyOutputs:
         """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
         return self.think(frames, context, state)[0]
 
-    def think(self, frames: Tensors, context: Tensors, state: Tensors) -> tuple[Outputs, Inside]:
+    def think(self, frames: Tensors, context: Tensors, state: Tensors) -> tuple[PolicyOutputs, Inside]:
         """The outputs, and what led to them."""
         frames, given = self.features(frames), dict(context)
         things, mass = frames["things"].float(), self._masses(frames["thing_ids"], given)
@@ -213,7 +214,7 @@ class HabitPolicyE2E(PolicyModule):
         done = torch.where(seen.near, done, others.logsumexp(-1) + _NEVER)
         logits = torch.cat([others, done[..., None]], -1)
         value = self.judge(thought).squeeze(-1)
-        return Outputs(logits.float(), value.float(), {**new, **memory}), Inside(seen, ways)
+        return PolicyOutputs(logits.float(), value.float(), {**new, **memory}), Inside(seen, ways)
 
     def picture(
         self, info: Mapping[str, Any], frames: Tensors, context: Tensors, state: Tensors
@@ -260,7 +261,9 @@ class HabitPolicyE2E(PolicyModule):
             category = ids.long().gather(1, rows)
             collision = frames["status"][t, :, 1] > 0
             patch, look = frames["patch"][t], frames["look"][t]
-            self.memory.write(new, Step(pose, collision, patch, look, frames["pair_cell"][t], pair_mass, category))
+            self.memory.write(
+                new, MemoryStep(pose, collision, patch, look, frames["pair_cell"][t], pair_mass, category)
+            )
             windows.append(self.memory.read(new, pose))
             remembered.append(from_here(new["target_at"], pose))
         return new, torch.stack(opened), windows, torch.stack(remembered)

@@ -25,7 +25,7 @@ from models.nets.vision.resnet18 import FrozenResNet18
 from models.nets.vision.visual_transformer import VISUAL_WIDTH, VisualTransformer, described, glorot_
 from ucon.core.errors import ConfigError
 from ucon.core.rng import derived_seed
-from ucon.learning.policies.action_policy import Arrays, Outputs, Tensors
+from ucon.learning.policies.action_policy import Arrays, PolicyOutputs, Tensors
 from ucon.learning.run.network_files import load_network
 
 _ACTION_WIDTH, _HIDDEN = 64, 512
@@ -132,7 +132,7 @@ class VTN(_Seeing):
         """LSTM ``hidden`` and ``cell`` (B, 2, 512), and the last ``probabilities`` (B, 7): zeros."""
         return lstm_state(batch, self.lstm) | {"probabilities": torch.zeros(batch, N_ACTIONS, device=self.device)}
 
-    def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
+    def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> PolicyOutputs:
         """See :mod:`ucon.learning.policies.action_policy`. Steps go one by one: each reads the last one's answer."""
         logits, hidden = [], []
         for seen in self.seen(frames, context):  # (B, 3136)
@@ -141,7 +141,7 @@ class VTN(_Seeing):
             logits.append(self.actor(outputs[0]).float())
             hidden.append(outputs[0])
             state = memory | {"probabilities": logits[-1].softmax(-1)}
-        return Outputs(torch.stack(logits), self.critic(torch.stack(hidden))[..., 0].float(), state)
+        return PolicyOutputs(torch.stack(logits), self.critic(torch.stack(hidden))[..., 0].float(), state)
 
     def _take_over(self, pretraining: VTNPretraining, path: str) -> None:
         load_network(path, pretraining, how="train it with `python train.py agent=vtn_pretraining learner=imitation`")
@@ -165,10 +165,10 @@ class VTNPretraining(_Seeing):
             torch.manual_seed(derived_seed(seed, self.architecture))
             _initialise(self)
 
-    def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
+    def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> PolicyOutputs:
         """See :class:`ucon.learning.policies.action_policy.ActionPolicy`; values are 0."""
         logits = self.head(self.seen(frames, context)).float()
-        return Outputs(logits, torch.zeros_like(logits[..., 0]), {})
+        return PolicyOutputs(logits, torch.zeros_like(logits[..., 0]), {})
 
 
 def _initialise(policy: _Seeing) -> None:

@@ -22,7 +22,7 @@ from models.nets.vision.goals import ClipGoal, SentenceGoal
 from models.nets.vision.group_norm_resnet import GroupNormResNet50, RunningMeanAndVar
 from ucon.core.errors import ConfigError
 from ucon.core.rng import derived_seed
-from ucon.learning.policies.action_policy import Arrays, Outputs, Tensors
+from ucon.learning.policies.action_policy import Arrays, PolicyOutputs, Tensors
 
 #: Side of a frame: the encoder's last map is 4 x 4, and its 2048 numbers are read as a whole.
 FRAME_PX = 128
@@ -103,15 +103,15 @@ class ZSON(PolicyModule):
         images = random_shift(color_jitter(images, _JITTER, generator), _SHIFT_PX, generator)
         return {**frames, "rgb": (images * 255).round().to(torch.uint8).permute(0, 1, 3, 4, 2)}
 
-    def take_in(self, frames: Tensors) -> None:
+    def update_statistics(self, frames: Tensors) -> None:
         """Colours, to be normalised by."""
-        self.normalise.take_in(_channels_first(frames["rgb"]))
+        self.normalise.update_statistics(_channels_first(frames["rgb"]))
 
     def initial_state(self, batch: int) -> Tensors:
         """LSTM ``hidden`` and ``cell`` (B, 2, 512): zeros."""
         return lstm_state(batch, self.lstm)
 
-    def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
+    def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> PolicyOutputs:
         """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
         steps, batch = frames["rgb"].shape[:2]
         images = _channels_first(frames["rgb"].flatten(0, 1))
@@ -119,7 +119,7 @@ class ZSON(PolicyModule):
         goal = context["goal"].float().expand(steps, batch, -1)
         parts = [seen.unflatten(0, (steps, batch)), goal, self.last_action(frames["last_action"].long())]
         hidden, state = run_lstm(self.lstm, torch.cat(parts, -1), state)
-        return Outputs(self.actor(hidden).float(), self.critic(hidden)[..., 0].float(), state)
+        return PolicyOutputs(self.actor(hidden).float(), self.critic(hidden)[..., 0].float(), state)
 
     def _initialise(self) -> None:
         """Habitat's rules: Kaiming for what sees, orthogonal for what remembers and decides, no bias."""

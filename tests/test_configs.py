@@ -12,11 +12,11 @@ from omegaconf import OmegaConf
 from ucon.configuration.wiring import Factory
 from ucon.core.errors import ConfigError, UconError
 from ucon.evaluation.figures.report import run_hashes
-from ucon.evaluation.playing.play import Policy
 from ucon.language.choice import LanguageModel, sees_images
 from ucon.programs.training import learner_name
 from ucon.retrieval import Retriever
 from ucon.retrieval.levels import check_level
+from ucon.task.agent import Agent
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 OPTIONS = sorted((p.parent.name, p.stem) for p in CONFIGS.glob("*/*.yaml"))
@@ -99,7 +99,7 @@ def test_every_policy_can_be_given_to_every_learner_of_policies(name, learner):
             Factory(config["learner"])()
         return
     built = Factory(config["learner"])()  # refuses what could not be trained as the files say
-    assert built.settled["precision"] in ("float32", "bfloat16")
+    assert built.resolved_options["precision"] in ("float32", "bfloat16")
     built.close()
 
 
@@ -120,7 +120,7 @@ def test_every_agent_can_be_built(name):
     assert isinstance(agent.name, str)
     assert callable(agent.reset)
     assert callable(agent.act)
-    assert Policy
+    assert Agent
 
 
 @pytest.mark.parametrize(
@@ -209,10 +209,10 @@ def test_every_language_model_can_be_built(name):
 
 def test_the_encoders_figures_stand_in_one_place_as_in_the_other():
     from ucon.language.models.encoder import EncoderWeights
-    from ucon.language.models.keeping import KeepingWeights
+    from ucon.language.models.keeping import LocationWeights
 
     config = composed()["language"]
-    for part, made in (("weights", EncoderWeights), ("keeping", KeepingWeights)):
+    for part, made in (("weights", EncoderWeights), ("keeping", LocationWeights)):
         assert made(**{key: value for key, value in config[part].items() if key != "_target_"}) == made()
 
 

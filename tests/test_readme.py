@@ -14,7 +14,12 @@ from ucon.__main__ import COMMANDS
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "CONTRIBUTING.md",
+    *sorted(ROOT.glob("docs/**/*.md")),
+    *sorted(ROOT.glob("results/*.md")),
+]
 
 
 @pytest.mark.parametrize("code", re.findall(r"```python\n(.*?)```", README, re.DOTALL))
@@ -30,9 +35,9 @@ def test_the_readme_is_short() -> None:
     assert max(map(len, lines)) <= 120
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if page.stem != "DECISIONS"], ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_every_command_exists(page: Path) -> None:
-    assert set(re.findall(r"python -m ucon ([\w-]+)", page.read_text())) <= set(COMMANDS)
+    assert set(re.findall(r"python -m ucon ([a-z][\w-]*)", page.read_text())) <= set(COMMANDS)
 
 
 def test_every_command_is_told_of() -> None:
@@ -46,9 +51,22 @@ def test_every_link_leads_somewhere() -> None:
             assert (page.parent / target).exists(), f"{page}: {target}"
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_path_exists(page: Path) -> None:
+    paths = re.findall(r"`((?:ucon|models|configs|tests|results|checkpoints)/[\w./-]+)`", page.read_text())
+    of_example = {"models/agents/mentioned.py", "configs/agent/mentioned.yaml"}
+    assert [path for path in paths if not (ROOT / path).exists() and path not in of_example] == []
+
+
+def test_every_page_is_in_the_menu() -> None:
+    menu = re.findall(r"^ +- (?:[^:\n]+: )?(\S+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.MULTILINE)
+    pages = {str(page.relative_to(ROOT / "docs")) for page in ROOT.glob("docs/**/*.md")} - {"NEXT.md"}
+    assert sorted(menu) == sorted(pages | {f"tables/{page.name}" for page in ROOT.glob("results/*.md")})
+
+
 def test_every_make_target_exists() -> None:
     makefile = (ROOT / "Makefile").read_text()
-    told = "".join(page.read_text() for page in PAGES if page.stem != "DECISIONS")
+    told = "".join(page.read_text() for page in PAGES)
     targets = re.findall(r"(?:^|`)make ([a-z-]+)(?=[` \n])", told, re.MULTILINE)
     assert {"eval", "test", "lint"} <= set(targets)
     for target in targets:

@@ -9,8 +9,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from ucon.core import weight_files
-from ucon.core.weight_files import fingerprint, missing_parts
+from ucon.core.untrusted import weight_files
+from ucon.core.untrusted.weight_files import fingerprint, missing_parts
 from ucon.evaluation.playing.needed_weights import check_weights, fingerprints
 
 LARGE = weight_files._WHOLE_BYTES + 12345

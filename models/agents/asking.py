@@ -13,15 +13,16 @@ from pathlib import Path
 
 import numpy as np
 
-from models.agents.base import Info
 from models.agents.waypoint import Chosen, WaypointAgent
 from ucon.core.errors import ConfigError
 from ucon.core.files import canonical_json, sha256_bytes
+from ucon.core.fingerprint import fingerprint_of
 from ucon.language.choice import Answer, LanguageModel, Question
 from ucon.language.phrases import phrase
 from ucon.language.prompt import Prompt, habit_block
 from ucon.retrieval.context import ContextHabits
 from ucon.search import Decision, Manner
+from ucon.task.agent import Info
 
 PROMPTS = Path(__file__).parent / "prompts"
 
@@ -57,7 +58,7 @@ class AskingAgent(WaypointAgent):
 
     def fingerprint(self) -> str | None:
         """The model's weights here and what it is asked with; see :mod:`ucon.evaluation.playing.needed_weights`."""
-        weights = getattr(self.language, "fingerprint", str)()
+        weights = fingerprint_of(self.language)
         return None if weights is None else sha256_bytes(canonical_json([weights, dict(self.prompt.parts)]).encode())
 
     def start(self, slot: int, info: Info) -> None:

@@ -1,40 +1,15 @@
-"""What an agent is: batches of observations in, one action for each environment out.
-
-A slot is one environment of the batch. ``reset`` starts an episode in some slots, ``act`` answers for some slots; both
-default to slots 0..n-1, so a single environment needs no slot numbers. Batches let language models and networks answer
-for many environments in one call; agents without either drive one :class:`Controller` a slot.
-"""
+"""Agents (:class:`ucon.task.agent.Agent`) made of one independent controller for each environment of the batch."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, Protocol, runtime_checkable
+from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ucon.evaluation.kept.decisions import DecisionRecord
-
-Observation = Mapping[str, Any]
-Info = Mapping[str, Any]
-
-
-@runtime_checkable
-class Agent(Protocol):
-    """Chooses among the seven actions from observations and the non-privileged part of ``info``."""
-
-    name: str
-    """In tables. An agent whose ``uses_habits`` is False plays every habit level alike, and is evaluated once."""
-
-    def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
-        """Start an episode in each of ``slots``; ``infos`` are the environments' infos at reset."""
-        ...
-
-    def act(
-        self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
-    ) -> list[int]:
-        """One action (0..6) for each of ``slots``."""
-        ...
+from ucon.task.agent import Info, Observation
 
 
 class Controller(Protocol):
@@ -58,14 +33,14 @@ class ControllerAgent:
         raise NotImplementedError
 
     def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
-        """See :class:`Agent`."""
+        """See :class:`ucon.task.agent.Agent`."""
         for slot, info in zip(slots_of(infos, slots), infos, strict=True):
             self.controllers[slot] = self.start(info)
 
     def act(
         self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
     ) -> list[int]:
-        """See :class:`Agent`."""
+        """See :class:`ucon.task.agent.Agent`."""
         return [
             self.controllers[slot].act(observation, info)
             for slot, observation, info in zip(slots_of(infos, slots), observations, infos, strict=True)

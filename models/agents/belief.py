@@ -10,13 +10,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from models.agents.base import Controller, ControllerAgent, Info
+from models.agents.base import Controller, ControllerAgent
 from models.agents.search import SearchController
 from ucon.core.errors import ConfigError
+from ucon.core.fingerprint import fingerprint_of
 from ucon.perception.belief.coverage import CoverageWeights
 from ucon.perception.belief.from_habits import Locate, ReadHabits, expecting
 from ucon.perception.belief.target_belief import KNOWN_HOME, BeliefWeights
 from ucon.perception.views.viewpoints import Costs
+from ucon.task.agent import Info
 
 
 class BeliefAgent(ControllerAgent):
@@ -54,7 +56,7 @@ class BeliefAgent(ControllerAgent):
 
     def fingerprint(self) -> str:
         """Which trained reader says where the target may be, see :mod:`ucon.evaluation.playing.needed_weights`."""
-        return str(getattr(self._locate, "fingerprint", str)())
+        return str(fingerprint_of(self._locate))
 
     def start(self, info: Info) -> Controller:
         """See :class:`models.agents.base.ControllerAgent`."""

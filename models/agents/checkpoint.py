@@ -16,7 +16,7 @@ SHIPPED: Final = "shipped"
 FOLDER: Final = Path(__file__).parents[2] / "checkpoints"
 
 
-class Weights:
+class NetworkCheckpoint:
     """Of one network.
 
     Args:

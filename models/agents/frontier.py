@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from models.agents.base import Controller, ControllerAgent, Info
+from models.agents.base import Controller, ControllerAgent
 from models.agents.search import SearchController
-from ucon.perception.belief.coverage import CoverageWeights, Indifferent
+from ucon.perception.belief.coverage import Coverage, CoverageWeights
 from ucon.perception.views.viewpoints import Costs
+from ucon.task.agent import Info
 
 
 class FrontierAgent(ControllerAgent):
@@ -22,4 +23,4 @@ class FrontierAgent(ControllerAgent):
 
     def start(self, info: Info) -> Controller:
         """See :class:`models.agents.base.ControllerAgent`."""
-        return SearchController(info, Indifferent(str(info["target"]), self._weights), self._costs)
+        return SearchController(info, Coverage(str(info["target"]), self._weights), self._costs)

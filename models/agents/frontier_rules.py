@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Literal
 
-from models.agents.base import Info
 from models.agents.waypoint import Chosen, WaypointAgent
 from ucon.core.errors import ConfigError, unknown_name
 from ucon.perception.mapping.body import Body
 from ucon.perception.views.candidates import Candidate
 from ucon.search import Decision, FineFrontiers, Frontiers, Manner, Strategy
+from ucon.task.agent import Info
 
 Rule = Literal["nearest", "utility", "weighted"]
 RULES = ("nearest", "utility", "weighted")

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from models.agents.base import Info, Observation, slots_of
-from models.agents.checkpoint import Weights
+from models.agents.base import slots_of
+from models.agents.checkpoint import NetworkCheckpoint
 from models.agents.search import SearchLog
 from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import sha256_bytes
+from ucon.core.fingerprint import fingerprint_of
 from ucon.core.rng import stream
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.learning.policies.action_policy import comparable
@@ -25,6 +26,7 @@ from ucon.search.search_tokens import Sizes, TokenReader, Tokens
 from ucon.search.searcher import MISS, Searcher
 from ucon.search.text_tokens import SaidTokens, TextTokens, name_table
 from ucon.task.actions import Action
+from ucon.task.agent import Info, Observation
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -83,7 +85,7 @@ class HabitPolicyAgent:
             device: ``cpu``, ``cuda``, ``cuda:1``; ``auto`` is a GPU if there is one.
         """
         self.policy = policy
-        self._weights = Weights(policy, checkpoint)
+        self._weights = NetworkCheckpoint(policy, checkpoint)
         self._locate, self._sizes, self._text = locate or ReadHabits(), sizes or Sizes(), text or TextTokens()
         if type(miss) not in (int, float) or not 0.0 < miss <= 1.0:
             raise ConfigError(f"agent.miss={brief(miss)}: expected a chance above 0, at most 1")
@@ -109,13 +111,13 @@ class HabitPolicyAgent:
 
     def fingerprint(self) -> str | None:
         """Which weights these are, see :mod:`ucon.evaluation.playing.needed_weights`."""
-        reader, own = str(getattr(self._locate, "fingerprint", str)()), self._weights.sha256()
+        reader, own = str(fingerprint_of(self._locate)), self._weights.sha256()
         if own is None:
             return None
         return sha256_bytes(f"{own} {reader}".encode()) if own else reader
 
     def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
-        """See :class:`models.agents.base.Agent`."""
+        """See :class:`ucon.task.agent.Agent`."""
         self._prepare()
         for slot, info in zip(slots_of(infos, slots), infos, strict=True):
             believing = expecting(info, self._locate)
@@ -127,7 +129,7 @@ class HabitPolicyAgent:
     def act(
         self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
     ) -> list[int]:
-        """See :class:`models.agents.base.Agent`."""
+        """See :class:`ucon.task.agent.Agent`."""
         numbers = list(slots_of(infos, slots))
         actions: dict[int, Action | None] = {}
         due: dict[int, Tokens] = {}

@@ -22,7 +22,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from models.agents.asking import AskingAgent
-from models.agents.base import Info
 from models.agents.waypoint import Chosen
 from ucon.core.errors import ConfigError
 from ucon.language.choice import Answer, LanguageModel, Option, Question
@@ -31,6 +30,7 @@ from ucon.language.phrases import phrase
 from ucon.perception.mapping.body import Body
 from ucon.perception.mapping.fine_frontiers import SQUARE_M
 from ucon.search import Decision, FineFrontiers, Manner, Strategy
+from ucon.task.agent import Info
 
 #: L3MVN's number of labels, to which its thresholds belong.
 LABELS_THERE = 6

@@ -19,7 +19,6 @@ from collections.abc import Sequence
 from typing import Literal, get_args
 
 from models.agents.asking import AskingAgent, listed
-from models.agents.base import Info
 from models.agents.waypoint import Chosen
 from ucon.core.errors import ConfigError, unknown_name
 from ucon.language.choice import Answer, LanguageModel, Option, Question
@@ -28,6 +27,7 @@ from ucon.perception.mapping.semantic_map import View
 from ucon.perception.views.candidates import Candidate
 from ucon.perception.views.heading_candidates import Goal
 from ucon.search import Decision, Manner, Strategy, Views
+from ucon.task.agent import Info
 
 Mode = Literal["direction", "object"]
 #: Names of directions, by quarter turns to the left.

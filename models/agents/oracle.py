@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from models.agents.base import Controller, ControllerAgent, Info, Observation
+from models.agents.base import Controller, ControllerAgent
 from ucon.core.errors import ConfigError
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.task.actions import Action
+from ucon.task.agent import Info, Observation
 
 
 class _Replay:

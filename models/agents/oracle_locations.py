@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.agents.base import Info
 from models.agents.belief import BeliefAgent
 from ucon.core.errors import ConfigError
-from ucon.habits.types import RELATIONS
+from ucon.objects.model import RELATIONS
 from ucon.perception.belief.target_belief import Locations
+from ucon.task.agent import Info
 
 
 def true_locations(info: Info) -> Locations:

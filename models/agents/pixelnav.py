@@ -23,13 +23,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.agents.asking import AskingAgent, listed
-from models.agents.base import Info
 from ucon.core.errors import ConfigError, unknown_name
 from ucon.language.choice import LanguageModel, Option, Question, sees_images
 from ucon.language.phrases import phrase
 from ucon.perception.mapping.semantic_map import View
 from ucon.perception.views.candidates import Candidate
 from ucon.search import Decision, Manner, Strategy, Views
+from ucon.task.agent import Info
 
 Inputs = Literal["labels", "images"]
 _GAP_PX = 10

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from models.agents.base import Info, Observation, slots_of
-from models.agents.checkpoint import Weights
+from models.agents.base import slots_of
+from models.agents.checkpoint import NetworkCheckpoint
 from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import sha256_bytes
 from ucon.core.rng import stream
 from ucon.learning.policies.action_policy import Arrays, Tensors, comparable, stacked, tensors_of
+from ucon.task.agent import Info, Observation
 
 if TYPE_CHECKING:
     from models.nets.policy_defaults import PolicyModule
@@ -71,7 +72,7 @@ class PolicyAgent:
         if type(temperature) not in (int, float) or not 0.01 <= temperature <= 100:
             raise ConfigError(f"agent.temperature={brief(temperature)}: expected a number from 0.01 to 100")
         self.policy = policy
-        self._weights = Weights(policy, checkpoint)
+        self._weights = NetworkCheckpoint(policy, checkpoint)
         self._sample, self._temperature, self._seed, self._device = sample, float(temperature), seed, device
         self._ready = False
         self._episodes: dict[int, _Episode] = {}
@@ -105,7 +106,7 @@ class PolicyAgent:
         return sha256_bytes(f"{own} {frozen}".encode()) if own else frozen
 
     def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
-        """See :class:`models.agents.base.Agent`.
+        """See :class:`ucon.task.agent.Agent`.
 
         Raises:
             ConfigError: more habits than the weights learned from.
@@ -120,7 +121,7 @@ class PolicyAgent:
     def act(
         self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
     ) -> list[int]:
-        """See :class:`models.agents.base.Agent`."""
+        """See :class:`ucon.task.agent.Agent`."""
         import torch
 
         playing = [self._episodes[slot] for slot in slots_of(infos, slots)]

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.agents.base import Controller, ControllerAgent, Info, Observation
+from models.agents.base import Controller, ControllerAgent
 from ucon.core.errors import ConfigError
 from ucon.core.rng import stream
 from ucon.task.actions import Action
+from ucon.task.agent import Info, Observation
 
 
 class _Dice:

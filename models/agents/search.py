@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from models.agents.base import Info, Observation
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.perception.belief.protocol import Expecting
 from ucon.perception.drawing.map_picture import Image
@@ -10,6 +9,7 @@ from ucon.perception.views.viewpoints import Choice, Costs
 from ucon.search.aims import Aim, aim_of, aim_to_open, aim_to_take
 from ucon.search.searcher import SearchDecision, Searcher
 from ucon.task.actions import Action
+from ucon.task.agent import Info, Observation
 
 #: Digits kept of a score.
 _DIGITS = 6

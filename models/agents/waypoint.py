@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from models.agents.base import Info, Observation, slots_of
+from models.agents.base import slots_of
 from ucon.core.errors import ConfigError
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.language.choice import Answer
 from ucon.search import Decision, Explorer, Manner, Strategy
 from ucon.search.aims import candidate_words
+from ucon.task.agent import Info, Observation
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +55,7 @@ class WaypointAgent:
         raise NotImplementedError
 
     def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
-        """See :class:`models.agents.base.Agent`."""
+        """See :class:`ucon.task.agent.Agent`."""
         for slot, info in zip(slots_of(infos, slots), infos, strict=True):
             self._explorers[slot] = Explorer(info, self.strategy(info), self._manner, self._seed)
             self._episodes[slot] = str(info.get("episode", ""))
@@ -64,7 +65,7 @@ class WaypointAgent:
     def act(
         self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
     ) -> list[int]:
-        """See :class:`models.agents.base.Agent`."""
+        """See :class:`ucon.task.agent.Agent`."""
         numbers = list(slots_of(infos, slots))
         actions = {
             slot: self._explorers[slot].look(observation, info)

@@ -11,7 +11,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from ucon.learning.policies.action_policy import Arrays, Outputs, Tensors
+from ucon.learning.policies.action_policy import Arrays, Choice, PolicyOutputs, Tensors
 
 N_ACTIONS = 7
 
@@ -23,6 +23,7 @@ class PolicyModule(nn.Module):
     """
 
     architecture = ""
+    chooses: Choice = "actions"
     uses_habits = False
     max_habits: int | None = None
     """Of one that reads habits, the longest list of them that it may have learned from; learners set it."""
@@ -73,14 +74,14 @@ class PolicyModule(nn.Module):
         """
         return None
 
-    def take_in(self, frames: Tensors) -> None:
+    def update_statistics(self, frames: Tensors) -> None:
         """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
 
     def initial_state(self, batch: int) -> Tensors:
         """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
         return {}
 
-    def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
+    def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> PolicyOutputs:
         """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
         raise NotImplementedError
 

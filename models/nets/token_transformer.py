@@ -29,7 +29,7 @@ class DistanceBias(nn.Module):
         return self.weight(torch.cat([steps, both], -1)).permute(0, 3, 1, 2)
 
 
-class Block(nn.Module):
+class TransformerBlock(nn.Module):
     """Pre-norm self-attention with a bias, and a feed-forward part."""
 
     def __init__(self, width: int, heads: int, inner: int) -> None:
@@ -65,7 +65,7 @@ class TokenTransformer(nn.Module):
     def __init__(self, width: int, layers: int, heads: int, inner: int) -> None:
         super().__init__()
         self.distance = DistanceBias(heads)
-        self.blocks = nn.ModuleList(Block(width, heads, inner) for _ in range(layers))
+        self.blocks = nn.ModuleList(TransformerBlock(width, heads, inner) for _ in range(layers))
         self.norm = nn.LayerNorm(width)
 
     def forward(self, x: Tensor, xy: Tensor, placed: Tensor, there: Tensor) -> Tensor:
@@ -79,7 +79,7 @@ class TokenTransformer(nn.Module):
         """Weights (L, B, H, N, N) of every block, of the same tokens: for people, nothing in use needs them."""
         bias, weights = self._bias(xy, placed, there), []
         for block in self.blocks:
-            assert isinstance(block, Block)
+            assert isinstance(block, TransformerBlock)
             weights.append(block.attention(x, bias))
             x = block(x, bias)
         return torch.stack(weights)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from ucon.configuration.help_page import Option, help_page, options_of
+from ucon.configuration.help_page import HelpEntry, help_page, options_of
 
 ROOT = Path(__file__).parents[2]
 CONFIGS = ROOT / "configs"
@@ -20,10 +20,10 @@ def test_options_are_told_with_their_comments() -> None:
         "  inner: [a, b]\n  deeper:\n    # Deep.\n    deep: null\n# Last.\nlast:\n  x: 1\n"
     )
     assert list(options_of(text)) == [
-        Option("one", "1", "One, in two lines."),
-        Option("outer.inner", "[a, b]", "Inner."),
-        Option("outer.deeper.deep", "null", "Deep."),
-        Option("last", "...", "Last."),
+        HelpEntry("one", "1", "One, in two lines."),
+        HelpEntry("outer.inner", "[a, b]", "Inner."),
+        HelpEntry("outer.deeper.deep", "null", "Deep."),
+        HelpEntry("last", "...", "Last."),
     ]
 
 

@@ -16,7 +16,7 @@ from ucon.evaluation.figures.report import versions
 from ucon.evaluation.kept.folder import RunFolder
 from ucon.evaluation.kept.record import EpisodeTiming, read_records
 from ucon.evaluation.kept.seal import sealed
-from ucon.evaluation.playing.play import Played
+from ucon.evaluation.playing.play import PlayedEpisode
 
 ROOT = Path(__file__).parents[2]
 RESULTS = ROOT / "results"
@@ -100,7 +100,7 @@ def test_an_interrupted_one_goes_on(kept, tmp_path):
     records = read_records(whole)
     run_of.open([record.episode for record in records])
     timing = EpisodeTiming(**json.loads((whole / "timing.jsonl").read_text().splitlines()[0]))
-    run_of.add(Played(0, records[0], timing))
+    run_of.add(PlayedEpisode(0, records[0], timing))
     other = RunFolder(tmp_path / "out" / "kept-3", {"config": "of another run"}, versions())
     other.open([])
     going_on, once_more = map(json.loads, replay(tmp_path, kept, kept, "--json").stdout.splitlines())

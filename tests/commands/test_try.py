@@ -10,7 +10,7 @@ import pytest
 from ucon.__main__ import main
 from ucon.evaluation.kept.record import read_records
 from ucon.habits.datafile import load_dataset_file
-from ucon.task.making.own_household import FaultsError, Wish, likely_places
+from ucon.task.making.own_household import FaultsError, OwnPlacement, likely_places
 from ucon.task.sets import load_episodes
 
 SAID = "After the morning mails the blue mug stays beside the laptop."
@@ -60,7 +60,7 @@ def test_all_that_is_wrong_is_told_at_once(tmp_path: Path, capsys: pytest.Captur
 )
 def test_places_that_are_none(place: str, part: str) -> None:
     with pytest.raises(FaultsError, match=part):
-        Wish.of("Rs_int", "mug", [SAID], place)
+        OwnPlacement.of("Rs_int", "mug", [SAID], place)
 
 
 def test_what_takes_no_such_thing_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -72,7 +72,7 @@ def test_what_takes_no_such_thing_says_so(tmp_path: Path, capsys: pytest.Capture
 def test_places_are_those_that_stand_there_the_likeliest_first() -> None:
     names = ("laptop", "swimming_pool", "bed")
     p = np.array([[0.01, 0.0, 0.0, 0.2], [0.9, 0.9, 0.9, 0.9], [0.3, 0.0, 0.05, 0.0]])
-    places = likely_places(Wish.of("Rs_int", "mug", [SAID], None), lambda *_: (names, p))
+    places = likely_places(OwnPlacement.of("Rs_int", "mug", [SAID], None), lambda *_: (names, p))
     assert [(place.relation, place.anchor) for place, _ in places[:3]] == [
         ("ontop", "bed"),
         ("nextto", "laptop"),

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from ucon.core.errors import DataError
-from ucon.core.strict_json import MAX_DEPTH, MAX_INT, JsonError, parse_json, read_json
+from ucon.core.untrusted.strict_json import MAX_DEPTH, MAX_INT, JsonError, parse_json, read_json
 
 REFUSED = {
     "nothing": "",

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ucon.core.unpack import UnpackError, read_array, read_arrays, unpack_xz, unpack_zlib
+from ucon.core.untrusted.unpack import UnpackError, read_array, read_arrays, unpack_xz, unpack_zlib
 
 WHOLE = b"some text, " * 1000
 
@@ -55,7 +55,7 @@ def test_what_is_not_whole_or_too_large_is_refused(unpack, packed: bytes) -> Non
 
 BOMB = """
 import lzma, resource, sys, zlib, zipfile, io
-from ucon.core.unpack import UnpackError, read_arrays, unpack_xz, unpack_zlib
+from ucon.core.untrusted.unpack import UnpackError, read_arrays, unpack_xz, unpack_zlib
 piece = bytes(1 << 24)
 xz = lzma.compress(piece, preset=0) * 128  # streams in a row, two gigabytes in all
 stream = zlib.compressobj(1)
@@ -161,7 +161,7 @@ def test_other_compressions_are_no_xz() -> None:
 def test_no_reader_unpacks_past_the_helper() -> None:
     """What others packed is unpacked in one place only; what this process packed itself may be unpacked at once."""
     root = Path(__file__).resolve().parents[2]
-    own = {"ucon/core/unpack.py", "ucon/learning/imitation/feeding.py", "ucon/language/store.py"}
+    own = {"ucon/core/untrusted/unpack.py", "ucon/learning/imitation/feeding.py", "ucon/language/store.py"}
     words = ("lzma.decompress", "lzma.open", "LZMADecompressor", "zlib.decompress", "np.load(", "gzip.", "bz2.")
     found = {
         path.relative_to(root).as_posix()

@@ -8,13 +8,13 @@ import cv2
 import numpy as np
 import pytest
 
-from models.agents.base import Agent
 from models.agents.belief import BeliefAgent
 from models.agents.oracle_locations import OracleLocationsAgent
 from ucon.core.errors import ConfigError
 from ucon.envs.tour import STRIDE, stops
 from ucon.envs.ucon_env import UcONEnv
 from ucon.perception.mapping.semantic_map import SemanticMap
+from ucon.task.agent import Agent
 
 
 def made(**options: Any) -> UcONEnv:

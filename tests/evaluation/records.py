@@ -8,10 +8,10 @@ from typing import Any
 
 from ucon.evaluation.figures.report import summary
 from ucon.evaluation.kept.folder import RunFolder
-from ucon.evaluation.kept.naming import Parts
+from ucon.evaluation.kept.naming import NameParts
 from ucon.evaluation.kept.record import EpisodeRecord, EpisodeTiming
 from ucon.evaluation.kept.seal import SEALED, SUMMARY, read_file, sealed
-from ucon.evaluation.playing.play import Played
+from ucon.evaluation.playing.play import PlayedEpisode
 
 BASE = EpisodeRecord(
     episode="e0",
@@ -58,12 +58,14 @@ def record(number: int, *, success: bool = True, **changes: Any) -> EpisodeRecor
     return replace(BASE, episode=f"e{number}", **{**fitting, **changes})
 
 
-def played(number: int, **changes: Any) -> Played:
+def played(number: int, **changes: Any) -> PlayedEpisode:
     made = record(number, **changes)
-    return Played(number, made, EpisodeTiming(made.episode, 0.5 + number))
+    return PlayedEpisode(number, made, EpisodeTiming(made.episode, 0.5 + number))
 
 
-def store(folder: Path, played: Sequence[Played], parts: Parts | None = None, config: str = "x: 1\n") -> Path:
+def store(
+    folder: Path, played: Sequence[PlayedEpisode], parts: NameParts | None = None, config: str = "x: 1\n"
+) -> Path:
     """The folder of a finished run with these episodes."""
     run = RunFolder(folder, {})
     run.open([p.record.episode for p in played])

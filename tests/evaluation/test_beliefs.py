@@ -6,7 +6,7 @@ import pytest
 from ucon.core.errors import DataError
 from ucon.evaluation.beliefs import ORACLE, measure_beliefs
 from ucon.habits import book
-from ucon.habits.types import RELATIONS
+from ucon.objects.model import RELATIONS
 from ucon.readers import AnchorReader
 from ucon.readers.anchor_reader import AnchorBelief
 from ucon.readers.belief_scores import calibration_error, scores

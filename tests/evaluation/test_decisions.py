@@ -17,7 +17,7 @@ from ucon.envs.ucon_env import UcONEnv
 from ucon.evaluation.figures.report import summary
 from ucon.evaluation.kept.decisions import DecisionRecord, language_figures, seconds_per_decision
 from ucon.evaluation.kept.folder import DECISIONS, PARTIAL, TIMING, RunFolder
-from ucon.evaluation.playing.play import Played, RunSpec
+from ucon.evaluation.playing.play import PlayedEpisode, RunSpec
 from ucon.evaluation.playing.runner import evaluate
 from ucon.language.models.encoder import EncoderModel
 from ucon.task.sets import load_episodes
@@ -30,17 +30,17 @@ def lgx() -> LGXAgent:
     return LGXAgent(EncoderModel())
 
 
-def run(workers: int, batch: int, skip: tuple[int, ...] = ()) -> list[Played]:
+def run(workers: int, batch: int, skip: tuple[int, ...] = ()) -> list[PlayedEpisode]:
     env = partial(UcONEnv, EPISODES[:1], observe="symbolic", detector=True, habit_level="retrieval")
     return evaluate(RunSpec(lgx, env, "retrieval", batch=batch), EPISODES, workers=workers, skip=skip)
 
 
 @pytest.fixture(scope="module")
-def played() -> list[Played]:
+def played() -> list[PlayedEpisode]:
     return run(0, 1)
 
 
-def finished(path: Path, played: list[Played]) -> RunFolder:
+def finished(path: Path, played: list[PlayedEpisode]) -> RunFolder:
     folder = RunFolder(path, HASHES)
     folder.open(ids(played))
     for one in played:
@@ -49,13 +49,13 @@ def finished(path: Path, played: list[Played]) -> RunFolder:
     return folder
 
 
-def ids(played: Sequence[Played]) -> list[str]:
+def ids(played: Sequence[PlayedEpisode]) -> list[str]:
     return [one.record.episode for one in played]
 
 
 @pytest.mark.parametrize(("workers", "batch"), [(0, 3), (2, 1)])
 def test_one_line_a_choice_whatever_workers_and_batch(
-    workers: int, batch: int, played: list[Played], tmp_path: Path
+    workers: int, batch: int, played: list[PlayedEpisode], tmp_path: Path
 ) -> None:
     finished(tmp_path / "a", played)
     finished(tmp_path / "b", run(workers, batch))
@@ -69,7 +69,7 @@ def test_one_line_a_choice_whatever_workers_and_batch(
     assert len(lines) == summary(played, HASHES)["language"]["decisions"]
 
 
-def test_an_interrupted_run_keeps_the_choices_of_what_was_finished(played: list[Played], tmp_path: Path) -> None:
+def test_an_interrupted_run_keeps_the_choices_of_what_was_finished(played: list[PlayedEpisode], tmp_path: Path) -> None:
     first = RunFolder(tmp_path / "cut", HASHES)
     first.open(ids(played))
     for one in (played[2], played[0]):
@@ -88,7 +88,7 @@ def test_an_interrupted_run_keeps_the_choices_of_what_was_finished(played: list[
     assert (tmp_path / "cut" / DECISIONS).read_bytes() == (tmp_path / "whole" / DECISIONS).read_bytes()
 
 
-def test_a_finished_run_is_read_back(played: list[Played], tmp_path: Path) -> None:
+def test_a_finished_run_is_read_back(played: list[PlayedEpisode], tmp_path: Path) -> None:
     finished(tmp_path, played)
     assert RunFolder(tmp_path, HASHES).open(ids(played)) == dict(enumerate(played))
 
@@ -109,7 +109,9 @@ def test_what_a_model_said_cannot_break_the_file(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", [DECISIONS, TIMING])
 @pytest.mark.parametrize("damage", ["cut", "lost line", "not JSON", "other fields", "list"])
-def test_a_damaged_folder_is_named_in_one_line(name: str, damage: str, played: list[Played], tmp_path: Path) -> None:
+def test_a_damaged_folder_is_named_in_one_line(
+    name: str, damage: str, played: list[PlayedEpisode], tmp_path: Path
+) -> None:
     finished(tmp_path, played)
     file = tmp_path / name
     lines = file.read_text().splitlines(keepends=True)

@@ -14,7 +14,7 @@ from models.agents.checkpoint import SHIPPED
 from tests.evaluation.records import record
 from tests.models.playing import CONFIGS, config_of
 from ucon.configuration.wiring import Factory
-from ucon.evaluation.playing.play import Played, RunSpec, _captions, play
+from ucon.evaluation.playing.play import PlayedEpisode, RunSpec, _captions, play
 from ucon.task.rules import PAPER, RULES
 from ucon.task.sets import load_episodes
 
@@ -27,7 +27,7 @@ AGENTS = [
 ]
 
 
-def played(name: str, level: str, folder: Path | None) -> Played:
+def played(name: str, level: str, folder: Path | None) -> PlayedEpisode:
     """The first steps of an episode of a small home, by the agent as it is configured."""
     config = config_of(name, f"habit_level={level}")
     episode = min(load_episodes("mini"), key=lambda e: (len(e.arrangement.objects), e.shortest_path_m < 4, e.id))

@@ -16,7 +16,7 @@ from ucon.__main__ import main
 from ucon.commands.compare import print_sweep
 from ucon.evaluation.figures.markdown import read_run
 from ucon.evaluation.figures.report import results_table, summary
-from ucon.evaluation.kept.naming import Parts, answers_something, level, parts_of, player
+from ucon.evaluation.kept.naming import NameParts, answers_something, level, parts_of, player
 from ucon.language.models.encoder import EncoderModel
 from ucon.perception.detectors.gt import GtDetector
 
@@ -25,17 +25,17 @@ LLAMA = "causal (Llama-3.1-8B-Instruct)"
 
 
 def said(agent: str, at: str = "none", **parts: Any) -> dict[str, Any]:
-    return {"agent": agent, "habit_level": at} | Parts(**parts).to_json()
+    return {"agent": agent, "habit_level": at} | NameParts(**parts).to_json()
 
 
-def stored(folder: Path, agent: str, at: str, parts: Parts) -> Path:
+def stored(folder: Path, agent: str, at: str, parts: NameParts) -> Path:
     return store(folder, [played(i, agent=agent, habit_level=at) for i in range(3)], parts)
 
 
 def test_parts_are_read_off_what_plays() -> None:
     detector = GtDetector()
-    assert parts_of(LGXAgent(EncoderModel()), detector) == Parts(ENCODER, "gt", True)
-    assert parts_of(RandomAgent(), detector) == Parts(None, "gt", False)
+    assert parts_of(LGXAgent(EncoderModel()), detector) == NameParts(ENCODER, "gt", True)
+    assert parts_of(RandomAgent(), detector) == NameParts(None, "gt", False)
 
 
 @pytest.mark.parametrize(
@@ -79,7 +79,7 @@ def test_what_is_compared(a: dict[str, Any], b: dict[str, Any], wanted: bool) ->
 
 @pytest.mark.parametrize("at", ["none", "retrieval"])
 def test_the_row_of_who_reads_no_habits_names_no_level(at: str) -> None:
-    made = summary([played(i, agent="random", habit_level=at) for i in range(3)], {}, Parts(uses_habits=False))
+    made = summary([played(i, agent="random", habit_level=at) for i in range(3)], {}, NameParts(uses_habits=False))
     out = io.StringIO()
     Console(file=out, width=200).print(results_table([made]))
     (row,) = [line for line in out.getvalue().splitlines() if "random" in line]
@@ -91,9 +91,9 @@ def test_the_row_of_who_reads_no_habits_names_no_level(at: str) -> None:
 def test_a_sweep_tells_models_apart_and_compares_with_who_was_played_once(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stored(tmp_path / "a", "lgx", "gt", Parts(ENCODER, "gt"))
-    stored(tmp_path / "b", "lgx", "gt", Parts(LLAMA, "noisy"))
-    stored(tmp_path / "c", "frontier", "none", Parts(None, "gt", uses_habits=False))
+    stored(tmp_path / "a", "lgx", "gt", NameParts(ENCODER, "gt"))
+    stored(tmp_path / "b", "lgx", "gt", NameParts(LLAMA, "noisy"))
+    stored(tmp_path / "c", "frontier", "none", NameParts(None, "gt", uses_habits=False))
     monkeypatch.setenv("COLUMNS", "240")
     print_sweep(tmp_path)
     shown = capsys.readouterr().out
@@ -106,8 +106,8 @@ def test_a_sweep_tells_models_apart_and_compares_with_who_was_played_once(
 
 
 def test_labels_of_a_results_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    one = stored(tmp_path / "a", "lgx", "gt", Parts(ENCODER, "gt"))
-    two = stored(tmp_path / "b", "frontier", "none", Parts(None, "noisy", uses_habits=False))
+    one = stored(tmp_path / "a", "lgx", "gt", NameParts(ENCODER, "gt"))
+    two = stored(tmp_path / "b", "frontier", "none", NameParts(None, "noisy", uses_habits=False))
     assert read_run(one).label == f"lgx + {ENCODER}, gt"
     assert read_run(two).label == "frontier + noisy, any"
     assert main(["compare", str(one), str(two), "--markdown"]) == 0

@@ -10,18 +10,18 @@ from pathlib import Path
 import pytest
 
 from ucon.core.errors import ConfigError, DataError
-from ucon.evaluation.datasets.survey import Answer, Item, draw_items, key_csv, read_key, read_sheet, sheet_csv
+from ucon.evaluation.datasets.survey import RatedHabit, Rating, draw_items, key_csv, read_key, read_sheet, sheet_csv
 from ucon.evaluation.datasets.survey_page import sheet_html
 from ucon.evaluation.datasets.survey_score import score_survey
 from ucon.habits import book
 
 
 @pytest.fixture(scope="module")
-def items() -> Sequence[Item]:
+def items() -> Sequence[RatedHabit]:
     return draw_items(book(), 20, seed=3)
 
 
-def filled(items: Sequence[Item], answers: dict[int, tuple[object, object]]) -> str:
+def filled(items: Sequence[RatedHabit], answers: dict[int, tuple[object, object]]) -> str:
     """The sheet as a rater returns it."""
     rows = list(csv.reader(io.StringIO(sheet_csv(items))))
     for row in rows[1:]:
@@ -32,7 +32,7 @@ def filled(items: Sequence[Item], answers: dict[int, tuple[object, object]]) -> 
 
 
 @pytest.fixture
-def key(items, tmp_path) -> dict[int, Item]:
+def key(items, tmp_path) -> dict[int, RatedHabit]:
     (tmp_path / "sheet.key.csv").write_text(key_csv(items))
     return read_key(tmp_path / "sheet.key.csv")
 
@@ -93,7 +93,7 @@ def test_a_survey_needs_labels():
 def test_scores(items, key, tmp_path):
     swapped = {item.item for item in items if item.truth == "swapped"}
     answers = {"ana": dict.fromkeys(swapped, (5, "no")), "bo": dict.fromkeys(swapped, (5, "Unsure")) | {1: ("", "")}}
-    found: list[Answer] = []
+    found: list[Rating] = []
     for rater, said in answers.items():
         text = filled(items, said)
         # A spreadsheet's own ways: a byte order mark, semicolons.

@@ -9,8 +9,8 @@ import pytest
 from tests.language.chat_server import breaks_off, chat_server, closes, fails, hangs, says, sends
 from ucon.core.errors import ConfigError, DataError, ServerError
 from ucon.core.rng import stream
-from ucon.generation.proposal import Offer, entry_json, read_entry, sentence_key
-from ucon.generation.propose import Wish, propose
+from ucon.generation.proposal import Material, entry_json, read_entry, sentence_key
+from ucon.generation.propose import EntryWish, propose
 from ucon.habits import book, parse_book
 from ucon.habits.book import book_anchors
 from ucon.habits.splits import entry_parts
@@ -64,13 +64,13 @@ def client(tmp_path):
 
 
 def offer(category="wallet", **changes):
-    return replace(Offer(category, None, book_anchors(), {"winter"}, frozenset(), frozenset()), **changes)
+    return replace(Material(category, None, book_anchors(), {"winter"}, frozenset(), frozenset()), **changes)
 
 
 def test_a_good_entry_is_written_and_read_back(client, tmp_path):
     out = tmp_path / "new.txt"
     with chat_server(says(GOOD)) as server:
-        found = propose(client(server.url), [Wish("wallet")], out)
+        found = propose(client(server.url), [EntryWish("wallet")], out)
         assert len(server.asked) == 1
     assert (found.new, found.left_out, found.usage.attempts) == (1, (), 1)
     assert parse_book(out, book_anchors()) == list(found.entries)
@@ -96,7 +96,7 @@ SERVER_FAULTS = {
 def test_faults_of_the_server_are_outlasted(client, tmp_path, fault):
     options = {"timeout_s": 0.5} if fault == "hanging" else {}
     with chat_server(SERVER_FAULTS[fault], says(GOOD)) as server:
-        found = propose(client(server.url, **options), [Wish("wallet")], tmp_path / "new.txt")
+        found = propose(client(server.url, **options), [EntryWish("wallet")], tmp_path / "new.txt")
         assert len(server.asked) == 2
     assert (found.new, found.usage.attempts) == (1, 2)
 
@@ -105,14 +105,14 @@ def test_a_dead_server_ends_in_one_error_and_keeps_what_was_proposed(client, tmp
     out = tmp_path / "new.txt"
     with chat_server(says(GOOD), fails(503)) as server:
         with pytest.raises(ServerError, match="3 attempts"):
-            propose(client(server.url), [Wish("wallet"), Wish("mug")], out)
+            propose(client(server.url), [EntryWish("wallet"), EntryWish("mug")], out)
         assert len(server.asked) == 4
     assert [e.category for e in parse_book(out, book_anchors())] == ["wallet"]
 
 
 def test_prose_around_the_entry(client, tmp_path):
     with chat_server(says(f"Here {{you}} are:\n```json\n{json.dumps(GOOD, indent=1)}\n```\nEnjoy!")) as server:
-        assert propose(client(server.url), [Wish("wallet")], tmp_path / "new.txt").new == 1
+        assert propose(client(server.url), [EntryWish("wallet")], tmp_path / "new.txt").new == 1
         assert len(server.asked) == 1
 
 
@@ -169,7 +169,7 @@ def test_what_is_wrong_is_said_and_mended(client, tmp_path, case):
     wrong, complaint = WRONG[case]
     category = "mug" if case == "onto itself" else "wallet"
     with chat_server(says(wrong), says(GOOD)) as server:
-        found = propose(client(server.url), [Wish(category)], tmp_path / "new.txt")
+        found = propose(client(server.url), [EntryWish(category)], tmp_path / "new.txt")
         assert len(server.asked) == 2
     assert (found.new, found.left_out) == (1, ())
     assert complaint in server.asked[1]["messages"][-1]["content"]
@@ -179,7 +179,9 @@ def test_what_is_wrong_is_said_and_mended(client, tmp_path, case):
 def test_what_stays_wrong_is_reported_and_left_out(client, tmp_path):
     wrong, complaint = WRONG["short"]
     with chat_server(says(wrong), says(wrong), says(wrong), says(GOOD)) as server:
-        found = propose(client(server.url), [Wish("wallet"), Wish("toothbrush")], tmp_path / "new.txt", rounds=3)
+        found = propose(
+            client(server.url), [EntryWish("wallet"), EntryWish("toothbrush")], tmp_path / "new.txt", rounds=3
+        )
         assert len(server.asked) == 4
     assert [e.category for e in found.entries] == ["toothbrush"]
     assert [(one.category, one.complaints) for one in found.left_out] == [("wallet", (complaint,))]
@@ -187,7 +189,7 @@ def test_what_stays_wrong_is_reported_and_left_out(client, tmp_path):
 
 def test_a_model_that_never_gives_an_entry_is_left_out(client, tmp_path):
     with chat_server(says("no"), says("no"), says("no"), says(GOOD)) as server:
-        found = propose(client(server.url), [Wish("wallet"), Wish("toothbrush")], tmp_path / "new.txt")
+        found = propose(client(server.url), [EntryWish("wallet"), EntryWish("toothbrush")], tmp_path / "new.txt")
     assert [e.category for e in found.entries] == ["toothbrush"]
     assert "without a whole JSON object" in found.left_out[0].complaints[-1]
 
@@ -196,7 +198,7 @@ def test_an_interrupted_run_goes_on_and_ends_the_same(client, tmp_path):
     second = json.loads(json.dumps(GOOD).replace("parrot", "heron").replace("Ada", "Maud"))
     for i, habit in enumerate(second["habits"]):
         habit["text"] = f"Number {i} says: {habit['text']}"
-    wishes = [Wish("wallet", 2), Wish("toothbrush")]
+    wishes = [EntryWish("wallet", 2), EntryWish("toothbrush")]
     third = json.loads(json.dumps(second).replace("Number", "Letter"))
     answers = [says(GOOD), says(second), says(third)]
     with chat_server(*answers) as server:
@@ -214,10 +216,10 @@ def test_an_interrupted_run_goes_on_and_ends_the_same(client, tmp_path):
 
 def test_a_rerun_from_the_cache_is_free(client, tmp_path):
     with chat_server(says(WRONG["short"][0]), says(GOOD)) as server:
-        first = propose(client(server.url), [Wish("wallet")], tmp_path / "a.txt")
-        again = propose(client(server.url), [Wish("wallet")], tmp_path / "b.txt")
+        first = propose(client(server.url), [EntryWish("wallet")], tmp_path / "a.txt")
+        again = propose(client(server.url), [EntryWish("wallet")], tmp_path / "b.txt")
         assert len(server.asked) == 2
-        propose(client(server.url), [Wish("wallet")], tmp_path / "c.txt", seed=1)
+        propose(client(server.url), [EntryWish("wallet")], tmp_path / "c.txt", seed=1)
         assert len(server.asked) == 3
     assert (tmp_path / "a.txt").read_bytes() == (tmp_path / "b.txt").read_bytes()
     assert (first.usage.attempts, again.usage.attempts, again.usage.cached) == (2, 0, 2)
@@ -225,7 +227,12 @@ def test_a_rerun_from_the_cache_is_free(client, tmp_path):
 
 def test_no_test_sentence_is_shown_to_the_model(client, tmp_path):
     with chat_server(says(GOOD)) as server:
-        propose(client(server.url), [Wish("wallet"), Wish("charger", kind="office")], tmp_path / "new.txt", rounds=1)
+        propose(
+            client(server.url),
+            [EntryWish("wallet"), EntryWish("charger", kind="office")],
+            tmp_path / "new.txt",
+            rounds=1,
+        )
     asked = json.dumps([a["messages"] for a in server.asked], ensure_ascii=False).replace('\\"', '"')
     parts = entry_parts(book())
     shown = [book().entry_of(row) for row, text in enumerate(book().texts) if json.dumps(text)[1:-1] in asked]
@@ -256,17 +263,17 @@ def test_whatever_passes_the_check_survives_the_file(tmp_path):
 def test_bad_wishes_and_files(client, tmp_path):
     asker = client("http://127.0.0.1:1/v1")
     for wish, message in (
-        (Wish("walet"), "did you mean wallet"),
-        (Wish("wallet", kind="offise"), "did you mean office"),
-        (Wish("wallet", 0), "at least 1"),
+        (EntryWish("walet"), "did you mean wallet"),
+        (EntryWish("wallet", kind="offise"), "did you mean office"),
+        (EntryWish("wallet", 0), "at least 1"),
     ):
         with pytest.raises(ConfigError, match=message):
             propose(asker, [wish], tmp_path / "x.txt")
     with pytest.raises(ConfigError, match="twice"):
-        propose(asker, [Wish("wallet"), Wish("wallet", 2)], tmp_path / "x.txt")
+        propose(asker, [EntryWish("wallet"), EntryWish("wallet", 2)], tmp_path / "x.txt")
     (tmp_path / "x.txt").write_text("# wallet | a baker\n")
     with pytest.raises(DataError, match=r"x\.txt:1: "):
-        propose(asker, [Wish("wallet")], tmp_path / "x.txt")
+        propose(asker, [EntryWish("wallet")], tmp_path / "x.txt")
 
 
 def test_sentences_that_differ_in_nothing_but_print_are_the_same():

@@ -8,10 +8,11 @@ import pytest
 
 from tests.timing import fastest_s
 from ucon.core.errors import ConfigError, DataError
-from ucon.habits import RELATIONS, book, parse_book
+from ucon.habits import book, parse_book
 from ucon.habits.book import BOOK_FOLDER, book_anchors, read_anchors, read_book, read_lines
 from ucon.objects import model
 from ucon.objects.catalogue import catalogue
+from ucon.objects.model import RELATIONS
 
 GOOD = """# wallet | a tidy baker
 @ ontop desk

@@ -9,7 +9,7 @@ import pytest
 from ucon.core.errors import ConfigError
 from ucon.habits import KnowledgeBase, book, category_split, hosted, household, split_categories
 from ucon.habits.splits import PARTS_USED, entry_parts
-from ucon.habits.types import KINDS
+from ucon.habits.types import HOUSEHOLD_KINDS
 
 
 def drawn(home: str = "Rs_int", k: int = 20):
@@ -116,7 +116,7 @@ def test_households_of_a_part_have_its_entries_only(part):
 
 
 def test_people_bound_to_a_kind_of_place_live_there_and_come_first():
-    kinds = {kind: [e for e in book().entries if e.kind == kind] for kind in KINDS}
+    kinds = {kind: [e for e in book().entries if e.kind == kind] for kind in HOUSEHOLD_KINDS}
     assert all(len(entries) >= 20 for entries in kinds.values())
     at_home = household("Rs_int", book())
     assert not [e for entries in at_home.values() for e in entries if e.kind]

@@ -10,7 +10,7 @@ from tests.learning.belief_tiny import tiny_belief
 from tests.learning.tiny import some_habits
 from ucon.core.errors import ConfigError
 from ucon.core.files import MANIFEST
-from ucon.fitting.place_encoder import Recipe
+from ucon.fitting.place_encoder import PlaceRecipe
 from ucon.habits import book
 from ucon.habits.types import HabitDataset
 from ucon.language.pairs import default_pair_reader
@@ -19,7 +19,7 @@ from ucon.learning.belief_head.held_out_readers import Fold
 from ucon.readers.household import FittedParts
 from ucon.readers.reader_weights import default_weights
 
-QUICK = Recipe(epochs=1, rank=2)
+QUICK = PlaceRecipe(epochs=1, rank=2)
 
 
 @pytest.fixture(scope="module")

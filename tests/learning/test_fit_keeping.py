@@ -7,13 +7,13 @@ import torch
 from ucon.fitting.location_cases import LABELS, PLACES, THINGS, asked, place_cases
 from ucon.fitting.location_model import _Batch, fit, measured, target_scores, weights_of
 from ucon.language.models.encoder import EncoderModel
-from ucon.language.models.keeping import KeepingWeights
+from ucon.language.models.keeping import LocationWeights
 from ucon.language.phrases import phrase
 from ucon.retrieval.levels import FIXED_LEVELS
 from ucon.sim.cache import load_house
 from ucon.task.sets import load_episodes
 
-START = KeepingWeights(8.8, 0.4, 0.02, 0.45, 0.06, 0.7, 0.05)
+START = LocationWeights(8.8, 0.4, 0.02, 0.45, 0.06, 0.7, 0.05)
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +37,7 @@ def test_a_point_and_its_weights():
 
 
 def test_the_batch_says_what_the_model_says(found):
-    for w in (KeepingWeights(), START, KeepingWeights(5.0, 0.2, 0.1, 0.3, 0.2, 1.5, 0.7)):
+    for w in (LocationWeights(), START, LocationWeights(5.0, 0.2, 0.1, 0.3, 0.2, 1.5, 0.7)):
         x = torch.tensor(point(w), dtype=torch.float32)
         assert float(_Batch(found).loss(x)) == pytest.approx(mean_nats(found, w), abs=2e-3)
 

@@ -207,16 +207,16 @@ AUTO = {"device": "auto", "precision": "auto", "batch": "auto"}
 def test_a_gpu_is_used_in_half_the_bits_and_larger_batches(learner, monkeypatch):
     on_a_gpu(monkeypatch)
     found = learner(Stays(), **AUTO)
-    assert found.settled == {"device": "cuda", "precision": "bfloat16", "batch": 64}
+    assert found.resolved_options == {"device": "cuda", "precision": "bfloat16", "batch": 64}
     assert found.policy.sent == "cuda"
     kept = learner(Stays(), device="auto", precision="float32", batch=5)
-    assert kept.settled == {"device": "cuda", "precision": "float32", "batch": 5}
+    assert kept.resolved_options == {"device": "cuda", "precision": "float32", "batch": 5}
 
 
 def test_on_a_cpu_auto_changes_nothing(learner, monkeypatch):
     monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
     plain, auto = (learner(n_episodes=3, **options) for options in ({"batch": 16}, AUTO))
-    assert auto.settled == {"device": "cpu", "precision": "float32", "batch": 16} == plain.settled
+    assert auto.resolved_options == {"device": "cpu", "precision": "float32", "batch": 16} == plain.resolved_options
     assert plain.step() == auto.step()
     states = [found.state_dict().tensors for found in (plain, auto)]
     assert all(torch.equal(value, states[1][name]) for name, value in states[0].items())

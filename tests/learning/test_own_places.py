@@ -15,7 +15,7 @@ from tests.learning.test_belief import in_two_homes
 from ucon.core.errors import ConfigError, DataError, DivergedError
 from ucon.core.files import write_manifest
 from ucon.fitting import scene_evidence as fit_own_places
-from ucon.fitting.scene_evidence import Recipe, kept_places, told_beforehand
+from ucon.fitting.scene_evidence import SceneRecipe, kept_scene_evidence, told_beforehand
 from ucon.habits import book
 from ucon.habits.splits import entry_parts
 from ucon.language.pairs import default_pair_reader
@@ -24,9 +24,9 @@ from ucon.learning.belief_head.households import pair_folds
 from ucon.learning.belief_head.learner import BeliefLearner
 from ucon.readers.household import parts_with
 from ucon.readers.reader_weights import load_arrays
-from ucon.readers.scene_evidence import ADAPTER, LAST, OwnPlaces
+from ucon.readers.scene_evidence import ADAPTER, LAST, SceneEvidence
 
-QUICK = Recipe(epochs=1)
+QUICK = SceneRecipe(epochs=1)
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def of_part(data, part):
 @pytest.fixture(scope="module")
 def folder(data, cache):
     torch.set_num_threads(1)
-    return kept_places(data, of_part(data, "train"), default_pair_reader(), QUICK)
+    return kept_scene_evidence(data, of_part(data, "train"), default_pair_reader(), QUICK)
 
 
 @pytest.fixture(scope="module")
@@ -102,28 +102,28 @@ def _never(text):
 
 
 def test_is_fitted_once(folder, data):
-    assert kept_places(data, of_part(data, "train"), default_pair_reader(), QUICK, _never) == folder
+    assert kept_scene_evidence(data, of_part(data, "train"), default_pair_reader(), QUICK, _never) == folder
     with pytest.raises(AssertionError, match="minutes, once"):
-        kept_places(data, of_part(data, "train")[1:], default_pair_reader(), QUICK, _never)
+        kept_scene_evidence(data, of_part(data, "train")[1:], default_pair_reader(), QUICK, _never)
     with pytest.raises(
         AssertionError, match="minutes, once"
     ):  # what stands in a home decides what is asked about there
-        kept_places(replace(data, standing={}), of_part(data, "train"), default_pair_reader(), QUICK, _never)
+        kept_scene_evidence(replace(data, standing={}), of_part(data, "train"), default_pair_reader(), QUICK, _never)
 
 
 def test_numbers_that_are_none_leave_nothing_behind(data, cache, monkeypatch):
     monkeypatch.setattr(fit_own_places, "_loss", lambda net, *_: net.bias.sum() * float("nan"))
     with pytest.raises(DivergedError, match="step 0: the loss is no number"):
-        kept_places(data, of_part(data, "val"), default_pair_reader(), QUICK)
+        kept_scene_evidence(data, of_part(data, "val"), default_pair_reader(), QUICK)
     monkeypatch.undo()
     with pytest.raises(AssertionError, match="minutes, once"):
-        kept_places(data, of_part(data, "val"), default_pair_reader(), QUICK, _never)
+        kept_scene_evidence(data, of_part(data, "val"), default_pair_reader(), QUICK, _never)
 
 
 def test_many_sentences_are_encoded_beforehand_alike(folder, places, data):
     told = told_beforehand(folder, data.texts)
     arrays, sha256 = load_arrays(folder / LAST)
-    beforehand = OwnPlaces(arrays, sha256, told, default_pair_reader(), belief_readers.shipped_evidence())
+    beforehand = SceneEvidence(arrays, sha256, told, default_pair_reader(), belief_readers.shipped_evidence())
     texts = data.texts[:6]
     assert np.abs(beforehand.spoken(texts, places.known) - places.spoken(texts, places.known)).max() < 0.1
     kept = told_beforehand(folder, data.texts)
@@ -175,9 +175,9 @@ def test_arrays_that_do_not_fit_are_refused(folder):
     arrays, _ = load_arrays(folder / LAST)
     pairs = default_pair_reader()
     with pytest.raises(DataError, match="no pair; train the head again"):
-        OwnPlaces({k: v for k, v in arrays.items() if k != "pair"}, "", None, pairs, None)
+        SceneEvidence({k: v for k, v in arrays.items() if k != "pair"}, "", None, pairs, None)
     with pytest.raises(DataError, match=r"bias \(3,\), expected"):
-        OwnPlaces({**arrays, "bias": arrays["bias"][:3]}, "", None, pairs, None)
+        SceneEvidence({**arrays, "bias": arrays["bias"][:3]}, "", None, pairs, None)
 
 
 def test_text_without_scenes_is_read_as_it_is():

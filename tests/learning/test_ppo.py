@@ -212,9 +212,9 @@ def test_collections_are_as_large_as_the_memory_of_the_policy_leaves_room_for():
 def test_a_gpu_is_used_in_half_the_bits(learner, monkeypatch):
     on_a_gpu(monkeypatch)
     found = learner(Stays(), device="auto", precision="auto")
-    assert found.settled == {"device": "cuda", "precision": "bfloat16"}
+    assert found.resolved_options == {"device": "cuda", "precision": "bfloat16"}
     assert found.minibatch == learner().minibatch
-    assert learner(precision="auto").settled == {"device": "cpu", "precision": "float32"}
+    assert learner(precision="auto").resolved_options == {"device": "cpu", "precision": "float32"}
 
 
 def test_equal_seeds_are_equal_runs(learner):

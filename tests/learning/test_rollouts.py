@@ -14,7 +14,7 @@ from ucon.core.errors import ConfigError, DataError
 from ucon.core.rng import stream
 from ucon.learning.policies.actor import rollout_actor
 from ucon.learning.policies.view_policy import ViewPolicy
-from ucon.learning.ppo.collecting import InProcess, InWorkers, Rollouts
+from ucon.learning.ppo.collecting import ExperienceCollector, InProcess, InWorkers
 from ucon.learning.ppo.experience import Experience
 from ucon.learning.ppo.rollout_env import STATE, PolicyEnv, rollout_env
 from ucon.task.sets import load_episodes
@@ -28,7 +28,7 @@ def episodes(tmp_path_factory):
 
 
 def rollouts(policy, episodes, steps, env=ENV, levels=LEVELS):
-    return Rollouts(policy, env, episodes, levels, InProcess(), steps)
+    return ExperienceCollector(policy, env, episodes, levels, InProcess(), steps)
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ from ucon.envs.ucon_env import UcONEnv
 from ucon.learning.imitation import workers as workers_module
 from ucon.learning.imitation.feeding import Feeder
 from ucon.learning.imitation.trajectories import demonstration
-from ucon.learning.imitation.workers import WorkerError, ask, begin_worker
+from ucon.learning.imitation.workers import LearnerWorkerError, ask, begin_worker
 from ucon.learning.ppo.collecting import InWorkers
 from ucon.task.sets import load_episodes
 
@@ -98,7 +98,7 @@ def test_who_gathers_experience_is_not_waited_for_for_ever(tmp_path, number, mes
         learner.step()
         object.__setattr__(learner.rollouts._collecting, "worker_timeout_s", 3.0)
         pid = stop(learner.rollouts._workers(), number)
-        with pytest.raises(WorkerError, match=message.format(pid=pid)) as caught:
+        with pytest.raises(LearnerWorkerError, match=message.format(pid=pid)) as caught:
             learner.step()
         assert "\n" not in str(caught.value)
         assert str(caught.value).count("(process") == 1, "the other one answers"
@@ -120,7 +120,7 @@ def test_who_plays_ahead_of_learning_is_not_waited_for_for_ever(tmp_path, number
         learner.step()
         learner.feeder._timeout_s = 3.0
         pid = stop(learner.feeder._workers(), number)
-        with pytest.raises(WorkerError, match=message.format(pid=pid)) as caught:
+        with pytest.raises(LearnerWorkerError, match=message.format(pid=pid)) as caught:
             all(learner.step() for _ in range(8))  # what was made ahead is taken first
         assert "\n" not in str(caught.value)
     finally:
@@ -137,7 +137,7 @@ def test_who_does_not_answer_is_named_and_ended(monkeypatch, number):
     pid = stop(workers, number)
     try:
         monkeypatch.setattr(workers_module, "_GRACE_S", 0.5)
-        with pytest.raises(WorkerError, match=rf"\(process {pid}\).*resume=RUN goes on") as caught:
+        with pytest.raises(LearnerWorkerError, match=rf"\(process {pid}\).*resume=RUN goes on") as caught:
             wait_for(workers)
         named = sum(f"(process {worker.pid})" in str(caught.value) for worker in workers)
         assert named == (2 if number == signal.SIGCONT else 1)

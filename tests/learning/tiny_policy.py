@@ -8,10 +8,10 @@ from torch import nn
 
 from models.nets.policy_defaults import PolicyModule, lstm_state, run_lstm
 from ucon.envs.ucon_env import UcONEnv
-from ucon.learning.imitation.dagger import DaggerLearner, Rollouts
+from ucon.learning.imitation.dagger import Collections, DaggerLearner
 from ucon.learning.imitation.learner import ImitationLearner
 from ucon.learning.imitation.sequence_loss import SequenceLoss
-from ucon.learning.policies.action_policy import Outputs
+from ucon.learning.policies.action_policy import PolicyOutputs
 from ucon.learning.policies.validation import Validation
 from ucon.task.sets import load_episodes, save_episodes
 
@@ -48,7 +48,7 @@ class TinyPolicy(PolicyModule):
         seen = self.see(frames["depth"].float().reshape(-1, 1, 16, 16) / 5).reshape(steps, batch, -1)
         told = context["habits"].expand(steps, batch, 1)
         hidden, after = run_lstm(self.memory, self.drop(torch.cat([seen, self.did(frames["did"]), told], -1)), state)
-        return Outputs(self.choose(hidden), self.worth(hidden)[..., 0], after)
+        return PolicyOutputs(self.choose(hidden), self.worth(hidden)[..., 0], after)
 
 
 class Stays(TinyPolicy):
@@ -70,7 +70,7 @@ class Counting(TinyPolicy):
 
     n_seen = 0
 
-    def take_in(self, frames):
+    def update_statistics(self, frames):
         assert (frames["depth"] > 0).flatten(1).any(1).all(), "padding"
         self.n_seen += len(frames["depth"])
 
@@ -98,5 +98,5 @@ def tiny_imitation(folder, policy=None, kind=ImitationLearner, **options):
 
 def tiny_dagger(folder, policy=None, rollouts=None, **options):
     standard = {"per_iteration": 3, "episodes": 4, "max_steps": 25, "slots": 3}
-    chosen = Rollouts(**standard | (rollouts or {}))
+    chosen = Collections(**standard | (rollouts or {}))
     return tiny_imitation(folder, policy, functools.partial(DaggerLearner, chosen), **options)

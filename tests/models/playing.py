@@ -9,10 +9,10 @@ from typing import Any
 from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
 
-from models.agents.base import Agent
 from ucon.configuration.wiring import Factory
 from ucon.envs.ucon_env import UcONEnv
 from ucon.language.models.encoder import EncoderModel
+from ucon.task.agent import Agent
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
 

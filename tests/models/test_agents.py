@@ -10,7 +10,6 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "perception"))
 from toy import ToyEnv, two_rooms  # (the path above)
 
-from models.agents.base import Agent
 from models.agents.belief import BeliefAgent
 from models.agents.frontier import FrontierAgent
 from models.agents.oracle import OracleAgent
@@ -23,6 +22,7 @@ from ucon.habits import book
 from ucon.perception.belief.from_habits import ReadHabits
 from ucon.perception.belief.target_belief import Locations
 from ucon.retrieval.context import ContextHabits
+from ucon.task.agent import Agent
 from ucon.task.sets import load_episodes
 
 TARGETS = ("bowl", "pencil_box", "coffee_cup", "teapot")

@@ -16,7 +16,7 @@ from tests.language.tiny_models import INJECTED
 from tests.models.playing import episodes, play
 from ucon.envs.ucon_env import UcONEnv
 from ucon.evaluation.figures.report import summary
-from ucon.evaluation.playing.play import Played, RunSpec
+from ucon.evaluation.playing.play import PlayedEpisode, RunSpec
 from ucon.evaluation.playing.play import play as played_by
 from ucon.language.models.chat_api import ChatModel
 from ucon.language.prompt import END, START
@@ -51,7 +51,7 @@ def first_option(handler: Handler) -> None:
     says({"reason": ODD, "choice": schema["properties"]["choice"]["enum"][0]})(handler)
 
 
-def one_episode(agent: AskingAgent, level: str = "none") -> Played:
+def one_episode(agent: AskingAgent, level: str = "none") -> PlayedEpisode:
     env = partial(UcONEnv, episodes(1), observe="symbolic", detector=True, habit_level=level)
     (played,) = played_by(RunSpec(lambda: agent, env, level), [(0, episodes(1)[0])])
     return played

@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from models.habit_policy_e2e import HabitPolicyE2E
-from models.nets.end_to_end.ego_view import ASIDE, BEHIND, BLOCKED, EXPLORED, FLOOR, N_PAIRS, N_THINGS
+from models.nets.end_to_end.ego_view import ASIDE, BEHIND, BLOCKED, EXPLORED, N_PAIRS, N_THINGS, SEEN_FLOOR
 from models.nets.end_to_end.floor_memory import CHANNELS, HALF, SIZE
 from models.nets.end_to_end.reasons import reasons
 from models.nets.end_to_end.shortest_ways import FAR, STAY, shortest_ways
@@ -271,7 +271,7 @@ def test_patch_is_the_frame_alone(policy, walks):
     again = policy.frame(obs, info)
     assert all(np.array_equal(frame[name], again[name]) for name in frame)
     flags = frame["patch"]
-    assert flags[BEHIND + 2, ASIDE] & (EXPLORED | FLOOR | BLOCKED)
+    assert flags[BEHIND + 2, ASIDE] & (EXPLORED | SEEN_FLOOR | BLOCKED)
     assert frame["thing_ids"].shape == (N_THINGS,)
     assert frame["pair_cell"].shape == (N_PAIRS,)
     assert sum(array.nbytes for array in frame.values()) < 25_000

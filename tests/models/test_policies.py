@@ -17,7 +17,7 @@ from ucon.configuration.wiring import Factory
 from ucon.core.errors import ConfigError
 from ucon.core.files import write_atomic, write_manifest
 from ucon.envs.ucon_env import UcONEnv
-from ucon.learning.policies.action_policy import Outputs, Tensors
+from ucon.learning.policies.action_policy import PolicyOutputs, Tensors
 from ucon.learning.run.network_files import load_network, network_files
 
 #: Self-attention of the first decoder layer of DETR and VTN attends to zeros: its joint projections never learn, and
@@ -53,7 +53,7 @@ def at(frames: Tensors, step: int) -> dict[str, Tensor]:
     return {name: tensor[step : step + 1] for name, tensor in frames.items()}
 
 
-def run(name: str, frames: Tensors, context: Tensors, state: Any = None) -> Outputs:
+def run(name: str, frames: Tensors, context: Tensors, state: Any = None) -> PolicyOutputs:
     with torch.inference_mode():
         return policy(name)(frames, context, policy(name).initial_state(2) if state is None else state)
 

@@ -19,7 +19,7 @@ from tests.models.playing import POLICIES, built, config_of, episodes, gone, pla
 from ucon.configuration.wiring import Factory
 from ucon.core.errors import ConfigError, DataError, UconError
 from ucon.core.files import write_atomic, write_manifest
-from ucon.learning.policies.action_policy import Arrays, Outputs, Tensors
+from ucon.learning.policies.action_policy import Arrays, PolicyOutputs, Tensors
 from ucon.learning.run.network_files import WEIGHTS, network_files
 
 ROOT = Path(__file__).parents[2]
@@ -48,11 +48,11 @@ class Remembering(PolicyModule):
     def initial_state(self, batch: int) -> Tensors:
         return lstm_state(batch, self.lstm)
 
-    def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
+    def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> PolicyOutputs:
         self.batches.append(frames["seen"].shape[1])
         wanted = context["wanted"].expand(*frames["seen"].shape[:2], 1)
         hidden, state = run_lstm(self.lstm, torch.cat([frames["seen"], wanted], -1), state)
-        return Outputs(self.head(hidden), hidden[..., 0], state)
+        return PolicyOutputs(self.head(hidden), hidden[..., 0], state)
 
 
 def remembering(**options: Any) -> PolicyAgent:

@@ -53,7 +53,7 @@ def test_the_start_is_no_action() -> None:
 def test_running_statistics_are_those_of_all_images() -> None:
     layer, seen = RunningMeanAndVar(), [0.2 * images(n, 3, 6, 5, seed=n) + 0.1 * n for n in (1, 4, 2)]
     for batch in seen:
-        layer.take_in(batch)
+        layer.update_statistics(batch)
     together = torch.cat(seen)
     assert torch.allclose(layer.mean.flatten(), together.mean((0, 2, 3)), atol=1e-5)
     assert torch.allclose(layer.variance.flatten(), together.var((0, 2, 3), unbiased=False), atol=1e-5)

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ucon.perception.belief.coverage import CoverageWeights, Indifferent
-from ucon.perception.belief.target_belief import KNOWN_HOME, BeliefWeights, Believing, Locations
+from ucon.perception.belief.coverage import Coverage, CoverageWeights
+from ucon.perception.belief.target_belief import KNOWN_HOME, BeliefWeights, Locations, TargetBelief
 from ucon.perception.mapping.semantic_map import HALF, SemanticMap, View
 from ucon.perception.places.neighbourhood import interest
 from ucon.perception.places.target_places import Places
@@ -23,8 +23,8 @@ UNITS = 450.0
 PLACES = Places(0.1)
 
 
-def coverage() -> Indifferent:
-    return Indifferent("mug", CoverageWeights())
+def coverage() -> Coverage:
+    return Coverage("mug", CoverageWeights())
 
 
 def home(floor_m2: float, sofas: int = 2) -> SemanticMap:
@@ -43,7 +43,7 @@ def home(floor_m2: float, sofas: int = 2) -> SemanticMap:
 
 
 def expected(floor_m2: float, weights: BeliefWeights = WEIGHTS, locations: Locations = LOCATIONS) -> Expectation:
-    return Believing(locations, coverage(), weights).expect(home(floor_m2), PLACES)
+    return TargetBelief(locations, coverage(), weights).expect(home(floor_m2), PLACES)
 
 
 def without_tail(**changes: float) -> BeliefWeights:
@@ -111,7 +111,7 @@ def test_more_than_certain_leaves_nothing_open() -> None:
 def test_neighbourhoods_count_as_far_as_habits_speak_of_the_unexplored() -> None:
     """Wanted there are .5 x .6 of sofas (some were seen) and .25 x .2 of fridges (none was)."""
     known = home(60.0)
-    found = Believing(LOCATIONS, coverage(), WEIGHTS).expect(known, PLACES)
+    found = TargetBelief(LOCATIONS, coverage(), WEIGHTS).expect(known, PLACES)
     assert found.interest is not None
     factors = interest(known, {"sofa": 0.3, "fridge": 0.05})
     tail = (0.2 + 0.8 * 0.2) / UNITS * CoverageWeights().unknown
@@ -123,7 +123,7 @@ def test_neighbourhoods_count_as_far_as_habits_speak_of_the_unexplored() -> None
 
 def test_it_follows_what_is_seen() -> None:
     """Another sofa takes its share of the sofas'; a square metre more leaves less to be found elsewhere."""
-    believing = Believing(SURE, coverage(), without_tail())
+    believing = TargetBelief(SURE, coverage(), without_tail())
     known = home(60.0)
     before = believing.expect(known, PLACES)
     known.floor[0, :16] = 1
@@ -135,7 +135,7 @@ def test_it_follows_what_is_seen() -> None:
 
 
 def test_new_locations_replace_the_old() -> None:
-    believing, known = Believing(SURE, coverage(), without_tail()), home(60.0)
+    believing, known = TargetBelief(SURE, coverage(), without_tail()), home(60.0)
     believing.expect(known, PLACES)
     elsewhere = Locations(("sofa", "fridge"), np.array([[0.0, 0, 0, 0], [0, 1.0, 0, 0]]))
     believing.believe(elsewhere)

@@ -9,8 +9,8 @@ from ucon.core.errors import DataError
 from ucon.fitting.measures import measure_reader
 from ucon.habits import book
 from ucon.habits.book import book_anchors
-from ucon.habits.types import RELATIONS
 from ucon.objects.catalogue import catalogue
+from ucon.objects.model import RELATIONS
 from ucon.readers import AnchorReader
 from ucon.readers.reader_weights import WEIGHTS, load_weights
 from ucon.readers.sampled_homes import sampled_kb

@@ -10,7 +10,7 @@ from audit import problems
 
 from ucon.core.errors import SceneError
 from ucon.scenes import home_spec
-from ucon.scenes.program import KINDS
+from ucon.scenes.program import HOME_KINDS
 from ucon.sim.compile import compile_mended
 
 BLOCKS = 100
@@ -31,7 +31,7 @@ def build(name: str) -> bool:
     return house.spec != spec
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", HOME_KINDS)
 @pytest.mark.parametrize("seed", [2, 4_711])
 def test_a_generated_home_is_built(kind: str, seed: int) -> None:
     build(f"procedural:{kind}:{seed}")
@@ -48,7 +48,7 @@ def built() -> Counter[str]:
 def test_a_hundred_generated_homes_are_built(block: int, built: Counter[str]) -> None:
     failed = {}
     for seed in range(SEEDS_A_BLOCK * block, SEEDS_A_BLOCK * (block + 1)):
-        for kind in KINDS:
+        for kind in HOME_KINDS:
             try:
                 built["mended"] += build(f"procedural:{kind}:{seed}")
             except (SceneError, AssertionError) as error:

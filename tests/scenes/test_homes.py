@@ -17,7 +17,7 @@ from ucon.core.errors import UconError
 from ucon.objects.models import build_model
 from ucon.scenes import SCENES, built_home, home_spec, scene_split
 from ucon.scenes.plan import draw_plan
-from ucon.scenes.program import KINDS, scene_programs
+from ucon.scenes.program import HOME_KINDS, scene_programs
 from ucon.scenes.spec import GRID_M, HomeSpec
 
 FACTS = Path(__file__).resolve().parents[3] / "shared" / "facts" / "scenes.json"
@@ -26,7 +26,7 @@ SEEDS = 20
 
 
 def procedural(n: int) -> list[str]:
-    return [f"procedural:{kind}:{seed}" for seed in range(n) for kind in KINDS]
+    return [f"procedural:{kind}:{seed}" for seed in range(n) for kind in HOME_KINDS]
 
 
 def test_there_are_22_scenes_and_two_are_unseen() -> None:

@@ -10,7 +10,7 @@ from ucon.core.errors import DataError
 from ucon.objects.catalogue import catalogue
 from ucon.scenes.layout import block_plan
 from ucon.scenes.procedural import procedural_program
-from ucon.scenes.program import KINDS, HomeProgram, check_program, scene_programs, type_stats
+from ucon.scenes.program import HOME_KINDS, HomeProgram, check_program, scene_programs, type_stats
 from ucon.scenes.tidy import shared_wall
 
 
@@ -24,7 +24,7 @@ def test_statistics_cover_homes() -> None:
     assert {"bathroom", "bedroom", "kitchen", "living_room", "corridor"} <= set(type_stats())
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", HOME_KINDS)
 @pytest.mark.parametrize("seed", range(40))
 def test_generated_programs_are_valid(kind: str, seed: int) -> None:
     program = procedural_program(kind, seed)

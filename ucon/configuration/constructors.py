@@ -52,7 +52,7 @@ class Call:
 
 
 @dataclass(frozen=True)
-class Places:
+class PermittedConstructors:
     """What stands where in ``configs/``."""
 
     calls: Mapping[Place, frozenset[Call]]
@@ -76,7 +76,7 @@ class Places:
 
 
 @cache
-def places(configs: Path = CONFIGS) -> Places:
+def places(configs: Path = CONFIGS) -> PermittedConstructors:
     """The places of all files under ``configs``.
 
     Raises:
@@ -98,7 +98,7 @@ def places(configs: Path = CONFIGS) -> Places:
                 taken[place].add(source)
             content.pop("hydra", None)  # of the command line alone
             _collect(content, _package(text, file.parent.relative_to(configs)), calls, taken)
-    return Places(
+    return PermittedConstructors(
         {place: frozenset(found) for place, found in calls.items()},
         {place: frozenset(found) for place, found in taken.items()},
     )

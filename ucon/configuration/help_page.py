@@ -15,7 +15,7 @@ _GROUP = re.compile(r" *- (\w+): *([\w/${}]+)")
 _LEFT_OUT: Final = ("defaults", "hydra", "_target_")
 
 
-class Option(NamedTuple):
+class HelpEntry(NamedTuple):
     """An option with a comment."""
 
     name: str
@@ -46,7 +46,7 @@ def help_page(configs: Path, name: str, words: Sequence[str] = ()) -> str:
     return "\n".join(lines) + "\n"
 
 
-def options_of(text: str) -> Iterator[Option]:
+def options_of(text: str) -> Iterator[HelpEntry]:
     """Keys of a YAML file that have a comment right above them."""
     above: list[str] = []
     path: list[tuple[int, str]] = []
@@ -59,7 +59,7 @@ def options_of(text: str) -> Iterator[Option]:
             path = [(depth, key) for depth, key in path if depth < indent] + [(indent, match[2])]
             keys = [key for _, key in path]
             if above and keys[0] not in _LEFT_OUT and keys[-1] not in _LEFT_OUT and "@package" not in above[0]:
-                yield Option(".".join(keys), match[3] or "...", " ".join(above))
+                yield HelpEntry(".".join(keys), match[3] or "...", " ".join(above))
         above = []
 
 

@@ -28,12 +28,13 @@ MOVED: Final[Mapping[str, str]] = {
     "ucon.envs.waypoint.search_env.Returns": "ucon.envs.search.env.Returns",
     "ucon.envs.waypoint.search_env.UcONSearchEnv": "ucon.envs.search.env.UcONSearchEnv",
     "ucon.language.chat.ChatClient": "ucon.language.servers.chat.ChatClient",
+    "ucon.language.models.keeping.KeepingWeights": "ucon.language.models.keeping.LocationWeights",
     "ucon.learning.belief.BeliefLearner": "ucon.learning.belief_head.learner.BeliefLearner",
     "ucon.learning.belief_data.Draw": "ucon.learning.belief_head.draws.Draw",
     "ucon.learning.collecting.InProcess": "ucon.learning.ppo.collecting.InProcess",
     "ucon.learning.collecting.InWorkers": "ucon.learning.ppo.collecting.InWorkers",
     "ucon.learning.dagger.DaggerLearner": "ucon.learning.imitation.dagger.DaggerLearner",
-    "ucon.learning.dagger.Rollouts": "ucon.learning.imitation.dagger.Rollouts",
+    "ucon.learning.dagger.Rollouts": "ucon.learning.imitation.dagger.Collections",
     "ucon.learning.demonstrators.Searches": "ucon.learning.imitation.demonstrators.Searches",
     "ucon.learning.foresight.ForesightLoss": "ucon.learning.ppo.foresight.ForesightLoss",
     "ucon.learning.imitation.ImitationLearner": "ucon.learning.imitation.learner.ImitationLearner",
@@ -42,6 +43,7 @@ MOVED: Final[Mapping[str, str]] = {
     "ucon.learning.retriever.RetrieverLearner": "ucon.learning.retriever.learner.RetrieverLearner",
     "ucon.learning.sequence_loss.SequenceLoss": "ucon.learning.imitation.sequence_loss.SequenceLoss",
     "ucon.learning.validation.Validation": "ucon.learning.policies.validation.Validation",
+    "ucon.perception.detectors.open_vocabulary.Weights": "ucon.perception.detectors.open_vocabulary.DetectorWeights",
     "ucon.perception.reading.ReadHabits": "ucon.perception.belief.from_habits.ReadHabits",
 }
 

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from ucon.core.errors import ConfigError, DataError, brief
-from ucon.core.plain_file import read_bounded, read_plain
-from ucon.core.strict_json import JsonError, parse_json
+from ucon.core.untrusted.plain_file import read_bounded, read_plain
+from ucon.core.untrusted.strict_json import JsonError, parse_json
 
 MANIFEST = "MANIFEST.json"
 #: Bytes of a manifest.

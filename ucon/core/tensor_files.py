@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import read_verified
-from ucon.core.strict_json import JsonError, parse_json
+from ucon.core.untrusted.strict_json import JsonError, parse_json
 
 if TYPE_CHECKING:
     from torch import Tensor

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from ucon.core.errors import DataError
 from ucon.evaluation.figures.intervals import Interval, mean_interval
 from ucon.habits.knowledge import KnowledgeBase
-from ucon.habits.types import RELATIONS, Entry
-from ucon.readers.anchor_reader import AnchorBelief
+from ucon.habits.types import Entry
+from ucon.objects.model import RELATIONS
 from ucon.readers.belief_scores import FIGURES, best_of, calibration_error, scores
+from ucon.readers.protocol import Reader
 from ucon.readers.sampled_homes import location_distribution
 from ucon.retrieval.base import Retriever
 from ucon.retrieval.levels import FIXED_LEVELS, Level, habits_at_level
@@ -27,16 +28,6 @@ Array = NDArray[np.floating]
 ORACLE: Final = "oracle"
 #: More than rounding.
 _SLACK = 1e-6
-
-
-class Reader(Protocol):
-    """What reads habits: :class:`ucon.readers.anchor_reader.AnchorReader` and whatever stands in for it."""
-
-    def belief(
-        self, target: str, texts: Sequence[str], candidates: Sequence[str], *, trusted: bool = False
-    ) -> AnchorBelief:
-        """Belief over candidates from the habits of a target."""
-        ...
 
 
 @dataclass
@@ -97,7 +88,7 @@ def measure_beliefs(
             own = [name for name in names if name != target]
             for level in levels:
                 texts = [kb.dataset.texts[row] for row in habits_at_level(level, kb, target, retriever)]
-                belief = reader.belief(target, texts, own, trusted=level == "gt")
+                belief = reader.read(target, texts, trusted=level == "gt").belief(own)
                 out[level].add(belief.p / belief.p.sum(), belief.relation, truth, own)
             out[ORACLE].add(*_oracle(truth, own), truth, own)
             for measured in out.values():

@@ -13,8 +13,8 @@ import numpy as np
 import ucon.envs  # registers the environments
 from ucon.core.progress import ticked
 from ucon.core.rng import stream
-from ucon.evaluation.playing.play import Policy
 from ucon.task.actions import Action
+from ucon.task.agent import Agent
 from ucon.task.episode import Episode
 
 _STEPS = 600
@@ -28,7 +28,7 @@ assert ucon.envs  # imported for its effect
 
 def bench_environment(
     episodes: Sequence[Episode],
-    agent: Callable[[], Policy] | None = None,
+    agent: Callable[[], Agent] | None = None,
     on_stage: Callable[[], None] = lambda: None,
 ) -> dict[str, float]:
     """The environment's figures of ``python -m ucon bench``.
@@ -94,7 +94,7 @@ def _with_resets(episodes: Sequence[Episode]) -> float:
     return steps / max(spent, 1e-9)
 
 
-def _decisions(episodes: Sequence[Episode], make_agent: Callable[[], Policy]) -> float:
+def _decisions(episodes: Sequence[Episode], make_agent: Callable[[], Agent]) -> float:
     """Steps per CPU second of an agent's own searches, resets not counted."""
     agent = make_agent()
     env = _make(episodes, observe="symbolic", detector=True)

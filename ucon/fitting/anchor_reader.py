@@ -22,15 +22,16 @@ from ucon.core.rng import stream
 from ucon.habits.book import book, book_anchors
 from ucon.habits.knowledge import MODES
 from ucon.habits.splits import entry_parts, split_categories
-from ucon.habits.types import RELATIONS, HabitDataset
+from ucon.habits.types import HabitDataset
 from ucon.language.pairs import PairReader, default_pair_reader
 from ucon.language.phrases import phrase
 from ucon.language.store import write_manifest_of
 from ucon.objects.catalogue import catalogue
+from ucon.objects.model import RELATIONS
 from ucon.readers.anchor_reader import N_MIX, AnchorReader
 from ucon.readers.evidence import grams
 from ucon.readers.gate import N_GATE, gate_features
-from ucon.readers.reader_weights import WEIGHTS, Weights, pack_names
+from ucon.readers.reader_weights import WEIGHTS, ReaderWeights, pack_names
 from ucon.readers.sampled_homes import anchor_distribution, location_distribution, sampled_kb
 from ucon.retrieval.dense import DenseRetriever, dataset_vectors
 from ucon.retrieval.levels import FIXED_LEVELS, habits_at_level
@@ -198,7 +199,7 @@ def fit_mix(data: HabitDataset, arrays: Arrays, pairs: PairReader, n_kbs: int = 
         "mix_hidden_bias": np.zeros(8),
         "mix_out": np.zeros(8 + N_MIX + 1),
     }
-    reader = AnchorReader(Weights({**arrays, **blank}, ""), pairs)
+    reader = AnchorReader(ReaderWeights({**arrays, **blank}, ""), pairs)
     samples = [_mix_sample(reader, *case) for case in _mix_cases(data, n_kbs)]
     x = torch.tensor(np.stack([s[0] for s in samples]), dtype=torch.float32)
     y = torch.tensor(np.stack([s[1] for s in samples]), dtype=torch.float32)

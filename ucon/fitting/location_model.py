@@ -4,7 +4,7 @@ L3MVN compares the probability of one label between places, so that is what is f
 them around the thing by which the target was put, the true one is to be the most probable by ``log p(target)``. (Fitted
 on the label instead, the model learns that habits are mostly about the target, and raises it everywhere alike.) The
 levels none, full, gt and retrieval of ``val`` count the same; ``test`` is only measured. The figures go into
-:class:`ucon.language.models.keeping.KeepingWeights`.
+:class:`ucon.language.models.keeping.LocationWeights`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ucon.fitting.location_cases import LABELS, PLACES, PlaceCase, asked, place_cases
 from ucon.fitting.maximum_likelihood import minimised
 from ucon.language.models.encoder import EncoderModel
-from ucon.language.models.keeping import KeepingWeights, furniture_names
+from ucon.language.models.keeping import LocationWeights, furniture_names
 from ucon.language.store import default_encoder
 from ucon.retrieval.levels import FIXED_LEVELS
 
@@ -83,7 +83,7 @@ class _Batch:
         return -torch.stack([torch.log_softmax(z, 1)[:, 0] for z in targets]).mean()
 
 
-def fit(found: Sequence[PlaceCase]) -> KeepingWeights:
+def fit(found: Sequence[PlaceCase]) -> LocationWeights:
     """The weights that make the true places most probable."""
     ranges = ((0.01, 1), (0.03, 1), (0.05, 10), (0.001, 100))
     about, sigma, weight, doubt = (tuple(np.log(pair)) for pair in ranges)
@@ -92,11 +92,11 @@ def fit(found: Sequence[PlaceCase]) -> KeepingWeights:
     return weights_of(minimised(_Batch(found).loss, start, bounds, 60))
 
 
-def weights_of(x: NDArray[np.float64]) -> KeepingWeights:
+def weights_of(x: NDArray[np.float64]) -> LocationWeights:
     """The weights that a point (7,) of the search stands for."""
     about, sigma, weight, doubt = (float(np.round(value, 4)) for value in np.exp(x[[2, 4, 5, 6]]))
     like, other, named = (round(float(value), 3) for value in x[[0, 1, 3]])
-    return KeepingWeights(like, other, about, named, sigma, weight, doubt)
+    return LocationWeights(like, other, about, named, sigma, weight, doubt)
 
 
 def target_scores(found: Sequence[PlaceCase], level: str, model: EncoderModel) -> NDArray[np.float64]:
@@ -104,7 +104,7 @@ def target_scores(found: Sequence[PlaceCase], level: str, model: EncoderModel) -
     return np.array([[answer.scores[0] for answer in model.answer(asked(case, level))] for case in found])
 
 
-def measured(found: Sequence[PlaceCase], weights: KeepingWeights) -> list[str]:
+def measured(found: Sequence[PlaceCase], weights: LocationWeights) -> list[str]:
     """By level: share of true places found, nats of the true place and of the target there, probabilities."""
     model, lines = EncoderModel(keeping=weights), []
     for level in FIXED_LEVELS:

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from ucon.habits.book import book
 from ucon.habits.knowledge import MODES, KnowledgeBase, Mode
 from ucon.habits.splits import Split
-from ucon.habits.types import RELATIONS, Entry, HabitDataset
+from ucon.habits.types import Entry, HabitDataset
 from ucon.objects.catalogue import catalogue
+from ucon.objects.model import RELATIONS
 from ucon.readers.anchor_reader import AnchorReader
 from ucon.readers.sampled_homes import anchor_distribution, location_distribution, sampled_kb
 from ucon.retrieval.base import Retriever, mrr, recall_at

@@ -42,7 +42,7 @@ Say = Callable[[str], None]
 
 
 @dataclass(frozen=True)
-class Recipe:
+class PlaceRecipe:
     """How the encoder is taught."""
 
     epochs: int = 4
@@ -56,7 +56,7 @@ class Recipe:
 class PlaceNet(nn.Module):
     """The adapted encoder with a last layer over anchors, "no place" and relations, and pair features beside."""
 
-    def __init__(self, anchors: Sequence[str], pairs: PairReader, recipe: Recipe) -> None:
+    def __init__(self, anchors: Sequence[str], pairs: PairReader, recipe: PlaceRecipe) -> None:
         super().__init__()
         tokenizer, model = MiniLM().parts()
         self.adapter = add_adapters(model, recipe.rank, 0)
@@ -77,10 +77,10 @@ class PlaceNet(nn.Module):
 
 
 def fit_places(
-    data: HabitDataset, pairs: PairReader, anchors: Sequence[str], recipe: Recipe | None = None, say: Say = print
+    data: HabitDataset, pairs: PairReader, anchors: Sequence[str], recipe: PlaceRecipe | None = None, say: Say = print
 ) -> PlaceNet:
     """Learn from the train entries of a dataset that says what its habits support."""
-    recipe, parts = recipe or Recipe(), entry_parts(data)
+    recipe, parts = recipe or PlaceRecipe(), entry_parts(data)
     torch.manual_seed(0)
     net = PlaceNet(anchors, pairs, recipe)
     rows = np.asarray([row for row in range(len(data)) if parts[data.entry_of(row).id] == "train"])

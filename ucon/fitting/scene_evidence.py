@@ -35,9 +35,9 @@ from ucon.core.files import (
     write_manifest,
 )
 from ucon.core.rng import derived_seed, stream
-from ucon.core.unpack import UnpackError, read_array
+from ucon.core.untrusted.unpack import UnpackError, read_array
 from ucon.fitting.rate_schedule import schedule
-from ucon.fitting.scene_prior import fit_own_prior
+from ucon.fitting.scene_prior import fit_scene_prior
 from ucon.habits.splits import dealt_pairs
 from ucon.habits.types import Entry, HabitDataset
 from ucon.language.adapted import AdaptedMiniLM
@@ -46,8 +46,7 @@ from ucon.language.batch_encoder import BatchEncoder
 from ucon.language.encoder import MINILM_SHA256, MiniLM
 from ucon.language.pairs import N_FEATURES, PairReader
 from ucon.language.phrases import phrase
-from ucon.readers.anchor_prior import AnchorPrior
-from ucon.readers.head_inputs import UNKNOWN_PRIOR
+from ucon.readers.anchor_prior import UNKNOWN_PRIOR, AnchorPrior
 from ucon.readers.reader_weights import pack_names
 from ucon.readers.sampled_homes import anchor_distribution
 from ucon.readers.scene_evidence import ADAPTER, LAST, SCALE
@@ -65,7 +64,7 @@ def say_aloud(text: str) -> None:
 
 
 @dataclass(frozen=True)
-class Recipe:
+class SceneRecipe:
     """How the encoder is taught."""
 
     epochs: int = 3
@@ -85,10 +84,10 @@ class Recipe:
     precision: torch.dtype = torch.bfloat16
 
 
-class PlacesNet(nn.Module):
+class SceneEvidenceNet(nn.Module):
     """See the module. ``anchors`` are met in training, ``owners`` are the categories that sentences are about."""
 
-    def __init__(self, anchors: Sequence[str], owners: Sequence[str], pairs: PairReader, recipe: Recipe) -> None:
+    def __init__(self, anchors: Sequence[str], owners: Sequence[str], pairs: PairReader, recipe: SceneRecipe) -> None:
         super().__init__()
         tokenizer, model = MiniLM().parts()
         self.adapter = add_adapters(model, recipe.rank, 0)
@@ -115,7 +114,7 @@ class PlacesNet(nn.Module):
         return vectors @ (self.owner[owners] @ self.ask).T + features @ self.owner_pair
 
     def arrays(self) -> dict[str, NDArray[np.generic]]:
-        """What :class:`~ucon.readers.scene_evidence.OwnPlaces` reads by, but for the adapter."""
+        """What :class:`~ucon.readers.scene_evidence.SceneEvidence` reads by, but for the adapter."""
         names = {"anchors": pack_names(self.anchors), "owners": pack_names(self.owners)}
         learned = ("added", "bias", "turn", "silence", "silence_bias", "pair", "ask", "owner_pair")
         return {**names, **{n: getattr(self, n).detach().numpy().astype(np.float16) for n in learned}}
@@ -138,18 +137,22 @@ class _Asked:
     usual: Tensor  # (E, C) common sense; 0 for the thing itself
 
 
-def fit_own_places(
-    data: HabitDataset, entries: Sequence[Entry], pairs: PairReader, recipe: Recipe | None = None, say: Say = say_aloud
-) -> PlacesNet:
+def fit_scene_evidence(
+    data: HabitDataset,
+    entries: Sequence[Entry],
+    pairs: PairReader,
+    recipe: SceneRecipe | None = None,
+    say: Say = say_aloud,
+) -> SceneEvidenceNet:
     """Learn from entries of ``data``, which belong to scenes whose things are known (``data.standing``).
 
     Raises:
         DivergedError: at numbers that are none.
     """
-    recipe = recipe or Recipe()
+    recipe = recipe or SceneRecipe()
     torch.manual_seed(0)
     standing = _standing(data, entries)
-    net = PlacesNet(sorted(set().union(*standing.values())), data.categories, pairs, recipe)
+    net = SceneEvidenceNet(sorted(set().union(*standing.values())), data.categories, pairs, recipe)
     usual = {e.id: prior for asked, prior in _priors(entries, pairs) for e in asked}
     few = [net.pair, net.owner_pair, net.bias, net.usual, net.silence_bias]
     many = [*net.adapter.values(), net.turn, net.ask, net.added, net.silence]
@@ -185,7 +188,7 @@ def _priors(entries: Sequence[Entry], pairs: PairReader) -> list[tuple[list[Entr
     out = []
     for fold in dealt_pairs(entries, _PRIOR_FOLDS, "places"):
         asked = [e for e in entries if (e.scene or "", e.category) in fold]
-        out.append((asked, fit_own_prior([e for e in entries if (e.scene or "", e.category) not in fold], pairs)))
+        out.append((asked, fit_scene_prior([e for e in entries if (e.scene or "", e.category) not in fold], pairs)))
     return out
 
 
@@ -210,7 +213,7 @@ def _batches(entries: Sequence[Entry], epoch: int, size: int) -> list[list[Entry
 
 
 def _asked(
-    net: PlacesNet, batch: Sequence[Entry], names: list[str], usual: dict[str, AnchorPrior], pairs: PairReader
+    net: SceneEvidenceNet, batch: Sequence[Entry], names: list[str], usual: dict[str, AnchorPrior], pairs: PairReader
 ) -> _Asked:
     number, owner = ({name: i for i, name in enumerate(names)} for names in (net.anchors, net.owners))
     truth, common = np.zeros((len(batch), len(names)), np.float32), np.zeros((len(batch), len(names)))
@@ -231,7 +234,7 @@ def _asked(
     )
 
 
-def _loss(net: PlacesNet, asked: _Asked, pairs: PairReader, recipe: Recipe, seed: int) -> Tensor:
+def _loss(net: SceneEvidenceNet, asked: _Asked, pairs: PairReader, recipe: SceneRecipe, seed: int) -> Tensor:
     vectors = net.encode(asked.texts, recipe.hidden, seed)
     features = torch.from_numpy(pairs.features(asked.texts, asked.names))
     spoken = net.spoken(vectors, asked.columns, features)  # (H, C)
@@ -261,17 +264,21 @@ class Told:
         return self._vectors[[self._row[text] for text in texts]]
 
 
-def kept_places(
-    data: HabitDataset, entries: Sequence[Entry], pairs: PairReader, recipe: Recipe | None = None, say: Say = say_aloud
+def kept_scene_evidence(
+    data: HabitDataset,
+    entries: Sequence[Entry],
+    pairs: PairReader,
+    recipe: SceneRecipe | None = None,
+    say: Say = say_aloud,
 ) -> Path:
     """Folder with adapter and last layer learned from ``entries``; fitted once, then found again."""
-    recipe = recipe or Recipe()
+    recipe = recipe or SceneRecipe()
     ids, standing = sorted(e.id for e in entries), {scene: list(names) for scene, names in data.standing.items()}
     made_of = [EDITION, data.sha256, standing, ids, pairs.encoder.name, str(asdict(recipe))]
     folder = user_cache() / "own_places" / sha256_bytes(canonical_json(made_of).encode())[:24]
     if not (folder / MANIFEST).is_file():
         say(f"teaching which places {sum(len(e.habits) for e in entries)} sentences speak for (minutes, once)")
-        net = fit_own_places(data, entries, pairs, recipe, say)
+        net = fit_scene_evidence(data, entries, pairs, recipe, say)
         write_atomic(folder / ADAPTER, adapter_bytes(net.adapter, MINILM_SHA256))
         buffer = io.BytesIO()
         np.savez_compressed(buffer, **net.arrays())  # type: ignore[arg-type]
@@ -285,7 +292,7 @@ def told_beforehand(folder: Path, texts: Sequence[str]) -> Told:
     distinct = list(dict.fromkeys(texts))
     path = folder / f"texts-{sha256_bytes(canonical_json(distinct).encode())[:16]}" / "vectors.npy"
     if not (path.parent / MANIFEST).is_file():
-        encode = BatchEncoder(*AdaptedMiniLM(folder / ADAPTER).parts(), Recipe.precision)
+        encode = BatchEncoder(*AdaptedMiniLM(folder / ADAPTER).parts(), SceneRecipe.precision)
         with torch.no_grad():
             vectors = [encode(distinct[at : at + 1000]).numpy() for at in range(0, len(distinct), 1000)]
         buffer = io.BytesIO()

@@ -8,9 +8,10 @@ from typing import Final
 import numpy as np
 import torch
 
-from ucon.habits.types import RELATIONS, Entry
+from ucon.habits.types import Entry
 from ucon.language.pairs import PairReader
 from ucon.language.phrases import phrase
+from ucon.objects.model import RELATIONS
 from ucon.readers.anchor_prior import AnchorPrior, scene_anchors
 from ucon.readers.reader_weights import Array
 from ucon.readers.sampled_homes import anchor_distribution
@@ -19,7 +20,7 @@ from ucon.readers.sampled_homes import anchor_distribution
 _DOUBT: Final = 2.0
 
 
-def fit_own_prior(entries: Sequence[Entry], pairs: PairReader, l2: float = 2e-4) -> AnchorPrior:
+def fit_scene_prior(entries: Sequence[Entry], pairs: PairReader, l2: float = 2e-4) -> AnchorPrior:
     """p(anchor | target) of entries that are bound to scenes: each against the anchors of its scene alone."""
     standing = scene_anchors(entries)
     names = tuple(sorted(set().union(*standing.values())))

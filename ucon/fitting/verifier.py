@@ -24,16 +24,17 @@ from ucon.fitting.anchor_reader import fit_evidence
 from ucon.generation.verify import INPUTS, WEIGHTS, Verifier, default_verifier, pack
 from ucon.habits.book import book, book_anchors
 from ucon.habits.splits import category_split, entry_parts
-from ucon.habits.types import RELATIONS, Entry, HabitDataset, Placement
+from ucon.habits.types import Entry, HabitDataset, Placement
 from ucon.language.pairs import PairReader, default_pair_reader
 from ucon.language.store import write_manifest_of
+from ucon.objects.model import RELATIONS
 from ucon.readers.reader_weights import Array, pack_names
 
 SWAPPED: Final = 4
 """Swapped anchors a supporting sentence."""
 _DRAWN: Final = 16
 """Swapped anchors an entry, which its sentences share."""
-KINDS: Final = ("supported", "swapped", "other", "distractor")
+PAIR_KINDS: Final = ("supported", "swapped", "other", "distractor")
 _INPUTS_OF_EVIDENCE: Final = ("vocabulary", "dense", "bias", "pair", "any")
 Arrays = dict[str, NDArray]
 
@@ -62,7 +63,7 @@ def frequencies(entries: Sequence[Entry], anchors: Sequence[str]) -> Array:
 
 def labelled_pairs(verifier: Verifier, entries: Sequence[Entry], frequency: Array, seed: int = 0) -> Pairs:
     """All kinds of pairs of some entries. Swaps are drawn by entry, so other entries do not change them."""
-    found: dict[str, list[Array]] = {kind: [] for kind in KINDS}
+    found: dict[str, list[Array]] = {kind: [] for kind in PAIR_KINDS}
     anchors = list(verifier.known)
     for entry in entries:
         rng = stream(seed, "verifier", "swap", entry.id)
@@ -89,7 +90,7 @@ def fit_head(pairs: Pairs, l2: float = 1e-3) -> Array:
     """Weights (inputs + 1,) of logistic regression, supported against all others."""
     import torch
 
-    x = np.concatenate([pairs.of[kind] for kind in KINDS])
+    x = np.concatenate([pairs.of[kind] for kind in PAIR_KINDS])
     y = torch.tensor(np.repeat([1.0, 0.0], [len(pairs.of["supported"]), len(x) - len(pairs.of["supported"])]))
     mean, spread = x.mean(axis=0), x.std(axis=0) + 1e-6
     inputs = torch.tensor((x - mean) / spread)
@@ -126,7 +127,7 @@ def measure(data: HabitDataset, verifier: Verifier, wanted: Callable[[Entry], bo
     """AUROC of supported pairs against each other kind, and how many pairs of each kind there are."""
     entries = [entry for entry in data.entries if wanted(entry)]
     pairs = labelled_pairs(verifier, entries, verifier.frequency, seed=1)
-    out = {f"auroc_{kind}": round(pairs.auroc(verifier.head, kind), 4) for kind in KINDS[1:]}
+    out = {f"auroc_{kind}": round(pairs.auroc(verifier.head, kind), 4) for kind in PAIR_KINDS[1:]}
     return out | {kind: len(rows) for kind, rows in pairs.of.items()}
 
 

@@ -24,7 +24,7 @@ Progress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True)
-class Built:
+class BuiltDataset:
     """What a build made."""
 
     dataset: HabitDataset
@@ -46,7 +46,7 @@ def build(
     work: Path | None = None,
     workers: int = 2,
     progress: Progress | None = None,
-) -> Built:
+) -> BuiltDataset:
     """Make a dataset file of a folder in the habit book's format.
 
     Args:
@@ -78,7 +78,7 @@ def build(
         "verify": _verified(dataset, doubts),
     }
     save_dataset(dataset, out, steps)
-    return Built(dataset, out, steps, doubts)
+    return BuiltDataset(dataset, out, steps, doubts)
 
 
 def _proposed(dataset: HabitDataset) -> dict[str, int]:

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from ucon.core.errors import DataError
 from ucon.core.files import canonical_json, user_cache, write_atomic
-from ucon.core.plain_file import read_bounded
-from ucon.core.strict_json import MAX_BYTES, parse_json
+from ucon.core.untrusted.plain_file import read_bounded
+from ucon.core.untrusted.strict_json import MAX_BYTES, parse_json
 from ucon.generation.validate import ANCHORS_TRIED, Progress, code_version, dataset_triples, validate
 from ucon.habits.types import HabitDataset
 from ucon.habits.verdicts import Triple, Verdict, Verdicts

@@ -20,15 +20,16 @@ from ucon.habits.rules import (
     line_fault,
     placement_fault,
 )
-from ucon.habits.types import RELATIONS, Entry, Habit, Placement, Relation
+from ucon.habits.types import Entry, Habit, Placement
 from ucon.habits.writer import format_entries
+from ucon.objects.model import RELATIONS, Relation
 
 #: Spaces that typesetting models use, which a line of plain text has no need of.
 _SPACES: Final = str.maketrans(dict.fromkeys("\u00a0\u2009\u202f", " "))
 
 
 @dataclass(frozen=True)
-class Offer:
+class Material:
     """What an entry may be made of."""
 
     category: str
@@ -47,7 +48,7 @@ def sentence_key(text: str) -> str:
     return " ".join(re.findall(r"\w+", text.casefold()))
 
 
-def entry_schema(offer: Offer, contexts: Collection[str]) -> dict[str, Any]:
+def entry_schema(offer: Material, contexts: Collection[str]) -> dict[str, Any]:
     """JSON schema of an entry; ``contexts`` are those that the server shall choose from."""
     text, number = {"type": "string"}, {"type": "integer", "minimum": 1, "maximum": BOOK_LIMITS.placements[1]}
     told = {"anyOf": [{"type": "null"}, {"type": "string", "enum": list(contexts)}]} if contexts else {"type": "null"}
@@ -71,7 +72,7 @@ def entry_json(entry: Entry) -> dict[str, Any]:
     }
 
 
-def read_entry(data: Mapping[str, Any], offer: Offer, number: int) -> tuple[Entry | None, list[str]]:
+def read_entry(data: Mapping[str, Any], offer: Material, number: int) -> tuple[Entry | None, list[str]]:
     """The entry ``category/number`` in a model's answer, or None and all that is wrong with it."""
     faults: list[str] = []
     household = _text(data.get("household"), "household", faults)
@@ -94,7 +95,7 @@ def read_entry(data: Mapping[str, Any], offer: Offer, number: int) -> tuple[Entr
     return (None, faults) if faults else (entry, [])
 
 
-def _placements(given: object, offer: Offer, faults: list[str]) -> list[Placement]:
+def _placements(given: object, offer: Material, faults: list[str]) -> list[Placement]:
     out: list[Placement] = []
     for number, item in enumerate(_list(given), 1):
         where = f"placement {number}"
@@ -118,7 +119,7 @@ def _placements(given: object, offer: Offer, faults: list[str]) -> list[Placemen
     return out
 
 
-def _habits(given: object, n_placements: int, offer: Offer, faults: list[str]) -> list[Habit]:
+def _habits(given: object, n_placements: int, offer: Material, faults: list[str]) -> list[Habit]:
     out: list[Habit] = []
     said: set[str] = set()
     for number, item in enumerate(_list(given), 1):

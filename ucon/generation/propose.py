@@ -19,15 +19,16 @@ from typing import Final
 from ucon.core.errors import AnswerError, ConfigError, unknown_name
 from ucon.core.files import write_atomic
 from ucon.core.rng import derived_seed, stream
-from ucon.generation.proposal import Offer, entry_json, entry_schema, read_entry, sentence_key
+from ucon.generation.proposal import Material, entry_json, entry_schema, read_entry, sentence_key
 from ucon.habits.book import book, book_anchors, parse_book
 from ucon.habits.contexts import context_table
 from ucon.habits.rules import Anchors
 from ucon.habits.splits import entry_parts
-from ucon.habits.types import KINDS, RELATIONS, Entry, HabitDataset
+from ucon.habits.types import HOUSEHOLD_KINDS, Entry, HabitDataset
 from ucon.habits.writer import format_entries
 from ucon.language.servers.chat import ChatClient, Usage
 from ucon.objects.catalogue import catalogue
+from ucon.objects.model import RELATIONS
 
 PROMPTS: Final = Path(__file__).parent / "prompts"
 ROUNDS: Final = 3
@@ -40,7 +41,7 @@ Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Wish:
+class EntryWish:
     """``count`` entries of a category are wanted in all, in homes or in one of the kinds of places."""
 
     category: str
@@ -69,7 +70,7 @@ class Proposed:
 
 def propose(
     client: ChatClient,
-    wishes: Sequence[Wish],
+    wishes: Sequence[EntryWish],
     out: Path,
     *,
     known: HabitDataset | None = None,
@@ -134,7 +135,7 @@ class _Asker:
         told = Counter(p.context for e in known.entries for p in e.placements if p.context in context_table())
         self._contexts = sorted(sorted(filter(None, told)), key=lambda text: -told[text])[:N_CONTEXTS]
 
-    def entry(self, wish: Wish, number: int, there: Sequence[Entry]) -> tuple[Entry | None, list[str]]:
+    def entry(self, wish: EntryWish, number: int, there: Sequence[Entry]) -> tuple[Entry | None, list[str]]:
         """A new entry, or None and what is wrong with the last one that was given."""
         offer = self._offer(wish, there)
         schema = entry_schema(offer, self._contexts)
@@ -154,10 +155,10 @@ class _Asker:
             messages = [*messages[:2], _message("assistant", reply.text), again]
         return None, complaints
 
-    def _offer(self, wish: Wish, there: Sequence[Entry]) -> Offer:
+    def _offer(self, wish: EntryWish, there: Sequence[Entry]) -> Material:
         same = [e.household for e in (*self._known.entries, *there) if e.category == wish.category]
         new = frozenset(sentence_key(h.text) for e in there for h in e.habits)
-        return Offer(
+        return Material(
             wish.category, wish.kind, self._usual(wish.kind), context_table(), self._sentences | new, frozenset(same)
         )
 
@@ -166,7 +167,7 @@ class _Asker:
         used = {p.anchor for e in self._known.entries if e.kind in (None, kind) for p in e.placements}
         return {name: relations for name, relations in self._anchors.items() if name in used} or self._anchors
 
-    def _ask(self, offer: Offer, number: int) -> dict[str, str]:
+    def _ask(self, offer: Material, number: int) -> dict[str, str]:
         anchors = [
             f"{anchor}: {' '.join(r for r in RELATIONS if r in allowed)}"
             for anchor, allowed in sorted(offer.anchors.items())
@@ -187,7 +188,7 @@ class _Asker:
         )
         return _message("user", told)
 
-    def _examples(self, offer: Offer, number: int) -> list[Entry]:
+    def _examples(self, offer: Material, number: int) -> list[Entry]:
         """Entries of other categories, as learning may see them: no sentence of a test is shown to a model."""
         if not self._known.labelled:
             return []
@@ -201,12 +202,12 @@ class _Asker:
         return [fit[int(i)] for i in rng.permutation(len(fit))[:N_EXAMPLES]]
 
 
-def _check(wishes: Sequence[Wish], categories: Collection[str], rounds: int) -> None:
+def _check(wishes: Sequence[EntryWish], categories: Collection[str], rounds: int) -> None:
     for wish in wishes:
         if wish.category not in categories:
             raise ConfigError(unknown_name("category", wish.category, categories))
-        if wish.kind is not None and wish.kind not in KINDS:
-            raise ConfigError(unknown_name("kind of place", wish.kind, KINDS))
+        if wish.kind is not None and wish.kind not in HOUSEHOLD_KINDS:
+            raise ConfigError(unknown_name("kind of place", wish.kind, HOUSEHOLD_KINDS))
         if wish.count < 1:
             raise ConfigError(f"{wish.count} entries of '{wish.category}' wished for, expected at least 1")
     twice = [key for key, n in Counter((wish.category, wish.kind) for wish in wishes).items() if n > 1]

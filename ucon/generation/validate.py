@@ -20,10 +20,10 @@ from typing import Final
 import ucon
 from ucon.core.errors import DataError
 from ucon.core.files import canonical_json, require_writable, sha256_bytes, write_atomic
-from ucon.core.plain_file import read_bounded
 from ucon.core.pool import Pool
 from ucon.core.rng import stream
-from ucon.core.strict_json import MAX_BYTES, parse_json
+from ucon.core.untrusted.plain_file import read_bounded
+from ucon.core.untrusted.strict_json import MAX_BYTES, parse_json
 from ucon.habits.types import HabitDataset
 from ucon.habits.verdicts import NEVER_SEEN, Triple, Verdict, Verdicts
 from ucon.scenes import SCENES
@@ -48,7 +48,7 @@ Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Block:
+class Trials:
     """Triples to be tried in one home, with an absent anchor brought to up to ``spots`` places."""
 
     home: str
@@ -110,7 +110,7 @@ def validate(
         progress: called with (trials done, trials in all).
     """
     blocks = [
-        Block(home, tuple(triples[start : start + _BLOCK]), spots)
+        Trials(home, tuple(triples[start : start + _BLOCK]), spots)
         for home, triples in wanted.items()
         for start in range(0, len(triples), _BLOCK)
     ]
@@ -177,7 +177,7 @@ def _with_anchor(house: House, anchor: str, again: tuple[str, ...]) -> tuple[Arr
     return with_object(house, Arrangement(), brought), [house.n_instances]
 
 
-def _results(blocks: Sequence[Block], folder: Path, workers: int) -> Iterator[tuple[Block, list[str | None]]]:
+def _results(blocks: Sequence[Trials], folder: Path, workers: int) -> Iterator[tuple[Trials, list[str | None]]]:
     """Reasons of every block: those on disk at once, the others as they are finished, in order."""
     missing = [block for block in blocks if not _path(folder, block).is_file()]
     there = set(blocks) - set(missing)
@@ -195,23 +195,23 @@ def _results(blocks: Sequence[Block], folder: Path, workers: int) -> Iterator[tu
 
 
 def _kept(
-    blocks: Sequence[Block], computed: Iterable[list[str | None]], folder: Path
-) -> Iterator[tuple[Block, list[str | None]]]:
+    blocks: Sequence[Trials], computed: Iterable[list[str | None]], folder: Path
+) -> Iterator[tuple[Trials, list[str | None]]]:
     for block, reasons in zip(blocks, computed, strict=True):
         write_atomic(_path(folder, block), canonical_json(reasons))
         yield block, reasons
 
 
-def _try_block(block: Block) -> list[str | None]:
+def _try_block(block: Trials) -> list[str | None]:
     house, eyes = load_house(block.home), RasterRenderer()
     return [try_triple(house, triple, eyes, block.spots) for triple in block.triples]
 
 
-def _path(folder: Path, block: Block) -> Path:
+def _path(folder: Path, block: Trials) -> Path:
     return folder / f"{block.home}-{block.key}.json"
 
 
-def _read(path: Path, block: Block) -> list[str | None]:
+def _read(path: Path, block: Trials) -> list[str | None]:
     try:
         reasons = parse_json(read_bounded(path, MAX_BYTES))
         whole = isinstance(reasons, list) and len(reasons) == len(block.triples)

@@ -20,10 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import DataError
-from ucon.habits.types import RELATIONS, Entry, HabitDataset, Placement
+from ucon.habits.types import Entry, HabitDataset, Placement
 from ucon.language.pairs import FEATURES, PairReader, default_pair_reader
+from ucon.objects.model import RELATIONS
 from ucon.readers.evidence import Evidence, EvidenceReader
-from ucon.readers.reader_weights import EVIDENCE, Array, Weights, load_arrays, sigmoid
+from ucon.readers.reader_weights import EVIDENCE, Array, ReaderWeights, load_arrays, sigmoid
 
 WEIGHTS: Final = Path(__file__).parent / "data" / "verifier.npz"
 MADE_BY: Final = "python -m ucon data fit-verifier"
@@ -65,7 +66,7 @@ class Verifier:
             DataError: an array is missing or has another shape.
         """
         unpacked = {**arrays, "bow": unpack(arrays)} if "bow_scale" in arrays else dict(arrays)
-        weights = Weights(unpacked, sha256, (*EVIDENCE, "frequency", "head"), MADE_BY)
+        weights = ReaderWeights(unpacked, sha256, (*EVIDENCE, "frequency", "head"), MADE_BY)
         if weights["head"].shape != (len(INPUTS) + 1,) or weights["frequency"].shape != (len(weights.anchors),):
             raise DataError(f"verifier weights do not fit this version; make them with `{MADE_BY}`")
         self.sha256 = sha256

@@ -3,9 +3,10 @@
 from ucon.habits.book import BOOK_FOLDER, book, parse_book, read_anchors
 from ucon.habits.hosting import Hosted, hosted, household
 from ucon.habits.knowledge import KnowledgeBase
-from ucon.habits.official import ImportReport, Located, Problem, official
+from ucon.habits.official import ImportReport, Located, ReleaseProblem, official
 from ucon.habits.splits import category_split, split_categories
-from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
+from ucon.habits.types import Entry, Habit, HabitDataset, Placement
+from ucon.objects.model import RELATIONS, Relation
 
 __all__ = [
     "BOOK_FOLDER",
@@ -18,8 +19,8 @@ __all__ = [
     "KnowledgeBase",
     "Located",
     "Placement",
-    "Problem",
     "Relation",
+    "ReleaseProblem",
     "book",
     "category_split",
     "hosted",

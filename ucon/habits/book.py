@@ -21,7 +21,7 @@ from typing import Final, cast
 
 from ucon.core.errors import DataError, unknown_name
 from ucon.core.files import read_verified
-from ucon.core.plain_file import read_bounded
+from ucon.core.untrusted.plain_file import read_bounded
 from ucon.habits.datafile import load_dataset_file
 from ucon.habits.rules import (
     BOOK_LIMITS,
@@ -34,7 +34,8 @@ from ucon.habits.rules import (
     line_fault,
     placement_fault,
 )
-from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
+from ucon.habits.types import Entry, Habit, HabitDataset, Placement
+from ucon.objects.model import RELATIONS, Relation
 
 BOOK_FOLDER: Final = Path(__file__).parent / "book"
 BOOK_FILE: Final = Path(__file__).parent / "data" / "book.habits.xz"

@@ -13,13 +13,14 @@ from typing import Any, Final, cast
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json, read_verified, sha256_bytes, write_atomic
-from ucon.core.plain_file import read_bounded
-from ucon.core.strict_json import parse_json
 from ucon.core.text import is_shown
-from ucon.core.unpack import UnpackError, unpack_xz
+from ucon.core.untrusted.plain_file import read_bounded
+from ucon.core.untrusted.strict_json import parse_json
+from ucon.core.untrusted.unpack import UnpackError, unpack_xz
 from ucon.habits.rules import OWN_LIMITS, Anchors, count_fault, habit_fault, header_fault, line_fault, placement_fault
-from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
+from ucon.habits.types import Entry, Habit, HabitDataset, Placement
 from ucon.habits.verdicts import Verdicts
+from ucon.objects.model import RELATIONS, Relation
 
 FORMAT: Final = "ucon-habits"
 VERSION: Final = 1

@@ -81,8 +81,8 @@ def household(
         home: its name.
         dataset: what people can be like.
         seed: another seed, other people.
-        kinds: kinds of place that the home is (:data:`ucon.habits.types.KINDS`): entries bound to them come first,
-            entries bound to others never.
+        kinds: kinds of place that the home is (:data:`ucon.habits.types.HOUSEHOLD_KINDS`): entries bound to them come
+            first, entries bound to others never.
         part: draw only from the entries that episodes of this part may use; None: from all.
     """
     if dataset.scenes:

@@ -26,7 +26,8 @@ from ucon.habits.release import (
     standing_in,
     unpacked,
 )
-from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
+from ucon.habits.types import Entry, Habit, HabitDataset, Placement
+from ucon.objects.model import RELATIONS, Relation
 
 MAX_TEXT: Final = 2000
 """Characters of one sentence; the release's longest has 259."""
@@ -34,7 +35,7 @@ _REASONS: Final = 3
 
 
 @dataclass(frozen=True, slots=True)
-class Problem:
+class ReleaseProblem:
     """One thing that does not fit. ``where`` is the file and the path inside it."""
 
     where: str
@@ -64,7 +65,7 @@ class ImportReport:
     tasks: int = 0
     habits: int = 0
     locations: int = 0
-    problems: list[Problem] = field(default_factory=list)
+    problems: list[ReleaseProblem] = field(default_factory=list)
     located: list[Located] = field(default_factory=list)
     """Every placement of the dataset, in the order of the file."""
 
@@ -82,7 +83,7 @@ class ImportReport:
 
     def add(self, where: str, message: str) -> None:
         """Report one malformed thing."""
-        self.problems.append(Problem(where, message))
+        self.problems.append(ReleaseProblem(where, message))
 
 
 def official(path: Path | str, categories: Collection[str] | None = None) -> tuple[HabitDataset, ImportReport]:

@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from ucon.core.errors import DataError, brief
-from ucon.core.plain_file import read_bounded
-from ucon.core.strict_json import JsonError, parse_json
 from ucon.core.text import is_shown
+from ucon.core.untrusted.plain_file import read_bounded
+from ucon.core.untrusted.strict_json import JsonError, parse_json
 
 DEFAULT_FILE: Final = "seen_obj_seen_scene.json"
 #: Which categories stand in which scene.

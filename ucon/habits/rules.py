@@ -12,7 +12,8 @@ from typing import Final
 
 from ucon.core.errors import unknown_name
 from ucon.core.text import is_shown
-from ucon.habits.types import KINDS, RELATIONS, Placement
+from ucon.habits.types import HOUSEHOLD_KINDS, Placement
+from ucon.objects.model import RELATIONS
 
 MAX_LINE: Final = 400
 
@@ -54,8 +55,8 @@ def header_fault(category: str, household: str, kind: str | None, categories: Co
         return f"household '{household[:60]}', expected a description that starts with a word and has no braces"
     if categories is not None and category not in categories:
         return unknown_name("category", category, categories)
-    if kind is not None and kind not in KINDS:
-        return unknown_name("kind of place", kind, KINDS)
+    if kind is not None and kind not in HOUSEHOLD_KINDS:
+        return unknown_name("kind of place", kind, HOUSEHOLD_KINDS)
     return None
 
 

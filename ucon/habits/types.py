@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +18,9 @@ from ucon.core.errors import ConfigError, unknown_name
 from ucon.core.files import canonical_json, sha256_bytes
 from ucon.core.sharing import Shared, is_the_one
 from ucon.habits.verdicts import NO_VERDICTS, Verdicts
+from ucon.objects.model import Relation
 
-Relation = Literal["ontop", "inside", "under", "nextto"]
-RELATIONS: tuple[Relation, ...] = ("ontop", "inside", "under", "nextto")
-KINDS: tuple[str, ...] = ("office", "shop", "restaurant", "garden")
+HOUSEHOLD_KINDS: tuple[str, ...] = ("office", "shop", "restaurant", "garden")
 """Kinds of places that entries may be bound to; ``garden`` is any home with a garden, garage or sauna."""
 
 

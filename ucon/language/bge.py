@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json, remembered_sha256, sha256_bytes
-from ucon.core.strict_json import read_json
+from ucon.core.untrusted.strict_json import read_json
 from ucon.language.encoder import Progress, Vectors, one_thread, quiet
 from ucon.language.sparse import SparseRows
 

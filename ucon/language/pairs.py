@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.files import read_verified
-from ucon.core.unpack import MAX_BYTES, read_arrays
+from ucon.core.untrusted.unpack import MAX_BYTES, read_arrays
 from ucon.language.lexicon import LEXICAL, Lexicon, catalogue_lexicon
 from ucon.language.quantise import Quantised, cosines, quantise
 from ucon.language.store import DATA, StoredEncoder, default_encoder

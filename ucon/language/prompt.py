@@ -23,8 +23,8 @@ from pathlib import Path
 from typing import Final
 
 from ucon.core.errors import ConfigError, DataError
-from ucon.core.plain_file import read_bounded
 from ucon.core.text import shown
+from ucon.core.untrusted.plain_file import read_bounded
 
 _MAX_BYTES: Final = 2**20
 PARTS: Final = ("system", "situation", "cloze")

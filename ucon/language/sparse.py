@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.files import sha256_bytes, write_atomic
-from ucon.core.plain_file import read_bounded
-from ucon.core.unpack import read_arrays
+from ucon.core.untrusted.plain_file import read_bounded
+from ucon.core.untrusted.unpack import read_arrays
 
 #: Of one part: two thousand texts.
 _MAX_BYTES = 256 * 2**20

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import MANIFEST, read_verified, sha256_bytes, user_cache, write_atomic, write_manifest
-from ucon.core.plain_file import read_bounded
 from ucon.core.sharing import Shared, is_the_one
-from ucon.core.unpack import read_arrays
+from ucon.core.untrusted.plain_file import read_bounded
+from ucon.core.untrusted.unpack import read_arrays
 from ucon.language.encoder import MiniLM, TextEncoder, Vectors
 
 DATA = Path(__file__).parent / "data"

@@ -23,7 +23,7 @@ from ucon.evaluation.kept.seal import has_summary
 from ucon.evaluation.kept.twins import twin_of
 from ucon.evaluation.playing.needed_weights import check_weights, fingerprints
 from ucon.evaluation.playing.pictures import worth_filming
-from ucon.evaluation.playing.play import Played, RunSpec
+from ucon.evaluation.playing.play import PlayedEpisode, RunSpec
 from ucon.evaluation.playing.progress_bar import EvaluationProgress, embedding_progress
 from ucon.evaluation.playing.runner import evaluate
 from ucon.retrieval.levels import check_level
@@ -105,7 +105,7 @@ class Evaluation:
         self._film(played)
         return figures
 
-    def _film(self, played: Sequence[Played]) -> None:
+    def _film(self, played: Sequence[PlayedEpisode]) -> None:
         """Play some episodes again for the camera: which ones are worth it is known at the end only."""
         records = {p.index: p.record for p in played}
         chosen = worth_filming([record.success for record in records.values()], self.config["pictures"])
@@ -113,7 +113,7 @@ class Evaluation:
             return
         with EvaluationProgress("films", len(chosen), visible=self.config["progress"]) as progress:
 
-            def on_played(again: Played) -> None:
+            def on_played(again: PlayedEpisode) -> None:
                 progress.add(again)
                 if again.record != records[again.index]:
                     print(f"warning: {again.record.episode} came out otherwise on its film", file=sys.stderr)
@@ -126,7 +126,7 @@ class Evaluation:
                 on_played=on_played,
             )
 
-    def _missing(self, folder: RunFolder, done: dict[int, Played]) -> list[Played]:
+    def _missing(self, folder: RunFolder, done: dict[int, PlayedEpisode]) -> list[PlayedEpisode]:
         """The episodes that no earlier run has played."""
         config = self.config
         with embedding_progress(visible=config["progress"]) as on_text:
@@ -134,7 +134,7 @@ class Evaluation:
         label = f"{config['agent']['_target_'].rsplit('.', 1)[-1]} {self.level}"
         with EvaluationProgress(label, len(self.episodes), visible=config["progress"], done=done.values()) as progress:
 
-            def on_played(played: Played) -> None:
+            def on_played(played: PlayedEpisode) -> None:
                 folder.add(played)
                 progress.add(played)
 

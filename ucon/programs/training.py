@@ -13,7 +13,7 @@ from ucon.configuration.stored import checked, has_to_be_said
 from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import canonical_json, sha256_bytes, write_atomic
-from ucon.core.yaml_text import without_aliases
+from ucon.core.untrusted.yaml_text import without_aliases
 from ucon.learning.run.run_folder import CONFIG, read_config
 from ucon.learning.run.run_plan import Plan
 

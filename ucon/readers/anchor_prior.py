@@ -15,10 +15,13 @@ from typing import Final
 import numpy as np
 
 from ucon.core.errors import DataError
-from ucon.core.unpack import MAX_BYTES, read_arrays
-from ucon.habits.types import RELATIONS, Entry
+from ucon.core.untrusted.unpack import MAX_BYTES, read_arrays
+from ucon.habits.types import Entry
+from ucon.objects.model import RELATIONS
 from ucon.readers.reader_weights import Array, softmax
 
+#: Log prior of a name that the prior does not know.
+UNKNOWN_PRIOR: Final = -7.5
 _KEPT: Final = ("dense", "bias", "relation")
 
 

@@ -15,15 +15,14 @@ from typing import Any
 import numpy as np
 
 from ucon.core.sharing import Shared, is_the_one
-from ucon.habits.types import RELATIONS
 from ucon.language.pairs import PairReader, default_pair_reader
 from ucon.language.phrases import phrase
-from ucon.readers.evidence import Evidence, EvidenceReader
+from ucon.objects.model import RELATIONS
+from ucon.readers.anchor_prior import UNKNOWN_PRIOR
+from ucon.readers.evidence import SUPPORT_FLOOR, Evidence, EvidenceReader
 from ucon.readers.gate import relevance
-from ucon.readers.reader_weights import Array, Weights, default_weights, softmax, two_layers
+from ucon.readers.reader_weights import Array, ReaderWeights, default_weights, softmax, two_layers
 
-FLOOR = 0.02
-UNKNOWN_PRIOR = -7.5
 RELATION_PRIOR = 0.5
 N_MIX = 6
 
@@ -116,7 +115,7 @@ class Reading(Shared):
 class AnchorReader(Shared):
     """Reads habits. One per process: what it has read it remembers by text."""
 
-    def __init__(self, weights: Weights | None = None, pairs: PairReader | None = None) -> None:
+    def __init__(self, weights: ReaderWeights | None = None, pairs: PairReader | None = None) -> None:
         self.weights = weights or default_weights()
         self.pairs = pairs or default_pair_reader()
         self.evidence = EvidenceReader(self.weights, self.pairs)
@@ -156,8 +155,8 @@ class AnchorReader(Shared):
 
     def mix_features(self, prior: Array, gated: Array, known: Array, context: tuple[float, float]) -> Array:
         """Inputs (C, 6) of :meth:`mix`: prior, sum and maximum of gated evidence, known, trusted, amount."""
-        total = np.log(FLOOR + gated.sum(axis=0))
-        best = np.log(FLOOR + gated.max(axis=0, initial=0.0))
+        total = np.log(SUPPORT_FLOOR + gated.sum(axis=0))
+        best = np.log(SUPPORT_FLOOR + gated.max(axis=0, initial=0.0))
         columns = [prior, total, best, known, np.full(len(known), context[0]), np.full(len(known), context[1])]
         return np.stack(columns, axis=1)
 

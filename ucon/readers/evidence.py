@@ -9,15 +9,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Final
 
 import numpy as np
 
 from ucon.language.pairs import PairReader
 from ucon.language.words import stems
-from ucon.readers.reader_weights import Array, Weights, sigmoid, softmax
+from ucon.readers.reader_weights import Array, ReaderWeights, sigmoid, softmax
 
 REMEMBERED = 60_000
 DECIMALS = 4
+
+#: Added to what speaks for a place before its logarithm is taken.
+SUPPORT_FLOOR: Final = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +45,7 @@ def grams(text: str) -> list[str]:
 class EvidenceReader:
     """Applies the weights to texts."""
 
-    def __init__(self, weights: Weights, pairs: PairReader) -> None:
+    def __init__(self, weights: ReaderWeights, pairs: PairReader) -> None:
         self.weights = weights
         self.pairs = pairs
         self._seen: dict[str, Array] = {}

@@ -12,7 +12,7 @@ import numpy as np
 
 from ucon.language.pairs import PairReader
 from ucon.language.phrases import phrase, query_text
-from ucon.readers.reader_weights import Array, Weights, sigmoid, two_layers
+from ucon.readers.reader_weights import Array, ReaderWeights, sigmoid, two_layers
 
 NEAREST = 5
 N_GATE = 10
@@ -39,7 +39,7 @@ def set_features(lexical: Array, cosine: Array, vectors: Array) -> Array:
     return np.concatenate(columns, axis=1)
 
 
-def relevance(target: str, texts: Sequence[str], pairs: PairReader, weights: Weights) -> Array:
+def relevance(target: str, texts: Sequence[str], pairs: PairReader, weights: ReaderWeights) -> Array:
     """Probability (H,) that each habit, if it speaks for a place, speaks for a place of the target."""
     if not texts:
         return np.zeros(0)
@@ -48,7 +48,7 @@ def relevance(target: str, texts: Sequence[str], pairs: PairReader, weights: Wei
     return sigmoid(gate_inputs(features, vectors, name, weights)[:, -1])
 
 
-def gate_inputs(features: Array, vectors: Array, name: Array, weights: Weights) -> Array:
+def gate_inputs(features: Array, vectors: Array, name: Array, weights: ReaderWeights) -> Array:
     """(H, 11): features (H, 9), learned likeness, and the logit of relevance.
 
     ``vectors`` (H, dim) and ``name`` (dim,) are those of the sentences and of the target's name.

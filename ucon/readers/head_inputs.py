@@ -13,8 +13,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.habits.types import RELATIONS
 from ucon.language.pairs import N_FEATURES
+from ucon.objects.model import RELATIONS
 from ucon.readers.evidence import Evidence
 from ucon.readers.gate import N_GATE
 from ucon.readers.reader_weights import Array, sigmoid
@@ -30,8 +30,6 @@ N_RELEVANCE: Final = N_GATE + 1
 N_CANDIDATE: Final = 2
 """Of a candidate: does the evidence reader know it, does the prior."""
 SMALL: Final = 1e-3
-#: Log prior of a name that the prior does not know.
-UNKNOWN_PRIOR: Final = -7.5
 
 
 @dataclass(frozen=True, eq=False)

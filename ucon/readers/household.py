@@ -15,23 +15,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.files import sha256_bytes
-from ucon.habits.types import RELATIONS
 from ucon.language.pairs import PairReader, default_pair_reader
 from ucon.language.phrases import phrase, query_text
-from ucon.readers.anchor_prior import AnchorPrior
+from ucon.objects.model import RELATIONS
+from ucon.readers.anchor_prior import UNKNOWN_PRIOR, AnchorPrior
 from ucon.readers.evidence import Evidence, EvidenceReader
 from ucon.readers.gate import DECIMALS, gate_inputs, set_features
 from ucon.readers.head_inputs import (
     N_CANDIDATE,
     N_RELEVANCE,
-    UNKNOWN_PRIOR,
     HeadInputs,
     habit_columns,
     pair_columns,
     unknown_said,
 )
-from ucon.readers.reader_weights import Array, Weights, default_weights, softmax
-from ucon.readers.scene_evidence import OwnPlaces
+from ucon.readers.reader_weights import Array, ReaderWeights, default_weights, softmax
+from ucon.readers.scene_evidence import SceneEvidence
 from ucon.readers.tuned_evidence import TunedEvidence, book_table
 
 
@@ -40,15 +39,15 @@ class FittedParts:
 
     def __init__(
         self,
-        weights: Weights,
+        weights: ReaderWeights,
         pairs: PairReader,
-        evidence: EvidenceReader | OwnPlaces | None = None,
+        evidence: EvidenceReader | SceneEvidence | None = None,
         own_prior: AnchorPrior | None = None,
     ) -> None:
         """``evidence``: says what sentences speak for, else the weights do; ``own_prior``: a dataset's common sense."""
         self.weights, self.pairs, self.own_prior = weights, pairs, own_prior
         self.evidence = evidence or EvidenceReader(weights, pairs)
-        self.own_places = evidence if isinstance(evidence, OwnPlaces) else None
+        self.own_places = evidence if isinstance(evidence, SceneEvidence) else None
         self.known = weights.anchors if self.own_places is None else self.own_places.known
         self.number = {name: i for i, name in enumerate(self.known)}
         self._usual_row = {name: i for i, name in enumerate(weights.anchors)}
@@ -200,10 +199,10 @@ def default_parts() -> FittedParts:
 def parts_with(own_prior: AnchorPrior | None, own_places: Path | None = None) -> FittedParts:
     """The shipped parts, with the common sense of a dataset in place of the habit book's.
 
-    ``own_places``: folder of what reads places in its sentences (:class:`~ucon.readers.scene_evidence.OwnPlaces`).
+    ``own_places``: folder of what reads places in its sentences (:class:`~ucon.readers.scene_evidence.SceneEvidence`).
     """
     pairs, shipped = default_pair_reader(), shipped_evidence()
-    evidence = shipped if own_places is None else OwnPlaces.load(own_places, pairs, shipped)
+    evidence = shipped if own_places is None else SceneEvidence.load(own_places, pairs, shipped)
     return FittedParts(default_weights(), pairs, evidence, own_prior)
 
 

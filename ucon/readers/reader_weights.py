@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import DataError
 from ucon.core.files import read_verified, sha256_bytes
-from ucon.core.unpack import MAX_BYTES, UnpackError, read_arrays
+from ucon.core.untrusted.unpack import MAX_BYTES, UnpackError, read_arrays
 
 WEIGHTS = Path(__file__).parent / "data" / "reader.npz"
 Array = NDArray[np.float64]
@@ -37,7 +37,7 @@ REQUIRED = (
 )
 
 
-class Weights:
+class ReaderWeights:
     """Named float64 arrays, two lists of names, and the hash of the file."""
 
     def __init__(
@@ -71,9 +71,9 @@ def _names(packed: NDArray) -> list[str]:
     return packed.tobytes().decode().split("\n")
 
 
-def load_weights(path: Path, required: Sequence[str] = REQUIRED) -> Weights:
+def load_weights(path: Path, required: Sequence[str] = REQUIRED) -> ReaderWeights:
     """Weights of a file that its folder's manifest lists; ``required`` arrays must be there."""
-    return Weights(*load_arrays(path), required=required)
+    return ReaderWeights(*load_arrays(path), required=required)
 
 
 def load_arrays(path: Path) -> tuple[dict[str, NDArray], str]:
@@ -90,7 +90,7 @@ def load_arrays(path: Path) -> tuple[dict[str, NDArray], str]:
 
 
 @cache
-def default_weights() -> Weights:
+def default_weights() -> ReaderWeights:
     """The shipped weights."""
     return load_weights(WEIGHTS)
 

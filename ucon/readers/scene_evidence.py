@@ -44,7 +44,7 @@ class Vectors(Protocol):
         ...
 
 
-class OwnPlaces:
+class SceneEvidence:
     """Reads the sentences of a dataset.
 
     Attributes:
@@ -96,7 +96,7 @@ class OwnPlaces:
         self._told: dict[tuple[str, tuple[str, ...]], Array] = {}
 
     @classmethod
-    def load(cls, folder: Path, pairs: PairReader, relations: EvidenceReader) -> OwnPlaces:
+    def load(cls, folder: Path, pairs: PairReader, relations: EvidenceReader) -> SceneEvidence:
         """What a run left in ``folder``.
 
         Raises:

@@ -21,7 +21,7 @@ from ucon.language.adapted import AdaptedMiniLM
 from ucon.language.pairs import PairReader
 from ucon.language.store import StoredEncoder, VectorTable
 from ucon.readers.evidence import DECIMALS, EvidenceReader
-from ucon.readers.reader_weights import Array, Weights, load_arrays
+from ucon.readers.reader_weights import Array, ReaderWeights, load_arrays
 
 DATA: Final = Path(__file__).parent / "data" / "places"
 ADAPTER: Final = DATA / "places.safetensors"
@@ -35,7 +35,7 @@ SCALE: Final = 10.0
 class TunedEvidence(EvidenceReader):
     """Reads texts by the shipped table, else by the adapted encoder."""
 
-    def __init__(self, weights: Weights, pairs: PairReader, table: VectorTable | None) -> None:
+    def __init__(self, weights: ReaderWeights, pairs: PairReader, table: VectorTable | None) -> None:
         """``weights``: their anchors, and what reads names that training never met.
 
         Raises:

@@ -19,7 +19,7 @@ from ucon.scenes.layout import lay_out
 from ucon.scenes.openings import cut_openings
 from ucon.scenes.program import HomeProgram, RoomProgram
 from ucon.scenes.spec import GRID_M, HomeSpec, Item, Opening, Room
-from ucon.scenes.tidy import Plan
+from ucon.scenes.tidy import FloorPlan
 
 N_TRIES = 3
 OUTDOOR_HEIGHT_M = 20.0
@@ -30,14 +30,14 @@ WALL_FIRST = ("wall_mounted_tv", "mirror", "painting", "picture", "poster")
 
 
 @dataclass(frozen=True)
-class Built:
+class BuiltHome:
     """A home and what of its program found no place, by room."""
 
     spec: HomeSpec
     dropped: dict[str, dict[str, int]]
 
 
-def build_home(name: str, program: HomeProgram, seed: int) -> Built:
+def build_home(name: str, program: HomeProgram, seed: int) -> BuiltHome:
     """The home of ``program`` drawn with ``seed``."""
     program = enriched(program, seed)
     plan = lay_out(program, seed, name)
@@ -62,7 +62,7 @@ def build_home(name: str, program: HomeProgram, seed: int) -> Built:
         if joint == "doorway":
             items.append(door_frame(opening, opening.room_b, int(stream(seed, "doors").integers(0, 6))))
     spec = HomeSpec(name, program.kind, program.wall_height_m, tuple(rooms), openings, tuple(items))
-    return Built(spec, dropped)
+    return BuiltHome(spec, dropped)
 
 
 def _wishes(name: str, programs: dict[str, RoomProgram]) -> RoomProgram:
@@ -74,7 +74,7 @@ def _wishes(name: str, programs: dict[str, RoomProgram]) -> RoomProgram:
     )
 
 
-def exterior_walls(plan: Plan, index: int) -> list[tuple[int, float, float]]:
+def exterior_walls(plan: FloorPlan, index: int) -> list[tuple[int, float, float]]:
     """(wall, lo, hi) in metres of the stretches of a room's walls with no room behind."""
     rect = plan.rects[index]
     found = []
@@ -97,7 +97,7 @@ def exterior_walls(plan: Plan, index: int) -> list[tuple[int, float, float]]:
 def furnish_room(
     index: int,
     rect: tuple[float, float, float, float],
-    plan: Plan,
+    plan: FloorPlan,
     openings: tuple[Opening, ...],
     wish: RoomProgram,
     wall_height_m: float,

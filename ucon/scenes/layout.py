@@ -16,7 +16,7 @@ from ucon.core.errors import SceneError
 from ucon.core.rng import stream
 from ucon.scenes.program import HomeProgram, RoomProgram
 from ucon.scenes.spec import GRID_M
-from ucon.scenes.tidy import Plan, Rect, pad, plan_cost, shared_wall, trim_corridors
+from ucon.scenes.tidy import FloorPlan, Rect, pad, plan_cost, shared_wall, trim_corridors
 
 #: A room of 1.25 x 1.5 m would keep three nodes beside a shelf; small rooms are raised so that five always remain.
 MIN_SIDES_M = {"bathroom": (2.0, 2.25), "corridor": (1.5, 2.5), "entryway": (1.75, 2.0)}
@@ -30,10 +30,10 @@ MANY_ROOMS = 12
 """Larger homes draw twice as many plans."""
 
 
-def lay_out(program: HomeProgram, seed: int, name: str) -> Plan:
+def lay_out(program: HomeProgram, seed: int, name: str) -> FloorPlan:
     """The best of several seeded floor plans of ``program``."""
     program = _raise_small_rooms(program)
-    best: tuple[float, Plan] | None = None
+    best: tuple[float, FloorPlan] | None = None
     enough = N_PLANS * (1 + (len(program.rooms) > MANY_ROOMS))
     for attempt in range(4 * N_PLANS):
         if attempt >= enough and best is not None:
@@ -74,14 +74,14 @@ def _children(program: HomeProgram) -> dict[str, list[tuple[str, str]]]:
     return tree
 
 
-def _grow(program: HomeProgram, seed: int, attempt: int) -> Plan | None:
+def _grow(program: HomeProgram, seed: int, attempt: int) -> FloorPlan | None:
     rng = stream(seed, "layout", attempt)
     rooms = {room.name: room for room in program.rooms}
     tree = _children(program)
     weight = {name: float(np.prod(_cells(rooms[name]))) * rng.uniform(0.6, 1.4) for name in sorted(rooms)}
     for name in sorted(rooms, key=lambda n: -_depth(program, n)):  # a chain of rooms is placed as early as its sum
         weight[name] += sum(weight[child] for child, _ in tree[name] if rooms[child].type != "garden")
-    plan = Plan()
+    plan = FloorPlan()
     legs: dict[str, list[str]] = {}
     _place_hub(plan, legs, rooms[program.hub], attempt, rng)
     gardens: list[tuple[str, str, str]] = []
@@ -133,7 +133,7 @@ def _subtree(
 
 
 def _place_hub(
-    plan: Plan, legs: dict[str, list[str]], hub: RoomProgram, attempt: int, rng: np.random.Generator
+    plan: FloorPlan, legs: dict[str, list[str]], hub: RoomProgram, attempt: int, rng: np.random.Generator
 ) -> None:
     """Put the hub at the origin. A corridor starts longer with every attempt; what stays unused is trimmed."""
     width, length = _cells(hub)
@@ -155,7 +155,7 @@ def _place_hub(
 
 
 def _attach(
-    plan: Plan,
+    plan: FloorPlan,
     parents: Sequence[str],
     room: RoomProgram,
     joint: str,
@@ -246,12 +246,12 @@ def _contact(rects: np.ndarray, placed: np.ndarray) -> np.ndarray:
     return contact
 
 
-def block_plan(program: HomeProgram) -> Plan:
+def block_plan(program: HomeProgram) -> FloorPlan:
     """A plain plan that always exists: every room spans its children, which hang side by side below it."""
     program = _raise_small_rooms(program)
     rooms = {room.name: room for room in program.rooms}
     tree = _children(program)
-    plan = Plan()
+    plan = FloorPlan()
 
     def width(name: str) -> int:
         return max(_cells(rooms[name])[0], sum(width(child) for child, _ in tree[name]), 8)

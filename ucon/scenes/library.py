@@ -8,9 +8,9 @@ from typing import Literal
 
 from ucon.core.errors import SceneError, unknown_name
 from ucon.core.rng import derived_seed
-from ucon.scenes.home import Built, build_home
+from ucon.scenes.home import BuiltHome, build_home
 from ucon.scenes.procedural import procedural_program
-from ucon.scenes.program import KINDS, scene_programs
+from ucon.scenes.program import HOME_KINDS, scene_programs
 from ucon.scenes.spec import HomeSpec
 
 SCENES: tuple[str, ...] = tuple(scene_programs())
@@ -21,7 +21,7 @@ MAX_SEED = 10**9
 
 
 @lru_cache(maxsize=64)
-def built_home(name: str) -> Built:
+def built_home(name: str) -> BuiltHome:
     """The home called ``name`` with the list of what found no place."""
     if name.startswith("procedural"):
         kind, seed = parse_procedural(name)
@@ -64,8 +64,8 @@ def parse_procedural(name: str) -> tuple[str, int]:
     if len(parts) != 3 or parts[0] != "procedural":
         raise SceneError(f"scene '{name}': expected procedural:<kind>:<seed>, as in procedural:house:17")
     _, kind, seed = parts
-    if kind not in KINDS:
-        raise SceneError(f"scene '{name}': {unknown_name('kind', kind, KINDS)}")
+    if kind not in HOME_KINDS:
+        raise SceneError(f"scene '{name}': {unknown_name('kind', kind, HOME_KINDS)}")
     if not re.fullmatch(r"0|[1-9][0-9]{0,9}", seed) or int(seed) > MAX_SEED:
         raise SceneError(f"scene '{name}': seed '{seed}', expected a whole number from 0 to {MAX_SEED}")
     return kind, int(seed)

@@ -6,13 +6,13 @@ from ucon.core.errors import SceneError
 from ucon.core.rng import stream
 from ucon.scenes.layout import GAP_CELLS
 from ucon.scenes.spec import GRID_M, LINTEL_M, Opening
-from ucon.scenes.tidy import Plan, Rect, shared_wall
+from ucon.scenes.tidy import FloorPlan, Rect, shared_wall
 
 CORNER_CELLS = 2
 """Openings keep 0.5 m from room corners where the wall is long enough."""
 
 
-def cut_openings(plan: Plan, seed: int, wall_height_m: float) -> tuple[Opening, ...]:
+def cut_openings(plan: FloorPlan, seed: int, wall_height_m: float) -> tuple[Opening, ...]:
     """An opening for every edge of the plan, in its order."""
     found = []
     for a, b, joint in plan.edges:

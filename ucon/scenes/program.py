@@ -16,7 +16,7 @@ from typing import Any
 from ucon.core.errors import DataError
 
 JOINTS = ("doorway", "opening_1.2", "opening_1.5", "opening_2.0", "open")
-KINDS = ("house", "flat", "office", "restaurant", "shop")
+HOME_KINDS = ("house", "flat", "office", "restaurant", "shop")
 _SOURCE = "ucon/scenes/data/programs.json"
 
 
@@ -115,8 +115,8 @@ def check_program(name: str, program: HomeProgram) -> None:
             raise DataError(f"scene '{name}': joint '{joint}' of {parent}-{child}, expected one of {', '.join(JOINTS)}")
         reached.add(child)
     problem = ""
-    if program.kind not in KINDS:
-        problem = f"kind '{program.kind}', expected one of {', '.join(KINDS)}"
+    if program.kind not in HOME_KINDS:
+        problem = f"kind '{program.kind}', expected one of {', '.join(HOME_KINDS)}"
     elif len(names) != len(program.rooms):
         problem = "two rooms share a name"
     elif reached != names or len(program.edges) != len(names) - 1:

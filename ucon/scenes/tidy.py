@@ -16,7 +16,7 @@ WALK_CELLS = 130
 
 
 @dataclass
-class Plan:
+class FloorPlan:
     """Names, types and rectangles of the placed rooms, and (room, room, joint) for every opening."""
 
     names: list[str] = field(default_factory=list)
@@ -46,7 +46,7 @@ def shared_wall(a: Rect, b: Rect) -> tuple[int, int, int, int] | None:
     return None
 
 
-def _needed(plan: Plan, index: int) -> list[tuple[int, int, int]]:
+def _needed(plan: FloorPlan, index: int) -> list[tuple[int, int, int]]:
     """(axis, lo, hi) of wall that the openings of a room need."""
     name = plan.names[index]
     found = []
@@ -58,7 +58,7 @@ def _needed(plan: Plan, index: int) -> list[tuple[int, int, int]]:
     return found
 
 
-def trim_corridors(plan: Plan, program: HomeProgram) -> None:
+def trim_corridors(plan: FloorPlan, program: HomeProgram) -> None:
     """Cut off the ends of corridors that lead nowhere."""
     types = {room.name: room.type for room in program.rooms}
     for index, name in enumerate(plan.names):
@@ -80,7 +80,7 @@ def trim_corridors(plan: Plan, program: HomeProgram) -> None:
             plan.rects[index] = (rect[0], rect[1], rect[2], rect[3])
 
 
-def pad(plan: Plan, program: HomeProgram) -> None:
+def pad(plan: FloorPlan, program: HomeProgram) -> None:
     """Push walls out by up to 1 m where that closes a gap to another room or to the outline."""
     types = {room.name: room.type for room in program.rooms}
     for reach in (2, 4):
@@ -96,7 +96,7 @@ def _area(rect: Rect) -> int:
     return (rect[2] - rect[0]) * (rect[3] - rect[1])
 
 
-def _push(plan: Plan, index: int, side: int, reach: int) -> None:
+def _push(plan: FloorPlan, index: int, side: int, reach: int) -> None:
     rect = plan.rects[index]
     axis, forward = side % 2, side >= 2
     others = [r for i, r in enumerate(plan.rects) if i != index]
@@ -120,7 +120,7 @@ def _push(plan: Plan, index: int, side: int, reach: int) -> None:
             return
 
 
-def plan_cost(plan: Plan, program: HomeProgram) -> float:
+def plan_cost(plan: FloorPlan, program: HomeProgram) -> float:
     """Lower is better: outline, voids, corridor length, stretched outlines."""
     rects = np.array(plan.rects)
     size = rects[:, 2:].max(0) - rects[:, :2].min(0)
@@ -131,7 +131,7 @@ def plan_cost(plan: Plan, program: HomeProgram) -> float:
     return (outline - used) * 1.0 + 0.2 * outline + 60.0 * max(0.0, ratio - 1.6) + 12.0 * max(0.0, reach - WALK_CELLS)
 
 
-def longest_walk(plan: Plan) -> float:
+def longest_walk(plan: FloorPlan) -> float:
     """Longest shortest walk between room corners through the openings, in cells, furniture aside."""
     doors: dict[str, list[int]] = {name: [] for name in plan.names}
     points: list[tuple[float, float]] = []

@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from ucon.habits.types import RELATIONS, Relation
+from ucon.objects.model import RELATIONS, Relation
 from ucon.perception.drawing.overlay import words
 from ucon.perception.mapping.semantic_map import HALF, SemanticMap, View
 from ucon.perception.places.containers import open_reach_m

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.habits.types import RELATIONS
+from ucon.objects.model import RELATIONS
 from ucon.perception.drawing.map_picture import Image, Pixels, draw_map, pixels_of
 from ucon.perception.drawing.overlay import FAINT, GOAL, INK, WARM, Line, believes, map_room, page, speaking, words
 from ucon.perception.mapping.semantic_map import SemanticMap

@@ -23,11 +23,11 @@ from ucon.perception.views.view_kernels import PITCHES_DEG
 from ucon.perception.views.viewpoints import Choice, Valued
 from ucon.search.searcher import SearchDecision, Searcher
 from ucon.search.text_tokens import category_rows
-from ucon.search.view_tokens import N_VIEW, Surroundings, ego, lg, view_rows
+from ucon.search.view_tokens import N_VIEW, ViewSurroundings, ego, lg, view_rows
 
 F32 = NDArray[np.float32]
-KINDS: Final = ("fixed_furniture", "movable_furniture", "fixture", "wall", "ceiling", "movable", "structure")
-N_THING: Final = 14 + len(KINDS)
+THING_KINDS: Final = ("fixed_furniture", "movable_furniture", "fixture", "wall", "ceiling", "movable", "structure")
+N_THING: Final = 14 + len(THING_KINDS)
 #: Columns of metres ahead and to the left, in units of 5 m.
 THING_AHEAD: Final = slice(4, 6)
 N_FRONTIER: Final = 6
@@ -105,7 +105,7 @@ class TokenReader(PartlyShared):
         prior = np.log(np.maximum(score, 1e-12)).astype(np.float32)
         gain = np.maximum([choice.gain for choice in choices], 1e-12)
         space = np.minimum(valued.space[at] / gain, 1.0).astype(np.float32)
-        around = Surroundings(known, self._searcher.places.xyz, weight)
+        around = ViewSurroundings(known, self._searcher.places.xyz, weight)
         return view_rows(valued, at, choices, known, around), prior, space, choices
 
     def _picked(self, valued: Valued) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
@@ -141,7 +141,9 @@ class TokenReader(PartlyShared):
         rows[:, 12] = known.pixels[tracks] > 0
         rows[:, 13] = places.unseen_share(known.n_tracks)[tracks]
         names = [known.category[track] for track in tracks]
-        rows[np.arange(len(names)), 14 + np.array([KINDS.index(affordance(name).kind) for name in names], int)] = 1.0
+        rows[
+            np.arange(len(names)), 14 + np.array([THING_KINDS.index(affordance(name).kind) for name in names], int)
+        ] = 1.0
         return rows, np.array([category_rows().get(name, -1) for name in names], np.int64)
 
     def _frontiers(self, decision: SearchDecision) -> F32:

@@ -91,7 +91,7 @@ class Searcher(PartlyShared):
 
     def look(self, observation: Mapping[str, Any], info: Info) -> Action | None:
         """Take in a frame; the next action, or None where a choice is due (:meth:`decision`, :meth:`choose`)."""
-        self.take_in(observation, info)
+        self.observe(observation, info)
         blocked = bool(observation["collision"])
         if blocked:
             self._plan.clear()
@@ -103,7 +103,7 @@ class Searcher(PartlyShared):
         assert self.expected is not None
         return self._open_here(self.expected) or self._go_on(self.expected)
 
-    def take_in(self, observation: Mapping[str, Any], info: Info) -> None:
+    def observe(self, observation: Mapping[str, Any], info: Info) -> None:
         """Map a frame, and what it shows empty, without going on."""
         self._decision = None
         known = self.map

@@ -12,7 +12,7 @@ from ucon.core.sharing import PartlyShared, Shared
 from ucon.language.phrases import phrase
 from ucon.language.store import StoredEncoder, default_encoder
 from ucon.objects.catalogue import catalogue
-from ucon.perception.belief.target_belief import Believing, Locations
+from ucon.perception.belief.target_belief import Locations, TargetBelief
 
 
 class TextTokens(Shared):
@@ -52,7 +52,7 @@ class SaidTokens(PartlyShared):
 
     _shared: ClassVar[frozenset[str]] = frozenset({"_read"})
 
-    def __init__(self, text: TextTokens, name: str, believing: Believing) -> None:
+    def __init__(self, text: TextTokens, name: str, believing: TargetBelief) -> None:
         """``name`` of the target, and who reads its habits."""
         self._text, self._name, self._believing = text, name, believing
         self._read: tuple[Locations, dict[str, NDArray[Any]]] | None = None

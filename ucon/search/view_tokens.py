@@ -43,7 +43,7 @@ def ego(xy: NDArray[np.float64], view: View) -> NDArray[np.float64]:
     return np.stack([c * xy[:, 0] + s * xy[:, 1], c * xy[:, 1] - s * xy[:, 0]], 1)
 
 
-class Surroundings:
+class ViewSurroundings:
     """How much is left to be found near a node: mass of things seen, and space not explored."""
 
     def __init__(self, known: SemanticMap, xyz: NDArray[np.float64], weight: NDArray[np.float64]) -> None:
@@ -74,7 +74,7 @@ def view_rows(
     at: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]],
     choices: tuple[Choice, ...],
     known: SemanticMap,
-    around: Surroundings,
+    around: ViewSurroundings,
 ) -> F32:
     """(n, N_VIEW) float32 of the views ``at`` (node, heading and pitch numbers), whose choices are given."""
     n, h, p = at

@@ -17,7 +17,7 @@ from weakref import WeakValueDictionary
 import ucon
 from ucon.core.errors import DataError, UconError, brief
 from ucon.core.files import read_verified, sha256_bytes, user_cache, user_pack, write_atomic, write_manifest
-from ucon.core.plain_file import read_bounded
+from ucon.core.untrusted.plain_file import read_bounded
 from ucon.sim.bullet import bullet
 from ucon.sim.homefile import FORMAT, REMEDY, house_from_bytes, house_to_bytes
 from ucon.sim.house import House

@@ -21,7 +21,7 @@ IN_WALL = frozenset({"door", "window", "gate", "garage_door", "sliding_door", "e
 
 
 @dataclass(frozen=True)
-class Problem:
+class HomeProblem:
     """One thing that is wrong with a home."""
 
     kind: str
@@ -31,7 +31,7 @@ class Problem:
     text: str
 
 
-def overlaps(world: World) -> list[Problem]:
+def overlaps(world: World) -> list[HomeProblem]:
     """Pairs that penetrate by more than 5 mm, items among themselves and with walls, floors and ceilings."""
     spec, problems = world.spec, []
     for instance in range(len(spec.items)):
@@ -39,11 +39,11 @@ def overlaps(world: World) -> list[Problem]:
             pair_seen = other < instance
             if distance < -MAX_PENETRATION_M and not pair_seen and not _exempt(spec, instance, other):
                 text = f"{label(spec, instance)} and {label(spec, other)} overlap by {-1000 * distance:.0f} mm"
-                problems.append(Problem("overlap", instance, other, text))
+                problems.append(HomeProblem("overlap", instance, other, text))
     return problems
 
 
-def sweeps(world: World) -> list[Problem]:
+def sweeps(world: World) -> list[HomeProblem]:
     """Joints that hit something on their way to fully open."""
     spec, problems = world.spec, []
     for instance in openables(spec):
@@ -55,12 +55,12 @@ def sweeps(world: World) -> list[Problem]:
                         f"{label(spec, instance)} opened to {fraction:.0%} hits {label(spec, other)} "
                         f"by {-1000 * distance:.0f} mm"
                     )
-                    problems.append(Problem("sweep", instance, other, text))
+                    problems.append(HomeProblem("sweep", instance, other, text))
         world.set_open(instance, 0.0)
     return problems
 
 
-def hidden(world: World, grid: NavGrid) -> list[Problem]:
+def hidden(world: World, grid: NavGrid) -> list[HomeProblem]:
     """Openables with a compartment that no standing node sees into when everything on them is open."""
     problems = []
     for instance in openables(world.spec):
@@ -71,7 +71,7 @@ def hidden(world: World, grid: NavGrid) -> list[Problem]:
         seen = [_seen(world, instance, k, grid.xy(nodes)) for k in range(len(compartments))]
         if compartments and not any(seen):
             text = f"no free node within {REACH_M:g} m sees into {label(world.spec, instance)} when it is open"
-            problems.append(Problem("hidden", instance, -1, text))
+            problems.append(HomeProblem("hidden", instance, -1, text))
         world.set_open(instance, 0.0)
     return problems
 

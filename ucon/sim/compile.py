@@ -9,7 +9,7 @@ import numpy as np
 from ucon.core.errors import SceneError
 from ucon.objects.catalogue import catalogue
 from ucon.scenes.spec import HomeSpec
-from ucon.sim.checks import Problem, hidden, overlaps, sweeps
+from ucon.sim.checks import HomeProblem, hidden, overlaps, sweeps
 from ucon.sim.house import House
 from ucon.sim.navgrid import nav_grid
 from ucon.sim.shapes import Array, enclosing, item_box, primitive_boxes, solid_of_parts
@@ -54,19 +54,19 @@ def compile_mended(spec: HomeSpec) -> House:
     return compile_house(spec)
 
 
-def inspect_home(spec: HomeSpec) -> list[Problem]:
+def inspect_home(spec: HomeSpec) -> list[HomeProblem]:
     """Everything that :func:`compile_house` would refuse, as a list; free floor in pieces still raises."""
     return _build(spec, check=True)[1]
 
 
-def _build(spec: HomeSpec, check: bool) -> tuple[House, list[Problem]]:
+def _build(spec: HomeSpec, check: bool) -> tuple[House, list[HomeProblem]]:
     with World(spec) as world:
         grid = nav_grid(world)
         problems = [*overlaps(world), *sweeps(world), *hidden(world, grid)] if check else []
         return House(spec, grid, all_boxes(spec)), problems
 
 
-def _smaller(spec: HomeSpec, problem: Problem) -> int:
+def _smaller(spec: HomeSpec, problem: HomeProblem) -> int:
     """The movable item of a problem, the smaller of two; -1 where there is none."""
     involved = {k for k in (problem.instance, problem.other) if 0 <= k < len(spec.items)}
     loose = [k for k in involved if catalogue()[spec.items[k].category].role in ("movable", "movable_furniture")]
@@ -94,7 +94,7 @@ def all_boxes(spec: HomeSpec) -> Array:
     return boxes
 
 
-def _message(spec: HomeSpec, problems: list[Problem]) -> str:
+def _message(spec: HomeSpec, problems: list[HomeProblem]) -> str:
     shown = "; ".join(problem.text for problem in problems[:3])
     more = f"; and {len(problems) - 3} more" if len(problems) > 3 else ""
     return f"{spec.name}: {shown}{more}; move or resize the items"

@@ -14,8 +14,8 @@ import numpy as np
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json, sha256_bytes
-from ucon.core.strict_json import parse_json
-from ucon.core.unpack import unpack_zlib
+from ucon.core.untrusted.strict_json import parse_json
+from ucon.core.untrusted.unpack import unpack_zlib
 from ucon.objects.model import Material
 from ucon.scenes.spec import HomeSpec, Item, Opening, Room
 from ucon.sim.homecheck import MOST_NODES, require_usable

@@ -14,9 +14,9 @@ from pathlib import Path
 import ucon
 from ucon.core.errors import DataError, EpisodeError, unknown_name
 from ucon.core.files import canonical_json, listed_files, read_verified, user_pack, write_atomic, write_manifest
-from ucon.core.plain_file import read_bounded
-from ucon.core.strict_json import JsonError, parse_json
-from ucon.core.unpack import UnpackError, unpack_xz
+from ucon.core.untrusted.plain_file import read_bounded
+from ucon.core.untrusted.strict_json import JsonError, parse_json
+from ucon.core.untrusted.unpack import UnpackError, unpack_xz
 from ucon.task.episode import Episode
 from ucon.task.rules import PAPER, RULES, task_rules
 

@@ -18,10 +18,10 @@ from torch.nn import functional
 from models.nets.belief.pooling import N_POOLS, pooled, strongest
 from models.nets.sizes import check_heads, check_sizes
 from ucon.core.errors import ConfigError
+from ucon.language.encoder import DIM
+from ucon.readers.evidence import SUPPORT_FLOOR
 from ucon.readers.head_inputs import N_CANDIDATE, N_HABIT, N_PAIR, N_RELATIONS, N_RELEVANCE, HeadInputs
 
-DIM: Final = 384
-FLOOR: Final = 0.02
 _LEAST: Final = 1e-4
 #: Logit of what cannot be.
 NEVER: Final = -60.0
@@ -55,7 +55,7 @@ class Inputs:
 
 
 @dataclass(frozen=True, eq=False)
-class Outputs:
+class HeadOutputs:
     """Unnormalised: probabilities are the softmax over ``anchor`` and ``unseen`` together."""
 
     anchor: Tensor  # (T, C) logits; NEVER where a candidate is not open
@@ -150,7 +150,7 @@ class BeliefHead(nn.Module):
                 self.straight.weight.zero_()
                 self.straight.weight[0, -1] = 1.0
 
-    def forward(self, inputs: HeadInputs) -> Outputs:
+    def forward(self, inputs: HeadInputs) -> HeadOutputs:
         """Read T targets of one household; see :class:`~ucon.readers.head_inputs.HeadInputs` for the shapes."""
         x = self._switched(Inputs.of(inputs))
         relevance = self.relevance(x)
@@ -163,7 +163,7 @@ class BeliefHead(nn.Module):
             seen_score, seen_relation = self.look(gate, x)
             score, relation = score + seen_score, relation + seen_relation
         score, unseen = score / self.temperature, self.unseen(context)[:, 0] / self.temperature
-        return Outputs(score.masked_fill(~x.open, NEVER), unseen, relation, relevance)
+        return HeadOutputs(score.masked_fill(~x.open, NEVER), unseen, relation, relevance)
 
     def _switched(self, x: Inputs) -> Inputs:
         """The inputs without what an ablation leaves out."""
@@ -206,11 +206,11 @@ class BeliefHead(nn.Module):
         parts = [
             x.prior[..., None],
             alike,
-            torch.log(FLOOR + total)[..., None],
-            torch.log(FLOOR + most)[..., None],
+            torch.log(SUPPORT_FLOOR + total)[..., None],
+            torch.log(SUPPORT_FLOOR + most)[..., None],
             x.candidate.expand(len(gate), -1, -1),
             context[:, None].expand(-1, c, -1),
-            torch.log(FLOOR + counted),
+            torch.log(SUPPORT_FLOOR + counted),
         ]
         if self.pools:
             parts.append(pooled(gate, x.pair))
@@ -223,9 +223,9 @@ class BeliefHead(nn.Module):
         said, how = x.pair[..., N_PAIR - 3], x.habit[:, 1:]
         heard = torch.einsum("th,hc,hr->tcr", gate, said, how)
         usual = x.relation_prior.expand(len(gate), -1, -1)
-        amount = torch.log(FLOOR + heard.sum(-1, keepdim=True))
+        amount = torch.log(SUPPORT_FLOOR + heard.sum(-1, keepdim=True))
         plain = torch.log(1e-4 + 0.5 * usual + heard * (usual > 0))
-        return plain + self.relation(torch.cat([torch.log(FLOOR + heard), usual, amount], -1))
+        return plain + self.relation(torch.cat([torch.log(SUPPORT_FLOOR + heard), usual, amount], -1))
 
 
 class Relevance(nn.Module):
@@ -255,7 +255,7 @@ class Look(nn.Module):
         self.habit = nn.Linear(DIM + N_HABIT, width)
         self.name, self.target = nn.Linear(DIM + N_CANDIDATE, width), nn.Linear(DIM, width)
         self.drop = nn.Dropout(dropout)
-        self.blocks = nn.ModuleList(Block(width, heads, dropout) for _ in range(blocks))
+        self.blocks = nn.ModuleList(HeadBlock(width, heads, dropout) for _ in range(blocks))
         self.norm = nn.LayerNorm(width)
         self.score, self.relation = nn.Linear(width, 1), nn.Linear(width, N_RELATIONS)
         _quiet(self.score, self.relation)
@@ -271,7 +271,7 @@ class Look(nn.Module):
         return self.score(query)[..., 0], self.relation(query)
 
 
-class Block(nn.Module):
+class HeadBlock(nn.Module):
     """Attention of (target, candidate) tokens over habits, with pair inputs as bias and the gate as weight."""
 
     def __init__(self, width: int, heads: int, dropout: float) -> None:

@@ -14,15 +14,15 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from models.nets.belief.belief_head import NEVER, BeliefHead, Outputs
+from models.nets.belief.belief_head import NEVER, BeliefHead, HeadOutputs
 from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import MANIFEST, read_verified, sha256_file
-from ucon.core.strict_json import JsonError, parse_json
 from ucon.core.tensor_files import check_header, header
-from ucon.habits.types import RELATIONS
+from ucon.core.untrusted.strict_json import JsonError, parse_json
 from ucon.language.encoder import one_thread
 from ucon.learning.belief_head.learner import CONFIG, PRIOR, WEIGHTS, head_tensors
 from ucon.learning.run.run_folder import MODEL
+from ucon.objects.model import RELATIONS
 from ucon.readers.anchor_prior import AnchorPrior
 from ucon.readers.anchor_reader import AnchorBelief
 from ucon.readers.household import Candidates, FittedParts, Household, default_parts, parts_with
@@ -78,7 +78,7 @@ class HeadReading:
             return
         self._reader.fill([self], new)
 
-    def take(self, candidates: Candidates, outputs: Outputs, row: int) -> None:
+    def take(self, candidates: Candidates, outputs: HeadOutputs, row: int) -> None:
         """Remember what the head said of some candidates, in one row of a batch."""
         scores, relation, gate = (
             np.asarray(np.round(value[row].double().numpy(), DECIMALS), np.float64)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.fingerprint import fingerprint_of
 from ucon.language.choice import LanguageModel, Option, Question
 from ucon.language.phrases import phrase
 from ucon.language.prompt import habit_block
@@ -39,8 +40,7 @@ class Advisor:
 
     def fingerprint(self) -> str | None:
         """Which weights it has, see :mod:`ucon.evaluation.playing.needed_weights`."""
-        found = getattr(self._language, "fingerprint", None)
-        return "" if found is None else found()
+        return fingerprint_of(self._language)
 
     def advice(self, info: Mapping[str, Any], anchors: Sequence[str]) -> NDArray[np.float64]:
         """Probability (A,) of each anchor; all its mass on one where a model only names one; uniform without answer."""

@@ -12,7 +12,7 @@ from torch import Tensor
 from models.nets.end_to_end.ego_view import CELL_M
 from models.nets.end_to_end.floor_memory import CHANNELS, HALF, REACH, SIZE
 from models.nets.end_to_end.reasons import Reasons
-from ucon.perception.drawing.map_picture import FLOOR, OPENED, PATH, TALL, TARGET, UNKNOWN, Image, draw_agent
+from ucon.perception.drawing.map_picture import FLOOR_COLOUR, OPENED, PATH, TALL, TARGET, UNKNOWN, Image, draw_agent
 from ucon.perception.drawing.overlay import FAINT, GOAL, WARM, Line, believes, map_room, page, speaking, words
 from ucon.task.actions import Action
 
@@ -87,7 +87,7 @@ def _map(why: Reasons, layers: Layers, pose: tuple[int, int, int], height: int, 
     if (at := _target_at(layers)) is not None:
         cv2.drawMarker(image, px(*at), TARGET, cv2.MARKER_TILTED_CROSS, 2 * cell_px, 3)
     middle = px(why.goal_xy[0] + CELL_M / 2, why.goal_xy[1] + CELL_M / 2)  # a goal is a block of two cells
-    cv2.circle(image, middle, max(4, cell_px), FLOOR, 4, cv2.LINE_AA)
+    cv2.circle(image, middle, max(4, cell_px), FLOOR_COLOUR, 4, cv2.LINE_AA)
     cv2.circle(image, middle, max(4, cell_px), GOAL, 2, cv2.LINE_AA)
     draw_agent(image, px, (pose[0] * CELL_M, pose[1] * CELL_M), pose[2] % 4, cell_px)
     return image
@@ -115,7 +115,7 @@ def _over_cells(goals: NDArray[np.float32], pose: tuple[int, int, int]) -> NDArr
 def _colours(layer: Layers, goals: NDArray[np.float32]) -> Image:
     """(N, M, 3) of N x M cells: what is there, warmer by the belief, bluer by how probable a goal is."""
     colours = np.full((*goals.shape, 3), UNKNOWN, np.uint8)
-    colours[layer["explored"] > 0] = FLOOR
+    colours[layer["explored"] > 0] = FLOOR_COLOUR
     colours[layer["blocked"] > 0] = TALL
     colours[layer["opened"] > 0] = OPENED
     most = float(goals.max(initial=0.0)) or 1.0

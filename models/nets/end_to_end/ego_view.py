@@ -26,7 +26,7 @@ N_THINGS = 32
 """Things of one frame, the target first, then by pixels; more are left out."""
 N_PAIRS = 192
 """Pairs of a thing and a cell that it was seen in."""
-EXPLORED, FLOOR, BLOCKED = 1, 2, 4
+EXPLORED, SEEN_FLOOR, BLOCKED = 1, 2, 4
 """Bits of the patch: a sight line passed over the cell; floor was seen in it; an obstacle leaves no room to stand."""
 THING_FEATURES = (
     *("ahead_m", "left_m", "up_m", "nearest_m", "sin", "cos"),
@@ -137,7 +137,7 @@ def _floor(points: F32, spread: F32) -> tuple[NDArray[np.uint8], NDArray[np.uint
     cell = np.where(inside, (f + BEHIND) * COLUMNS + left + ASIDE, -1).astype(np.int64)
     z, at = points[2][inside], cell[inside]
     flags = np.zeros(N_CELLS, np.uint8)
-    flags[at[z < _LOW_M]] |= FLOOR
+    flags[at[z < _LOW_M]] |= SEEN_FLOOR
     tall = (z >= _LOW_M) & (z < _TALL_M)
     off = np.stack([points[0][inside] - f[inside] * CELL_M, points[1][inside] - left[inside] * CELL_M])[:, tall]
     _block(flags, at[tall], off)

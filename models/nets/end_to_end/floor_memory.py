@@ -18,9 +18,9 @@ from models.nets.end_to_end.ego_view import (
     BLOCKED,
     COLUMNS,
     EXPLORED,
-    FLOOR,
     N_CELLS,
     ROWS,
+    SEEN_FLOOR,
 )
 
 HALF = 128
@@ -42,7 +42,7 @@ N_TRACKS = 512
 State = dict[str, Tensor]
 
 
-class Step(NamedTuple):
+class MemoryStep(NamedTuple):
     """What is written at one step, for B episodes."""
 
     pose: Tensor
@@ -90,7 +90,7 @@ class FloorMemory(torch.nn.Module):
         return {"cells": cells, "what": what}
 
     @torch.no_grad()
-    def write(self, state: State, step: Step) -> None:
+    def write(self, state: State, step: MemoryStep) -> None:
         """Put one step into the maps, in place."""
         cells, what = state["cells"], state["what"]
         here = step.pose[:, :2].long() + HALF
@@ -99,13 +99,13 @@ class FloorMemory(torch.nn.Module):
         index = at.clamp(0, SIZE - 1)
         flat = index[:, 0] * SIZE + index[:, 1]  # (B, N_CELLS)
         flags = step.patch.flatten(1)
-        seen = torch.stack([(flags & bit).bool() * 255 for bit in (EXPLORED, FLOOR, BLOCKED)], 1).to(torch.uint8)
+        seen = torch.stack([(flags & bit).bool() * 255 for bit in (EXPLORED, SEEN_FLOOR, BLOCKED)], 1).to(torch.uint8)
         new = torch.cat([seen, step.look.flatten(1)[:, None]], 1) * inside[:, None]
         cells[:, :4].scatter_reduce_(2, flat[:, None].expand(-1, 4, -1), new, "amax")
         self._write_pairs(cells, what, flat, inside, step)
         self._write_self(cells, here, step)
 
-    def _write_pairs(self, cells: Tensor, what: Tensor, flat: Tensor, inside: Tensor, step: Step) -> None:
+    def _write_pairs(self, cells: Tensor, what: Tensor, flat: Tensor, inside: Tensor, step: MemoryStep) -> None:
         there = (step.pair_cell >= 0) & inside.gather(1, step.pair_cell.clamp(min=0).long())
         target = flat.gather(1, step.pair_cell.clamp(min=0).long())  # (B, P)
         mass = (255 * step.pair_mass.clamp(0, 1).sqrt() * there[:, None]).to(torch.uint8)
@@ -116,7 +116,7 @@ class FloorMemory(torch.nn.Module):
         batch, pair = best.nonzero(as_tuple=True)
         what[batch, target[batch, pair]] = step.pair_category[batch, pair].to(torch.int16)
 
-    def _write_self(self, cells: Tensor, here: Tensor, step: Step) -> None:
+    def _write_self(self, cells: Tensor, here: Tensor, step: MemoryStep) -> None:
         rows = torch.arange(len(here), device=here.device)
         ahead = here + self.offsets[step.pose[:, 2].long(), :, (BEHIND + 1) * COLUMNS + ASIDE]
         own, next_ = (

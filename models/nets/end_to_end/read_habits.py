@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.habits.types import RELATIONS
 from ucon.language.encoder import DIM
 from ucon.language.phrases import phrase, query_text
 from ucon.language.store import StoredEncoder, default_encoder
 from ucon.objects.catalogue import catalogue
+from ucon.objects.model import RELATIONS
 from ucon.perception.places.target_places import affordance
 from ucon.readers.protocol import Read, Reader
 

@@ -17,9 +17,9 @@ from models.nets.end_to_end.ego_view import CELL_M
 from models.nets.end_to_end.floor_memory import HALF, REACH, SIZE
 from models.nets.end_to_end.inside import Inside
 from models.nets.end_to_end.read_habits import kept_habits, words
-from ucon.habits.types import RELATIONS
 from ucon.learning.policies.action_policy import Tensors
 from ucon.objects.catalogue import catalogue
+from ucon.objects.model import RELATIONS
 from ucon.readers.protocol import Reader
 from ucon.task.actions import Action
 

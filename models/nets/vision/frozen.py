@@ -12,7 +12,7 @@ import torch
 from torch import nn
 
 from ucon.core.errors import DataError, brief
-from ucon.core.weight_files import fingerprint, local_folder, missing_parts
+from ucon.core.untrusted.weight_files import fingerprint, local_folder, missing_parts
 
 
 class FrozenWeights:
@@ -40,7 +40,7 @@ class FrozenWeights:
             raise DataError(f"{self._option}={self.path}: no {', no '.join(missing)}; {self._how}")
 
     def fingerprint(self) -> str | None:
-        """Which files lie here, see :func:`ucon.core.weight_files.fingerprint`; None where there are none."""
+        """Which files lie here, see :func:`ucon.core.untrusted.weight_files.fingerprint`; None where there are none."""
         folder = local_folder(self.path)
         return None if folder is None else fingerprint(folder)
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from models.nets.vision.clip_eye import ClipEye
 from models.nets.vision.frozen import ClipTower, without_models
 from ucon.core.errors import ConfigError, DataError
-from ucon.core.weight_files import local_folder
+from ucon.core.untrusted.weight_files import local_folder
 from ucon.language.encoder import quiet
 from ucon.language.phrases import phrase
 from ucon.language.store import default_encoder

@@ -57,8 +57,8 @@ class GroupNormResNet50(nn.Module):
 class RunningMeanAndVar(nn.Module):
     """Normalises each channel by what it was in all images that were taken in (Habitat's layer of that name).
 
-    Habitat takes images in as it trains on them; here the learner says when (:meth:`take_in`), so that padding is left
-    out and nothing moves while probabilities are compared.
+    Habitat takes images in as it trains on them; here the learner says when (:meth:`update_statistics`), so that
+    padding is left out and nothing moves while probabilities are compared.
     """
 
     mean: Tensor
@@ -77,7 +77,7 @@ class RunningMeanAndVar(nn.Module):
         return (images - self.mean) / deviation
 
     @torch.no_grad()
-    def take_in(self, images: Tensor) -> None:
+    def update_statistics(self, images: Tensor) -> None:
         """Images (N, C, H, W), by the formula of Chan et al. for the variance of two sets together."""
         n = images.shape[0]
         mean = images.mean((0, 2, 3), keepdim=True)

@@ -12,7 +12,7 @@ from ucon.language.choice import Option, Question
 from ucon.language.encoder import MiniLM
 from ucon.language.labels import label_set
 from ucon.language.models.encoder import EncoderModel
-from ucon.language.models.keeping import KeepingWeights, furniture_names
+from ucon.language.models.keeping import LocationWeights, furniture_names
 from ucon.language.store import StoredEncoder, default_encoder, shipped_table
 
 LABELS = ("wallet", "kettle", "hammer", "apple")
@@ -65,7 +65,7 @@ def plain(question, encoder, w):
 @pytest.mark.parametrize("things", [OFFICE, KITCHEN, ("sofa",)])
 def test_it_computes_its_formula(encoder, habits, things):
     one = place(things, habits)
-    for weights in (KeepingWeights(), KeepingWeights(5.0, 0.2, 0.1, 0.3, 0.2, 1.5, 0.7)):
+    for weights in (LocationWeights(), LocationWeights(5.0, 0.2, 0.1, 0.3, 0.2, 1.5, 0.7)):
         (found,) = scores(EncoderModel(encoder=encoder, keeping=weights), one)
         assert found == pytest.approx(plain(one, encoder, weights), abs=1e-4)
         assert np.exp(found).sum() == pytest.approx(1.0, abs=1e-3)

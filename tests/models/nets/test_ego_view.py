@@ -9,8 +9,8 @@ from models.nets.end_to_end.ego_view import (
     BLOCKED,
     COLUMNS,
     EXPLORED,
-    FLOOR,
     N_CELLS,
+    SEEN_FLOOR,
     THING_FEATURES,
     _block,
     ego_view,
@@ -90,4 +90,4 @@ def test_cells_of_things_and_of_the_floor() -> None:
     ahead = found.patch[:, ASIDE] & EXPLORED
     assert ahead[BEHIND : BEHIND + 9].all()
     assert not ahead[BEHIND + 9 :].any()
-    assert not (found.patch & FLOOR).any(), "the lowest point in view is a tenth of a metre up"
+    assert not (found.patch & SEEN_FLOOR).any(), "the lowest point in view is a tenth of a metre up"

@@ -5,21 +5,21 @@ from __future__ import annotations
 import pytest
 import torch
 
-from models.nets.end_to_end.ego_view import ASIDE, BEHIND, COLUMNS, FLOOR, ROWS
-from models.nets.end_to_end.floor_memory import CHANNELS, HALF, SIZE, FloorMemory, State, Step
+from models.nets.end_to_end.ego_view import ASIDE, BEHIND, COLUMNS, ROWS, SEEN_FLOOR
+from models.nets.end_to_end.floor_memory import CHANNELS, HALF, SIZE, FloorMemory, MemoryStep, State
 
 FRONT = (3 + BEHIND) * COLUMNS + ASIDE
 """The cell of the patch three ahead."""
 
 
-def step(*pairs: tuple[int, float, int], heading: int = 0, collision: bool = False) -> Step:
+def step(*pairs: tuple[int, float, int], heading: int = 0, collision: bool = False) -> MemoryStep:
     """``pairs``: cell of the patch, belief that the target is on top of what is there, number of its category."""
     mass = torch.zeros(1, 6, max(len(pairs), 1))
     for k, (_, belief, _) in enumerate(pairs):
         mass[0, 0, k] = belief
     patch = torch.zeros(1, ROWS, COLUMNS, dtype=torch.uint8)
-    patch.view(-1)[FRONT] = FLOOR
-    return Step(
+    patch.view(-1)[FRONT] = SEEN_FLOOR
+    return MemoryStep(
         pose=torch.tensor([[0, 0, heading, 0]]),
         collision=torch.tensor([collision]),
         patch=patch,
@@ -30,7 +30,7 @@ def step(*pairs: tuple[int, float, int], heading: int = 0, collision: bool = Fal
     )
 
 
-def written(*steps: Step) -> tuple[dict[str, torch.Tensor], torch.Tensor]:
+def written(*steps: MemoryStep) -> tuple[dict[str, torch.Tensor], torch.Tensor]:
     memory = FloorMemory()
     state: State = memory.initial_state(1, torch.device("cpu"))
     for one in steps:

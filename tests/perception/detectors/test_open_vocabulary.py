@@ -17,7 +17,7 @@ from ucon.core.errors import ConfigError, DetectorError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.perception.detectors import Frame, vocabulary
 from ucon.perception.detectors.grounding_dino import GroundingDinoDetector
-from ucon.perception.detectors.open_vocabulary import Weights, load
+from ucon.perception.detectors.open_vocabulary import DetectorWeights, load
 from ucon.perception.detectors.owlv2 import TEMPLATE, Owlv2Detector
 from ucon.perception.detectors.phrases import Names, chunks, plain
 
@@ -68,13 +68,13 @@ def check(detector, shown: Frame) -> None:
 
 
 def test_owlv2_finds_names_of_the_vocabulary_in_the_frame(owl: str) -> None:
-    check(Owlv2Detector(Weights(owl), threshold=0.0, nms_iou=1.0, names=NAMES), frame())
+    check(Owlv2Detector(DetectorWeights(owl), threshold=0.0, nms_iou=1.0, names=NAMES), frame())
 
 
 def test_owlv2_says_what_one_call_of_the_model_says(owl: str) -> None:
     """With names embedded beforehand, in batches of any size, and boxes brought back from the padded square."""
     shown = frame()
-    loaded = load(Weights(owl))
+    loaded = load(DetectorWeights(owl))
     texts = [TEMPLATE.format(plain(name)) for name in NAMES]
     inputs = loaded.processor(text=[texts], images=shown.rgb, return_tensors="pt")
     with torch.inference_mode():
@@ -83,7 +83,7 @@ def test_owlv2_says_what_one_call_of_the_model_says(owl: str) -> None:
         outputs, threshold=0.0, target_sizes=[(96, 128)], text_labels=[list(NAMES)]
     )[0]
     for batch in (2, 100):
-        detector = Owlv2Detector(Weights(owl), threshold=0.0, nms_iou=1.0, names=NAMES, batch=batch)
+        detector = Owlv2Detector(DetectorWeights(owl), threshold=0.0, nms_iou=1.0, names=NAMES, batch=batch)
         with torch.inference_mode():
             found = detector._raw(loaded, shown.rgb)
         assert found.label == wanted["text_labels"]
@@ -93,7 +93,7 @@ def test_owlv2_says_what_one_call_of_the_model_says(owl: str) -> None:
 
 
 def test_owlv2_embeds_the_names_once(owl: str) -> None:
-    detector = Owlv2Detector(Weights(owl), threshold=0.0, names=NAMES)
+    detector = Owlv2Detector(DetectorWeights(owl), threshold=0.0, names=NAMES)
     detector.find(frame())
     first = detector._queries
     detector.reset("next", ())
@@ -103,13 +103,13 @@ def test_owlv2_embeds_the_names_once(owl: str) -> None:
 
 
 def test_grounding_dino_finds_names_of_the_vocabulary_in_the_frame(dino: str) -> None:
-    detector = GroundingDinoDetector(Weights(dino), threshold=0.0, text_threshold=0.0, nms_iou=1.0, names=NAMES)
+    detector = GroundingDinoDetector(DetectorWeights(dino), threshold=0.0, text_threshold=0.0, nms_iou=1.0, names=NAMES)
     check(detector, frame())
 
 
 def test_grounding_dino_in_one_prompt_says_what_one_call_says(dino: str) -> None:
-    shown, loaded = frame(), load(Weights(dino))
-    detector = GroundingDinoDetector(Weights(dino), threshold=0.0, text_threshold=0.5, names=NAMES)
+    shown, loaded = frame(), load(DetectorWeights(dino))
+    detector = GroundingDinoDetector(DetectorWeights(dino), threshold=0.0, text_threshold=0.5, names=NAMES)
     prompts = detector.prompts(loaded)
     assert prompts == ["coffee table. coffee mug. bed. t shirt. table lamp. sofa. book."]
     inputs = loaded.processor(images=shown.rgb, text=prompts[0], return_tensors="pt")
@@ -129,8 +129,10 @@ def test_grounding_dino_in_one_prompt_says_what_one_call_says(dino: str) -> None
 
 def test_grounding_dino_splits_what_does_not_fit_its_window(folder: Path) -> None:
     small = str(tiny.grounding_dino(folder / "small", WORDS, window=10))
-    detector = GroundingDinoDetector(Weights(small), threshold=0.0, text_threshold=0.0, nms_iou=1.0, names=NAMES)
-    loaded = load(Weights(small))
+    detector = GroundingDinoDetector(
+        DetectorWeights(small), threshold=0.0, text_threshold=0.0, nms_iou=1.0, names=NAMES
+    )
+    loaded = load(DetectorWeights(small))
     prompts = detector.prompts(loaded)
     assert prompts == ["coffee table. coffee mug. bed.", "t shirt. table lamp. sofa.", "book."]
     assert all(len(loaded.processor.tokenizer(prompt)["input_ids"]) <= 10 for prompt in prompts)
@@ -138,7 +140,7 @@ def test_grounding_dino_splits_what_does_not_fit_its_window(folder: Path) -> Non
         found = detector._raw(loaded, frame().rgb)
         alone = []
         for part in (NAMES[:3], NAMES[3:6], NAMES[6:]):
-            one = GroundingDinoDetector(Weights(small), threshold=0.0, text_threshold=0.0, names=part)
+            one = GroundingDinoDetector(DetectorWeights(small), threshold=0.0, text_threshold=0.0, names=part)
             alone.append(one._raw(loaded, frame().rgb))
     assert found.label == [name for part in alone for name in part.label]
     np.testing.assert_allclose(found.xyxy, np.concatenate([part.xyxy for part in alone]), atol=1e-5)
@@ -147,7 +149,9 @@ def test_grounding_dino_splits_what_does_not_fit_its_window(folder: Path) -> Non
 @pytest.mark.parametrize("make", [GroundingDinoDetector, Owlv2Detector])
 def test_an_episode_with_a_model_in_it(make: type, dino: str, owl: str) -> None:
     """Colours are drawn for the detector, but no agent that asked for symbols gets them."""
-    detector = make(Weights(dino if make is GroundingDinoDetector else owl), threshold=0.0, most_boxes=5, names=NAMES)
+    detector = make(
+        DetectorWeights(dino if make is GroundingDinoDetector else owl), threshold=0.0, most_boxes=5, names=NAMES
+    )
     env = UcONEnv("mini", observe="symbolic", detector=detector, habit_level="none")
     looks = []
     for _ in range(2):
@@ -165,7 +169,7 @@ def test_an_episode_with_a_model_in_it(make: type, dino: str, owl: str) -> None:
 
 
 def test_weights_that_are_not_there_are_one_line(tmp_path: Path) -> None:
-    detector = Owlv2Detector(Weights(str(tmp_path / "none")))
+    detector = Owlv2Detector(DetectorWeights(str(tmp_path / "none")))
     with pytest.raises(DetectorError, match="download=true") as caught:
         detector.find(frame())
     assert "\n" not in str(caught.value)
@@ -176,10 +180,10 @@ def test_weights_that_are_not_there_are_one_line(tmp_path: Path) -> None:
 def test_missing_files_are_told_before_anything_is_loaded(kind: type, lacks: str, owl: str, tmp_path: Path) -> None:
     shutil.copytree(owl, tmp_path / "m")
     before = load.cache_info().currsize
-    detector = kind(Weights(str(tmp_path / "m")), threshold=0.2)
+    detector = kind(DetectorWeights(str(tmp_path / "m")), threshold=0.2)
     detector.check()
     print_of_all = detector.fingerprint()
-    assert print_of_all == kind(Weights(owl), threshold=0.2).fingerprint()
+    assert print_of_all == kind(DetectorWeights(owl), threshold=0.2).fingerprint()
     if lacks:
         (tmp_path / "m" / lacks).unlink()
         with pytest.raises(DetectorError, match=r"no (config\.json|weights \(\*\.safetensors\)); give") as caught:
@@ -191,7 +195,7 @@ def test_missing_files_are_told_before_anything_is_loaded(kind: type, lacks: str
 
 def test_a_name_that_is_not_in_the_cache_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("huggingface_hub.constants.HF_HUB_CACHE", str(tmp_path))
-    detector = Owlv2Detector(Weights("google/owlv2-base-patch16-ensemble"), threshold=0.2)
+    detector = Owlv2Detector(DetectorWeights("google/owlv2-base-patch16-ensemble"), threshold=0.2)
     with pytest.raises(DetectorError, match=r"detector owlv2: weights google/.* no folder or cached model"):
         detector.check()
     assert detector.fingerprint() is None
@@ -199,16 +203,16 @@ def test_a_name_that_is_not_in_the_cache_is_told(monkeypatch: pytest.MonkeyPatch
 
 def test_options_that_cannot_be_are_refused(owl: str) -> None:
     with pytest.raises(ConfigError, match="dtype"):
-        Weights(owl, dtype="int8")
+        DetectorWeights(owl, dtype="int8")
     for wrong in ({"threshold": 1.0}, {"nms_iou": -1.0}, {"most_boxes": 0}):
         with pytest.raises(ConfigError, match="expected a threshold"):
-            Owlv2Detector(Weights(owl), **wrong)
+            Owlv2Detector(DetectorWeights(owl), **wrong)
     colourless = frame()
     colourless = Frame(
         colourless.depth, None, *(getattr(colourless, f) for f in ("pose", "camera_m", "fov_deg", "instance", "counts"))
     )
     with pytest.raises(DetectorError, match="no colours"):
-        Owlv2Detector(Weights(owl), names=NAMES).find(colourless)
+        Owlv2Detector(DetectorWeights(owl), names=NAMES).find(colourless)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ucon.generation.propose import Wish
+    from ucon.generation.propose import EntryWish
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -70,13 +70,13 @@ def run(args: argparse.Namespace) -> int:
     return 1 if found.left_out else 0
 
 
-def _wish(text: str, kind: str | None) -> Wish:
+def _wish(text: str, kind: str | None) -> EntryWish:
     from ucon.core.errors import ConfigError, brief
-    from ucon.generation.propose import Wish
+    from ucon.generation.propose import EntryWish
 
     category, _, count = text.partition("=")
     if count and (not count.isdecimal() or len(count) > 6):
         raise ConfigError(
             f"'{brief(text)}': '{brief(count)}' is no number up to 999999; expected CATEGORY or CATEGORY=COUNT"
         )
-    return Wish(category, int(count or 1), kind)
+    return EntryWish(category, int(count or 1), kind)

@@ -14,7 +14,7 @@ from ucon.sim.paths import UNREACHABLE, distances
 from ucon.task.ledger import solution_nodes
 
 
-class ToGo:
+class DistanceToGoal:
     """Of the episode that an environment plays."""
 
     def __init__(self, env: UcONEnv) -> None:

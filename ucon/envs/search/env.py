@@ -11,11 +11,12 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError
+from ucon.core.fingerprint import fingerprint_of
 from ucon.core.sharing import PartlyShared
 from ucon.envs.knowledge import HabitSource
 from ucon.envs.options import checked_action, told, with_texts
 from ucon.envs.search.course import RENDER_MODES, Course
-from ucon.envs.search.distance_to_goal import ToGo
+from ucon.envs.search.distance_to_goal import DistanceToGoal
 from ucon.envs.ucon_env import Obs, UcONEnv
 from ucon.objects.catalogue import catalogue
 from ucon.perception.belief.from_habits import Locate, ReadHabits, expecting
@@ -131,7 +132,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         self._locate, self._miss, self._sizes = locate or ReadHabits(), miss, sizes or Sizes()
         self._text, self._returns = text or TextTokens(), returns or Returns()
         self._searcher: Searcher | None = None
-        self._to_go: ToGo | None = None
+        self._to_go: DistanceToGoal | None = None
         self._tells_way = to_go
         self.action_space = spaces.Discrete(self._sizes.views)  # type: ignore[assignment]  # it draws NumPy integers
         self.observation_space = observation_space(self._sizes, self._text, to_go=to_go)
@@ -151,7 +152,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         self._searcher = Searcher(info, believing, miss=self._miss)
         self._reader = TokenReader(self._searcher, info, self._sizes)
         self._said = SaidTokens(self._text, str(info["target"]), believing)
-        self._to_go = ToGo(self.env) if self._tells_way else None
+        self._to_go = DistanceToGoal(self.env) if self._tells_way else None
         self._last, self._over = (obs, info), (False, False)
         self._tokens: Tokens | None = None
         self._course.begin(self.env)
@@ -241,7 +242,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
 
     def fingerprint(self) -> str:
         """Which trained reader says where the target may be, see :mod:`ucon.evaluation.playing.needed_weights`."""
-        return str(getattr(self._locate, "fingerprint", str)())
+        return str(fingerprint_of(self._locate))
 
 
 def observation_space(sizes: Sizes, text: TextTokens, *, to_go: bool = False) -> spaces.Dict:

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from ucon.evaluation.datasets.sentences import names
-from ucon.habits import RELATIONS, Entry, HabitDataset
+from ucon.habits import Entry, HabitDataset
 from ucon.habits.contexts import Condition, condition_of
+from ucon.objects.model import RELATIONS
 
-KINDS = ("day", "time", "season", "event", "other")
+CONTEXT_KINDS = ("day", "time", "season", "event", "other")
 
 
 def placement_statistics(dataset: HabitDataset) -> dict[str, Any]:
@@ -88,5 +89,5 @@ def _contexts(dataset: HabitDataset) -> dict[str, Any]:
         "placements": len(told),
         "share": round(len(told) / len(places), 4),
         "distinct": len(set(told)),
-        "kinds": {name: kinds[name] for name in KINDS},
+        "kinds": {name: kinds[name] for name in CONTEXT_KINDS},
     }

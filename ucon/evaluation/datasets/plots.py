@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ucon.evaluation.datasets.homes_of_habits import LONGEST
-from ucon.evaluation.datasets.placements import KINDS, anchor_shares, conditions
+from ucon.evaluation.datasets.placements import CONTEXT_KINDS, anchor_shares, conditions
 from ucon.evaluation.datasets.sentences import word_counts
 from ucon.evaluation.figures.plotting import (
     ABOVE,
@@ -25,9 +25,9 @@ from ucon.evaluation.figures.plotting import (
     require_matplotlib,
     save_png,
 )
-from ucon.habits import RELATIONS
 from ucon.habits.contexts import DAYS, EVENT_GROUPS, SEASONS, between
 from ucon.habits.knowledge import MODES
+from ucon.objects.model import RELATIONS
 
 if TYPE_CHECKING:
     from ucon.evaluation.datasets.dataset_statistics import Measures
@@ -159,7 +159,7 @@ def _contexts(found: Sequence[Measures]) -> Any:
     panels = figure.subplot_mosaic([["kind", "season", "group"], ["day", "hour", "group"]], width_ratios=(1, 1, 0.9))
     seasons = [sum(s in (c.seasons or ()) for c in known) for s in SEASONS]
     days = [sum(d in (c.days or ()) for c in known) for d in range(7)]
-    grouped_bars(panels["kind"], [[told["kinds"][k] for k in KINDS]], KINDS, "{:,.0f}".format)
+    grouped_bars(panels["kind"], [[told["kinds"][k] for k in CONTEXT_KINDS]], CONTEXT_KINDS, "{:,.0f}".format)
     grouped_bars(panels["season"], [seasons], SEASONS, str)
     grouped_bars(panels["day"], [days], DAYS, str)
     hours = np.asarray([sum(c.hours is not None and between(h, *c.hours) for c in known) for h in range(24)])

@@ -18,8 +18,8 @@ from typing import Final
 import numpy as np
 
 from ucon.core.errors import ConfigError, DataError, brief
-from ucon.core.plain_file import read_bounded
 from ucon.core.rng import stream
+from ucon.core.untrusted.plain_file import read_bounded
 from ucon.habits import Entry, HabitDataset, Placement
 
 QUESTIONS: Final = (
@@ -34,7 +34,7 @@ _WORDS: Final = {"ontop": "on top of", "inside": "inside", "under": "under", "ne
 
 
 @dataclass(frozen=True, slots=True)
-class Item:
+class RatedHabit:
     """One question of a survey with its answer; the sheet shows the first four fields only."""
 
     item: int
@@ -49,7 +49,7 @@ class Item:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class Rating:
     """What one rater said of one item; None: left empty."""
 
     item: int
@@ -58,7 +58,7 @@ class Answer:
     look: str | None
 
 
-def draw_items(dataset: HabitDataset, n: int, seed: int = 0) -> list[Item]:
+def draw_items(dataset: HabitDataset, n: int, seed: int = 0) -> list[RatedHabit]:
     """Items of a survey: half (rounded up) with true placements, half with swapped ones, in random order.
 
     Raises:
@@ -89,7 +89,7 @@ def draw_items(dataset: HabitDataset, n: int, seed: int = 0) -> list[Item]:
         where = f"{_WORDS[place.relation]} the {place.anchor.replace('_', ' ')}"
         truth = "swapped" if number in swapped else "true"
         thing = entry.category.replace("_", " ")
-        items.append(Item(number + 1, thing, text, where, truth, entry.id, place.relation, place.anchor))
+        items.append(RatedHabit(number + 1, thing, text, where, truth, entry.id, place.relation, place.anchor))
     return items
 
 
@@ -107,41 +107,41 @@ def _candidate(entries: Sequence[Entry], rng: np.random.Generator) -> tuple[Entr
     return None
 
 
-def sheet_csv(items: Sequence[Item]) -> str:
+def sheet_csv(items: Sequence[RatedHabit]) -> str:
     """The sheet that raters fill in."""
     rows = [(one.item, one.object, one.habit, one.place, "", "") for one in items]
     return _csv(SHEET_FIELDS, rows)
 
 
-def key_csv(items: Sequence[Item]) -> str:
+def key_csv(items: Sequence[RatedHabit]) -> str:
     """The key that scores it, never to be shown to raters."""
-    return _csv(tuple(field.name for field in fields(Item)), [astuple(one) for one in items])
+    return _csv(tuple(field.name for field in fields(RatedHabit)), [astuple(one) for one in items])
 
 
-def read_key(path: Path) -> dict[int, Item]:
+def read_key(path: Path) -> dict[int, RatedHabit]:
     """Items by number.
 
     Raises:
         DataError: naming file and line of what is no key.
     """
-    found: dict[int, Item] = {}
-    for line, row in _rows(path, tuple(field.name for field in fields(Item)), "the key of `habits survey make`"):
+    found: dict[int, RatedHabit] = {}
+    for line, row in _rows(path, tuple(field.name for field in fields(RatedHabit)), "the key of `habits survey make`"):
         number = _number(path, line, row["item"])
         if row["truth"] not in ("true", "swapped"):
             raise DataError(f"{path}:{line}: truth '{brief(row['truth'])}', expected true or swapped; restore the key")
         if number in found:
             raise DataError(f"{path}:{line}: item {number} is listed twice; restore the key")
-        found[number] = Item(number, *(row[field.name] for field in fields(Item)[1:]))
+        found[number] = RatedHabit(number, *(row[field.name] for field in fields(RatedHabit)[1:]))
     return found
 
 
-def read_sheet(path: Path, key: dict[int, Item]) -> list[Answer]:
+def read_sheet(path: Path, key: dict[int, RatedHabit]) -> list[Rating]:
     """The answers of one rater, who is named after the file.
 
     Raises:
         DataError: naming file and line of an answer that is none, a wrong or missing item, or another survey's text.
     """
-    answers: dict[int, Answer] = {}
+    answers: dict[int, Rating] = {}
     for line, row in _rows(path, SHEET_FIELDS, "a sheet of `habits survey make`"):
         where, number = f"{path}:{line}", _number(path, line, row["item"])
         if number not in key:
@@ -157,7 +157,7 @@ def read_sheet(path: Path, key: dict[int, Item]) -> list[Answer]:
             raise DataError(f"{where}: real_1_to_5 is '{brief(real)}', expected a whole number from 1 to 5, or nothing")
         if look not in ("", *LOOK):
             raise DataError(f"{where}: look_yes_no_unsure is '{brief(look)}', expected yes, no, unsure, or nothing")
-        answers[number] = Answer(number, path.stem, int(real) if real else None, look or None)
+        answers[number] = Rating(number, path.stem, int(real) if real else None, look or None)
     if missing := sorted(set(key) - set(answers)):
         raise DataError(
             f"{path}: item {missing[0]} is missing ({len(missing)} in all); leave lines in, answers may be empty"

@@ -6,7 +6,7 @@ import json
 from collections.abc import Sequence
 from html import escape
 
-from ucon.evaluation.datasets.survey import LOOK, QUESTIONS, SHEET_FIELDS, Item
+from ucon.evaluation.datasets.survey import LOOK, QUESTIONS, SHEET_FIELDS, RatedHabit
 
 _STYLE = """
 body { font: 16px/1.45 system-ui, sans-serif; color: #1f2937; max-width: 46rem; margin: 2rem auto; padding: 0 1rem; }
@@ -40,7 +40,7 @@ document.getElementById('save').addEventListener('click', () => {
 """
 
 
-def sheet_html(items: Sequence[Item], name: str) -> str:
+def sheet_html(items: Sequence[RatedHabit], name: str) -> str:
     """The sheet as a page; ``name`` is what the browser calls the file it saves. Holds nothing of the key."""
     cards = "\n".join(_card(item) for item in items)
     script = _SCRIPT.replace("HEAD", json.dumps(list(SHEET_FIELDS))).replace("'NAME'", _text(name))
@@ -59,7 +59,7 @@ leave out what you cannot answer. There are no right answers to the first questi
 """
 
 
-def _card(item: Item) -> str:
+def _card(item: RatedHabit) -> str:
     number = item.item
     data = f'data-item="{number}" data-object="{escape(item.object)}" data-habit="{escape(item.habit)}"'
     return f"""<div class="item" {data} data-place="{escape(item.place)}"><span class="number">{number}</span><div>

@@ -9,11 +9,11 @@ import numpy as np
 
 from ucon.core.rng import stream
 from ucon.evaluation.datasets.agreement import alpha_interval, to_json
-from ucon.evaluation.datasets.survey import LOOK, Answer, Item
+from ucon.evaluation.datasets.survey import LOOK, RatedHabit, Rating
 from ucon.evaluation.figures.intervals import RESAMPLES, Interval, mean_interval, rate_interval
 
 
-def score_survey(key: Mapping[int, Item], answers: Sequence[Answer]) -> dict[str, Any]:
+def score_survey(key: Mapping[int, RatedHabit], answers: Sequence[Rating]) -> dict[str, Any]:
     """JSON-ready figures; intervals draw whole items, whose ratings are not independent; None where nobody answered.
 
     ``look`` gives the share of "yes" among the answers about true and about swapped places, and their difference.
@@ -43,22 +43,22 @@ def score_survey(key: Mapping[int, Item], answers: Sequence[Answer]) -> dict[str
     }
 
 
-def _raters(answers: Sequence[Answer]) -> list[str]:
+def _raters(answers: Sequence[Rating]) -> list[str]:
     return list(dict.fromkeys(a.rater for a in answers))
 
 
-def _yes(answers: Sequence[Answer]) -> Interval | None:
+def _yes(answers: Sequence[Rating]) -> Interval | None:
     said = [a.look == "yes" for a in answers]
     return rate_interval(said, clusters=[str(a.item) for a in answers]) if said else None
 
 
-def _shares(answers: Sequence[Answer]) -> dict[str, float] | None:
+def _shares(answers: Sequence[Rating]) -> dict[str, float] | None:
     if not answers:
         return None
     return {value: round(sum(a.look == value for a in answers) / len(answers), 4) for value in LOOK}
 
 
-def _difference(true: Sequence[Answer], swapped: Sequence[Answer]) -> Interval | None:
+def _difference(true: Sequence[Rating], swapped: Sequence[Rating]) -> Interval | None:
     """Share of "yes" about true minus swapped places: other items, so both groups are drawn by themselves."""
     if not true or not swapped:
         return None
@@ -81,7 +81,7 @@ def _by_item(values: Sequence[tuple[int, int]]) -> list[list[int]]:
     return list(found.values())
 
 
-def _rater(key: Mapping[int, Item], answers: Sequence[Answer]) -> dict[str, float | None]:
+def _rater(key: Mapping[int, RatedHabit], answers: Sequence[Rating]) -> dict[str, float | None]:
     def share(truth: str) -> float | None:
         said = [a.look == "yes" for a in answers if a.look and key[a.item].truth == truth]
         return round(float(np.mean(said)), 4) if said else None

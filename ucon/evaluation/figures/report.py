@@ -16,8 +16,8 @@ import ucon
 from ucon.core.files import canonical_json, sha256_bytes, sha256_file
 from ucon.evaluation.figures.metrics import summarise
 from ucon.evaluation.kept.decisions import language_figures, seconds_per_decision
-from ucon.evaluation.kept.naming import ANY_LEVEL, Parts, level, player
-from ucon.evaluation.playing.play import Played
+from ucon.evaluation.kept.naming import ANY_LEVEL, NameParts, level, player
+from ucon.evaluation.playing.play import PlayedEpisode
 from ucon.task.episode import Episode
 
 #: Packages whose version can change a record.
@@ -73,13 +73,13 @@ def versions() -> dict[str, str]:
     return found
 
 
-def summary(played: Sequence[Played], hashes: dict[str, str], parts: Parts | None = None) -> dict[str, Any]:
+def summary(played: Sequence[PlayedEpisode], hashes: dict[str, str], parts: NameParts | None = None) -> dict[str, Any]:
     """Content of ``summary.json``: what is the same in every equal run."""
     records = [p.record for p in played]
     return {
         "agent": records[0].agent,
         "habit_level": records[0].habit_level,
-        **(parts or Parts()).to_json(),
+        **(parts or NameParts()).to_json(),
         **summarise(records),
         "language": language_figures([d for p in played for d in p.decisions], len(played)),
         "hashes": hashes,
@@ -87,7 +87,7 @@ def summary(played: Sequence[Played], hashes: dict[str, str], parts: Parts | Non
     }
 
 
-def seconds_of(played: Sequence[Played], seconds: float) -> dict[str, Any]:
+def seconds_of(played: Sequence[PlayedEpisode], seconds: float) -> dict[str, Any]:
     """Content of ``seconds.json``: wall time of the run, and of its episodes added up."""
     return {
         "seconds": round(seconds, 2),

@@ -10,7 +10,7 @@ from typing import Any, Final
 from ucon.core.errors import DataError
 from ucon.core.files import canonical_json
 from ucon.core.text import shown
-from ucon.core.typed import read_as
+from ucon.core.untrusted.typed import read_as
 
 _COUNTS: Final = (
     "number", "step", "chosen", "asked", "dropped", "retries", "prompt_tokens", "completion_tokens",

@@ -13,13 +13,13 @@ from omegaconf.errors import OmegaConfBaseException
 from yaml import YAMLError
 
 from ucon.core.errors import DataError, brief
-from ucon.core.plain_file import read_plain
-from ucon.core.yaml_text import without_aliases
+from ucon.core.untrusted.plain_file import read_plain
+from ucon.core.untrusted.yaml_text import without_aliases
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.evaluation.kept.naming import level, player
 from ucon.evaluation.kept.record import EpisodeRecord, EpisodeTiming, json_lines, parse_records
 from ucon.evaluation.kept.seal import CONFIG, DECISIONS, RECORDS, SUMMARY, TIMING, RunFiles, has_summary, read_files
-from ucon.evaluation.playing.play import Played
+from ucon.evaluation.playing.play import PlayedEpisode
 
 #: What tables show of a summary, and of which types: a number, or one for each end of an interval.
 _NUMBERS: Final = ("n", "success_rate", "spl", "soft_spl", "success_75", "success_150", "success_300", "steps")
@@ -96,7 +96,7 @@ class FinishedRun:
             raise DataError(f"{self.folder / DECISIONS}: of an episode {brief(min(odd))} that is not there; {_ALTERED}")
         return dict(made)
 
-    def played(self) -> dict[int, Played]:
+    def played(self) -> dict[int, PlayedEpisode]:
         """The episodes by index, as they were when they ended.
 
         Raises:
@@ -114,7 +114,7 @@ class FinishedRun:
 
 def as_played(
     index: int, record: EpisodeRecord, timing: EpisodeTiming, made: list[DecisionRecord], where: str
-) -> Played:
+) -> PlayedEpisode:
     """An episode as it was when it ended: decisions get their seconds back from the timing.
 
     Raises:
@@ -125,7 +125,9 @@ def as_played(
         raise DataError(f"{where}: {len(made)} decisions in {record.episode}, expected {len(seconds)}; {_ALTERED}")
     if {timing.episode, *(d.episode for d in made)} != {record.episode}:
         raise DataError(f"{where}: a timing or decision of another episode than {record.episode}; {_ALTERED}")
-    return Played(index, record, timing, tuple(replace(d, seconds=s) for d, s in zip(made, seconds, strict=True)))
+    return PlayedEpisode(
+        index, record, timing, tuple(replace(d, seconds=s) for d, s in zip(made, seconds, strict=True))
+    )
 
 
 def check_summary(said: Mapping[str, Any], path: Path) -> None:

@@ -20,7 +20,7 @@ from ucon.evaluation.kept.finished import FinishedRun
 from ucon.evaluation.kept.partial import PARTIAL, line_of, line_of_played, read_header, read_partial
 from ucon.evaluation.kept.record import to_lines
 from ucon.evaluation.kept.seal import CONFIG, DECISIONS, RECORDS, SEALED, SECONDS, SUMMARY, TIMING, has_summary, sealed
-from ucon.evaluation.playing.play import Played
+from ucon.evaluation.playing.play import PlayedEpisode
 
 
 class RunFolder:
@@ -49,7 +49,7 @@ class RunFolder:
             return self._begun_here()
         return not self.path.exists() or (self.path.is_dir() and not any(self.path.iterdir()))
 
-    def open(self, episodes: Sequence[str]) -> dict[int, Played]:
+    def open(self, episodes: Sequence[str]) -> dict[int, PlayedEpisode]:
         """Make the folder and return the episodes that an earlier, equal run finished, by index.
 
         Args:
@@ -73,11 +73,11 @@ class RunFolder:
         self._opened = time.perf_counter()
         return done
 
-    def add(self, played: Played) -> None:
+    def add(self, played: PlayedEpisode) -> None:
         """Keep a finished episode, so that it survives an interruption."""
         self._append(line_of_played(played, self.seconds, self._first))
 
-    def finish(self, played: Sequence[Played], summary: Mapping[str, Any], config_yaml: str) -> None:
+    def finish(self, played: Sequence[PlayedEpisode], summary: Mapping[str, Any], config_yaml: str) -> None:
         """Write the final files and remove the partial one. ``summary.json`` comes last: it says that all is there."""
         if self._partial is not None:
             self._partial.close()
@@ -102,7 +102,7 @@ class RunFolder:
             self._partial.write(line)
             self._partial.flush()
 
-    def _finished(self, episodes: Sequence[str]) -> dict[int, Played]:
+    def _finished(self, episodes: Sequence[str]) -> dict[int, PlayedEpisode]:
         run = FinishedRun.read(self.path)
         found = run.summary["hashes"]
         self._refuse_other(self.hashes, found, SUMMARY)
@@ -115,7 +115,7 @@ class RunFolder:
         self.summary, self.hashes = run.summary, dict(found)  # it knows weights that may be gone by now
         return played
 
-    def _read_partial(self, episodes: Sequence[str]) -> dict[int, Played]:
+    def _read_partial(self, episodes: Sequence[str]) -> dict[int, PlayedEpisode]:
         partial = self.path / PARTIAL
         if not partial.is_file():
             return {}

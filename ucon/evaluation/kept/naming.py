@@ -15,7 +15,7 @@ ANY_LEVEL = "any"
 
 
 @dataclass(frozen=True)
-class Parts:
+class NameParts:
     """What ``summary.json`` says of a run's parts, so that tables can name them."""
 
     language_model: str | None = None
@@ -28,10 +28,10 @@ class Parts:
         return asdict(self)
 
 
-def parts_of(agent: Any, detector: Any) -> Parts:
+def parts_of(agent: Any, detector: Any) -> NameParts:
     """The parts of an agent and the detector that its environment has."""
     model, uses_habits = getattr(agent, "language", None), getattr(agent, "uses_habits", True)
-    return Parts(getattr(model, "name", None), getattr(detector, "name", None), bool(uses_habits))
+    return NameParts(getattr(model, "name", None), getattr(detector, "name", None), bool(uses_habits))
 
 
 def player(summary: Mapping[str, Any]) -> str:

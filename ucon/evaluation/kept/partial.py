@@ -13,13 +13,13 @@ from typing import Any, Final
 
 from ucon.core.errors import DataError
 from ucon.core.files import canonical_json, sha256_bytes
-from ucon.core.plain_file import read_plain
-from ucon.core.typed import parse_line, read_as
+from ucon.core.untrusted.plain_file import read_plain
+from ucon.core.untrusted.typed import parse_line, read_as
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.evaluation.kept.finished import as_played
 from ucon.evaluation.kept.record import EpisodeRecord, EpisodeTiming
 from ucon.evaluation.kept.seal import RECORDS
-from ucon.evaluation.playing.play import Played
+from ucon.evaluation.playing.play import PlayedEpisode
 
 PARTIAL: Final = f"{RECORDS}.partial"
 #: Of a first line, in bytes.
@@ -45,7 +45,7 @@ class Left:
 
     header: dict[str, Any] | None
     """None where nothing was written yet."""
-    done: dict[int, Played]
+    done: dict[int, PlayedEpisode]
     seconds: float
     """Of the run, until the last episode that is left."""
     damaged: int
@@ -60,7 +60,7 @@ def line_of(value: Mapping[str, Any], first: bytes = b"") -> bytes:
     return f"{_checksum(body, first)} ".encode() + body + b"\n"
 
 
-def line_of_played(played: Played, seconds: float, first: bytes) -> bytes:
+def line_of_played(played: PlayedEpisode, seconds: float, first: bytes) -> bytes:
     """The line of an episode, with the seconds of the run so far; ``first``: the first line."""
     value: dict[str, Any] = {
         "index": played.index,
@@ -81,7 +81,7 @@ def read_partial(path: Path, episodes: Sequence[str]) -> Left:
     raw = read_plain(path, _MAX_BYTES)
     lines = [line + b"\n" for line in raw.split(b"\n")[:-1]]  # what follows was cut off in mid-write
     header = _value(lines[0], path) if lines else None
-    done: dict[int, Played] = {}
+    done: dict[int, PlayedEpisode] = {}
     seconds, kept = 0.0, lines[:1]
     for number, line in enumerate(lines[1:], 2):
         try:
@@ -123,8 +123,8 @@ def _value(line: bytes, path: Path, first: bytes = b"") -> dict[str, Any]:
 
 
 def _played(
-    value: dict[str, Any], where: str, episodes: Sequence[str], done: Mapping[int, Played]
-) -> tuple[Played, float]:
+    value: dict[str, Any], where: str, episodes: Sequence[str], done: Mapping[int, PlayedEpisode]
+) -> tuple[PlayedEpisode, float]:
     """The episode of a line, and the seconds of the run until then.
 
     Raises:

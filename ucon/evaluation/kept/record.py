@@ -12,7 +12,7 @@ from typing import Any, Final, get_args
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json
-from ucon.core.typed import parse_line, read_as
+from ucon.core.untrusted.typed import parse_line, read_as
 from ucon.evaluation.kept.seal import RECORDS, has_summary, read_bytes, read_file, read_files
 from ucon.retrieval.levels import LEVELS
 from ucon.task.outcome import FailureCause

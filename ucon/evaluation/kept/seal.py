@@ -16,9 +16,9 @@ from typing import Any, Final
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import sha256_bytes
-from ucon.core.plain_file import read_plain
-from ucon.core.typed import parse_line
-from ucon.core.unpack import UnpackError, unpack_xz
+from ucon.core.untrusted.plain_file import read_plain
+from ucon.core.untrusted.typed import parse_line
+from ucon.core.untrusted.unpack import UnpackError, unpack_xz
 
 RECORDS, DECISIONS, SUMMARY = "episodes.jsonl", "decisions.jsonl", "summary.json"
 TIMING, CONFIG, SECONDS = "timing.jsonl", "config.yaml", "seconds.json"

@@ -21,7 +21,7 @@ from multiprocessing.connection import Connection
 from typing import Any, Final
 
 from ucon.core.errors import EpisodeError, UconError
-from ucon.evaluation.playing.play import Played, RunSpec, play
+from ucon.evaluation.playing.play import PlayedEpisode, RunSpec, play
 from ucon.task.episode import Episode
 
 Job = tuple[int, Episode]
@@ -73,7 +73,7 @@ class Crew:
         self._ended: list[_Worker] = []
         self._failed: Counter[int] = Counter()
 
-    def play(self, shares: Sequence[Sequence[Job]]) -> Iterator[Played]:
+    def play(self, shares: Sequence[Sequence[Job]]) -> Iterator[PlayedEpisode]:
         """Each share in a process of its own; episodes as they end.
 
         Raises:
@@ -123,7 +123,7 @@ class Crew:
             worker.silent_s += passed
         return news
 
-    def _heard(self, worker: _Worker, kind: str, content: Any) -> Iterator[Played]:
+    def _heard(self, worker: _Worker, kind: str, content: Any) -> Iterator[PlayedEpisode]:
         if kind == "played":
             worker.silent_s = 0.0
             worker.left = [job for job in worker.left if job[0] != content.index]

@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import gymnasium as gym
 import numpy as np
@@ -22,24 +22,11 @@ from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.evaluation.kept.record import EpisodeRecord, EpisodeTiming
 from ucon.retrieval.levels import RANKED_LEVELS
 from ucon.task.actions import Action
+from ucon.task.agent import Agent
 from ucon.task.episode import Episode
 from ucon.task.spoken import target_place
 
 Env = gym.Env[Any, Any]
-
-
-class Policy(Protocol):
-    """The part of an agent that evaluation uses."""
-
-    name: str
-
-    def reset(self, infos: Sequence[Any], slots: Sequence[int] | None = None) -> None:
-        """Start an episode in each of ``slots``."""
-        ...
-
-    def act(self, observations: Sequence[Any], infos: Sequence[Any], slots: Sequence[int] | None = None) -> list[int]:
-        """One action for each of ``slots``."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -50,7 +37,7 @@ class RunSpec:
         ConfigError: no such number of environments.
     """
 
-    agent: Callable[[], Policy]
+    agent: Callable[[], Agent]
     env: Callable[[], Env]
     habit_level: str
     seed: int = 0
@@ -65,7 +52,7 @@ class RunSpec:
 
 
 @dataclass(frozen=True)
-class Played:
+class PlayedEpisode:
     """One finished episode: its place in the evaluated list, its record, its seconds."""
 
     index: int
@@ -110,7 +97,7 @@ class _Slot:
         return bool(terminated or truncated)
 
 
-def play(spec: RunSpec, jobs: Sequence[tuple[int, Episode]]) -> Iterator[Played]:
+def play(spec: RunSpec, jobs: Sequence[tuple[int, Episode]]) -> Iterator[PlayedEpisode]:
     """Play ``jobs`` (index, episode) in order and yield each as it ends. What is yielded depends on no other job."""
     if not jobs:
         return
@@ -138,7 +125,7 @@ def play(spec: RunSpec, jobs: Sequence[tuple[int, Episode]]) -> Iterator[Played]
             slot.env.close()
 
 
-def _draw_thoughts(slot: _Slot, agent: Policy) -> None:
+def _draw_thoughts(slot: _Slot, agent: Agent) -> None:
     """Where a film is made and the agent shows what it thinks."""
     picture = getattr(agent, "picture", None)
     if slot.frames is not None and picture is not None and (drawn := picture(slot.number)) is not None:
@@ -151,7 +138,7 @@ def one_thread() -> None:
         sys.modules["torch"].set_num_threads(1)
 
 
-def _begin(slot: _Slot, waiting: Iterator[tuple[int, Episode]], agent: Policy, spec: RunSpec) -> bool:
+def _begin(slot: _Slot, waiting: Iterator[tuple[int, Episode]], agent: Agent, spec: RunSpec) -> bool:
     job = next(waiting, None)
     if job is None:
         return False
@@ -161,7 +148,7 @@ def _begin(slot: _Slot, waiting: Iterator[tuple[int, Episode]], agent: Policy, s
     return True
 
 
-def _played(slot: _Slot, agent: Policy, spec: RunSpec) -> Played:
+def _played(slot: _Slot, agent: Agent, spec: RunSpec) -> PlayedEpisode:
     seconds = time.perf_counter() - slot.started
     episode = slot.episode
     assert episode is not None
@@ -178,7 +165,7 @@ def _played(slot: _Slot, agent: Policy, spec: RunSpec) -> Played:
     decisions = tuple(replace(d, seconds=round(float(d.seconds), 5)) for d in made(slot.number)) if made else ()
     spent = tuple(d.seconds for d in decisions) if calls else ()
     timing = EpisodeTiming(record.episode, round(seconds, 4), round(float(language_s), 4), spent)
-    return Played(slot.index, record, timing, decisions)
+    return PlayedEpisode(slot.index, record, timing, decisions)
 
 
 def _captions(record: EpisodeRecord, place: str) -> list[str]:

@@ -7,13 +7,13 @@ from contextlib import ExitStack, contextmanager
 from types import TracebackType
 
 from ucon.core.progress import Progress
-from ucon.evaluation.playing.play import Played
+from ucon.evaluation.playing.play import PlayedEpisode
 
 
 class EvaluationProgress:
     """``with EvaluationProgress(...) as progress: progress.add(played)``."""
 
-    def __init__(self, label: str, total: int, *, visible: bool = True, done: Iterable[Played] = ()) -> None:
+    def __init__(self, label: str, total: int, *, visible: bool = True, done: Iterable[PlayedEpisode] = ()) -> None:
         """``done``: episodes that were played before."""
         self._played = self._successes = 0
         self._spl = 0.0
@@ -23,12 +23,12 @@ class EvaluationProgress:
             label, total, unit="episodes", done=self._played, note=self._figures(), visible=visible
         )
 
-    def add(self, played: Played) -> None:
+    def add(self, played: PlayedEpisode) -> None:
         """Count one finished episode."""
         self._count(played)
         self._progress.update(self._played, self._figures())
 
-    def _count(self, played: Played) -> None:
+    def _count(self, played: PlayedEpisode) -> None:
         self._played += 1
         self._successes += played.record.success
         self._spl += played.record.spl

@@ -14,10 +14,10 @@ from typing import Any
 
 from ucon.core.errors import ConfigError, brief
 from ucon.evaluation.playing.crew import Crew
-from ucon.evaluation.playing.play import Played, RunSpec, play
+from ucon.evaluation.playing.play import PlayedEpisode, RunSpec, play
 from ucon.task.episode import Episode
 
-OnPlayed = Callable[[Played], None]
+OnPlayed = Callable[[PlayedEpisode], None]
 
 
 def resolve_workers(workers: int | str, n_episodes: int) -> int:
@@ -42,7 +42,7 @@ def evaluate(
     skip: Sequence[int] = (),
     on_played: OnPlayed | None = None,
     worker_timeout_s: float | None = None,
-) -> list[Played]:
+) -> list[PlayedEpisode]:
     """Play all episodes but those at the indices ``skip``; sorted by index.
 
     Args:
@@ -80,7 +80,9 @@ def _limit(timeout_s: Any) -> float:
     return float(timeout_s)
 
 
-def _parallel(spec: RunSpec, jobs: Sequence[tuple[int, Episode]], count: int, timeout_s: float) -> Iterator[Played]:
+def _parallel(
+    spec: RunSpec, jobs: Sequence[tuple[int, Episode]], count: int, timeout_s: float
+) -> Iterator[PlayedEpisode]:
     crew = Crew(spec, timeout_s)
     try:
         yield from crew.play([jobs[number::count] for number in range(count)])

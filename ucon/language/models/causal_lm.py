@@ -19,7 +19,7 @@ from ucon.core.errors import ConfigError
 from ucon.language.choice import Question
 from ucon.language.models.conversation import common_prefix, most_habits
 from ucon.language.models.likelihood import Ids, LikelihoodModel, Ready
-from ucon.language.models.reading import Past, Reader
+from ucon.language.models.reading import Past, PrefixReader
 from ucon.language.models.weights import LocalWeights
 
 #: Two users' texts that begin differently: what their conversations share is the system's part.
@@ -141,8 +141,8 @@ class CausalModel(LikelihoodModel[_Ready]):
         return self._reader.together
 
     @cached_property
-    def _reader(self) -> Reader:
-        return Reader(self._model, self._ends[0])
+    def _reader(self) -> PrefixReader:
+        return PrefixReader(self._model, self._ends[0])
 
     @property
     def _owner(self) -> Any:

@@ -17,7 +17,7 @@ from ucon.core.errors import AnswerError, ConfigError, ServerError
 from ucon.language.choice import Answer, Image, Question
 from ucon.language.match import chosen
 from ucon.language.servers.chat import ChatClient, Message
-from ucon.language.servers.chat_request import Limits
+from ucon.language.servers.chat_request import AskLimits
 
 _TEXT: Final = 500
 _REFUSED: Final = (401, 403)
@@ -68,7 +68,7 @@ class ChatModel:
     def _answer(self, question: Question) -> Answer:
         start = time.perf_counter()
         names = [option.name for option in question.options]
-        limits = Limits(self._retries + 1, self._client.timeout_s * (self._retries + 1))
+        limits = AskLimits(self._retries + 1, self._client.timeout_s * (self._retries + 1))
         try:
             reply = self._client.ask(
                 messages_of(question),

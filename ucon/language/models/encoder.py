@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ucon.language.choice import Answer, Option, Question, from_scores
 from ucon.language.encoder import minilm_folder
-from ucon.language.models.keeping import Keeping, KeepingWeights
+from ucon.language.models.keeping import Keeping, LocationWeights
 from ucon.language.store import StoredEncoder, default_encoder
 from ucon.objects.catalogue import catalogue
 
@@ -95,7 +95,7 @@ class EncoderModel:
         self,
         weights: EncoderWeights | None = None,
         encoder: StoredEncoder | None = None,
-        keeping: KeepingWeights | None = None,
+        keeping: LocationWeights | None = None,
     ) -> None:
         """Nothing is read before it is needed.
 

@@ -31,7 +31,7 @@ _EPISODES = 64
 
 
 @dataclass(frozen=True)
-class KeepingWeights:
+class LocationWeights:
     """Seven figures, one set for all habit levels.
 
     Fitted on the ``val`` episodes by ``python -m ucon data fit-location-model``, which says how. Share of homes where
@@ -59,10 +59,10 @@ class KeepingWeights:
 class Keeping:
     """Answers questions that tell the things of a place; what an episode's habits say is computed once."""
 
-    def __init__(self, encode: Callable[[Sequence[str]], Vectors], weights: KeepingWeights | None = None) -> None:
+    def __init__(self, encode: Callable[[Sequence[str]], Vectors], weights: LocationWeights | None = None) -> None:
         """``encode``: unit vectors (n, D) of n texts."""
         self._encode = encode
-        self._weights = weights or KeepingWeights()
+        self._weights = weights or LocationWeights()
         self._furniture: Vectors | None = None
         self._readings: OrderedDict[tuple[tuple[str, ...], tuple[str, ...]], _Reading] = OrderedDict()
 
@@ -96,7 +96,7 @@ class _Reading:
         habits: tuple[str, ...],
         furniture: Vectors,
         encode: Callable[[Sequence[str]], Vectors],
-        weights: KeepingWeights,
+        weights: LocationWeights,
     ) -> None:
         """``furniture`` (F, D); there may be no habits."""
         self._encode, self._w = encode, weights

@@ -19,7 +19,7 @@ Past = Any
 _LENGTH_DEPENDENT: Final = ("dynamic", "longrope")
 
 
-class Reader:
+class PrefixReader:
     """Reads rows of tokens after pasts; no past is changed by it."""
 
     def __init__(self, model: Any, pad: int) -> None:

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, unknown_name
-from ucon.core.weight_files import FETCHED, fingerprint, local_folder, missing_parts
+from ucon.core.untrusted.weight_files import FETCHED, fingerprint, local_folder, missing_parts
 from ucon.language.encoder import quiet
 
 DTYPES: Final = ("float32", "bfloat16", "float16", "int8")
@@ -67,7 +67,7 @@ class LocalWeights:
             )
 
     def fingerprint(self) -> str | None:
-        """Which files lie here, see :func:`ucon.core.weight_files.fingerprint`; None where there are none."""
+        """Which files lie here, see :func:`ucon.core.untrusted.weight_files.fingerprint`; None where there are none."""
         folder = local_folder(self.path)
         return None if folder is None else fingerprint(folder)
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from ucon.core.files import canonical_json, sha256_bytes, user_cache, write_atomic
-from ucon.core.plain_file import read_bounded
-from ucon.core.strict_json import MAX_BYTES, parse_json
+from ucon.core.untrusted.plain_file import read_bounded
+from ucon.core.untrusted.strict_json import MAX_BYTES, parse_json
 from ucon.language.servers.answers import MOST_TOKENS, Said
 
 

@@ -6,8 +6,8 @@ import re
 from dataclasses import dataclass
 from typing import Any, Final
 
-from ucon.core.strict_json import JsonError, parse_first, parse_json
 from ucon.core.text import shown
+from ucon.core.untrusted.strict_json import JsonError, parse_first, parse_json
 
 _THOUGHT = re.compile(r"<(think|thinking|reasoning)>.*?</\1>", re.DOTALL)
 _FENCED = re.compile(r"\s*```\w*\s*\n(.*?)\n?\s*```\s*", re.DOTALL)

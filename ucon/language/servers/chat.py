@@ -17,7 +17,7 @@ from ucon.core.errors import ConfigError, ServerError
 from ucon.core.files import canonical_json, sha256_bytes
 from ucon.language.servers.answer_cache import AnswerCache
 from ucon.language.servers.answers import Reply, Usage
-from ucon.language.servers.chat_request import Limits, Request, usable_data
+from ucon.language.servers.chat_request import AskLimits, ChatRequest, usable_data
 from ucon.language.servers.post import checked_url, get_status
 
 Message = Mapping[str, Any]
@@ -125,7 +125,7 @@ class ChatClient:
         schema: Mapping[str, Any] | None = None,
         seed: int = 0,
         usable: Callable[[str], bool] | None = None,
-        limits: Limits | None = None,
+        limits: AskLimits | None = None,
     ) -> Reply:
         """Answer to a conversation.
 
@@ -155,7 +155,7 @@ class ChatClient:
         if kept is not None and found is not None:
             self.count(Usage(calls=1, cached=1))
             return Reply.of(kept[0], found[0], kept[1], 0)
-        return Request(self, payload, schema, key, usable, limits or Limits(self.attempts)).answered()
+        return ChatRequest(self, payload, schema, key, usable, limits or AskLimits(self.attempts)).answered()
 
     def count(self, more: Usage) -> None:
         """Add to :attr:`usage`."""

@@ -33,7 +33,7 @@ _REMEDY: Final = {
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class AskLimits:
     """How long one question is asked at most."""
 
     attempts: int
@@ -68,7 +68,7 @@ class Connection(Protocol):
         ...
 
 
-class Request:
+class ChatRequest:
     """One question on its way to an answer."""
 
     def __init__(
@@ -78,7 +78,7 @@ class Request:
         schema: Mapping[str, Any] | None,
         key: str,
         usable: Usable | None,
-        limits: Limits,
+        limits: AskLimits,
     ) -> None:
         """``key`` is what the answer is kept by; the rest as in :meth:`ucon.language.servers.chat.ChatClient.ask`."""
         self._client = client

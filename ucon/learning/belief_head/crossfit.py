@@ -20,25 +20,25 @@ from ucon.core.errors import ConfigError
 from ucon.core.files import MANIFEST, canonical_json, sha256_bytes, user_cache, write_atomic, write_manifest
 from ucon.core.rng import stream
 from ucon.fitting import anchor_reader as fit
-from ucon.fitting.place_encoder import Recipe, Say, fit_places, predicted
+from ucon.fitting.place_encoder import PlaceRecipe, Say, fit_places, predicted
 from ucon.habits.splits import entry_parts, split_categories
 from ucon.habits.types import HabitDataset
 from ucon.language.pairs import PairReader
 from ucon.readers.evidence import DECIMALS, EvidenceReader
-from ucon.readers.reader_weights import WEIGHTS, Array, Weights, default_weights, load_arrays
+from ucon.readers.reader_weights import WEIGHTS, Array, ReaderWeights, default_weights, load_arrays
 
 #: Raised whenever the fitting changes: what was kept before is fitted anew.
 EDITION = 1
 #: Half of the text is learned by heart sooner than all of it.
-RECIPE = Recipe(epochs=2)
+RECIPE = PlaceRecipe(epochs=2)
 
 
 @dataclass(frozen=True, eq=False)
-class Fold:
+class CrossfittedFold:
     """Train entries of some categories, and what parts fitted on the train entries of the others make of them."""
 
     dataset: HabitDataset
-    weights: Weights
+    weights: ReaderWeights
     logits: NDArray[np.float32]
     """(n, A + 5) of :func:`train_texts`, as :class:`ucon.readers.tuned_evidence.TunedEvidence` has them."""
 
@@ -46,7 +46,7 @@ class Fold:
 class ReadEvidence(EvidenceReader):
     """What was read beforehand: logits by text."""
 
-    def __init__(self, weights: Weights, pairs: PairReader, logits: Mapping[str, Array]) -> None:
+    def __init__(self, weights: ReaderWeights, pairs: PairReader, logits: Mapping[str, Array]) -> None:
         super().__init__(weights, pairs)
         self._known = logits
 
@@ -54,7 +54,7 @@ class ReadEvidence(EvidenceReader):
         return np.stack([self._known[text] for text in texts])
 
     @classmethod
-    def of(cls, fold: Fold, pairs: PairReader) -> ReadEvidence:
+    def of(cls, fold: CrossfittedFold, pairs: PairReader) -> ReadEvidence:
         """Of a fold's sentences."""
         rounded = np.round(fold.logits.astype(np.float64), DECIMALS)
         return cls(fold.weights, pairs, dict(zip(train_texts(fold.dataset), rounded, strict=True)))
@@ -84,9 +84,9 @@ def folds(
     pairs: PairReader,
     count: int = 2,
     used: int | None = None,
-    recipe: Recipe | None = None,
+    recipe: PlaceRecipe | None = None,
     say: Say = print,
-) -> list[Fold]:
+) -> list[CrossfittedFold]:
     """The first ``used`` folds, or all; what was fitted before is read from the cache.
 
     Raises:
@@ -105,7 +105,7 @@ def folds(
     return [_fold(data, set(group), pairs, recipe or RECIPE, say) for group in groups[:used]]
 
 
-def _fold(data: HabitDataset, names: set[str], pairs: PairReader, recipe: Recipe, say: Say) -> Fold:
+def _fold(data: HabitDataset, names: set[str], pairs: PairReader, recipe: PlaceRecipe, say: Say) -> CrossfittedFold:
     own, rest = _part_of(data, names), _part_of(data, set(data.categories) - names)
     anchors = list(default_weights().anchors)  # those of the arrays that the shipped weights lend
     made_of = [EDITION, own.sha256, rest.sha256, anchors, pairs.encoder.name, str(asdict(recipe))]
@@ -115,11 +115,11 @@ def _fold(data: HabitDataset, names: set[str], pairs: PairReader, recipe: Recipe
         _keep(path, _fitted(own, rest, anchors, pairs, recipe, say))
     arrays, sha256 = load_arrays(path)
     shared = load_arrays(WEIGHTS)[0]
-    return Fold(own, Weights({**shared, **arrays}, sha256), arrays["logits"])
+    return CrossfittedFold(own, ReaderWeights({**shared, **arrays}, sha256), arrays["logits"])
 
 
 def _fitted(
-    own: HabitDataset, rest: HabitDataset, anchors: list[str], pairs: PairReader, recipe: Recipe, say: Say
+    own: HabitDataset, rest: HabitDataset, anchors: list[str], pairs: PairReader, recipe: PlaceRecipe, say: Say
 ) -> fit.Arrays:
     """Common sense, gate and places. What is counted over relations, not categories, is the shipped reader's."""
     arrays = fit.fit_prior(rest, pairs, anchors)

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError
 from ucon.habits.knowledge import KnowledgeBase, Mode
-from ucon.habits.types import RELATIONS
 from ucon.objects.catalogue import catalogue
-from ucon.readers.head_inputs import UNKNOWN_PRIOR, HeadInputs
+from ucon.objects.model import RELATIONS
+from ucon.readers.anchor_prior import UNKNOWN_PRIOR
+from ucon.readers.head_inputs import HeadInputs
 from ucon.readers.household import Candidates, FittedParts, Household
 from ucon.readers.sampled_homes import location_distribution
 from ucon.retrieval.base import ranked

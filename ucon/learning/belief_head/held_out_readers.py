@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from ucon.core.errors import ConfigError, brief
-from ucon.fitting.scene_evidence import kept_places, told_beforehand
-from ucon.fitting.scene_prior import fit_own_prior
+from ucon.fitting.scene_evidence import kept_scene_evidence, told_beforehand
+from ucon.fitting.scene_prior import fit_scene_prior
 from ucon.habits.splits import entry_parts
 from ucon.habits.types import HabitDataset
 from ucon.language.pairs import default_pair_reader
@@ -22,7 +22,7 @@ from ucon.learning.belief_head.households import Pair, pair_folds
 from ucon.readers.evidence import EvidenceReader
 from ucon.readers.household import FittedParts, default_parts, parts_with, shipped_evidence
 from ucon.readers.reader_weights import default_weights, load_arrays
-from ucon.readers.scene_evidence import LAST, OwnPlaces
+from ucon.readers.scene_evidence import LAST, SceneEvidence
 
 #: Of the habit book, unless another number is given.
 N_FOLDS: Final = 2
@@ -70,8 +70,8 @@ def own_parts(dataset: HabitDataset, own_places: bool = False) -> FittedParts:
     """The shipped parts with the common sense of all train entries, and what reads places learned from them."""
     parts, pairs = entry_parts(dataset), default_pair_reader()
     entries = [entry for entry in dataset.entries if parts[entry.id] == "train"]
-    folder = kept_places(dataset, entries, pairs) if own_places else None
-    return parts_with(fit_own_prior(entries, pairs), folder)
+    folder = kept_scene_evidence(dataset, entries, pairs) if own_places else None
+    return parts_with(fit_scene_prior(entries, pairs), folder)
 
 
 def scene_folds(dataset: HabitDataset, count: int = 4, *, own_places: bool = False) -> list[Fold]:
@@ -80,16 +80,16 @@ def scene_folds(dataset: HabitDataset, count: int = 4, *, own_places: bool = Fal
     With ``own_places`` half of the folds are read by what learned from the other half's entries.
     """
     pairs, weights, dealt = default_pair_reader(), default_weights(), pair_folds(dataset, count)
-    readers: Sequence[EvidenceReader | OwnPlaces] = [shipped_evidence()] * len(dealt)
+    readers: Sequence[EvidenceReader | SceneEvidence] = [shipped_evidence()] * len(dealt)
     if own_places:
         readers = _read_by_others(dataset, [asked for asked, _ in dealt])
     return [
-        Fold(dataset, FittedParts(weights, pairs, reader, fit_own_prior(others, pairs)), asked)
+        Fold(dataset, FittedParts(weights, pairs, reader, fit_scene_prior(others, pairs)), asked)
         for reader, (asked, others) in zip(readers, dealt, strict=True)
     ]
 
 
-def _read_by_others(dataset: HabitDataset, folds: list[frozenset[Pair]]) -> list[OwnPlaces]:
+def _read_by_others(dataset: HabitDataset, folds: list[frozenset[Pair]]) -> list[SceneEvidence]:
     """What reads each fold: learned from no entry of its half."""
     parts, pairs, relations = entry_parts(dataset), default_pair_reader(), shipped_evidence()
     half = len(folds) // 2
@@ -97,8 +97,8 @@ def _read_by_others(dataset: HabitDataset, folds: list[frozenset[Pair]]) -> list
     for own in (folds[:half], folds[half:]):
         read = frozenset().union(*own)
         others = [e for e in dataset.entries if parts[e.id] == "train" and (e.scene or "", e.category) not in read]
-        folder = kept_places(dataset, others, pairs)
+        folder = kept_scene_evidence(dataset, others, pairs)
         arrays, sha256 = load_arrays(folder / LAST)
         told = told_beforehand(folder, dataset.texts)
-        readers += [OwnPlaces(arrays, sha256, told, pairs, relations)] * len(own)
+        readers += [SceneEvidence(arrays, sha256, told, pairs, relations)] * len(own)
     return readers

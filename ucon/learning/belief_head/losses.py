@@ -16,7 +16,7 @@ def losses(outputs: Any, truth: Truth) -> dict[str, Tensor]:
 
     ``anchor``: soft cross-entropy to the whole distribution; ``relation``: the same for relations at the true
     anchors; ``relevance``: binary cross-entropy over habits, whose weights make those that support a placement count.
-    ``outputs`` are a head's (:class:`models.nets.belief.belief_head.Outputs`).
+    ``outputs`` are a head's (:class:`models.nets.belief.belief_head.HeadOutputs`).
     """
     anchor, relation = torch.from_numpy(truth.anchor), torch.from_numpy(truth.relation)
     weight = torch.from_numpy(truth.weight)

@@ -28,7 +28,7 @@ from ucon.task.expert import Expert
 
 
 @dataclass(frozen=True)
-class Rollouts:
+class Collections:
     """How much is collected, and who plays.
 
     Raises:
@@ -67,7 +67,7 @@ class DaggerLearner(ImitationLearner):
 
     title = "DAgger"
 
-    def __init__(self, rollouts: Rollouts, **options: Any) -> None:
+    def __init__(self, rollouts: Collections, **options: Any) -> None:
         if options.pop("demonstrator", None) is not None:
             raise ConfigError("learner.demonstrator: for learner=imitation; DAgger's expert corrects what is played")
         super().__init__(**options)

@@ -6,12 +6,14 @@ and seen, as much as the policy has, so all of it can be learned: where to look 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any, Protocol
 
 from ucon.core.errors import ConfigError
+from ucon.core.fingerprint import fingerprint_of
 from ucon.learning.imitation.trajectories import Trajectory, demonstration
+from ucon.task.agent import Agent
 from ucon.task.episode import Episode
 
 
@@ -50,25 +52,6 @@ class Solutions:
         return demonstration(episode, level)
 
 
-class SearchingAgent(Protocol):
-    """What is asked of an agent; see :class:`models.agents.base.Agent`."""
-
-    name: str
-
-    def reset(self, infos: Sequence[Mapping[str, Any]], slots: Sequence[int] | None = None) -> None:
-        """Start an episode."""
-        ...
-
-    def act(
-        self,
-        observations: Sequence[Mapping[str, Any]],
-        infos: Sequence[Mapping[str, Any]],
-        slots: Sequence[int] | None = None,
-    ) -> list[int]:
-        """The next action."""
-        ...
-
-
 class Searches:
     """What an agent does that searches, where it finds the target; the stored solution where it does not.
 
@@ -82,7 +65,7 @@ class Searches:
 
     batch = 8  # searches are long
 
-    def __init__(self, agent: SearchingAgent, env: Callable[[], Any]) -> None:
+    def __init__(self, agent: Agent, env: Callable[[], Any]) -> None:
         if not (hasattr(agent, "reset") and hasattr(agent, "act")):
             raise ConfigError(f"learner.demonstrator.agent: {type(agent).__name__} is no agent; see configs/agent/")
         if hasattr(agent, "check"):
@@ -92,7 +75,7 @@ class Searches:
 
     def fingerprint(self) -> str:
         """See :class:`Demonstrator`."""
-        return f"{self._agent.name} {getattr(self._agent, 'fingerprint', str)() or ''}"
+        return f"{self._agent.name} {fingerprint_of(self._agent) or ''}"
 
     @cached_property
     def _env(self) -> Any:

@@ -20,6 +20,7 @@ from torch import Tensor, nn
 from ucon.core.device import batch_size, torch_device, torch_precision
 from ucon.core.errors import ConfigError, DivergedError, brief
 from ucon.core.files import sha256_bytes
+from ucon.core.fingerprint import fingerprint_of
 from ucon.core.progress import part
 from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import entry_parts
@@ -28,7 +29,7 @@ from ucon.learning.imitation.feeding import Feeder
 from ucon.learning.imitation.sequence_loss import SequenceLoss
 from ucon.learning.imitation.trajectories import Replay, Trajectory
 from ucon.learning.imitation.workers import MOST_WORKERS, WORKER_TIMEOUT_S, check_timeout
-from ucon.learning.policies.action_policy import ActionPolicy
+from ucon.learning.policies.action_policy import ActionPolicy, scores_views
 from ucon.learning.policies.playing import Players
 from ucon.learning.policies.sequences import Batch, Chunk, cut
 from ucon.learning.policies.validation import Validation, spaced
@@ -104,7 +105,7 @@ class ImitationLearner:
     ) -> None:
         if not isinstance(policy, nn.Module):
             raise ConfigError("agent has no policy that can be trained; choose one that has, such as agent=vtn")
-        if not hasattr(policy, "frame"):
+        if scores_views(policy):
             scorer = type(policy).__name__
             raise ConfigError(
                 f"{scorer} scores views, and stored solutions name actions; train it with learner=ppo or expert"
@@ -150,14 +151,14 @@ class ImitationLearner:
     def identity(self) -> Mapping[str, str]:
         """Hashes of the episodes, of the habits, of frozen weights and of those that rank habits."""
         of_episodes = [f"{e.id} {e.home_hash} {e.solution}" for e in (*self.episodes, *self.validation.all)]
-        frozen, shown = getattr(self.policy, "fingerprint", str)(), self.demonstrator.fingerprint()
+        frozen, shown = fingerprint_of(self.policy), self.demonstrator.fingerprint()
         hashes = {"habits": self.dataset.sha256, "episodes": sha256_bytes("\n".join(of_episodes).encode())}
         text = text_weights(self.source, (*self.levels, self.validation.level))
         others = {"frozen": frozen, "demonstrator": shown, "initial": self._initial, "text": text}
         return hashes | {name: by for name, by in others.items() if by}
 
     @property
-    def settled(self) -> Mapping[str, str | int]:
+    def resolved_options(self) -> Mapping[str, str | int]:
         """What ``auto`` came to here, by option: a run keeps it, wherever it goes on."""
         precision = str(self._precision).removeprefix("torch.")
         return {"device": self.device, "precision": precision, "batch": self.batch}
@@ -193,7 +194,7 @@ class ImitationLearner:
         batch.augment(self.act, seed)
         self.policy.train()
         for frames in batch.frames:
-            self.act.take_in(frames)
+            self.act.update_statistics(frames)
         self.updates.begin()
         sums = self._pass(batch, backward=True)
         figures = self.loss.figures(sums) | self.updates.take(self.done)

@@ -11,7 +11,7 @@ from torch.nn import functional
 
 from ucon.core.errors import ConfigError, brief, unknown_name
 from ucon.learning.imitation.trajectories import IGNORED
-from ucon.learning.policies.action_policy import Outputs
+from ucon.learning.policies.action_policy import PolicyOutputs
 from ucon.learning.policies.sequences import Batch, Chunk
 from ucon.learning.run.protocol import Figures
 from ucon.task.actions import Action
@@ -55,7 +55,7 @@ class SequenceLoss:
         labels, changes = torch.cat(batch.labels).cpu(), torch.cat(batch.changes).cpu()
         return max(float(self._of(labels, changes).sum()), 1e-9), float(len(labels))
 
-    def __call__(self, outputs: Outputs, chunk: Chunk, scale: tuple[float, float]) -> tuple[Tensor, Tensor]:
+    def __call__(self, outputs: PolicyOutputs, chunk: Chunk, scale: tuple[float, float]) -> tuple[Tensor, Tensor]:
         """A chunk's share of the batch's loss, and the sums that :meth:`figures` reads, (n_sums,) float64."""
         logits, value = outputs.logits.float(), outputs.value.float()
         each = functional.cross_entropy(

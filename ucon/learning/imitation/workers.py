@@ -30,7 +30,7 @@ _MOST_S: Final = 1e6
 T = TypeVar("T")
 
 
-class WorkerError(UconError):
+class LearnerWorkerError(UconError):
     """A worker was killed, or does not answer."""
 
 
@@ -103,18 +103,18 @@ def _answer(question: Callable[[], T], answer: Future[T]) -> None:
         answer.set_exception(error)
 
 
-def _late(asked: Sequence[BaseProcess], seconds: float, option: str) -> WorkerError:
+def _late(asked: Sequence[BaseProcess], seconds: float, option: str) -> LearnerWorkerError:
     """End those who were asked."""
     alive = [worker for worker in asked if _code(worker) is None]
     names = ", ".join(_names(alive or asked))
     for worker in alive:
         worker.kill()
-    return WorkerError(
+    return LearnerWorkerError(
         f"{names}: no answer within {seconds:g} s, so the workers were ended; {_KEPT}, {option} gives them more time"
     )
 
 
-def lost_one(asked: Sequence[BaseProcess], *, killed_only: bool = True) -> WorkerError | None:
+def lost_one(asked: Sequence[BaseProcess], *, killed_only: bool = True) -> LearnerWorkerError | None:
     """What to raise where a worker is gone; None where none is, or where one ended by itself and has said why."""
     codes = {worker: _code(worker, _JOIN_S) for worker in asked}
     gone = [worker for worker, code in codes.items() if code is not None and (code < 0 or not killed_only)]
@@ -124,7 +124,7 @@ def lost_one(asked: Sequence[BaseProcess], *, killed_only: bool = True) -> Worke
         return None
     code = codes[first] or 0
     how = f"killed by signal {-code}, as where memory runs out" if code < 0 else f"ended with code {code}"
-    return WorkerError(f"{_names([first])[0]}: {how}; {_KEPT}")
+    return LearnerWorkerError(f"{_names([first])[0]}: {how}; {_KEPT}")
 
 
 def _code(worker: BaseProcess, wait_s: float = 0.0) -> int | None:

@@ -12,7 +12,7 @@ once and stored) -> ``augment`` (changed at random for a step of training) -> th
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +22,14 @@ if TYPE_CHECKING:
 
 Arrays = Mapping[str, NDArray[np.generic]]
 Tensors = Mapping[str, "Tensor"]
+Choice = Literal["actions", "views"]
+"""What a policy chooses: one of the seven actions, or one of the views that ``UcONSearch-v0`` offers."""
 
 #: Logits are compared in steps of this: their last bits depend on what is computed beside them.
 _STEP: Final = 1e-4
 
 
-class Outputs(NamedTuple):
+class PolicyOutputs(NamedTuple):
     """Of T steps of B episodes."""
 
     logits: Tensor
@@ -40,11 +42,18 @@ class Outputs(NamedTuple):
     """(T, B, V), what a policy over views foretells of each; see :mod:`ucon.learning.ppo.foresight`."""
 
 
+def scores_views(policy: Any) -> bool:
+    """Whether a network scores the views that ``UcONSearch-v0`` offers; else it chooses among the seven actions."""
+    kind: Choice = policy.chooses
+    return kind == "views"
+
+
 class ActionPolicy(Protocol):
     """A torch module with memory that chooses among the seven actions (``models.nets.policy_defaults``)."""
 
     architecture: str
     """Name of the network, in tables too; its weights fit no other (:mod:`ucon.learning.run.network_files`)."""
+    chooses: Choice
     uses_habits: bool
     """Whether the habit level matters to it."""
 
@@ -76,7 +85,7 @@ class ActionPolicy(Protocol):
         """
         ...
 
-    def take_in(self, frames: Tensors) -> None:
+    def update_statistics(self, frames: Tensors) -> None:
         """Frames (N, ...) that were seen while learning, for statistics that are no parameters.
 
         Called between steps alone: by imitation before a batch is learned from, by PPO after a collection was.
@@ -87,7 +96,7 @@ class ActionPolicy(Protocol):
         """The recurrent state at the start of ``batch`` episodes: tensors (B, ...); none of a policy without memory."""
         ...
 
-    def __call__(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
+    def __call__(self, frames: Tensors, context: Tensors, state: Tensors) -> PolicyOutputs:
         """Read T steps of B episodes: ``frames`` (T, B, ...), ``context`` (B, ...), ``state`` before the first step."""
         ...
 

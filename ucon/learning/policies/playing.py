@@ -29,7 +29,7 @@ class Job:
 
 
 @dataclass(frozen=True)
-class Played:
+class RolloutOutcome:
     """What came of a job. An episode that was cut short has failed."""
 
     job: Job
@@ -96,14 +96,14 @@ class Players:
         self._make_env, self._n_slots, self._max_steps = make_env, slots, max_steps
         self._envs: list[Env] = []
 
-    def play(self, jobs: Sequence[Job], chooser: Chooser, what: str = "playing") -> list[Played]:
+    def play(self, jobs: Sequence[Job], chooser: Chooser, what: str = "playing") -> list[RolloutOutcome]:
         """Play all jobs; results in their order. Puts the policy into evaluation mode while it plays.
 
         ``what``: progress calls it so.
         """
         import torch
 
-        was_training, results = self._policy.training, dict[int, Played]()
+        was_training, results = self._policy.training, dict[int, RolloutOutcome]()
         self._policy.eval()
         while len(self._envs) < min(self._n_slots, len(jobs)):
             self._envs.append(self._make_env())
@@ -157,10 +157,10 @@ class Players:
         return bool(terminated or truncated) or len(slot.actions) >= self._max_steps
 
     @staticmethod
-    def _result(slot: _Slot, job: Job) -> Played:
+    def _result(slot: _Slot, job: Job) -> RolloutOutcome:
         metrics = slot.info.get("episode_metrics", {})
         actions = "".join(map(str, slot.actions))
-        return Played(job, actions, bool(metrics.get("success", False)), float(metrics.get("spl", 0.0)))
+        return RolloutOutcome(job, actions, bool(metrics.get("success", False)), float(metrics.get("spl", 0.0)))
 
     def _tensors(self, arrays: Arrays) -> dict[str, Tensor]:
         return tensors_of(arrays, next(self._policy.parameters()).device)

@@ -14,7 +14,7 @@ import torch
 from torch import nn
 
 from ucon.core.errors import ConfigError
-from ucon.learning.policies.action_policy import Arrays, Outputs, Tensors
+from ucon.learning.policies.action_policy import Arrays, Choice, PolicyOutputs, Tensors
 from ucon.search.text_tokens import TextTokens, name_table
 
 #: Embeddings: the encoder rounds them to float16, so nothing is lost by storing them so.
@@ -29,6 +29,7 @@ class ViewPolicy(nn.Module):
         text: embeds the names of things, as in the environment.
     """
 
+    chooses: Choice = "actions"  # of the environment's rows: it is played like a policy over actions
     uses_habits = True
 
     def __init__(self, network: nn.Module, text: TextTokens | None = None) -> None:
@@ -71,14 +72,14 @@ class ViewPolicy(nn.Module):
         """Nothing is changed."""
         return frames
 
-    def take_in(self, frames: Tensors) -> None:
+    def update_statistics(self, frames: Tensors) -> None:
         """It keeps no statistics."""
 
     def initial_state(self, batch: int) -> Tensors:
         """No memory."""
         return {}
 
-    def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> Outputs:
+    def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> PolicyOutputs:
         """Score T decisions of B episodes; each by itself. Logits (T, B, V)."""
         steps, batch = frames["ego"].shape[:2]
         tokens = {name: tensor.flatten(0, 1).float() for name, tensor in frames.items() if name != "thing_rows"}
@@ -86,4 +87,4 @@ class ViewPolicy(nn.Module):
         tokens["thing_names"] = names[frames["thing_rows"].flatten(0, 1).long()]  # row -1 is the last: none
         scores = self.network(tokens)
         logits, value, foresight = (found.unflatten(0, (steps, batch)) for found in scores)
-        return Outputs(logits, value, state, foresight)
+        return PolicyOutputs(logits, value, state, foresight)

@@ -103,7 +103,7 @@ _OPTIONS: dict[str, Any] = {
 }
 
 
-class Rollouts:
+class ExperienceCollector:
     """Gathers experience with a policy on the CPU, whatever device it is trained on.
 
     Args:

@@ -17,16 +17,17 @@ from torch import Tensor, nn
 from ucon.core.device import torch_device, torch_precision
 from ucon.core.errors import DivergedError
 from ucon.core.files import sha256_bytes
+from ucon.core.fingerprint import fingerprint_of
 from ucon.core.progress import part, ticked
 from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import entry_parts
-from ucon.learning.policies.action_policy import ActionPolicy, Outputs
+from ucon.learning.policies.action_policy import ActionPolicy, PolicyOutputs, scores_views
 from ucon.learning.policies.playing import Players
 from ucon.learning.policies.validation import Validation, spaced
 from ucon.learning.policies.view_policy import ViewPolicy
 from ucon.learning.ppo.checks import check_choices, check_taught, collection_size
 from ucon.learning.ppo.clipped_loss import PPOLoss, finite, inference_mode_but_memory, total
-from ucon.learning.ppo.collecting import Collecting, Rollouts
+from ucon.learning.ppo.collecting import Collecting, ExperienceCollector
 from ucon.learning.ppo.experience import Experience, Sequences
 from ucon.learning.ppo.foresight import TO_GO, ForesightLoss
 from ucon.learning.run.network_files import learns_from, load_network, network_files
@@ -120,7 +121,7 @@ class PPOLearner:
         self.device = torch_device(device, "learner.device")
         self._precision = torch_precision(precision, self.device)
         self._initial = "" if initial is None else load_network(str(initial), cast(Any, policy))
-        views = not hasattr(policy, "frame")
+        views = scores_views(policy)
         self.policy: nn.Module = ViewPolicy(policy) if views else policy
         self.act, self.network = cast(ActionPolicy, self.policy), policy
         self.make_env = search if views else env
@@ -129,7 +130,7 @@ class PPOLearner:
         in_actions, in_views = env(), search() if views else None
         check_taught(policy, in_actions, loss.objective)
         learns_from(policy, in_actions.unwrapped)
-        self._read_by = str(getattr(in_views, "fingerprint", str)())
+        self._read_by = str(fingerprint_of(in_views))
         self.source = (in_views or in_actions).unwrapped.source
         self.dataset = self.source.dataset
         check_parts(self.episodes, validation.all, entry_parts(self.dataset))
@@ -139,7 +140,7 @@ class PPOLearner:
         self.discount, self.trace = discount, trace
         self.chunk = chunk if self.act.initial_state(1) else 1
         each = -(-collection_size(self.act, frames) // collector.rows) + 1  # the last one is not learned from
-        self.rollouts = Rollouts(self.policy, self.make_env, self.episodes, self.levels, collector, each)
+        self.rollouts = ExperienceCollector(self.policy, self.make_env, self.episodes, self.levels, collector, each)
         self.policy.to(self.device)
         schedule = {"steps": steps if anneal else 0, "warm_up": warm_up}
         self.updates = Updates(self.policy, lr=lr, clip=clip, decay=decay, average=average, **schedule)
@@ -149,14 +150,14 @@ class PPOLearner:
     def identity(self) -> Mapping[str, str]:
         """Hashes of the episodes, of the habits, of frozen weights and of those that read or rank habits."""
         of_episodes = [f"{e.id} {e.home_hash} {e.solution}" for e in (*self.episodes, *self.validation.all)]
-        frozen = getattr(self.policy, "fingerprint", str)()
+        frozen = fingerprint_of(self.policy)
         text = text_weights(self.source, (*self.levels, self.validation.level))
         hashes = {"habits": self.dataset.sha256, "episodes": sha256_bytes("\n".join(of_episodes).encode())}
         others = {"frozen": frozen, "reader": self._read_by, "initial": self._initial, "text": text}
         return hashes | {name: by for name, by in others.items() if by}
 
     @property
-    def settled(self) -> Mapping[str, str]:
+    def resolved_options(self) -> Mapping[str, str]:
         """What ``auto`` came to here, by option: a run keeps it, wherever it goes on."""
         return {"device": self.device, "precision": str(self._precision).removeprefix("torch.")}
 
@@ -180,7 +181,7 @@ class PPOLearner:
             if total(learned[first:])["kl"] > self.kl_stop:
                 break
         for frames in experience.seen(self.minibatch):
-            self.act.take_in(_moved(frames, self.device))
+            self.act.update_statistics(_moved(frames, self.device))
         self.done += 1
         self.frames += len(experience)
         figures = experience.figures() | total(learned)
@@ -208,7 +209,7 @@ class PPOLearner:
         return {"loss": float(loss.detach()), **figures, **self.updates.take(self.done)}
 
     def _taught(
-        self, frames: Mapping[str, Tensor], outputs: Outputs, there: Tensor
+        self, frames: Mapping[str, Tensor], outputs: PolicyOutputs, there: Tensor
     ) -> tuple[Tensor | float, Mapping[str, float]]:
         """What a network that scores views is told beside rewards: a loss, and figures."""
         if self.foresight is None or outputs.foresight is None or TO_GO not in frames:

@@ -22,9 +22,9 @@ from typing import Any, Final
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json, read_verified, write_atomic, write_manifest
-from ucon.core.plain_file import read_plain
-from ucon.core.strict_json import JsonError, parse_json
 from ucon.core.tensor_files import read_tensors
+from ucon.core.untrusted.plain_file import read_plain
+from ucon.core.untrusted.strict_json import JsonError, parse_json
 from ucon.learning.run.protocol import State
 from ucon.learning.run.run_plan import MOST_STEPS
 

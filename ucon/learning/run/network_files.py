@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json, read_verified, sha256_bytes
-from ucon.core.strict_json import parse_json
 from ucon.core.tensor_files import read_fitting
+from ucon.core.untrusted.strict_json import parse_json
 
 if TYPE_CHECKING:
     from torch import Tensor

@@ -11,8 +11,8 @@ from typing import Any, Final
 
 from ucon.core.errors import DataError
 from ucon.core.files import write_atomic
-from ucon.core.plain_file import read_plain
-from ucon.core.strict_json import JsonError, parse_json
+from ucon.core.untrusted.plain_file import read_plain
+from ucon.core.untrusted.strict_json import JsonError, parse_json
 
 CONFIG: Final = "config.yaml"
 METRICS: Final = "metrics.jsonl"

@@ -51,7 +51,7 @@ class CoverageWeights(Shared):
     """A square metre seen from too far to have shown the target."""
 
 
-class Indifferent(PartlyShared):
+class Coverage(PartlyShared):
     """Expects the target anywhere that has room for it."""
 
     _shared: ClassVar[frozenset[str]] = frozenset({"_mass"})

@@ -7,9 +7,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ucon.core.fingerprint import fingerprint_of
 from ucon.core.sharing import Shared
-from ucon.perception.belief.coverage import CoverageWeights, Indifferent
-from ucon.perception.belief.target_belief import BeliefWeights, Believing, Locations
+from ucon.perception.belief.coverage import Coverage, CoverageWeights
+from ucon.perception.belief.target_belief import BeliefWeights, Locations, TargetBelief
 from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.perception.places.target_places import Places
 from ucon.readers.anchor_reader import default_reader
@@ -29,7 +30,7 @@ class ReadHabits(Shared):
 
     def fingerprint(self) -> str:
         """Which trained reader reads, see :mod:`ucon.evaluation.playing.needed_weights`; "" for the fitted one."""
-        return str(getattr(self._reader, "fingerprint", str)())
+        return str(fingerprint_of(self._reader))
 
     def __call__(self, info: Info) -> Locations:
         """Read ``info["habits"]`` about ``info["target"]``; at level ``gt`` all of them are about it."""
@@ -48,23 +49,23 @@ def expecting(
     coverage: CoverageWeights | None = None,
     weights: BeliefWeights | None = None,
     locations: Locations | None = None,
-) -> Believing:
+) -> TargetBelief:
     """What to expect in the episode whose info at reset is given; at level ``context`` it reads again as it goes.
 
     ``locations``: what ``locate`` says of ``info``, where that is known already.
     """
-    indifferent = Indifferent(str(info["target"]), coverage or CoverageWeights())
+    indifferent = Coverage(str(info["target"]), coverage or CoverageWeights())
     arguments = (locations or locate(info), indifferent, weights or BeliefWeights())
-    return Rereading(*arguments, info, locate) if "reranking" in info else Believing(*arguments)
+    return ContextBelief(*arguments, info, locate) if "reranking" in info else TargetBelief(*arguments)
 
 
-class Rereading(Believing):
+class ContextBelief(TargetBelief):
     """At habit level ``context``: says what it saw, and reads the list that comes of it."""
 
-    _shared: ClassVar[frozenset[str]] = Believing._shared | {"_locate"}
+    _shared: ClassVar[frozenset[str]] = TargetBelief._shared | {"_locate"}
 
     def __init__(
-        self, locations: Locations, coverage: Indifferent, weights: BeliefWeights, info: Info, locate: Locate
+        self, locations: Locations, coverage: Coverage, weights: BeliefWeights, info: Info, locate: Locate
     ) -> None:
         super().__init__(locations, coverage, weights)
         self._info, self._locate = dict(info), locate

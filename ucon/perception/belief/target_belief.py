@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.sharing import PartlyShared, Shared
-from ucon.perception.belief.coverage import Indifferent
+from ucon.perception.belief.coverage import Coverage
 from ucon.perception.mapping.semantic_map import CELL_M, SemanticMap
 from ucon.perception.places.neighbourhood import interest
 from ucon.perception.places.target_places import Places, with_fallback
 from ucon.perception.views.viewpoints import Expectation
 
-#: Mass of a whole home in the units of :class:`Indifferent`: what its weights come to in a home of common size.
+#: Mass of a whole home in the units of :class:`Coverage`: what its weights come to in a home of common size.
 _COVERAGE_UNITS = 450.0
 
 
@@ -63,12 +63,12 @@ class BeliefWeights(Shared):
 KNOWN_HOME: Final = BeliefWeights(hidden=0.0, exists=0.0, home_m2=0.0, least_m2=0.01, least_share=0.0)
 
 
-class Believing(PartlyShared):
+class TargetBelief(PartlyShared):
     """Expects the target where the habits say, and a little everywhere."""
 
     _shared: ClassVar[frozenset[str]] = frozenset({"_mass", "_interest", "_row"})
 
-    def __init__(self, locations: Locations, coverage: Indifferent, weights: BeliefWeights) -> None:
+    def __init__(self, locations: Locations, coverage: Coverage, weights: BeliefWeights) -> None:
         self._coverage, self._weights = coverage, weights
         self.locations = locations
         self._mass = np.zeros((0, 4))

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ucon.perception.detectors.boxes import Boxes
-from ucon.perception.detectors.open_vocabulary import Loaded, OpenVocabularyDetector, Weights
+from ucon.perception.detectors.open_vocabulary import DetectorWeights, Loaded, OpenVocabularyDetector
 from ucon.perception.detectors.phrases import Names, chunks, plain
 from ucon.perception.detectors.tracker import GATE_M
 
@@ -24,7 +24,7 @@ class GroundingDinoDetector(OpenVocabularyDetector):
 
     def __init__(
         self,
-        weights: Weights,
+        weights: DetectorWeights,
         *,
         threshold: float = 0.35,
         text_threshold: float = 0.25,

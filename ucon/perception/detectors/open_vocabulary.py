@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ucon.core.errors import ConfigError, DetectorError, brief
-from ucon.core.weight_files import fingerprint, local_folder, missing_parts
+from ucon.core.untrusted.weight_files import fingerprint, local_folder, missing_parts
 from ucon.perception.detectors.base import Frame, vocabulary
 from ucon.perception.detectors.box_detector import BoxDetector
 from ucon.perception.detectors.boxes import Boxes
@@ -28,7 +28,7 @@ _DTYPES = ("float32", "float16", "bfloat16")
 
 
 @dataclass(frozen=True, slots=True)
-class Weights:
+class DetectorWeights:
     """Which model, and how it runs."""
 
     from_command_line: ClassVar = ("download",)
@@ -55,7 +55,7 @@ class Loaded:
 
 
 @lru_cache(maxsize=2)
-def load(weights: Weights) -> Loaded:
+def load(weights: DetectorWeights) -> Loaded:
     """The model and processor of some weights.
 
     Raises:
@@ -87,7 +87,7 @@ class OpenVocabularyDetector(BoxDetector):
 
     def __init__(
         self,
-        weights: Weights,
+        weights: DetectorWeights,
         *,
         threshold: float,
         nms_iou: float = 0.5,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ucon.perception.detectors.boxes import Boxes
-from ucon.perception.detectors.open_vocabulary import Loaded, OpenVocabularyDetector, Weights
+from ucon.perception.detectors.open_vocabulary import DetectorWeights, Loaded, OpenVocabularyDetector
 from ucon.perception.detectors.phrases import plain
 from ucon.perception.detectors.tracker import GATE_M
 
@@ -27,7 +27,7 @@ class Owlv2Detector(OpenVocabularyDetector):
 
     def __init__(
         self,
-        weights: Weights,
+        weights: DetectorWeights,
         *,
         threshold: float = 0.2,
         nms_iou: float = 0.5,

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from typing import IO, Any
 
 from ucon.core.errors import DetectorError, brief
-from ucon.core.strict_json import JsonError, parse_json
+from ucon.core.untrusted.strict_json import JsonError, parse_json
 
 #: Larger answers are taken for something else that was printed.
 MOST_BYTES = 1 << 24

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from ucon.core.errors import ConfigError, DetectorError, brief
-from ucon.core.weight_files import fingerprint
+from ucon.core.untrusted.weight_files import fingerprint
 from ucon.perception.detectors.base import Frame, vocabulary
 from ucon.perception.detectors.box_detector import BoxDetector
 from ucon.perception.detectors.boxes import Boxes

@@ -14,7 +14,7 @@ from ucon.perception.mapping.semantic_map import CELL_M, HALF, SemanticMap, View
 Image = NDArray[np.uint8]
 Pixels = Callable[[float, float], tuple[int, int]]
 
-UNKNOWN, FLOOR, LOW, TALL = (58, 62, 70), (238, 236, 230), (206, 188, 160), (134, 116, 98)
+UNKNOWN, FLOOR_COLOUR, LOW, TALL = (58, 62, 70), (238, 236, 230), (206, 188, 160), (134, 116, 98)
 PATH, AGENT, OPENED, TARGET = (64, 110, 190), (24, 60, 140), (226, 160, 60), (214, 60, 48)
 
 
@@ -46,7 +46,7 @@ def draw_map(
     i0, i1, j0, j1 = known.extent()
     image = np.full((i1 - i0, j1 - j0, 3), UNKNOWN, np.uint8)
     window = (slice(i0, i1), slice(j0, j1))
-    image[known.explored[window] > 0] = FLOOR
+    image[known.explored[window] > 0] = FLOOR_COLOUR
     image[known.height[window] > 0.05] = LOW
     image[known.height[window] > 1.2] = TALL
     image = np.repeat(np.repeat(image.transpose(1, 0, 2)[::-1], cell_px, 0), cell_px, 1).copy()

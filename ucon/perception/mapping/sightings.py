@@ -15,7 +15,7 @@ from ucon.perception.mapping.body import Body
 from ucon.perception.mapping.detections import STRUCTURE_KINDS, Detections
 from ucon.perception.mapping.semantic_map import SemanticMap, View, camera_of, frame_depth
 
-FLOOR = STRUCTURE_KINDS["floors"]
+FLOOR_CODE = STRUCTURE_KINDS["floors"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +81,7 @@ def _things(found: Detections) -> tuple[tuple[str, int], ...]:
 def _floor_middle(known: SemanticMap, frame: _Frame) -> tuple[float, float] | None:
     """Where the middle pixel of the largest patch of floor lies, in metres from the start."""
     is_floor = np.zeros(known.n_tracks + 1, np.uint8)  # the last entry: pixels of no track
-    is_floor[:-1] = known.kind[: known.n_tracks] == FLOOR
+    is_floor[:-1] = known.kind[: known.n_tracks] == FLOOR_CODE
     mask = is_floor[frame.found.image]
     count, label, stats, middles = cv2.connectedComponentsWithStats(mask, connectivity=4)
     if count < 2:

@@ -20,7 +20,7 @@ from ucon.perception.places.target_places import Places, affordance
 from ucon.perception.views.approach import Approach
 
 Kind = Literal["frontier", "landmark", "container", "view", "wander"]
-KINDS: tuple[Kind, ...] = ("frontier", "landmark", "container", "view", "wander")
+CANDIDATE_KINDS: tuple[Kind, ...] = ("frontier", "landmark", "container", "view", "wander")
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ import numpy as np
 from ucon.objects.catalogue import catalogue
 from ucon.objects.model import Category
 from ucon.sim.placement.kernels import rug_tops
-from ucon.sim.placement.slots import Pose, Slot, clear, flipped, nearest_node_m, slot_boxes, slots_at
+from ucon.sim.placement.slots import Slot, SlotPose, clear, flipped, nearest_node_m, slot_boxes, slots_at
 from ucon.sim.placement.surroundings import Surroundings
 from ucon.sim.shapes import Array, Solid
 
@@ -22,7 +22,7 @@ SEEN_BEST_M = 1.1
 
 
 @dataclass(frozen=True, eq=False)
-class Request:
+class PlacementRequest:
     """Put ``category`` by ``anchor``."""
 
     scene: Surroundings
@@ -48,7 +48,12 @@ class Request:
 
 
 def ordered(
-    request: Request, centres: Array, z: float | Array, pose: Pose, penalty: Array | float = 0.0, keep: int = 24
+    request: PlacementRequest,
+    centres: Array,
+    z: float | Array,
+    pose: SlotPose,
+    penalty: Array | float = 0.0,
+    keep: int = 24,
 ) -> Iterator[Slot]:
     """Slots at the centres (n, 2) that are clear, lowest ``penalty`` plus noise first, at most ``keep``."""
     if not len(centres):
@@ -71,7 +76,7 @@ def ordered(
             return
 
 
-def depth_penalty(request: Request, centres: Array, z: float) -> Array | float:
+def depth_penalty(request: PlacementRequest, centres: Array, z: float) -> Array | float:
     """Penalty (n,) for standing far from where the agent can be, strong on levels above its chest."""
     weight = 6.0 if z > SEEN_BEST_M else 1.0
     distance = nearest_node_m(request.scene, centres, request.scene.room_of(request.anchor))

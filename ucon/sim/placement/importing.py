@@ -15,13 +15,13 @@ from ucon.scenes.spec import WALL_THICKNESS_M
 from ucon.sim.arrangement import Arrangement, PlacedObject
 from ucon.sim.house import House
 from ucon.sim.placement import nextto, ontop
-from ucon.sim.placement.common import Request
+from ucon.sim.placement.common import PlacementRequest
 from ucon.sim.placement.floor import can_spare, nodes_taken
 from ucon.sim.placement.place import placed_object
 from ucon.sim.placement.predicates import is_ontop
 from ucon.sim.placement.reasons import Reason, RefusedError
 from ucon.sim.placement.settle import Settled, settle
-from ucon.sim.placement.slots import Pose, Slot, clear
+from ucon.sim.placement.slots import Slot, SlotPose, clear
 from ucon.sim.placement.surroundings import SURFACE, Surroundings
 from ucon.sim.shapes import Array, enclosing, primitive_boxes, solid
 
@@ -93,7 +93,7 @@ def import_anchor(house: House, arrangement: Arrangement, category: str, rng: np
     reason: Reason = "no_free_slot"
     for room in _rooms(house, row, rng):
         for anchor, slot in _slots(scene, row, room, rng):
-            request = Request(scene, category, shape, anchor, rng)
+            request = PlacementRequest(scene, category, shape, anchor, rng)
             if not can_spare(scene, nodes_taken(scene, slot.box)):
                 reason = "blocks_path"
                 continue
@@ -124,7 +124,7 @@ def _slots(scene: Surroundings, row: Category, room: int, rng: np.random.Generat
 
 def _on_floor(scene: Surroundings, category: str, room: int, rng: np.random.Generator) -> Iterator[tuple[int, Slot]]:
     walls = scene.house.n_items + 3 * room + 1
-    request = Request(scene, category, solid(category), walls, rng)
+    request = PlacementRequest(scene, category, solid(category), walls, rng)
     for slot in islice(nextto.candidates(request), 20):
         yield walls - 1, slot
 
@@ -138,7 +138,7 @@ def _on_furniture(
     owners = [int(o) for o in np.unique(levels.owner[usual]) if scene.room_of(int(o)) == room]
     owners = [o for o in owners if catalogue()[scene.categories[o]].role in ("fixed_furniture", "movable_furniture")]
     for k in rng.permutation(len(owners))[:_SUPPORTS]:
-        request = Request(scene, category, solid(category), owners[k], rng)
+        request = PlacementRequest(scene, category, solid(category), owners[k], rng)
         try:
             slots = ontop.candidates(request)
         except RefusedError:
@@ -173,8 +173,8 @@ def _on_wall(scene: Surroundings, category: str, room: int, rng: np.random.Gener
             yield scene.house.n_items + 3 * room + 1, slot
 
 
-def _wall_pose(turn: Array, box: Array) -> Pose:
-    return Pose(turn, box[:3], box[3:])
+def _wall_pose(turn: Array, box: Array) -> SlotPose:
+    return SlotPose(turn, box[:3], box[3:])
 
 
 def _over_opening(scene: Surroundings, box: Array, axis: int, coord: float) -> bool:
@@ -198,7 +198,7 @@ def _hung(slot: Slot, walls: int) -> Settled:
     return Settled(np.round(np.array(slot.position), 6), slot.pose.turn, frozenset({walls}))
 
 
-def _stands(request: Request, settled: Settled) -> bool:
+def _stands(request: PlacementRequest, settled: Settled) -> bool:
     scene = request.scene
     box = enclosing(primitive_boxes(request.shape, settled.position, settled.turn))
     if request.row.mount != "wall" and not is_ontop(scene, request.anchor, box, settled.contacts):

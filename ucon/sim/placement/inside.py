@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ucon.sim.placement.common import Request, alternate, depth_penalty, ordered
+from ucon.sim.placement.common import PlacementRequest, alternate, depth_penalty, ordered
 from ucon.sim.placement.reasons import RefusedError
-from ucon.sim.placement.slots import Pose, Slot, centres_in, is_long, poses
+from ucon.sim.placement.slots import Slot, SlotPose, centres_in, is_long, poses
 from ucon.sim.placement.surroundings import COMPARTMENT
 from ucon.sim.shapes import Array
 
@@ -21,7 +21,7 @@ _WALL_M = 0.002
 _LOOK_DOWN_M = 1.0
 
 
-def candidates(request: Request) -> Iterator[Slot]:
+def candidates(request: PlacementRequest) -> Iterator[Slot]:
     """Slots inside the anchor, ordered.
 
     Raises:
@@ -31,7 +31,7 @@ def candidates(request: Request) -> Iterator[Slot]:
     rows = scene.levels_of(request.anchor, COMPARTMENT)
     if not len(rows):
         raise RefusedError("not_a_container", f"{request.anchor_name} has no space inside")
-    stages: list[list[tuple[Array, Pose]]] = [[], []]
+    stages: list[list[tuple[Array, SlotPose]]] = [[], []]
     for row in rows:
         level, open_top = scene.levels.box[row], not scene.levels.hides[row]
         for pose in poses(request.shape, lay=True):
@@ -42,26 +42,26 @@ def candidates(request: Request) -> Iterator[Slot]:
     return _slots(request, stages)
 
 
-def fits(level: Array, pose: Pose, open_top: bool) -> bool:
+def fits(level: Array, pose: SlotPose, open_top: bool) -> bool:
     """Whether an object turned like this goes into a compartment (6,) that is empty."""
     room = level[3:] - level[:3]
     height = pose.extent[2] * PROTRUDING_SHARE if open_top else pose.extent[2] + AIR_M
     return bool((pose.extent[:2] <= room[:2] - 2 * _WALL_M).all() and height <= room[2])
 
 
-def _awkward(request: Request, pose: Pose) -> int:
+def _awkward(request: PlacementRequest, pose: SlotPose) -> int:
     """1 where an object lies on its side although it could as well stand."""
     upright = pose.turn[2, 2] > 0.5
     return int(not upright and not is_long(request.shape.extent))
 
 
-def _slots(request: Request, stages: list[list[tuple[Array, Pose]]]) -> Iterator[Slot]:
+def _slots(request: PlacementRequest, stages: list[list[tuple[Array, SlotPose]]]) -> Iterator[Slot]:
     for stage in stages:
         shuffled = [stage[k] for k in request.rng.permutation(len(stage))]
         yield from alternate([_in_space(request, level, pose) for level, pose in shuffled])
 
 
-def _seen_from_above(request: Request, level: Array) -> bool:
+def _seen_from_above(request: PlacementRequest, level: Array) -> bool:
     """Whether nothing but the anchor's own lid or handle is above a compartment, and it is low enough to look into."""
     if level[5] > _LOOK_DOWN_M:
         return False
@@ -73,12 +73,12 @@ def _seen_from_above(request: Request, level: Array) -> bool:
     return all(shape.link[request.scene.parts.number[r]] >= 0 or _is_thin(request, r) for r in fixed)
 
 
-def _is_thin(request: Request, row: int) -> bool:
+def _is_thin(request: PlacementRequest, row: int) -> bool:
     box = request.scene.parts.boxes[row]
     return bool(min(box[3] - box[0], box[4] - box[1]) < 0.06)
 
 
-def _in_space(request: Request, level: Array, pose: Pose) -> Iterator[Slot]:
+def _in_space(request: PlacementRequest, level: Array, pose: SlotPose) -> Iterator[Slot]:
     rect = level[[0, 1, 3, 4]] + np.array([_WALL_M, _WALL_M, -_WALL_M, -_WALL_M])
     centres = centres_in(rect, pose.extent)
     penalty = 2.0 * np.asarray(depth_penalty(request, centres, level[2]))

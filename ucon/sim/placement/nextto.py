@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.sim.house import STRUCTURE
-from ucon.sim.placement.common import Request, depth_penalty, ordered
+from ucon.sim.placement.common import PlacementRequest, depth_penalty, ordered
 from ucon.sim.placement.kernels import ring
 from ucon.sim.placement.reasons import RefusedError
-from ucon.sim.placement.slots import Pose, Slot, poses
-from ucon.sim.placement.surroundings import COMPARTMENT, FLOOR, SURFACE, Surroundings, turned_box
+from ucon.sim.placement.slots import Slot, SlotPose, poses
+from ucon.sim.placement.surroundings import COMPARTMENT, FLOOR_LEVEL, SURFACE, Surroundings, turned_box
 from ucon.sim.placement.tops import cover_row
 from ucon.sim.shapes import Array
 
@@ -51,7 +51,7 @@ def is_hanging(scene: Surroundings, anchor: int) -> bool:
     return scene.mount(anchor) in ("wall", "ceiling") and scene.boxes[anchor][2] > 0.25
 
 
-def candidates(request: Request) -> Iterator[Slot]:
+def candidates(request: PlacementRequest) -> Iterator[Slot]:
     """Slots next to the anchor, ordered.
 
     Raises:
@@ -80,7 +80,7 @@ def under_rect(spaces: list[Array], box: Array) -> Array:
     return rect
 
 
-def below_hanging(request: Request, rect: Array, ceiling_m: float) -> Iterator[Slot]:
+def below_hanging(request: PlacementRequest, rect: Array, ceiling_m: float) -> Iterator[Slot]:
     """Slots on the highest level below what hangs on a wall, then on lower ones, then on the floor."""
     scene, box = request.scene, request.anchor_box
     reach = np.array([rect[0], rect[1], 0.0, rect[2], rect[3], 0.0])
@@ -89,12 +89,12 @@ def below_hanging(request: Request, rect: Array, ceiling_m: float) -> Iterator[S
         for r in _rows_near(scene, reach)
         if scene.levels.box[r, 2] < min(box[5], ceiling_m) and not scene.levels.hides[r]
     ]
-    rows.sort(key=lambda r: (scene.levels.kind[r] == FLOOR, -scene.levels.box[r, 2]))
+    rows.sort(key=lambda r: (scene.levels.kind[r] == FLOOR_LEVEL, -scene.levels.box[r, 2]))
     if request.row.mount == "floor":
-        rows = [r for r in rows if scene.levels.kind[r] == FLOOR]
+        rows = [r for r in rows if scene.levels.kind[r] == FLOOR_LEVEL]
     for row in rows:
         level = scene.levels.box[row]
-        stand = bool(scene.levels.kind[row] == FLOOR)
+        stand = bool(scene.levels.kind[row] == FLOOR_LEVEL)
         for pose in poses(request.shape, lay=False, stand=stand):
             if level[2] + pose.extent[2] > min(level[5], ceiling_m):
                 continue
@@ -104,13 +104,13 @@ def below_hanging(request: Request, rect: Array, ceiling_m: float) -> Iterator[S
             yield from ordered(request, centres, level[2], pose, 3.0 * away, keep=_PER_STAGE)
 
 
-def _beside(request: Request) -> Iterator[Slot]:
+def _beside(request: PlacementRequest) -> Iterator[Slot]:
     scene, box = request.scene, request.anchor_box
     reach = box + np.array([-0.4, -0.4, 0, 0.4, 0.4, 0])
     near = [r for r in _rows_near(scene, reach) if scene.levels.owner[r] != request.anchor]
     for stage in _stages(request, near):
         for gaps in (GAPS_M, FAR_GAPS_M):
-            on_floor = all(scene.levels.kind[row] == FLOOR for row in stage)
+            on_floor = all(scene.levels.kind[row] == FLOOR_LEVEL for row in stage)
             for pose in poses(request.shape, lay=False, stand=on_floor):
                 for row in stage:
                     yield from _ring(request, row, pose, gaps)
@@ -128,11 +128,11 @@ def reaches(height_m: float, box: Array) -> bool:
     return height_m >= box[2] - 0.25
 
 
-def _beside_furniture(request: Request) -> Iterator[Slot]:
+def _beside_furniture(request: PlacementRequest) -> Iterator[Slot]:
     """Slots on the floor for what is tall: a floor lamp next to the lamp on the table, a stool next to a glass."""
     scene, box = request.scene, request.anchor_box
     reach = box + np.array([-BESIDE_FURNITURE_M, -BESIDE_FURNITURE_M, 0, BESIDE_FURNITURE_M, BESIDE_FURNITURE_M, 0])
-    rows = [r for r in _rows_near(scene, reach) if scene.levels.kind[r] == FLOOR]
+    rows = [r for r in _rows_near(scene, reach) if scene.levels.kind[r] == FLOOR_LEVEL]
     tall = [pose for pose in poses(request.shape, lay=False, stand=True) if reaches(pose.extent[2], box)]
     for pose in tall:
         for row in rows:
@@ -145,17 +145,17 @@ def _beside_furniture(request: Request) -> Iterator[Slot]:
             yield from ordered(request, centres[keep], 0.0, pose, penalty, keep=_PER_STAGE)
 
 
-def _stages(request: Request, near: list[int]) -> list[list[int]]:
+def _stages(request: PlacementRequest, near: list[int]) -> list[list[int]]:
     """Levels to try: the anchor's own, tops of its neighbours, the floor."""
     levels, box = request.scene.levels, request.anchor_box
     z, kind = levels.box[:, 2], levels.kind
     middle = (box[:3] + box[3:]) / 2
-    same = [r for r in near if abs(z[r] - box[2]) <= _SAME_LEVEL_M and kind[r] != FLOOR]
+    same = [r for r in near if abs(z[r] - box[2]) <= _SAME_LEVEL_M and kind[r] != FLOOR_LEVEL]
     same = [r for r in same if kind[r] != COMPARTMENT or _contains(levels.box[r], middle)]
     if is_hidden(request.scene, request.anchor):
         return [same]
     tops = [r for r in near if box[2] + 0.3 <= z[r] <= box[5] + 0.05 and kind[r] == SURFACE]
-    floor = [r for r in near if kind[r] == FLOOR]
+    floor = [r for r in near if kind[r] == FLOOR_LEVEL]
     if request.row.mount == "floor":
         return [floor, same] if box[2] < 0.3 else [same]
     if box[2] > 0.3:
@@ -173,7 +173,7 @@ def _contains(box: Array, point: Array) -> bool:
     return bool((box[:3] <= point).all() and (point <= box[3:]).all())
 
 
-def _stands_on_level(request: Request) -> bool:
+def _stands_on_level(request: PlacementRequest) -> bool:
     levels, box = request.scene.levels, request.anchor_box
     middle = (box[:2] + box[3:5]) / 2
     inside = (levels.box[:, :2] <= middle).all(axis=1) & (middle <= levels.box[:, 3:5]).all(axis=1)
@@ -181,7 +181,7 @@ def _stands_on_level(request: Request) -> bool:
     return bool((inside & others & (np.abs(levels.box[:, 2] - box[2]) <= _SAME_LEVEL_M)).any())
 
 
-def _ring(request: Request, row: int, pose: Pose, gaps: tuple[float, ...]) -> Iterator[Slot]:
+def _ring(request: PlacementRequest, row: int, pose: SlotPose, gaps: tuple[float, ...]) -> Iterator[Slot]:
     """Slots around the anchor on one level, at the given gaps."""
     scene, box = request.scene, request.anchor_box
     level = scene.levels.box[row]
@@ -192,15 +192,15 @@ def _ring(request: Request, row: int, pose: Pose, gaps: tuple[float, ...]) -> It
     near = gap_m(_footprints(centres, pose), box) <= limit_m(full, box)
     centres = centres[near & _on_level(level, centres, pose)]
     penalty = np.asarray(depth_penalty(request, centres, level[2]))
-    if scene.levels.kind[row] == FLOOR and len(centres):
+    if scene.levels.kind[row] == FLOOR_LEVEL and len(centres):
         penalty = np.asarray(penalty + 10.0 * _in_doorway(scene, centres, pose), np.float64)
     yield from ordered(request, centres, level[2], pose, penalty, keep=_PER_STAGE)
 
 
-def _along_walls(request: Request) -> Iterator[Slot]:
+def _along_walls(request: PlacementRequest) -> Iterator[Slot]:
     """Slots on the floor along the walls of the anchor's room."""
     scene = request.scene
-    row = next(r for r in np.flatnonzero(scene.levels.kind == FLOOR) if scene.levels.number[r] == _room(request))
+    row = next(r for r in np.flatnonzero(scene.levels.kind == FLOOR_LEVEL) if scene.levels.number[r] == _room(request))
     level = scene.levels.box[row]
     for pose in poses(request.shape, lay=False, stand=True):
         half = pose.extent[:2] / 2 + 0.02
@@ -216,7 +216,7 @@ def _along_walls(request: Request) -> Iterator[Slot]:
         )
 
 
-def _room(request: Request) -> int:
+def _room(request: PlacementRequest) -> int:
     return (request.anchor - request.scene.house.n_items) // len(STRUCTURE)
 
 
@@ -227,13 +227,13 @@ def _rows_near(scene: Surroundings, reach: Array) -> list[int]:
     return [r for r in rows if scene.levels.kind[r] != SURFACE or cover_row(scene, r) is None]
 
 
-def _on_level(level: Array, centres: Array, pose: Pose) -> NDArray[np.bool_]:
+def _on_level(level: Array, centres: Array, pose: SlotPose) -> NDArray[np.bool_]:
     """Whether footprints rest on a level: all of it, save a fifth at an edge."""
     half = 0.3 * pose.extent[:2]
     return np.asarray(np.all((centres - half >= level[:2]) & (centres + half <= level[3:5]), axis=1))
 
 
-def _footprints(centres: Array, pose: Pose) -> Array:
+def _footprints(centres: Array, pose: SlotPose) -> Array:
     """Boxes (n, 6) of footprints, without height."""
     half = np.append(pose.extent[:2] / 2, 0.0)
     middle = np.concatenate([centres, np.zeros((len(centres), 1))], axis=1)
@@ -246,7 +246,7 @@ def _lattice(rect: Array) -> Array:
     return np.stack([x.ravel(), y.ravel()], axis=1)
 
 
-def _in_doorway(scene: Surroundings, centres: Array, pose: Pose) -> NDArray[np.bool_]:
+def _in_doorway(scene: Surroundings, centres: Array, pose: SlotPose) -> NDArray[np.bool_]:
     """Whether footprints (n, 2) stand in the way through an opening."""
     found = np.zeros(len(centres), bool)
     half = pose.extent[:2] / 2

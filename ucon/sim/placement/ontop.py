@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from ucon.sim.house import STRUCTURE
-from ucon.sim.placement.common import Request, alternate, depth_penalty, ordered
+from ucon.sim.placement.common import PlacementRequest, alternate, depth_penalty, ordered
 from ucon.sim.placement.reasons import RefusedError
-from ucon.sim.placement.slots import Pose, Slot, centres_in, poses
+from ucon.sim.placement.slots import Slot, SlotPose, centres_in, poses
 from ucon.sim.placement.tops import floor_levels, tops
 from ucon.sim.shapes import Array
 
@@ -18,7 +18,7 @@ OVERHANG = 0.3
 _PER_LEVEL = 8
 
 
-def candidates(request: Request) -> Iterator[Slot]:
+def candidates(request: PlacementRequest) -> Iterator[Slot]:
     """Slots on top of the anchor, ordered.
 
     Raises:
@@ -37,19 +37,19 @@ def candidates(request: Request) -> Iterator[Slot]:
     return _slots(request, fitting, on_floor)
 
 
-def _fitting(request: Request, level: Array) -> list[Pose]:
+def _fitting(request: PlacementRequest, level: Array) -> list[SlotPose]:
     return [pose for pose in poses(request.shape, lay=False) if fits(level, pose)]
 
 
-def fits(level: Array, pose: Pose) -> bool:
+def fits(level: Array, pose: SlotPose) -> bool:
     """Whether an object turned like this goes on a level (6,) that is empty, hanging over a little."""
     room = level[3:5] - level[:2]
     return bool(pose.extent[2] <= level[5] - level[2] + 1e-6 and (pose.extent[:2] <= room * (1 + OVERHANG)).all())
 
 
-def _slots(request: Request, fitting: list[tuple[Array, Pose]], on_floor: bool) -> Iterator[Slot]:
+def _slots(request: PlacementRequest, fitting: list[tuple[Array, SlotPose]], on_floor: bool) -> Iterator[Slot]:
     """Poses in their order of preference (pairs of quarter turns), levels mixed within each."""
-    stages: dict[float, list[tuple[Array, Pose]]] = {}
+    stages: dict[float, list[tuple[Array, SlotPose]]] = {}
     for level, pose in fitting:
         stages.setdefault(round(float(pose.extent[2]), 6), []).append((level, pose))
     for stage in stages.values():
@@ -57,7 +57,7 @@ def _slots(request: Request, fitting: list[tuple[Array, Pose]], on_floor: bool) 
         yield from alternate([_on_level(request, level, pose, on_floor) for level, pose in shuffled])
 
 
-def _on_level(request: Request, level: Array, pose: Pose, on_floor: bool) -> Iterator[Slot]:
+def _on_level(request: PlacementRequest, level: Array, pose: SlotPose, on_floor: bool) -> Iterator[Slot]:
     centres = centres_in(level[[0, 1, 3, 4]], pose.extent, OVERHANG)
     penalty: Array | float = depth_penalty(request, centres, level[2])
     if on_floor and len(centres):

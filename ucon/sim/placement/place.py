@@ -14,7 +14,7 @@ from ucon.objects.model import RELATIONS, Relation
 from ucon.sim.arrangement import Arrangement, PlacedObject
 from ucon.sim.house import House
 from ucon.sim.placement import inside, nextto, ontop, under
-from ucon.sim.placement.common import Request
+from ucon.sim.placement.common import PlacementRequest
 from ucon.sim.placement.floor import can_spare, nodes_taken
 from ucon.sim.placement.predicates import holds
 from ucon.sim.placement.reasons import Reason, RefusedError
@@ -23,7 +23,7 @@ from ucon.sim.placement.slots import Slot
 from ucon.sim.placement.surroundings import Surroundings
 from ucon.sim.shapes import enclosing, object_box, primitive_boxes, quat_of_matrix, solid
 
-_SAMPLERS: dict[str, Callable[[Request], Iterator[Slot]]] = {
+_SAMPLERS: dict[str, Callable[[PlacementRequest], Iterator[Slot]]] = {
     "ontop": ontop.candidates,
     "inside": inside.candidates,
     "under": under.candidates,
@@ -65,7 +65,7 @@ def place(
         raise RefusedError("absent_anchor", f"instance {anchor} is not in {house.spec.name}")
     if row.mount == "structure":
         raise RefusedError("implausible", f"{category} is part of a building and cannot be put anywhere")
-    request = Request(scene, category, solid(category), anchor, rng)
+    request = PlacementRequest(scene, category, solid(category), anchor, rng)
     return _first(request, relation)
 
 
@@ -77,7 +77,7 @@ def with_object(house: House, arrangement: Arrangement, placed: PlacedObject) ->
     return replace(arrangement, objects=(*arrangement.objects, placed), blocked=blocked)
 
 
-def _first(request: Request, relation: Relation) -> PlacedObject:
+def _first(request: PlacementRequest, relation: Relation) -> PlacedObject:
     """The first slot at which the object settles and the relation holds."""
     reason: Reason = "no_free_slot"
     falls: Counter[float] = Counter()
@@ -98,7 +98,7 @@ def _first(request: Request, relation: Relation) -> PlacedObject:
     raise RefusedError(reason, f"no place found for {request.category} {relation} {request.anchor_name}")
 
 
-def _is_right(request: Request, relation: Relation, settled: Settled) -> bool:
+def _is_right(request: PlacementRequest, relation: Relation, settled: Settled) -> bool:
     box = enclosing(primitive_boxes(request.shape, settled.position, settled.turn))
     scene, anchor = request.scene, request.anchor
     if relation != "inside":
@@ -110,7 +110,7 @@ def _is_right(request: Request, relation: Relation, settled: Settled) -> bool:
     return holds(scene, relation, anchor, box, settled.contacts) and can_spare(scene, nodes_taken(scene, box))
 
 
-def placed_object(request: Request, relation: Relation, settled: Settled) -> PlacedObject:
+def placed_object(request: PlacementRequest, relation: Relation, settled: Settled) -> PlacedObject:
     """The settled pose as plain data, with its room and what hides or carries it."""
     scene = request.scene
     box = enclosing(primitive_boxes(request.shape, settled.position, settled.turn))

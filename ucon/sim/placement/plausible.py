@@ -15,7 +15,7 @@ from ucon.objects.model import Category, ObjectModel, Relation, Vec3
 from ucon.sim.house import STRUCTURE
 from ucon.sim.placement import inside, ontop, under
 from ucon.sim.placement.reasons import Reason
-from ucon.sim.placement.slots import Pose, poses
+from ucon.sim.placement.slots import SlotPose, poses
 from ucon.sim.shapes import solid
 
 #: A reason that can be counted and a phrase for people.
@@ -94,5 +94,5 @@ def _under(row: Category, anchor: ObjectModel, other: Category) -> Refusal | Non
     return "too_large", f"{row.name} is too large for the space under {anchor.category}"
 
 
-def _poses(row: Category, *, lay: bool) -> list[Pose]:
+def _poses(row: Category, *, lay: bool) -> list[SlotPose]:
     return poses(solid(row.name), lay=lay)

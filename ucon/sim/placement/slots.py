@@ -30,7 +30,7 @@ _PITCH = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
 
 
 @dataclass(frozen=True, eq=False)
-class Pose:
+class SlotPose:
     """An orientation of a solid and the box around it, relative to its origin."""
 
     turn: Array
@@ -48,7 +48,7 @@ class Slot:
     """Where to try: the origin of the object and its orientation."""
 
     position: Vec3
-    pose: Pose
+    pose: SlotPose
 
     @property
     def box(self) -> Array:
@@ -56,7 +56,7 @@ class Slot:
         return np.concatenate([self.pose.low + self.position, self.pose.high + self.position])
 
 
-def poses(shape: Solid, *, lay: bool, stand: bool = False) -> list[Pose]:
+def poses(shape: Solid, *, lay: bool, stand: bool = False) -> list[SlotPose]:
     """Orientations to try, best first: upright, then on a side if it is long and thin, or anything if ``lay``.
 
     What is slender lies first, except where it should ``stand``: a broom on the floor. Each comes in two quarter
@@ -81,7 +81,7 @@ class _Key:
 
 
 @lru_cache(maxsize=4096)
-def _poses(key: _Key, lay: bool, stand: bool) -> tuple[Pose, ...]:
+def _poses(key: _Key, lay: bool, stand: bool) -> tuple[SlotPose, ...]:
     extent = key.shape.extent
     slender = min(extent[0], extent[1]) < _SLENDER * extent[2]
     down = [_PITCH, _ROLL] if extent[0] <= extent[1] else [_ROLL, _PITCH]
@@ -96,12 +96,12 @@ def is_long(extent: Array) -> bool:
     return b >= 2.5 * a
 
 
-def _pose(shape: Solid, turn: Array) -> Pose:
+def _pose(shape: Solid, turn: Array) -> SlotPose:
     box = enclosing(primitive_boxes(shape, (0.0, 0.0, 0.0), turn))
-    return Pose(turn, box[:3], box[3:])
+    return SlotPose(turn, box[:3], box[3:])
 
 
-def flipped(shape: Solid, pose: Pose, rng: np.random.Generator) -> Pose:
+def flipped(shape: Solid, pose: SlotPose, rng: np.random.Generator) -> SlotPose:
     """The pose or its half turn, at random: both need the same space."""
     return _pose(shape, yaw_matrix(2) @ pose.turn) if rng.random() < 0.5 else pose
 
@@ -127,7 +127,7 @@ def centres_in(rect: Array, extent: Array, overhang: float = 0.0) -> Array:
     return np.stack([x.ravel(), y.ravel()], axis=1)
 
 
-def slot_boxes(centres: Array, z: float | Array, pose: Pose) -> Array:
+def slot_boxes(centres: Array, z: float | Array, pose: SlotPose) -> Array:
     """World boxes (n, 6) of an object whose footprint centres are given and that stands at height z."""
     half = pose.extent[:2] / 2
     bottom = np.broadcast_to(np.asarray(z, float), (len(centres),))[:, None] + LIFT_M
@@ -143,7 +143,7 @@ def clear(scene: Surroundings, boxes: Array) -> NDArray[np.bool_]:
     return are_clear(scene.parts.boxes[rows[~scene.parts.slanted[rows]]], boxes, _TOUCH_M)
 
 
-def slots_at(centres: Array, z: float | Array, pose: Pose, order: NDArray[np.int64]) -> Iterator[Slot]:
+def slots_at(centres: Array, z: float | Array, pose: SlotPose, order: NDArray[np.int64]) -> Iterator[Slot]:
     """Slots in the given order of rows of ``centres``."""
     heights = np.broadcast_to(np.asarray(z, float), (len(centres),))
     offset = (pose.low + pose.high)[:2] / 2

@@ -30,7 +30,7 @@ from ucon.sim.shapes import (
 from ucon.sim.structure import structure_parts
 
 Index = NDArray[np.int64]
-SURFACE, COMPARTMENT, FLOOR = 0, 1, 2
+SURFACE, COMPARTMENT, FLOOR_LEVEL = 0, 1, 2
 _STRAIGHT = 0.02
 _UPRIGHT = 0.97
 _FLAT_SHARE = 0.25
@@ -64,7 +64,7 @@ class Levels:
     """(n, 6): rectangle, height of the level, and height of what is above it."""
     owner: Index
     kind: Index
-    """SURFACE, COMPARTMENT or FLOOR."""
+    """SURFACE, COMPARTMENT or FLOOR_LEVEL."""
     number: Index
     """Surface, compartment or room."""
     hides: NDArray[np.bool_]
@@ -178,7 +178,11 @@ def _make_base(house: House) -> _Base:
     ]
     rooms = np.arange(len(floors))
     floor_levels = Levels(
-        np.array(floors), house.n_items + 3 * rooms, np.full(len(floors), FLOOR), rooms, np.zeros(len(floors), bool)
+        np.array(floors),
+        house.n_items + 3 * rooms,
+        np.full(len(floors), FLOOR_LEVEL),
+        rooms,
+        np.zeros(len(floors), bool),
     )
     keep = np.ones(len(levels.owner), bool)
     return _Base(standing, _parts(standing, range(len(standing))), _join_levels(levels, keep, floor_levels))

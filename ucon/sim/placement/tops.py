@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ucon.sim.placement.surroundings import FLOOR, SURFACE, Surroundings
+from ucon.sim.placement.surroundings import FLOOR_LEVEL, SURFACE, Surroundings
 from ucon.sim.shapes import Array
 
 _SAME_HEIGHT_M = 0.005
@@ -15,7 +15,7 @@ _COVERED_SHARE = 0.7
 
 def floor_levels(scene: Surroundings, anchor: int) -> list[Array]:
     """The floor of a room as levels (6,)."""
-    return [scene.levels.box[row] for row in scene.levels_of(anchor, FLOOR)]
+    return [scene.levels.box[row] for row in scene.levels_of(anchor, FLOOR_LEVEL)]
 
 
 def tops(scene: Surroundings, anchor: int) -> list[Array]:

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from ucon.sim.house import STRUCTURE
-from ucon.sim.placement.common import Request, depth_penalty, ordered
+from ucon.sim.placement.common import PlacementRequest, depth_penalty, ordered
 from ucon.sim.placement.nextto import below_hanging, is_hanging, under_rect, under_spaces
 from ucon.sim.placement.reasons import RefusedError
-from ucon.sim.placement.slots import Pose, Slot, centres_in, poses
+from ucon.sim.placement.slots import Slot, SlotPose, centres_in, poses
 from ucon.sim.shapes import Array
 
 LOW_M = 0.35
@@ -18,7 +18,7 @@ _SPILL = 0.5
 """Share of the footprint that may show beyond the anchor's edge; the centre stays below it."""
 
 
-def candidates(request: Request) -> Iterator[Slot]:
+def candidates(request: PlacementRequest) -> Iterator[Slot]:
     """Slots under the anchor, ordered.
 
     Raises:
@@ -38,13 +38,13 @@ def candidates(request: Request) -> Iterator[Slot]:
     return _slots(request, fitting)
 
 
-def fits(space: Array, pose: Pose) -> bool:
+def fits(space: Array, pose: SlotPose) -> bool:
     """Whether an object turned like this goes into the space (6,) under something, sticking out a little."""
     room = space[3:] - space[:3]
     return bool(pose.extent[2] <= room[2] - 0.004 and (pose.extent[:2] * _SPILL <= room[:2]).all())
 
 
-def _slots(request: Request, fitting: list[tuple[Array, Pose]]) -> Iterator[Slot]:
+def _slots(request: PlacementRequest, fitting: list[tuple[Array, SlotPose]]) -> Iterator[Slot]:
     for first in (True, False):
         for space, pose in fitting:
             # Under what is low only the rim can be seen, so there things stick out a little.

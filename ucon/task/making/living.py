@@ -10,7 +10,7 @@ import numpy as np
 from ucon.habits.contexts import Context, condition_of, draw_context
 from ucon.habits.hosting import Hosted, hosted, household
 from ucon.habits.splits import Split
-from ucon.habits.types import KINDS, Entry, HabitDataset, Placement
+from ucon.habits.types import HOUSEHOLD_KINDS, Entry, HabitDataset, Placement
 from ucon.objects.model import Relation
 from ucon.scenes.spec import HomeSpec
 from ucon.sim.house import House
@@ -34,7 +34,7 @@ class Drawn:
 
 def home_kinds(spec: HomeSpec) -> tuple[str, ...]:
     """The kinds of place that a home is, of those that entries are bound to."""
-    found = [spec.kind] if spec.kind in KINDS else []
+    found = [spec.kind] if spec.kind in HOUSEHOLD_KINDS else []
     if any(room.outdoor or room.type in _OUTSIDE for room in spec.rooms):
         found.append("garden")
     return tuple(found)

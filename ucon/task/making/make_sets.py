@@ -8,9 +8,9 @@ from pathlib import Path
 
 from ucon.core.errors import EpisodeError, UconError
 from ucon.core.files import canonical_json, write_atomic
-from ucon.core.plain_file import read_plain
 from ucon.core.pool import Pool
-from ucon.core.strict_json import JsonError, parse_json
+from ucon.core.untrusted.plain_file import read_plain
+from ucon.core.untrusted.strict_json import JsonError, parse_json
 from ucon.habits.book import book
 from ucon.habits.types import HabitDataset
 from ucon.sim.cache import load_house

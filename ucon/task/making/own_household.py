@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from ucon.core.errors import ConfigError, EpisodeError, UconError, unknown_name
 from ucon.habits.book import book, book_anchors
 from ucon.habits.rules import OWN_LIMITS, count_fault, habit_fault, line_fault, placement_fault
-from ucon.habits.types import RELATIONS, Entry, Habit, HabitDataset, Placement, Relation
+from ucon.habits.types import Entry, Habit, HabitDataset, Placement
 from ucon.habits.verdicts import Triple, Verdicts
 from ucon.objects.catalogue import catalogue
+from ucon.objects.model import RELATIONS, Relation
 from ucon.scenes.library import parse_procedural, parse_scene
 from ucon.sim.cache import load_house
 from ucon.task.episode import Episode
@@ -40,7 +41,7 @@ class FaultsError(UconError):
 
 
 @dataclass(frozen=True)
-class Wish:
+class OwnPlacement:
     """What somebody wants to try."""
 
     scene: str
@@ -50,7 +51,7 @@ class Wish:
     """Where it is kept; None: where the habits say."""
 
     @classmethod
-    def of(cls, scene: str, target: str, habits: Sequence[str], place: str | None) -> Wish:
+    def of(cls, scene: str, target: str, habits: Sequence[str], place: str | None) -> OwnPlacement:
         """Check the words of a command line; ``place`` is ``relation:anchor``.
 
         Raises:
@@ -90,14 +91,14 @@ def _placement(text: str) -> Placement | str:
     return Placement(cast(Relation, relation), anchor)
 
 
-def others_of(wish: Wish) -> list[Entry]:
+def others_of(wish: OwnPlacement) -> list[Entry]:
     """Entries of the habit book that the home has of everything else, in the order of the book."""
     living = living_in(load_house(wish.scene), book())
     found = {host.entry for name, hosts in living.items() if name != wish.target for host in hosts}
     return sorted(found, key=lambda entry: book().entry_number[entry.id])
 
 
-def own_household(wish: Wish, place: Placement, others: Sequence[Entry]) -> HabitDataset:
+def own_household(wish: OwnPlacement, place: Placement, others: Sequence[Entry]) -> HabitDataset:
     """The wish as an entry among those of the home: other things are kept, and told of, too."""
     habits = tuple(Habit(text, (0,)) for text in wish.habits)
     own = Entry(f"{wish.target}/own", wish.target, HOUSEHOLD, (place,), habits)
@@ -108,7 +109,7 @@ def own_household(wish: Wish, place: Placement, others: Sequence[Entry]) -> Habi
     return HabitDataset(NAME, entries, verdicts=Verdicts(known))
 
 
-def likely_places(wish: Wish, read: ReadPlaces) -> list[tuple[Placement, float]]:
+def likely_places(wish: OwnPlacement, read: ReadPlaces) -> list[tuple[Placement, float]]:
     """Where the habits say that it is, of what stands in the home: likeliest first, with their probabilities.
 
     The place that the wish names is the only one.
@@ -128,7 +129,7 @@ def likely_places(wish: Wish, read: ReadPlaces) -> list[tuple[Placement, float]]
 
 
 def own_episode(
-    wish: Wish, read: ReadPlaces, seed: int = 0, rules: TaskRules = PAPER
+    wish: OwnPlacement, read: ReadPlaces, seed: int = 0, rules: TaskRules = PAPER
 ) -> tuple[Episode, HabitDataset, Placement, float]:
     """An episode of the wish, the dataset it belongs to, the place and how likely the habits made it.
 

@@ -38,7 +38,7 @@ OFFICIAL_HELD_OUT, N_HELD_OUT = "official_held_out", 1000
 OFFICIAL_SETS = {OFFICIAL: N_OFFICIAL, OFFICIAL_HELD_OUT: N_HELD_OUT}
 #: Fewer held-out categories in a scene are not asked for: episodes would be all alike.
 MIN_HELD_OUT = 3
-KINDS = ("house", "flat", "house", "flat", "office", "house", "flat", "restaurant", "house", "shop")
+PLANNED_HOMES = ("house", "flat", "house", "flat", "office", "house", "flat", "restaurant", "house", "shop")
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def set_cells(name: str) -> tuple[Cell, ...]:
 
 def generated(first_seed: int, count: int) -> tuple[str, ...]:
     """Names of generated homes of mixed kinds."""
-    return tuple(f"procedural:{KINDS[k % len(KINDS)]}:{first_seed + k}" for k in range(count))
+    return tuple(f"procedural:{PLANNED_HOMES[k % len(PLANNED_HOMES)]}:{first_seed + k}" for k in range(count))
 
 
 def set_orders(

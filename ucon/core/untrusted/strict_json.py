@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from ucon.core.errors import DataError, brief
-from ucon.core.plain_file import read_bounded
+from ucon.core.untrusted.plain_file import read_bounded
 
 #: Of one text. Files that may be larger say so.
 MAX_BYTES: Final = 64 * 2**20

@@ -13,7 +13,7 @@ from functools import lru_cache
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from ucon.core.errors import DataError, brief
-from ucon.core.strict_json import JsonError, parse_json
+from ucon.core.untrusted.strict_json import JsonError, parse_json
 
 T = TypeVar("T")
 #: Whole numbers beyond this are exact in no float, and count nothing.
@@ -22,7 +22,7 @@ _ALTERED = "the file is altered, evaluate again"
 
 
 def parse_line(raw: bytes | str, where: str, remedy: str = _ALTERED) -> Any:
-    """The value of a JSON text, such as a line of records; see :func:`ucon.core.strict_json.parse_json`.
+    """The value of a JSON text, such as a line of records; see :func:`ucon.core.untrusted.strict_json.parse_json`.
 
     Raises:
         DataError: it is none.

@@ -1,0 +1,1 @@
+"""Reading what others wrote: types checked, sizes limited, nothing run."""
