@@ -40,7 +40,7 @@ from ucon.learning.run.run_progress import check_wandb, tensorboard_log, trainin
 from ucon.learning.run.trainer_state import SCORE
 from ucon.learning.run.training_run import Interrupted, OnFigures, TrainingRun
 from ucon.programs.errors import one_line_errors, run_entry
-from ucon.programs.training import ChosenRun, chosen_run, run_identity, use_threads, write_extension
+from ucon.programs.training import ChosenRun, chosen_run, learner_name, run_identity, use_threads, write_extension
 
 
 @hydra.main(version_base="1.3", config_path="configs", config_name="train")
@@ -89,12 +89,15 @@ def _trained(
         run.start(OmegaConf.to_yaml(OmegaConf.create(config)))
     if settled:
         print("computing with", ", ".join(f"{name} {value}" for name, value in settled.items()), file=sys.stderr)
-    label = config["learner"]["_target_"].rsplit(".", 1)[-1]
     with (
         wandb_log(config["wandb"], chosen.folder, config) as log,
         tensorboard_log(bool(config["tensorboard"]), chosen.folder) as write,
         training_progress(
-            label, run.plan.length, run.step, best=run.best.get(SCORE), visible=config["progress"]
+            learner_name(config["learner"]),
+            run.plan.length,
+            run.step,
+            best=run.best.get(SCORE),
+            visible=config["progress"],
         ) as show,
     ):
         return run.run(_each(show, log, write)), run.seconds

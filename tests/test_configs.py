@@ -14,6 +14,7 @@ from ucon.configuration.wiring import Factory
 from ucon.core.errors import ConfigError, UconError
 from ucon.evaluation.figures.report import run_hashes
 from ucon.language.choice import LanguageModel, sees_images
+from ucon.programs.training import learner_name
 from ucon.retrieval import Retriever
 from ucon.retrieval.levels import check_level
 from ucon.task.agent import Agent
@@ -57,6 +58,12 @@ def test_every_learner_begins_with_the_weights_of_another_run_by_one_word(name):
     learner = composed(f"learner={name}", *(["agent=vtn"] if name in OF_POLICIES else []), root="train")["learner"]
     assert learner["initial"] is None
     assert "initial" in arguments_of(learner["_target_"])
+
+
+@pytest.mark.parametrize("name", [n for g, n in OPTIONS if g == "learner"])
+def test_progress_calls_a_learner_as_its_option_does(name):
+    learner = composed(f"learner={name}", *(["agent=vtn"] if name in OF_POLICIES else []), root="train")["learner"]
+    assert learner_name(learner) == name
 
 
 def with_a_policy():

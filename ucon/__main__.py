@@ -6,9 +6,11 @@ import argparse
 import contextlib
 import importlib
 import keyword
+import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from types import ModuleType
+from typing import NoReturn
 
 from ucon import __version__
 from ucon.core.errors import UconError, unknown_name
@@ -17,6 +19,7 @@ from ucon.core.errors import UconError, unknown_name
 #: ``add_arguments`` and ``run``.
 COMMANDS = {
     "doctor": "check this machine and this installation, and say what to do",
+    "info": "the seven actions; of an episode, whose home it is and what is searched there",
     "bench": "measure renderer and environment speed",
     "demo": "one search without and with habits, filmed, and the sentence that makes the difference",
     "try": "search your own object by your own habits in a home, without and with them",
@@ -38,7 +41,7 @@ COMMANDS = {
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command; its exit code is 0 only when all is well, 2 for errors that the user can mend."""
     arguments = list(sys.argv[1:] if argv is None else argv)
-    parser = argparse.ArgumentParser(prog="ucon", description="User-centric object navigation.")
+    parser = Parser(prog="ucon", description="User-centric object navigation.")
     parser.add_argument("--version", action="version", version=f"ucon {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
     chosen = next((word for word in arguments if not word.startswith("-")), None)
@@ -48,7 +51,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         command = commands.add_parser(name, help=text.replace("%", "%%"), description=f"{text[0].upper()}{text[1:]}.")
         if name == chosen:
             _module(name).add_arguments(command)
-    args = parser.parse_args(arguments)
+    args, unknown = parser.parse_known_args(arguments)
+    if unknown:
+        return _error(unknown_name("argument", unknown[0], {*_options(parser)}, remedy="(see --help)"))
     if args.command is None:
         parser.print_help()
         return 0
@@ -63,6 +68,26 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _error(f"{where}: {error.strerror or error}; check the path, its permissions and the room on the disk")
     except KeyboardInterrupt:
         return _error("interrupted", 130)
+
+
+class Parser(argparse.ArgumentParser):
+    """Says of a choice that does not exist which one may have been meant."""
+
+    def error(self, message: str) -> NoReturn:
+        """End in one line with exit code 2."""
+        if found := re.fullmatch(r"argument (\S+): invalid choice: (.+?) \(choose from (.*)\)", message):
+            names = [name.strip("'") for name in found[3].split(", ")]
+            message = unknown_name(found[1].lstrip("-").lower(), found[2].strip("'"), names)
+        self.exit(2, f"error: {message}; see {self.prog} --help\n")
+
+
+def _options(parser: argparse.ArgumentParser) -> Iterator[str]:
+    """Options of a parser, and of the parsers of its actions."""
+    for action in parser._actions:
+        yield from action.option_strings
+        if isinstance(action, argparse._SubParsersAction):
+            for below in action.choices.values():
+                yield from _options(below)
 
 
 def _module(command: str) -> ModuleType:

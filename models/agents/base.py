@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.task.agent import Info, Observation
 
 
@@ -44,6 +45,10 @@ class ControllerAgent:
             self.controllers[slot].act(observation, info)
             for slot, observation, info in zip(slots_of(infos, slots), observations, infos, strict=True)
         ]
+
+    def decisions(self, slot: int) -> list[DecisionRecord]:
+        """What was chosen in a slot since its reset; [] where nothing is chosen but actions."""
+        return list(getattr(self.controllers[slot], "decisions", ()))
 
     def picture(self, slot: int) -> NDArray[np.uint8] | None:
         """For videos: what it thinks after its last action in a slot, (384, W, 3); None where it shows nothing."""

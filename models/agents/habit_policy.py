@@ -11,14 +11,17 @@ import numpy as np
 
 from models.agents.base import slots_of
 from models.agents.checkpoint import NetworkCheckpoint
+from models.agents.search import SearchLog
 from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import sha256_bytes
 from ucon.core.fingerprint import fingerprint_of
 from ucon.core.rng import stream
+from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.learning.policies.action_policy import comparable
 from ucon.perception.belief.from_habits import Locate, ReadHabits, expecting
 from ucon.perception.drawing.map_picture import Image
+from ucon.perception.views.viewpoints import Choice
 from ucon.search.search_tokens import Sizes, TokenReader, Tokens
 from ucon.search.searcher import MISS, Searcher
 from ucon.search.text_tokens import SaidTokens, TextTokens, name_table
@@ -39,8 +42,14 @@ class _Search:
     searcher: Searcher
     reader: TokenReader
     said: SaidTokens
+    log: SearchLog
     chosen: tuple[Tokens, int] | None = None
     """What the network last chose among, and the row that it chose."""
+
+    def go(self, choice: Choice | None, also: str = "") -> Action:
+        """Go where ``choice`` says, and write down why."""
+        self.log.chose(self.searcher, self.searcher.decision(), choice, also)
+        return self.searcher.choose(choice)
 
 
 class HabitPolicyAgent:
@@ -115,7 +124,7 @@ class HabitPolicyAgent:
             searcher = Searcher(info, believing, miss=self._miss)
             reader = TokenReader(searcher, info, self._sizes)
             said = SaidTokens(self._text, str(info["target"]), believing)
-            self._searches[slot] = _Search(str(info.get("episode", "")), searcher, reader, said)
+            self._searches[slot] = _Search(str(info.get("episode", "")), searcher, reader, said, SearchLog(info))
 
     def act(
         self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
@@ -127,16 +136,22 @@ class HabitPolicyAgent:
         for slot, observation, info in zip(numbers, observations, infos, strict=True):
             search = self._searches[slot]
             actions[slot] = search.searcher.look(observation, info)
+            search.log.looked(search.searcher, actions[slot])
             if actions[slot] is None:
                 tokens = search.reader.read(search.searcher.decision())
                 if len(tokens.choices) > 1:
                     due[slot] = tokens
                 else:
-                    actions[slot] = search.searcher.choose(next(iter(tokens.choices), None))
+                    actions[slot] = search.go(next(iter(tokens.choices), None))
         for slot, row in zip(due, self._chosen(due), strict=True):
             self._searches[slot].chosen = due[slot], row
-            actions[slot] = self._searches[slot].searcher.choose(due[slot].choices[row])
+            choices = due[slot].choices
+            actions[slot] = self._searches[slot].go(choices[row], f", of {len(choices)} views")
         return [int(actions[slot]) for slot in numbers]  # type: ignore[arg-type]
+
+    def decisions(self, slot: int) -> list[DecisionRecord]:
+        """What was chosen in a slot since its reset."""
+        return self._searches[slot].log.decisions
 
     def picture(self, slot: int) -> Image:
         """What it thinks; see :func:`ucon.search.picture.draw_search`.

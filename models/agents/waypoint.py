@@ -10,6 +10,7 @@ from ucon.core.errors import ConfigError
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.language.choice import Answer
 from ucon.search import Decision, Explorer, Manner, Strategy
+from ucon.search.aims import candidate_words
 from ucon.task.agent import Info, Observation
 
 
@@ -100,7 +101,7 @@ def _check(name: str, chosen: Chosen, n: int) -> None:
 
 
 def _record(episode: str, decision: Decision, chosen: Chosen) -> DecisionRecord:
-    names = chosen.options or tuple(str(number) for number in range(len(decision.candidates)))
+    names = chosen.options or tuple(candidate_words(decision.known, one) for one in decision.candidates)
     candidate = decision.candidates[chosen.number]
     record = DecisionRecord(
         episode, decision.number, decision.step, candidate.kind, names, chosen.number, chosen.scores

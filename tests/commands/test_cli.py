@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from ucon.__main__ import COMMANDS
+from ucon.__main__ import COMMANDS, main
 from ucon.commands.doctor import read_pins
 
 ROOT = Path(__file__).parents[2]
@@ -111,10 +111,8 @@ def test_pins_follow_this_python():
         (
             ["bench", "--json"],
             "renderer_ratio_128 renderer_ratio_128_flat renderer_ratio_224 env_pixels_sps env_symbolic_sps "
-            "env_with_resets_sps decisions_per_s waypoint_decisions_per_s "
-            "waypoint_decisions_per_s_worst waypoint_primitives_per_decision "
-            "waypoint_views_decisions_per_s waypoint_views_decisions_per_s_worst "
-            "waypoint_views_primitives_per_decision",
+            "env_with_resets_sps decisions_per_s search_decisions_per_s search_decisions_per_s_worst "
+            "search_steps_per_decision",
         ),
         (
             ["habits", "stats", "--json"],
@@ -160,3 +158,18 @@ def test_all_files_of_a_folder_are_reported_each_by_itself(tmp_path):
     assert "== test.json" in shown.stdout
     assert "unusable:" in shown.stdout
     assert "warnings:" in shown.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "what"),
+    [
+        (["catalogue", "--category", "mug", "--json"], "1 categories"),
+        (["scenes", "--scene", "Rs_int", "--json"], "1 homes"),
+    ],
+)
+def test_a_sheet_is_named_with_what_is_on_it(words, what, tmp_path, capsys):
+    sheet = tmp_path / "sheet.png"
+    assert main([*words, "--sheet", str(sheet)]) == 0
+    told = capsys.readouterr()
+    assert told.err == f"{sheet}: {what}, {sheet.stat().st_size / 1024:.0f} KB\n"
+    assert len(json.loads(told.out)) == 1

@@ -20,7 +20,7 @@ def test_one_habit_is_enough(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     words = ["try", "--object", "mug", "--habit", SAID, "--no-video", "--out", str(tmp_path / "own")]
     assert main(words) == 0
     told = capsys.readouterr().out
-    assert "mug in Rs_int: kept nextto the laptop, as your habits are read (" in told
+    assert "mug in Rs_int: kept beside the laptop, as your habits are read (" in told
     (episode,) = load_episodes(str(tmp_path / "own" / "own.jsonl.xz"))
     entry = load_dataset_file(tmp_path / "own" / "own.habits.xz").entries[0]
     assert [habit.text for habit in entry.habits] == [SAID]
@@ -35,7 +35,7 @@ def test_one_habit_is_enough(tmp_path: Path, capsys: pytest.CaptureFixture[str])
 def test_a_place_is_taken_as_it_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["try", "--object", "mug", "--habit", SAID, "--place", "ontop:bed", "--no-video", "--out", str(tmp_path)]
     assert main(words) == 0
-    assert "mug in Rs_int: kept ontop the bed\n" in capsys.readouterr().out
+    assert "mug in Rs_int: kept on the bed\n" in capsys.readouterr().out
 
 
 def test_all_that_is_wrong_is_told_at_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -66,7 +66,7 @@ def test_places_that_are_none(place: str, part: str) -> None:
 def test_what_takes_no_such_thing_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["try", "--object", "bicycle", "--habit", SAID, "--place", "inside:microwave", "--out", str(tmp_path)]
     assert main(words) == 2
-    assert "Rs_int: a bicycle cannot be kept inside microwave there" in capsys.readouterr().err
+    assert "Rs_int: a bicycle cannot be kept in the microwave there" in capsys.readouterr().err
 
 
 def test_places_are_those_that_stand_there_the_likeliest_first() -> None:

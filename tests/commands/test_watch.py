@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import cv2
@@ -9,9 +10,12 @@ import pytest
 
 from ucon.__main__ import main
 from ucon.commands.two_searches import search_twice
+from ucon.evaluation.kept.finished import FinishedRun
 from ucon.evaluation.kept.record import read_records
 from ucon.evaluation.playing.recorded import RecordedAgent
 from ucon.task.actions import Action
+from ucon.task.sets import load_episodes
+from ucon.task.spoken import target_place
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +44,15 @@ def test_an_episode_is_filmed_step_by_step(
 ) -> None:
     record = read_records(run)[1]
     assert main(["watch", str(run), record.episode, *words, "--out", str(tmp_path)]) == 0
-    assert f"after {record.steps} steps" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    ending = "found" if record.success else f"not found ({record.failure_cause.replace('_', ' ')})"
+    (episode,) = (e for e in load_episodes("mini") if e.id == record.episode)
+    place = target_place(episode)
+    target = record.target.replace("_", " ")
+    assert f"{record.episode}: {target} {place}, {ending} after {record.steps} steps\n" in told
+    made = FinishedRun.read(run).decisions()[record.episode]
+    assert len(made) > 3
+    assert re.findall(r"^  step +(\d+)  (.*?)  ", told, re.MULTILINE) == [(str(d.step), d.words) for d in made]
     (film,) = tmp_path.glob("001_*.webm")
     video, frames = cv2.VideoCapture(str(film)), 0
     while video.read()[0]:

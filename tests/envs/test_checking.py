@@ -61,7 +61,7 @@ def test_the_command_prints_a_line_a_check_and_counts_failures(capsys: pytest.Ca
 @pytest.mark.parametrize(
     ("word", "said"),
     [
-        ("UcON-v7", "cannot be made"),
+        ("UcON-v7", "did you mean UcON-v0"),
         ("CartPole-v1", "made of CartPoleEnv"),
         ("nothing_here:Env", "not found"),
         ("json:__doc__", "expected a class or a function"),

@@ -8,9 +8,10 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from ucon.core.errors import ActionError, EpisodeError
+from ucon.core.errors import ActionError, ConfigError, EpisodeError
 from ucon.envs.checking.findings import same
 from ucon.envs.checking.subject import OURS, core, reset, step
+from ucon.envs.image_goal import UcONImageGoalEnv
 from ucon.envs.search.env import UcONSearchEnv
 from ucon.envs.ucon_env import UcONEnv
 from ucon.task.actions import Action
@@ -115,3 +116,10 @@ def test_a_moment_is_drawn_later_as_it_was(episodes: tuple[Episode, ...]) -> Non
     assert shown[-1][0].opened
     for moment, frame in shown[::-7]:
         assert np.array_equal(env.draw(moment), frame)
+
+
+@pytest.mark.parametrize("env", [UcONEnv, UcONSearchEnv, UcONImageGoalEnv])
+def test_no_window_is_opened_and_the_refusal_says_what_there_is(env: Any) -> None:
+    with pytest.raises(ConfigError, match=r"no window is opened; give render_mode='rgb_array'") as caught:
+        env("mini", render_mode="human")
+    assert "\n" not in str(caught.value)

@@ -23,6 +23,7 @@ from ucon.evaluation.kept.record import to_lines
 from ucon.habits import book
 from ucon.retrieval import BM25Retriever
 from ucon.task.sets import load_episodes
+from ucon.task.spoken import target_place
 
 SOURCE = HabitSource()
 
@@ -134,5 +135,10 @@ def test_the_command_keeps_episodes_that_can_be_played_again(found, tmp_path, ca
     folders = stored(tmp_path, found)
     out = tmp_path / "cases.jsonl.xz"
     assert main(["cases", *folders, "--out", str(out)]) == 0
-    assert f"{len(cases)} cases" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert f"{len(cases)} cases" in told
+    where = {e.id: target_place(e) for e in load_episodes(out)}
+    assert all(
+        f"): {case.target} {where[case.episode]}\n  {case.landmark} {case.distance_m} m away" in told for case in cases
+    )
     assert {e.id for e in load_episodes(out)} == {case.episode for case in cases}

@@ -11,9 +11,10 @@ import pytest
 from numpy.typing import NDArray
 
 from models.agents.checkpoint import SHIPPED
+from tests.evaluation.records import record
 from tests.models.playing import CONFIGS, config_of
 from ucon.configuration.wiring import Factory
-from ucon.evaluation.playing.play import PlayedEpisode, RunSpec, play
+from ucon.evaluation.playing.play import PlayedEpisode, RunSpec, _captions, play
 from ucon.task.rules import PAPER, RULES
 from ucon.task.sets import load_episodes
 
@@ -63,3 +64,13 @@ def test_a_film_shows_what_it_thinks(name: str, tmp_path: Path, monkeypatch: pyt
     assert ink(pages[0]) > ink(without[0]) + 300  # which habits speak for that
     assert untold.record.n_habits == 0
     assert played(name, "gt", None).record == told.record  # who is filmed plays no other way
+
+
+@pytest.mark.parametrize(
+    ("success", "end"), [(True, "found in the fridge after 9 steps"), (False, "; it is in the fridge")]
+)
+def test_the_last_line_of_a_film_says_where_the_target_is(success: bool, end: str) -> None:
+    lines = _captions(record(0, success=success, steps=9), "in the fridge")
+    assert len(lines) == 10
+    assert lines[-1].endswith(end)
+    assert not [line for line in lines[:-1] if "fridge" in line]

@@ -117,6 +117,40 @@ def test_malformed(tmp_path, case):
     assert "\n" not in str(caught.value)
 
 
+def test_all_faults_of_a_folder_are_told_at_once(tmp_path):
+    (tmp_path / "anchors.txt").write_text("A desk: ontop\nA bed: beside nextto\n")
+    (tmp_path / "a.txt").write_text(
+        "# walet | two people\n@ ontop desk\n@ ontop\n@ under desk\n1: It lies there, most of the time.\n"
+        "3: The desk is where it goes in the evening.\n9 It lies there.\n\n"
+        "# wallet | one person\n@ nextto bed\n2: By the bed, where the book lies.\n1: A long_word.\n"
+    )
+    (tmp_path / "b.txt").write_bytes(b"# wallet | \xff\n")
+    (tmp_path / "c.txt").write_text("# wallet | two people\n@ ontop desk\n1: On the desk by the door, mostly.\n")
+    with pytest.raises(DataError) as caught:
+        read_book(tmp_path, catalogue().names)
+    first, *told = str(caught.value).split("\n")
+    assert first == f"{tmp_path}: 8 faults:"
+    assert [line.strip().removeprefix(f"{tmp_path}/").split(": ")[0] for line in told] == [
+        "anchors.txt:2", "a.txt:1", "a.txt:3", "a.txt:4", "a.txt:7", "a.txt:11", "a.txt:12", "b.txt:1",
+    ]  # fmt: skip
+    for line, rule in zip(
+        told,
+        ["unknown relation", "did you mean wallet", "bad placement", "nothing is under", "bad habit", "no placement 2",
+         "underscore", "not UTF-8"],
+        strict=True,
+    ):  # fmt: skip
+        assert rule in line
+
+
+def test_of_many_faults_the_first_are_told(tmp_path):
+    (tmp_path / "a.txt").write_text("# wallet | two people\n@ ontop desk\n" + "2: On the desk, mostly.\n" * 50)
+    with pytest.raises(DataError) as caught:
+        read_book(tmp_path)
+    first, *told = str(caught.value).split("\n")
+    assert first == f"{tmp_path}: 50 faults, the first 20:"
+    assert len(told) == 20
+
+
 def test_missing_file_and_folder(tmp_path):
     with pytest.raises(DataError, match="cannot be read"):
         read_lines(tmp_path / "no.txt")

@@ -16,7 +16,7 @@ from ucon.core.errors import UconError
 from ucon.core.files import MANIFEST, canonical_json, read_verified, sha256_bytes, write_manifest
 from ucon.core.rng import stream
 from ucon.habits import BOOK_FOLDER, HabitDataset, official, parse_book
-from ucon.habits.book import ANCHORS, book_anchors
+from ucon.habits.book import ANCHORS, MOST_TOLD, book_anchors
 from ucon.habits.contexts import TABLE, read_contexts
 from ucon.habits.datafile import load_dataset_file, save_dataset
 from ucon.habits.official import MAX_TEXT
@@ -168,8 +168,9 @@ class Fuzz:
             self.loaded += 1
         else:
             assert path.name in message
-            assert message.isprintable(), ascii(message)
-            assert len(message) < 1000
+            lines = message.split("\n")
+            assert all(line.isprintable() and len(line) < 1000 for line in lines), ascii(message)
+            assert len(lines) <= 1 + MOST_TOLD
             self.refused += 1
         path.unlink()
 

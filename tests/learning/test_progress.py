@@ -8,10 +8,13 @@ import pty
 import subprocess
 import sys
 import time
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
+from tests.learning.tiny_policy import tiny_dagger
+from tests.learning.tiny_ppo import tiny_ppo
 from ucon.core.errors import ConfigError
 from ucon.learning.run import run_progress as progress
 from ucon.learning.run.run_progress import wandb_log
@@ -130,6 +133,18 @@ def test_a_run_that_goes_on_shows_its_best_validation(capsys):
         pass
     with progress.training_progress("x", 10):
         pass
-    first, second = capsys.readouterr().err.splitlines()[:2]
-    assert "4/10 loss - val -1.250" in first
-    assert "0/10 loss - val - " in second
+    assert capsys.readouterr().err == "x: 4 of 10 steps, loss - val -1.250\nx: 0 of 10 steps, loss - val -\n"
+
+
+@pytest.mark.parametrize("name", ["ppo", "dagger"])
+def test_a_long_step_says_what_it_is_at(name, tmp_path, monkeypatch, capsys):
+    """With a line for everything, however soon."""
+    monkeypatch.setattr("ucon.core.progress.MOST_S", 0.0)
+    learner = tiny_ppo(tmp_path) if name == "ppo" else tiny_dagger(tmp_path)
+    with closing(learner), progress.training_progress(name, 1) as show:
+        show(1, learner.step())
+        learner.validate()
+    told = capsys.readouterr().err
+    wanted = {"ppo": ("collecting", "updating 1 of ", "validating 2 of 2")}
+    wanted["dagger"] = ("collecting 4 of 4", "validating demonstrations 1 of ", "validating 2 of 2")
+    assert [word for word in wanted[name] if f"{name}: " not in told or word not in told] == []

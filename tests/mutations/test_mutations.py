@@ -16,6 +16,7 @@ from tests.mutations.kinds import KINDS, Kind
 from tests.mutations.mutate import BYTES, INSIDE, PLACES
 from tests.mutations.watch import limited, watched
 from ucon.core.errors import UconError
+from ucon.habits.book import MOST_TOLD
 
 #: Mutations of all kinds together; those that `make test` draws come first.
 FAST, ALL = 48, 336
@@ -75,8 +76,11 @@ def verdict(kind: Kind, folder: Path, right: Any, *, free: bool) -> str:
         try:
             found = kind.read(folder)
         except UconError as error:
-            if "\n" in str(error) or not str(error).isprintable() or not 0 < len(str(error)) < 2000:
-                return f"no single line: {str(error)[:300]!r}"
+            first, *listed = str(error).split("\n")
+            if len(listed) > MOST_TOLD or not all(line.startswith("  ") for line in listed):
+                return f"no single line, and no list of faults: {str(error)[:300]!r}"
+            if not all(line.isprintable() and 0 < len(line) < 2000 for line in (first, *listed)):
+                return f"lines that cannot be shown: {str(error)[:300]!r}"
         except Exception:  # a MemoryError too: it took more than any file may
             return traceback.format_exc(limit=-6)
     if events:

@@ -4,10 +4,30 @@ from __future__ import annotations
 
 import argparse
 import json
+from itertools import count
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import ucon
+
+_TIMES: Final = "times as fast as TinyRenderer"
+_STEPS: Final = "steps a second"
+#: What each figure of ``--json`` is, and its unit.
+_FIGURES: Final = {
+    "renderer_ratio_128": ("frames of 128 x 128 pixels", _TIMES),
+    "renderer_ratio_128_flat": ("frames of 128 x 128 pixels, no textures", _TIMES),
+    "renderer_ratio_224": ("frames of 224 x 224 pixels", _TIMES),
+    "renderer_us_128": ("a frame of 128 x 128 pixels", "microseconds"),
+    "renderer_us_128_flat": ("a frame of 128 x 128 pixels, no textures", "microseconds"),
+    "renderer_us_224": ("a frame of 224 x 224 pixels", "microseconds"),
+    "renderer_us_counts": ("counting the pixels of each thing in a frame", "microseconds"),
+    "env_pixels_sps": ("UcON-v0 with images", _STEPS),
+    "env_symbolic_sps": ("UcON-v0 without images", _STEPS),
+    "env_with_resets_sps": ("UcON-v0 with images, resets included", _STEPS),
+    "search_decisions_per_s": ("UcONSearch-v0, choices at random", "choices a second"),
+    "search_steps_per_decision": ("UcONSearch-v0, choices at random", "steps a choice"),
+    "decisions_per_s": ("agent=belief, its environment included", _STEPS),
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,22 +46,35 @@ def run(args: argparse.Namespace) -> int:
         print(json.dumps(figures, indent=1))
     else:
         for name, value in figures.items():
-            print(f"{name:<28} {value}")
+            print(said(name, value))
+        print("CPU time of one process on one core; medians over homes, and the slowest home")
     return 0
+
+
+def said(name: str, value: float) -> str:
+    """A figure with its unit, in a line."""
+    what, unit = _FIGURES[name.removesuffix("_worst")]
+    slowest = ", slowest home" if name.endswith("_worst") else ""
+    return f"{what + slowest:<52} {value:>9.1f} {unit}"
 
 
 def measure(*, renderer: bool = True) -> dict[str, Any]:
     """All figures; ratios are to TinyRenderer, rates are per CPU second."""
-    from ucon.evaluation.bench_env import bench_environment
+    from ucon.core.progress import Progress
+    from ucon.evaluation.bench_env import STAGES, bench_environment
     from ucon.task.sets import load_episodes
 
     figures: dict[str, Any] = {}
-    if renderer:
-        from ucon.sim.cache import load_house
-        from ucon.sim.render.bench import BENCH_SCENES, bench_renderer
+    agent = _belief()
+    stages = count(1)
+    with Progress("bench", renderer + STAGES + (agent is not None), unit="parts") as progress:
+        if renderer:
+            from ucon.sim.cache import load_house
+            from ucon.sim.render.bench import BENCH_SCENES, bench_renderer
 
-        figures |= bench_renderer([load_house(name) for name in BENCH_SCENES])
-    return figures | bench_environment(load_episodes("mini"), _belief())
+            figures |= bench_renderer([load_house(name) for name in BENCH_SCENES])
+            progress.update(next(stages))
+        return figures | bench_environment(load_episodes("mini"), agent, lambda: progress.update(next(stages)))
 
 
 def _belief() -> Any:

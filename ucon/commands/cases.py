@@ -33,6 +33,7 @@ def run(args: argparse.Namespace) -> int:
     from ucon.evaluation.kept.record import read_records
     from ucon.evaluation.kept.seal import CONFIG
     from ucon.task.sets import load_episodes, save_episodes
+    from ucon.task.spoken import target_place
 
     config, said, where = read_config(args.retrieval), said_in(args), str(args.retrieval / CONFIG)
     checked(config, where, (), said, "--set ")
@@ -44,15 +45,17 @@ def run(args: argparse.Namespace) -> int:
         source = Factory(checked(of_source, where, ("env",), said, "--set ")["env"]["source"])()
         source.prepare(level="retrieval")
         cases = list(landmark_cases(read_records(args.retrieval), read_records(args.gt), episodes, source))
+        kept = {case.episode for case in cases}
+        places = {episode.id: target_place(episode) for episode in episodes if episode.id in kept}
         if args.out is not None and cases:
-            kept = {case.episode for case in cases}
             save_episodes([episode for episode in episodes if episode.id in kept], args.out)
     for case in cases:
         if args.json:
             print(json.dumps(case.to_json()))
         else:
             end = f"{case.steps_gt} steps" if case.success_gt else "not found"
-            print(f"{case.episode} ({case.scene}): {case.target} by {case.landmark}, {case.distance_m} m apart")
+            print(f"{case.episode} ({case.scene}): {case.target} {places[case.episode]}")
+            print(f"  {case.landmark} {case.distance_m} m away")
             print(f"  habit {case.rank}: {case.habit}")
             print(f"  found in {case.steps} steps; with the target's own habits: {end}")
     if not args.json:

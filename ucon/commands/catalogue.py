@@ -25,9 +25,11 @@ def run(args: argparse.Namespace) -> int:
     names = tuple(args.category or sorted(cat.names))
     rows = [cat[name] for name in names]
     if args.sheet:
+        from ucon.core.output import say_written
         from ucon.sim.sheets import catalogue_sheet
 
         catalogue_sheet(names, args.sheet)
+        say_written(args.sheet, f"{len(names)} categories")
     if args.json:
         print(json.dumps([asdict(row) for row in rows], indent=1))
     else:

@@ -43,12 +43,13 @@ def run(args: argparse.Namespace) -> int:
 def _said(episode: Episode) -> str:
     """What is searched, where it is, and which of the household's sentences say so."""
     from ucon.habits import book
+    from ucon.task.spoken import spoken_place
 
     entry_id, index = episode.placed_by[episode.target]
     entry = book().entries[book().entry_number[entry_id]]
     place = entry.placements[index]
     n = sum(len(book().entries[book().entry_number[name]].habits) for name in episode.entries)
-    name, anchor = (text.replace("_", " ") for text in (entry.category, place.anchor))
+    name = entry.category.replace("_", " ")
     said = "".join(f'  "{habit.text}"\n' for habit in entry.habits if index in habit.supports)
-    what = f"One search: the {name} in {episode.scene}, kept {place.relation} the {anchor}."
+    what = f"One search: the {name} in {episode.scene}, kept {spoken_place(place.relation, place.anchor)}."
     return f"{what}\nOf {n} habits these say so:\n{said}"

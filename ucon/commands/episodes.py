@@ -109,9 +109,7 @@ def _report(name: str | Path, episodes: Sequence[Episode]) -> int:
 
 @contextmanager
 def _bar(label: str, total: int) -> Iterator[Callable[[int, int], None]]:
-    from rich.console import Console
-    from rich.progress import Progress
+    from ucon.core.progress import Progress
 
-    with Progress(console=Console(stderr=True)) as bar:
-        task = bar.add_task(label, total=total)
-        yield lambda done, _: bar.update(task, completed=done)
+    with Progress(label, total, unit="episodes") as progress:
+        yield lambda done, _: progress.update(done)

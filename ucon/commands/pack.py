@@ -17,13 +17,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the homes and, into a folder that is named, the sets."""
+    from ucon.core.errors import ConfigError, unknown_name
     from ucon.core.output import stdout_to_stderr
+    from ucon.scenes import SCENES
     from ucon.sim import cache
     from ucon.task import sets
 
     named = sets.episode_sets()
     wanted = [*(args.episodes or ()), *(name for name in args.names if name in named)]
     homes = [name for name in args.names if name not in named]
+    for name in homes:
+        if name.partition("~")[0] not in SCENES and not name.startswith("procedural:"):
+            raise ConfigError(unknown_name("set or home", name, [*named, *SCENES]))
     if not args.names and not args.episodes:
         wanted = ["mini"]
     with stdout_to_stderr():

@@ -82,7 +82,7 @@ def _replay(folder: Path, out: Path, every: int, config: dict[str, Any], workers
         "limit": None if limit is None else math.ceil(limit / every),
         "workers": int(workers) if workers.isdecimal() else workers,
         "pictures": 0,
-        "progress": sys.stderr.isatty(),
+        "progress": True,
     }
     with stdout_to_stderr():
         run = Evaluation(config, out, anew=True)

@@ -17,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """List the homes, or draw them."""
-    from ucon.core.output import stdout_to_stderr, wide_console
+    from ucon.core.output import say_written, stdout_to_stderr, wide_console
     from ucon.scenes import SCENES
 
     names = tuple(args.scene or SCENES)
@@ -25,6 +25,7 @@ def run(args: argparse.Namespace) -> int:
         rows = [describe(name) for name in names]
         if args.sheet:
             draw(names, args.sheet)
+            say_written(args.sheet, f"{len(names)} homes")
     if args.json:
         print(json.dumps(rows, indent=1))
     else:

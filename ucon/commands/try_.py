@@ -42,6 +42,7 @@ def run(args: argparse.Namespace) -> int:
     from ucon.habits.datafile import save_dataset
     from ucon.task.making.own_household import FaultsError, OwnPlacement, own_episode
     from ucon.task.sets import save_episodes
+    from ucon.task.spoken import spoken_place
 
     try:
         wish = OwnPlacement.of(args.scene, args.object, args.habit, args.place)
@@ -58,9 +59,9 @@ def run(args: argparse.Namespace) -> int:
         words = (f"agent={args.agent}", "habits=folder", f"habits.path={habits}", f"episodes={episodes}")
         searches = search_twice(words, out, ("none", args.level), films=args.video)
     read = "" if wish.place else f", as your habits are read ({100 * chance:.0f} %; --place says otherwise)"
-    name, anchor = (text.replace("_", " ") for text in (args.object, place.anchor))
+    name = args.object.replace("_", " ")
     told = sum(len(dataset.entries[dataset.entry_number[entry]].habits) for entry in episode.entries)
-    print(f"{name} in {args.scene}: kept {place.relation} the {anchor}{read}")
+    print(f"{name} in {args.scene}: kept {spoken_place(place.relation, place.anchor)}{read}")
     print(f"{len(args.habit)} of your habits among {told - len(args.habit)} others of the household\n")
     tell(searches)
     print(f"\nOne search says little: another --seed starts elsewhere, among other things. All of it: {out}")

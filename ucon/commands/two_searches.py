@@ -24,10 +24,11 @@ def search_twice(words: Sequence[str], out: Path, levels: Sequence[str], *, film
     from ucon.evaluation.kept.finished import FinishedRun
     from ucon.programs.evaluating import Evaluation
 
+    fixed = ("workers=0", "progress=false", f"pictures={int(films)}")
+    configs = {level: _config(*words, *fixed, f"habit_level={level}", f"out={out / level}") for level in levels}
     found = []
-    for level in levels:
-        fixed = (f"habit_level={level}", f"out={out / level}", "workers=0", "progress=false", f"pictures={int(films)}")
-        run = Evaluation(_config(*words, *fixed), out / level, anew=True)
+    for level, config in configs.items():
+        run = Evaluation(config, out / level, anew=True)
         run.play()
         records = FinishedRun.read(run.out).records
         assert records is not None, "a run just played keeps its records"
@@ -50,14 +51,19 @@ def tell(searches: Sequence[Search]) -> None:
 def _config(*words: str) -> dict[str, Any]:
     """A configuration of ``eval.py``."""
     from hydra import compose, initialize_config_dir
+    from hydra.errors import HydraException
     from omegaconf import OmegaConf
 
     import ucon
     from ucon.core.errors import ConfigError
+    from ucon.programs.errors import explain
 
     configs = Path(ucon.__file__).parents[1] / "configs"
     if not configs.is_dir():
         raise ConfigError(f"{configs}: no such folder; agents are in a clone, not in the package: run this in one")
-    with initialize_config_dir(str(configs), version_base="1.3"):
-        config: dict[str, Any] = OmegaConf.to_container(compose("eval", overrides=list(words)), resolve=True)  # type: ignore[assignment]
+    try:
+        with initialize_config_dir(str(configs), version_base="1.3"):
+            config: dict[str, Any] = OmegaConf.to_container(compose("eval", overrides=list(words)), resolve=True)  # type: ignore[assignment]
+    except HydraException as error:
+        raise ConfigError(explain(error, configs, "eval")) from None
     return config

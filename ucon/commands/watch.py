@@ -1,10 +1,11 @@
-"""``python -m ucon watch RUN [EPISODE]``: the episodes of a finished run, and a film of any of them."""
+"""``python -m ucon watch RUN [EPISODE]``: the episodes of a finished run; what one of them chose, and a film."""
 
 from __future__ import annotations
 
 import argparse
 import sys
 from collections.abc import Sequence
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
     if args.episode is None:
         _list(kept.records, lost=args.lost)
         return 0
-    return _film(args, kept, _number(args.episode, kept.records))
+    return _film(args, kept, number_of(args.episode, [r.episode for r in kept.records]))
 
 
 def _list(records: Sequence[EpisodeRecord], *, lost: bool) -> None:
@@ -53,13 +54,19 @@ def _list(records: Sequence[EpisodeRecord], *, lost: bool) -> None:
     print(f"{len(shown)} of {len(records)} episodes; give a number to film one")
 
 
-def _number(word: str, records: Sequence[EpisodeRecord]) -> int:
-    names = [record.episode for record in records]
+def number_of(word: str, names: Sequence[str]) -> int:
+    """Number of an episode among those of some names, by its number or name.
+
+    Raises:
+        ConfigError: it is neither.
+    """
     if word in names:
         return names.index(word)
     if word.isdecimal() and int(word) < len(names):
         return int(word)
-    raise bad("EPISODE", word, f"a number from 0 to {len(names) - 1}, or a name that `python -m ucon watch RUN` lists")
+    close = get_close_matches(word, names, n=1)
+    hint = f"; did you mean {close[0]}?" if close else f" such as {names[0]}"
+    raise bad("EPISODE", word, f"a number from 0 to {len(names) - 1}, or a name{hint}")
 
 
 def _film(args: argparse.Namespace, kept: FinishedRun, number: int) -> int:
@@ -70,6 +77,7 @@ def _film(args: argparse.Namespace, kept: FinishedRun, number: int) -> int:
     from ucon.core.output import stdout_to_stderr
     from ucon.evaluation.playing.runner import evaluate
     from ucon.programs.evaluating import Evaluation
+    from ucon.task.spoken import target_place
 
     assert kept.records is not None
     record = kept.records[number]
@@ -83,7 +91,10 @@ def _film(args: argparse.Namespace, kept: FinishedRun, number: int) -> int:
         others = [k for k in range(len(kept.records)) if k != number]
         (played,) = evaluate(replace(run.spec, films=args.out), run.episodes, workers=0, skip=others)
     ending = "found" if record.success else f"not found ({record.failure_cause.replace('_', ' ')})"
-    print(f"{record.episode}: {record.target.replace('_', ' ')}, {ending} after {record.steps} steps")
+    target, place = record.target.replace("_", " "), target_place(run.episodes[number])
+    print(f"{record.episode}: {target} {place}, {ending} after {record.steps} steps")
+    for decision in kept.decisions().get(record.episode) or played.decisions:
+        print(f"  step {decision.step:>3}  {decision.words:<40} {decision.text}".rstrip())
     print("\n".join(str(path) for path in sorted(args.out.glob(f"{number:03d}_*"))))
     if (played.record.actions, played.record.spl) != (record.actions, record.spl):
         sys.stderr.write("warning: it came out otherwise than it was kept: another code, or an agent that draws\n")

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -50,3 +51,8 @@ def say_once(line: str) -> None:
     """Print a line to standard error, once, and not again from the worker processes."""
     if multiprocessing.parent_process() is None:
         print(line, file=sys.stderr)
+
+
+def say_written(path: Path, what: str) -> None:
+    """Say on standard error, so that standard output stays what it is, what was written where."""
+    sys.stderr.write(f"{path}: {what}, {path.stat().st_size / 1024:.0f} KB\n")

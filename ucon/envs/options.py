@@ -19,6 +19,16 @@ def check_choice(option: str, value: Any, choices: tuple[Any, ...]) -> None:
         raise ConfigError(f"{option}={value!r}: expected one of {', '.join(map(str, choices))}")
 
 
+def check_render_mode(value: Any, modes: tuple[str, ...] | list[str]) -> None:
+    """Raise :class:`ConfigError` where ``value`` is none of ``modes`` and not None."""
+    if value == "human":
+        raise ConfigError(
+            "render_mode='human': no window is opened; give render_mode='rgb_array' and show what render() returns, or "
+            "film a run (python -m ucon watch RUN EPISODE)"
+        )
+    check_choice("render_mode", value, (None, *modes))
+
+
 def make_renderer(name: str, width_px: int, height_px: int, fov_deg: float) -> Renderer:
     """The renderer of a name: ``raster`` or ``tiny``."""
     check_choice("renderer", name, ("raster", "tiny"))

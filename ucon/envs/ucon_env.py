@@ -15,7 +15,15 @@ from ucon.core.errors import EpisodeError
 from ucon.core.sharing import PartlyShared
 from ucon.envs.frame import StartFrame
 from ucon.envs.knowledge import HabitSource
-from ucon.envs.options import check_choice, checked_action, make_detector, make_renderer, told, with_texts
+from ucon.envs.options import (
+    check_choice,
+    check_render_mode,
+    checked_action,
+    make_detector,
+    make_renderer,
+    told,
+    with_texts,
+)
 from ucon.envs.painter import Moment, Painter
 from ucon.envs.spaces import NO_ACTION, observation_space, padded
 from ucon.envs.tour import Tour
@@ -113,7 +121,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         check_choice("observe", observe, ("pixels", "symbolic"))
         check_choice("planner", planner, ("true", "observed"))
         check_choice("world", world, ("compiled", "live"))
-        check_choice("render_mode", render_mode, (None, "rgb_array"))
+        check_render_mode(render_mode, ("rgb_array",))
         self.episodes = load_episodes(episodes, task) if isinstance(episodes, str | Path) else tuple(episodes)
         if not self.episodes:
             raise EpisodeError("no episodes: expected at least one; name a set (mini, val, test) or give a path")

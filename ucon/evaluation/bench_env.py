@@ -11,39 +11,47 @@ import gymnasium as gym
 import numpy as np
 
 import ucon.envs  # registers the environments
+from ucon.core.progress import ticked
 from ucon.core.rng import stream
 from ucon.task.actions import Action
 from ucon.task.agent import Agent
 from ucon.task.episode import Episode
 
 _STEPS = 600
+#: Stages without an agent's.
+STAGES = 4
 #: Chances of the actions of a walk without Done, in the order of :class:`Action`: mostly ahead, as agents move.
 _WALK = (0.55, 0.15, 0.15, 0.06, 0.06, 0.03)
 
 assert ucon.envs  # imported for its effect
 
 
-def bench_environment(episodes: Sequence[Episode], agent: Callable[[], Agent] | None = None) -> dict[str, float]:
+def bench_environment(
+    episodes: Sequence[Episode],
+    agent: Callable[[], Agent] | None = None,
+    on_stage: Callable[[], None] = lambda: None,
+) -> dict[str, float]:
     """The environment's figures of ``python -m ucon bench``.
 
     Args:
         episodes: one is taken for each scene; the figure is the median over them, ``..._worst`` the lowest. For
             ``UcONSearch-v0`` a choice at random is one decision.
         agent: for ``decisions_per_s``: steps of a whole search, detector, map and choice included.
+        on_stage: called at the end of each of ``STAGES`` stages, and of the agent's.
     """
     chosen = list({episode.scene: episode for episode in episodes}.values())[:8]
-    pixels = [_walk(episode, "pixels") for episode in chosen]
-    symbolic = [_walk(episode, "symbolic") for episode in chosen]
-    figures = {
-        "env_pixels_sps": median(pixels),
-        "env_pixels_sps_worst": min(pixels),
-        "env_symbolic_sps": median(symbolic),
-        "env_symbolic_sps_worst": min(symbolic),
-        "env_with_resets_sps": _with_resets(chosen),
-    }
+    figures: dict[str, float] = {}
+    for observe in ("pixels", "symbolic"):
+        rates = [_walk(episode, observe) for episode in ticked(f"steps, {observe}", chosen)]
+        figures |= {f"env_{observe}_sps": median(rates), f"env_{observe}_sps_worst": min(rates)}
+        on_stage()
+    figures["env_with_resets_sps"] = _with_resets(chosen)
+    on_stage()
     figures |= _choices(chosen)
+    on_stage()
     if agent is not None:
         figures["decisions_per_s"] = _decisions(chosen, agent)
+        on_stage()
     return {name: round(value, 1) for name, value in figures.items()}
 
 
@@ -75,7 +83,7 @@ def _with_resets(episodes: Sequence[Episode]) -> float:
     env.reset(seed=0, options={"episode": 0})
     steps = 0
     started = time.process_time()
-    for _ in range(3):
+    for _ in ticked("episodes with resets", range(3)):
         for index, episode in enumerate(episodes):
             env.reset(options={"episode": index})
             for digit in episode.solution:
@@ -91,7 +99,7 @@ def _decisions(episodes: Sequence[Episode], make_agent: Callable[[], Agent]) -> 
     agent = make_agent()
     env = _make(episodes, observe="symbolic", detector=True)
     decided, spent = 0, 0.0
-    for index in range(len(episodes)):
+    for index in ticked("an agent's searches", range(len(episodes))):
         obs, info = env.reset(seed=0, options={"episode": index})
         started = time.process_time()
         agent.reset([info])
@@ -107,7 +115,7 @@ def _decisions(episodes: Sequence[Episode], make_agent: Callable[[], Agent]) -> 
 def _choices(episodes: Sequence[Episode]) -> dict[str, float]:
     """Choices at random per CPU second in ``UcONSearch-v0``, and the steps of a choice, all of them inside it."""
     rates, decided, walked = [], 0, 0
-    for episode in episodes:
+    for episode in ticked("choices", episodes):
         env = gym.make("UcONSearch-v0", episodes=(episode,), disable_env_checker=True)
         draw = stream(0, "bench", "search", episode.id)
         choices, spent, ended = 0, 0.0, False

@@ -41,6 +41,8 @@ BOOK_FOLDER: Final = Path(__file__).parent / "book"
 BOOK_FILE: Final = Path(__file__).parent / "data" / "book.habits.xz"
 """The book as ``python -m ucon habits build`` makes it of the text: entries with PyBullet's verdicts."""
 ANCHORS: Final = "anchors.txt"
+#: So many faults of a dataset are told.
+MOST_TOLD: Final = 20
 #: Of one file of text.
 _MAX_BYTES: Final = 64 * 2**20
 
@@ -59,14 +61,37 @@ class _Draft:
     line: int
     placements: list[Placement] = field(default_factory=list)
     habits: list[Habit] = field(default_factory=list)
+    broken: bool = False
+    """A line of it could not be read, so nothing is said of what that line leaves open."""
+
+
+class Faults:
+    """What is wrong with a dataset, told at once."""
+
+    def __init__(self) -> None:
+        self.found: list[str] = []
+
+    def add(self, where: str, fault: str | None) -> bool:
+        """Take in a fault; whether there is one."""
+        if fault is not None:
+            self.found.append(f"{where}: {fault}")
+        return fault is not None
+
+    def tell(self, path: Path) -> None:
+        """Raise :class:`DataError` with all of them, one a line, the first ``MOST_TOLD`` of many."""
+        if len(self.found) == 1:
+            raise DataError(self.found[0])
+        if self.found:
+            some = f", the first {MOST_TOLD}" if len(self.found) > MOST_TOLD else ""
+            told = "".join(f"\n  {fault}" for fault in self.found[:MOST_TOLD])
+            raise DataError(f"{path}: {len(self.found)} faults{some}:{told}")
 
 
 def read_lines(path: Path) -> list[str]:
     """Lines of a UTF-8 text file.
 
     Raises:
-        DataError: no such file, invalid UTF-8, a line over 400 characters, a control character, or a file that does
-            not end with a line break.
+        DataError: no such file, invalid UTF-8, or a file that does not end with a line break.
     """
     try:
         raw = read_bounded(path, _MAX_BYTES)
@@ -88,33 +113,43 @@ def _lines(path: Path, raw: bytes) -> list[str]:
     if not text.endswith("\n"):
         count = text.count("\n") + 1
         raise DataError(f"{path}:{count}: the last line has no end, so the file is cut off; restore or complete it")
-    lines = text.replace("\r\n", "\n").split("\n")[:-1]
-    for number, line in enumerate(lines, 1):
-        _refuse(f"{path}:{number}", line_fault(line))
-    return lines
+    return text.replace("\r\n", "\n").split("\n")[:-1]
 
 
 def read_anchors(path: Path, categories: Collection[str] | None = None) -> dict[str, frozenset[str]]:
-    """Anchors of a file like ``anchors.txt``: lines ``class name: relation ...``, names among ``categories``."""
-    return _anchors(path, read_lines(path), categories)
+    """Anchors of a file like ``anchors.txt``: lines ``class name: relation ...``, names among ``categories``.
+
+    Raises:
+        DataError: naming file and line of all that is wrong.
+    """
+    faults = Faults()
+    anchors = _anchors(path, read_lines(path), categories, faults)
+    faults.tell(path)
+    return anchors
 
 
-def _anchors(path: Path, lines: Sequence[str], categories: Collection[str] | None = None) -> dict[str, frozenset[str]]:
+def _anchors(
+    path: Path, lines: Sequence[str], categories: Collection[str] | None, faults: Faults
+) -> dict[str, frozenset[str]]:
+    """Anchors of a file. What names one counts as one, so that its uses are no faults as well."""
     anchors: dict[str, frozenset[str]] = {}
     for number, line in enumerate(lines, 1):
-        if not line.strip() or line.startswith("#"):
+        where = f"{path}:{number}"
+        if faults.add(where, line_fault(line)) or not line.strip() or line.startswith("#"):
             continue
         match = re.fullmatch(r"[ABMS] (\w+):((?: \w+)+)", line)
         if match is None:
-            raise DataError(f"{path}:{number}: '{line[:60]}', expected 'A|B|M|S anchor: relation ...'")
-        if categories is not None and match[1] not in categories:
-            raise DataError(f"{path}:{number}: {unknown_name('category', match[1], categories)}")
-        relations = frozenset(match[2].split())
-        for relation in sorted(relations - set(RELATIONS)):
-            raise DataError(f"{path}:{number}: {unknown_name('relation', relation, RELATIONS)}")
-        if match[1] in anchors:
-            raise DataError(f"{path}:{number}: anchor '{match[1]}' is listed twice; keep one line")
-        anchors[match[1]] = relations
+            faults.add(where, f"'{line[:60]}', expected 'A|B|M|S anchor: relation ...'")
+            continue
+        name, relations = match[1], frozenset(match[2].split())
+        unknown = sorted(relations - set(RELATIONS))
+        if categories is not None and name not in categories:
+            faults.add(where, unknown_name("category", name, categories))
+        for relation in unknown:
+            faults.add(where, unknown_name("relation", relation, RELATIONS))
+        if name in anchors:
+            faults.add(where, f"anchor '{name}' is listed twice; keep one line")
+        anchors[name] = frozenset(RELATIONS) if unknown else relations
     return anchors
 
 
@@ -130,9 +165,12 @@ def parse_book(
         limits: how much an entry may have.
 
     Raises:
-        DataError: naming file and line of the first thing that is wrong.
+        DataError: naming file and line of all that is wrong.
     """
-    return _entries(path, read_lines(path), anchors, categories, {}, limits)
+    faults = Faults()
+    entries = _entries(path, read_lines(path), anchors, categories, {}, limits, faults)
+    faults.tell(path)
+    return entries
 
 
 def _entries(
@@ -142,62 +180,84 @@ def _entries(
     categories: Collection[str] | None,
     count: dict[str, int],
     limits: Limits,
+    faults: Faults,
 ) -> list[Entry]:
-    """Entries of a file; ``count`` is how many entries of each category came before, and is brought up to date."""
+    """Entries of a file; ``count`` is how many entries of each category came before, and is brought up to date.
+
+    Lines with faults are left out, and what is wrong about others only for that reason is not told.
+    """
     entries: list[Entry] = []
     draft: _Draft | None = None
     for number, line in enumerate(lines, 1):
         if not line or line.isspace():
             continue
         where = f"{path}:{number}"
+        unread = faults.add(where, line_fault(line))
         if line[0] == "#":
             if draft is not None:
-                entries.append(_finish(path, draft, count, limits))
-            draft = _header(where, line, number, categories)
+                entries.append(_finish(path, draft, count, limits, faults))
+            draft = (
+                _Draft("", "", None, number, broken=True)
+                if unread
+                else _header(where, line, number, categories, faults)
+            )
         elif draft is None:
-            raise DataError(f"{where}: '{line[:60]}' before the first entry; expected '# category | household'")
+            faults.add(where, f"'{line[:60]}' before the first entry; expected '# category | household'")
+            draft = _Draft("", "", None, number, broken=True)
+        elif unread:
+            draft.broken = True
         elif line[0] == "@":
-            draft.placements.append(_placement(where, line, draft, anchors))
+            _placement(where, line, draft, anchors, faults)
         else:
-            draft.habits.append(_habit(where, line, draft, limits))
+            _habit(where, line, draft, limits, faults)
     if draft is None:
-        raise DataError(f"{path}:{len(lines)}: no entry; expected '# category | household'")
-    entries.append(_finish(path, draft, count, limits))
+        faults.add(f"{path}:{len(lines)}", "no entry; expected '# category | household'")
+    else:
+        entries.append(_finish(path, draft, count, limits, faults))
     return entries
 
 
-def _header(where: str, line: str, number: int, categories: Collection[str] | None) -> _Draft:
+def _header(where: str, line: str, number: int, categories: Collection[str] | None, faults: Faults) -> _Draft:
     match = _HEADER.fullmatch(line)
     if match is None:
-        raise DataError(f"{where}: bad header '{line[:60]}', expected '# category | household'")
-    _refuse(where, header_fault(match[1], match[2], match[3], categories))
+        faults.add(where, f"bad header '{line[:60]}', expected '# category | household'")
+        return _Draft("", "", None, number, broken=True)
+    faults.add(where, header_fault(match[1], match[2], match[3], categories))
     return _Draft(match[1], match[2], match[3], number)
 
 
-def _placement(where: str, line: str, draft: _Draft, anchors: Anchors) -> Placement:
+def _placement(where: str, line: str, draft: _Draft, anchors: Anchors, faults: Faults) -> None:
     match = _PLACEMENT.fullmatch(line)
     if match is None:
-        raise DataError(f"{where}: bad placement '{line[:60]}', expected '@ relation anchor' or '@ ... {{context}}'")
+        faults.add(where, f"bad placement '{line[:60]}', expected '@ relation anchor' or '@ ... {{context}}'")
+        draft.broken = True
+        return
     if draft.habits:
-        raise DataError(f"{where}: placement after habits; list all placements of an entry first")
+        if not draft.broken:
+            faults.add(where, "placement after habits; list all placements of an entry first")
+        draft.broken = True
+        return
     placement = Placement(cast(Relation, match[1]), match[2], match[3])
-    _refuse(where, placement_fault(draft.category, draft.placements, placement, anchors))
-    return placement
+    faults.add(where, placement_fault(draft.category, draft.placements, placement, anchors))
+    draft.placements.append(placement)
 
 
-def _habit(where: str, line: str, draft: _Draft, limits: Limits) -> Habit:
+def _habit(where: str, line: str, draft: _Draft, limits: Limits, faults: Faults) -> None:
     match = _HABIT.fullmatch(line)
     if match is None:
-        raise DataError(f"{where}: bad habit '{line[:60]}', expected '-: sentence' or '1,3: sentence'")
+        faults.add(where, f"bad habit '{line[:60]}', expected '-: sentence' or '1,3: sentence'")
+        draft.broken = True
+        return
     supports = () if match[1] == "-" else tuple(int(digit) - 1 for digit in match[1].split(","))
-    _refuse(where, habit_fault(match[2], supports, len(draft.placements), limits))
-    return Habit(match[2], supports)
+    known = limits.placements[1] if draft.broken else len(draft.placements)
+    faults.add(where, habit_fault(match[2], supports, known, limits))
+    draft.habits.append(Habit(match[2], supports))
 
 
-def _finish(path: Path, draft: _Draft, count: dict[str, int], limits: Limits) -> Entry:
-    fault = count_fault(len(draft.placements), len(draft.habits), limits)
+def _finish(path: Path, draft: _Draft, count: dict[str, int], limits: Limits, faults: Faults) -> Entry:
+    fault = None if draft.broken else count_fault(len(draft.placements), len(draft.habits), limits)
     if fault is not None:
-        raise DataError(f"{path}:{draft.line}: entry '{draft.category}' has {fault}; is the file cut off?")
+        faults.add(f"{path}:{draft.line}", f"entry '{draft.category}' has {fault}; is the file cut off?")
     number = count.get(draft.category, 0)
     count[draft.category] = number + 1
     return Entry(
@@ -210,16 +270,14 @@ def _finish(path: Path, draft: _Draft, count: dict[str, int], limits: Limits) ->
     )
 
 
-def _refuse(where: str, fault: str | None) -> None:
-    if fault is not None:
-        raise DataError(f"{where}: {fault}")
-
-
 @cache
 def book_anchors() -> dict[str, frozenset[str]]:
     """Anchors of the embedded book with the relations they allow."""
     path = BOOK_FOLDER / ANCHORS
-    return _anchors(path, _lines(path, read_verified(path)))
+    faults = Faults()
+    anchors = _anchors(path, _lines(path, read_verified(path)), None, faults)
+    faults.tell(path)
+    return anchors
 
 
 @cache
@@ -242,6 +300,10 @@ def the_book(sha256: str) -> HabitDataset:
     return found
 
 
+def _read(path: Path, verified: bool) -> list[str]:
+    return _lines(path, read_verified(path)) if verified else read_lines(path)
+
+
 def read_book(folder: Path, categories: Collection[str] | None = None, *, verified: bool = False) -> HabitDataset:
     """All ``*.txt`` of a folder in name order; its ``anchors.txt`` where it has one, else the book's.
 
@@ -249,24 +311,26 @@ def read_book(folder: Path, categories: Collection[str] | None = None, *, verifi
     The limits of the book bind the book alone.
 
     Raises:
-        DataError: naming file and line.
+        DataError: naming file and line of all that is wrong.
     """
     if folder.is_file():
         raise DataError(
             f"{folder}: a file; a book is a folder of *.txt files, give the folder {folder.absolute().parent}"
         )
     limits = BOOK_LIMITS if folder.resolve() == BOOK_FOLDER.resolve() else OWN_LIMITS
-    own = folder / ANCHORS
-    if own.is_file():
-        anchors = _anchors(own, _lines(own, read_verified(own)) if verified else read_lines(own), categories)
-    else:
-        anchors = book_anchors()
+    own, faults = folder / ANCHORS, Faults()
+    anchors = _anchors(own, _read(own, verified), categories, faults) if own.is_file() else book_anchors()
     paths = sorted(path for path in folder.glob("*.txt") if path.name != ANCHORS)
     if not paths:
         raise DataError(f"{folder}: no habit file (*.txt); expected files of the habit book's format")
     entries: list[Entry] = []
     count: dict[str, int] = {}
     for path in paths:
-        lines = _lines(path, read_verified(path)) if verified else read_lines(path)
-        entries += _entries(path, lines, anchors, categories, count, limits)
+        try:
+            lines = _read(path, verified)
+        except DataError as error:
+            faults.found.append(str(error))
+        else:
+            entries += _entries(path, lines, anchors, categories, count, limits, faults)
+    faults.tell(folder)
     return HabitDataset("book" if folder == BOOK_FOLDER else folder.name, tuple(entries))

@@ -209,6 +209,17 @@ def _check(config: Any, where: str) -> None:
         raise ConfigError(f"{where}: learner has no _target_")
 
 
+def learner_name(learner: Mapping[str, Any]) -> str:
+    """What ``learner=`` calls the learner of a configuration: ``ppo``, ``image_goal``, ``searches``, ..."""
+    env = learner.get("env")
+    of_env = env["config"].get("_target_", "") if isinstance(env, Mapping) and "config" in env else ""
+    if str(of_env).endswith("ImageGoalEnv"):
+        return "image_goal"
+    if learner.get("demonstrator"):
+        return "searches"
+    return str(learner["_target_"]).rsplit(".", 1)[-1].removesuffix("Learner").lower()
+
+
 def run_identity(config: Mapping[str, Any]) -> dict[str, str]:
     """Hash of what is learned; the learner adds those of its data.
 

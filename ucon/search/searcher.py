@@ -48,6 +48,8 @@ class SearchDecision(Shared):
     valued: Valued | None
     """All views; None where nothing promises anything any more, and ``best`` merely is somewhere else."""
     expected: Expectation
+    closed: NDArray[np.int64]
+    """Tracks of the containers that may be opened."""
 
 
 class Searcher(PartlyShared):
@@ -192,7 +194,7 @@ class Searcher(PartlyShared):
         if best is None or best.gain <= 1e-9:
             self._second_look()
             valued, best = None, self.viewpoints.elsewhere(known, self.planner)
-        return SearchDecision(self.decisions, known.step, best, valued, expected)
+        return SearchDecision(self.decisions, known.step, best, valued, expected, closed)
 
     def _second_look(self) -> None:
         """Everything was looked at: believe that some looks missed it, and go round again from nearer."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError, unknown_name
 from ucon.core.sharing import Shared
+from ucon.task.actions import Action
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +44,23 @@ class TaskRules(Shared):
         if self.near_is_rectangle:
             return (gap_x <= self.near_m + 1e-9) & (gap_y <= self.near_m + 1e-9)
         return gap_x * gap_x + gap_y * gap_y <= self.near_m * self.near_m + 1e-9
+
+    def actions(self) -> list[dict[str, str]]:
+        """Name and effect of the seven actions, in their order, in words."""
+        near = f"within {self.near_m:g} m"
+        if self.look_moves_camera:
+            look = f"the camera goes to the next height of {', '.join(f'{h:g}' for h in self.camera_heights_m)} m"
+        else:
+            look = f"{self.pitch_step_deg} degrees, at most {self.max_pitch_deg}"
+        seen = f" and shows at least {self.open_min_pixels} pixels" if self.open_needs_sight else ""
+        target = "a thing of the target's category" if self.done_by_category else "the target"
+        done = f"end; a success if {target} is {near} and shows at least {self.done_min_pixels} pixels"
+        effects = (
+            "0.25 m ahead, or a collision that costs the step", "90 degrees clockwise", "90 degrees counter-clockwise",
+            f"up: {look}", f"down: {look}", f"open every closed thing that is {near}{seen}", done,
+        )  # fmt: skip
+        names = (action.name.lower().replace("_", " ") for action in Action)
+        return [{"name": name, "effect": effect} for name, effect in zip(names, effects, strict=True)]
 
     @property
     def views(self) -> tuple[tuple[int, int], ...]:

@@ -6,6 +6,7 @@ import argparse
 import json
 import sys
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -24,13 +25,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Build and say what was found."""
-    from rich.console import Console
-    from rich.progress import Progress
-
     from ucon.configuration.wiring import existing
     from ucon.core.errors import ConfigError
     from ucon.core.files import require_writable, write_atomic
     from ucon.core.output import stdout_to_stderr
+    from ucon.core.progress import Progress
     from ucon.generation.build import build
     from ucon.habits.book import BOOK_FILE, BOOK_FOLDER
     from ucon.habits.datafile import SUFFIX
@@ -43,13 +42,14 @@ def run(args: argparse.Namespace) -> int:
     doubts = Path(args.doubts).expanduser() if args.doubts else None
     if doubts:
         require_writable(doubts)
-    with stdout_to_stderr(), Progress(console=Console(stderr=True)) as bar:
-        tasks = {}
+    with stdout_to_stderr(), ExitStack() as stack:
+        steps: dict[str, Progress] = {}
 
         def show(step: str, done: int, total: int) -> None:
-            if step not in tasks:
-                tasks[step] = bar.add_task(step, total=total)
-            bar.update(tasks[step], completed=done)
+            if step not in steps:
+                stack.close()  # one is over where the next begins
+                steps[step] = stack.enter_context(Progress(step, total))
+            steps[step].update(done)
 
         built = build(
             out,

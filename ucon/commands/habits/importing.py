@@ -6,7 +6,7 @@ import argparse
 import json
 import os
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -116,17 +116,16 @@ def _read(path: Path, args: argparse.Namespace) -> Imported:
 
 @contextmanager
 def _bar(label: str) -> Iterator[Callable[[int, int], None]]:
-    """A bar on standard error, drawn from the first trial on: where all is known, there is none."""
-    from rich.console import Console
-    from rich.progress import Progress
+    """Progress from the first trial on: where all is known, there is none."""
+    from ucon.core.progress import Progress
 
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        tasks: list[Any] = []
+    with ExitStack() as stack:
+        shown: list[Progress] = []
 
         def progress(done: int, total: int) -> None:
-            if not tasks:
-                tasks.append(bar.add_task(label, total=total))
-            bar.update(tasks[0], completed=done)
+            if not shown:
+                shown.append(stack.enter_context(Progress(label, total, unit="locations")))
+            shown[0].update(done)
 
         yield progress
 

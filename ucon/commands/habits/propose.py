@@ -31,9 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Propose and say what it cost; ends with 1 where an entry was left out."""
-    from rich.console import Console
-    from rich.progress import Progress
-
+    from ucon.core.progress import Progress
     from ucon.generation.propose import propose
     from ucon.language.servers.chat import ChatClient
 
@@ -49,15 +47,14 @@ def run(args: argparse.Namespace) -> int:
     )
     wishes = [_wish(text, args.kind) for text in args.categories]
     out = Path(args.out).expanduser()
-    with Progress(console=Console(stderr=True)) as bar:
-        task = bar.add_task("propose", total=None)
+    with Progress("propose", sum(wish.count for wish in wishes), unit="entries") as progress:
         found = propose(
             client,
             wishes,
             out,
             rounds=args.rounds,
             seed=args.seed,
-            progress=lambda done, total: bar.update(task, completed=done, total=total),
+            progress=lambda done, total: progress.update(done),
         )
     counts = {"entries": len(found.entries), "new": found.new}
     if args.json:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import gymnasium as gym
 import numpy as np
 
-from ucon.core.errors import ConfigError, UconError, brief
+from ucon.core.errors import ConfigError, UconError, brief, unknown_name
 from ucon.envs.image_goal import UcONImageGoalEnv
 from ucon.envs.search.env import UcONSearchEnv
 from ucon.envs.ucon_env import UcONEnv
@@ -103,6 +103,8 @@ def subject_of(word: str, around: str = "UcON-v0") -> Subject:
         make = _named(word, around)
     try:
         inner = make().unwrapped
+    except gym.error.UnregisteredEnv:
+        raise ConfigError(unknown_name("environment", word, OURS, remedy="Or give MODULE:NAME.")) from None
     except (gym.error.Error, TypeError, ImportError) as error:
         raise ConfigError(f"{word}: cannot be made ({brief(str(error))}); give a Gymnasium id or MODULE:NAME") from None
     for name, cls in OURS.items():

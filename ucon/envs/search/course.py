@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import EpisodeError
 from ucon.core.sharing import PartlyShared
-from ucon.envs.options import check_choice
+from ucon.envs.options import check_render_mode
 from ucon.envs.painter import Moment
 from ucon.envs.ucon_env import UcONEnv
 
@@ -22,7 +22,7 @@ class Course(PartlyShared):
     _flat = frozenset({"_moments"})
 
     def __init__(self, render_mode: str | None) -> None:
-        check_choice("render_mode", render_mode, (None, *RENDER_MODES))
+        check_render_mode(render_mode, RENDER_MODES)
         self._mode = render_mode
         self._begun = self._over = False
         self._moments: list[Moment] = []

@@ -26,9 +26,10 @@ class DecisionRecord:
     """Of the episode, from 0."""
     step: int
     kind: str
-    """Of the candidate chosen."""
+    """Of what was chosen: a candidate's, ``target`` that was seen, or the ``solution`` that an oracle walks."""
     options: tuple[str, ...]
-    """What was asked about: the candidates, or (LGX by objects, L3MVN) what stands for them."""
+    """What it was chosen from, in words: candidates, or (LGX by objects) what stands for them; of searches that value
+    every view, the chosen one alone."""
     chosen: int
     """Number of the candidate. It numbers ``options`` too, but where they stand for candidates (LGX by objects)."""
     scores: tuple[float | None, ...] = ()
@@ -47,9 +48,16 @@ class DecisionRecord:
     prompt_tokens: int = 0
     completion_tokens: int = 0
     text: str = ""
-    """What the model said, where it says something; without line breaks and other control characters in the line."""
+    """What the model said, where it says something; without line breaks and other control characters in the line. Of
+    choices that are computed: what the chosen view is worth and costs."""
     seconds: float = 0.0
     """Wall time of the answers; not part of the line."""
+
+    @property
+    def words(self) -> str:
+        """What was chosen, in words."""
+        number = self.answered if self.answered >= 0 else self.chosen
+        return self.options[number] if number < len(self.options) else self.kind
 
     def to_json(self) -> dict[str, Any]:
         """What is kept of it, JSON-ready."""

@@ -24,7 +24,7 @@ from ucon.evaluation.playing.play import PlayedEpisode
 PARTIAL: Final = f"{RECORDS}.partial"
 #: Of a first line, in bytes.
 _LONGEST: Final = 1 << 16
-#: Of the file: some million episodes.
+#: Of the file: some hundred thousand episodes, at 9 KB of decisions each.
 _MAX_BYTES: Final = 1 << 30
 #: Letters of a checksum.
 _CHECKSUM: Final = 64

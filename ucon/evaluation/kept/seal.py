@@ -24,7 +24,7 @@ RECORDS, DECISIONS, SUMMARY = "episodes.jsonl", "decisions.jsonl", "summary.json
 TIMING, CONFIG, SECONDS = "timing.jsonl", "config.yaml", "seconds.json"
 #: Which files the checksums of which are of.
 SEALED: Final[Mapping[str, tuple[str, ...]]] = {SUMMARY: (RECORDS, DECISIONS), SECONDS: (TIMING, CONFIG)}
-#: Of one file of one run, unpacked: some hundred thousand episodes.
+#: Of one file of one run, unpacked: some hundred thousand episodes, or the decisions of some thirty thousand.
 _MAX_BYTES = 1 << 28
 _SEAL = ',\n "checksum": "'
 _RESTORE = "restore it or evaluate again"

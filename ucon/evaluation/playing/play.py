@@ -24,6 +24,7 @@ from ucon.retrieval.levels import RANKED_LEVELS
 from ucon.task.actions import Action
 from ucon.task.agent import Agent
 from ucon.task.episode import Episode
+from ucon.task.spoken import target_place
 
 Env = gym.Env[Any, Any]
 
@@ -159,7 +160,7 @@ def _played(slot: _Slot, agent: Agent, spec: RunSpec) -> PlayedEpisode:
 
         ending = "found" if record.success else "lost"
         name = f"{slot.index:03d}_{ending}_{episode.scene.replace(':', '-')}_{record.target}"
-        save_film(slot.frames, _captions(record), spec.films, name)
+        save_film(slot.frames, _captions(record, target_place(episode)), spec.films, name)
     made = getattr(agent, "decisions", None)
     decisions = tuple(replace(d, seconds=round(float(d.seconds), 5)) for d in made(slot.number)) if made else ()
     spent = tuple(d.seconds for d in decisions) if calls else ()
@@ -167,13 +168,16 @@ def _played(slot: _Slot, agent: Agent, spec: RunSpec) -> PlayedEpisode:
     return PlayedEpisode(slot.index, record, timing, decisions)
 
 
-def _captions(record: EpisodeRecord) -> list[str]:
-    """One line for every frame of a film: what is looked for, what was done, how it ended."""
+def _captions(record: EpisodeRecord, place: str) -> list[str]:
+    """One line for every frame of a film: what is looked for, what was done, how it ended and where the target is."""
     find = f"find: {record.target.replace('_', ' ')}"
     names = [Action(int(digit)).name.lower().replace("_", " ") for digit in record.actions]
     lines = [find, *(f"{find}   step {number}: {name}" for number, name in enumerate(names, 1))]
-    ending = "found" if record.success else record.failure_cause.replace("_", " ")
-    lines[-1] = f"{find}   {ending} after {record.steps} steps"
+    if record.success:
+        lines[-1] = f"{find}   found {place} after {record.steps} steps"
+    else:
+        cause = record.failure_cause.replace("_", " ")
+        lines[-1] = f"{find}   {cause} after {record.steps} steps; it is {place}"
     return lines
 
 

@@ -22,6 +22,7 @@ from torch import Tensor, nn
 
 from ucon.core.errors import ConfigError
 from ucon.core.files import sha256_file
+from ucon.core.progress import ticked
 from ucon.core.rng import derived_seed, stream
 from ucon.core.tensor_files import read_fitting
 from ucon.habits.splits import Split, entry_parts
@@ -155,7 +156,7 @@ class BeliefLearner:
         """By level: the figures of :func:`~ucon.readers.belief_scores.scores`, and the calibration error."""
         rows: dict[str, list[dict[str, float]]] = {str(level): [] for level in FIXED_LEVELS}
         best: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {str(level): [] for level in FIXED_LEVELS}
-        for one in samples:
+        for one in ticked("validating", samples):
             p, relation = self._predict(one)
             for t, level in enumerate(one.levels):
                 rows[level].append(scores(p[t], relation[t], one.truth.relation[t]))

@@ -124,7 +124,7 @@ class DaggerLearner(ImitationLearner):
         share = self.rollouts.mixture**self.iteration
         chooser = _Mixture(share, PolicyChooser(self.rollouts.sample, self.seed, "stray", self.iteration), self)
         with self.updates.averaged():
-            played = self._strays.play(jobs, chooser)
+            played = self._strays.play(jobs, chooser, "collecting")
         labels = chooser.labels
         self.collected += [
             Trajectory(one.job.episode, one.job.level, one.actions, "".join(labels[number]))

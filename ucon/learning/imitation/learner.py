@@ -21,6 +21,7 @@ from ucon.core.device import batch_size, torch_device, torch_precision
 from ucon.core.errors import ConfigError, DivergedError
 from ucon.core.files import sha256_bytes
 from ucon.core.fingerprint import fingerprint_of
+from ucon.core.progress import part
 from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import entry_parts
 from ucon.learning.imitation.demonstrators import Demonstrator, Solutions
@@ -177,8 +178,9 @@ class ImitationLearner:
         """Loss and accuracy on trajectories, without learning from them."""
         batches = [trajectories[at : at + self.batch] for at in range(0, len(trajectories), self.batch)]
         sums = torch.zeros(self.loss.n_sums, dtype=torch.float64)
-        with torch.no_grad():
-            for pairs in self.feeder(batches):
+        with torch.no_grad(), part("validating demonstrations", len(batches)) as tick:
+            for number, pairs in enumerate(self.feeder(batches), 1):
+                tick(number)
                 sums += self._pass(Batch(pairs, self.loss.discount, self.device), backward=False)
         return self.loss.figures(sums)
 

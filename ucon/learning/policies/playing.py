@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.progress import part
 from ucon.core.rng import stream
 from ucon.learning.policies.action_policy import Arrays, comparable, stacked, tensors_of
 from ucon.task.episode import Episode
@@ -95,8 +96,11 @@ class Players:
         self._make_env, self._n_slots, self._max_steps = make_env, slots, max_steps
         self._envs: list[Env] = []
 
-    def play(self, jobs: Sequence[Job], chooser: Chooser) -> list[RolloutOutcome]:
-        """Play all jobs; results in their order. Puts the policy into evaluation mode while it plays."""
+    def play(self, jobs: Sequence[Job], chooser: Chooser, what: str = "playing") -> list[RolloutOutcome]:
+        """Play all jobs; results in their order. Puts the policy into evaluation mode while it plays.
+
+        ``what``: progress calls it so.
+        """
         import torch
 
         was_training, results = self._policy.training, dict[int, RolloutOutcome]()
@@ -105,13 +109,14 @@ class Players:
             self._envs.append(self._make_env())
         waiting = iter(enumerate(jobs))
         running = [slot for env in self._envs if self._begin(slot := _Slot(env), waiting, chooser)]
-        with torch.inference_mode():
+        with torch.inference_mode(), part(what, len(jobs)) as tick:
             while running:
                 still = []
                 for slot, logits in zip(running, self._forward(running), strict=True):
                     done = self._step(slot, chooser.choose(slot.number, len(slot.actions), logits))
                     if done:
                         results[slot.number] = self._result(slot, jobs[slot.number])
+                        tick(len(results))
                     if not done or self._begin(slot, waiting, chooser):
                         still.append(slot)
                 running = still

@@ -76,7 +76,9 @@ class Validation:
         if not self.n_play:
             return {}
         chosen = spaced(self.all, self.n_play, "learner.validation.n_play")
-        results = players.play([Job(e, self.level) for e in chosen], PolicyChooser(self.sample, seed, "validation"))
+        results = players.play(
+            [Job(e, self.level) for e in chosen], PolicyChooser(self.sample, seed, "validation"), "validating"
+        )
         return {
             "success_rate": sum(r.success for r in results) / len(results),
             "spl": sum(r.spl for r in results) / len(results),

@@ -18,6 +18,7 @@ from ucon.core.device import torch_device, torch_precision
 from ucon.core.errors import DivergedError
 from ucon.core.files import sha256_bytes
 from ucon.core.fingerprint import fingerprint_of
+from ucon.core.progress import part, ticked
 from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import entry_parts
 from ucon.learning.policies.action_policy import ActionPolicy, PolicyOutputs, scores_views
@@ -122,15 +123,16 @@ class PPOLearner:
         Raises:
             DivergedError: a loss or gradient that is not finite.
         """
-        batch = self.rollouts.collect(derived_seed(self.seed, "collect", self.done))
+        with part("collecting"):
+            batch = self.rollouts.collect(derived_seed(self.seed, "collect", self.done))
         experience = Experience(batch, self.options.discount, self.options.trace, self.chunk)
         inference_mode_but_memory(self.policy)
         learned: list[Mapping[str, float]] = []
         passes = 0
-        for epoch in range(self.options.epochs):
+        for epoch in ticked("updating", range(self.options.epochs)):
             draw = stream(self.seed, "minibatches", self.done, epoch)
             first = len(learned)
-            learned += [self._update(part) for part in experience.minibatches(self.options.minibatch, draw)]
+            learned += [self._update(some) for some in experience.minibatches(self.options.minibatch, draw)]
             passes += 1
             if total(learned[first:])["kl"] > self.options.kl_stop:
                 break

@@ -19,6 +19,7 @@ from torch import Tensor
 from ucon.core.device import torch_precision
 from ucon.core.errors import ConfigError, brief
 from ucon.core.files import sha256_file
+from ucon.core.progress import part
 from ucon.core.rng import derived_seed
 from ucon.fitting.measures import measure_retrieval
 from ucon.fitting.rate_schedule import schedule
@@ -172,7 +173,7 @@ class RetrieverLearner:
         parts = entry_parts(self.dataset)
         texts = list(dict.fromkeys(text for kb in self.validation_kbs for text in kb.texts))
         texts += [query_text(target) for target in sorted({t for kb in self.validation_kbs for t in kb.entries})]
-        with torch.no_grad(), self.updates.averaged():
+        with torch.no_grad(), self.updates.averaged(), part("validating"):
             vectors = self._encode(texts).numpy().astype(np.float64)
         ranker = _Ranker(dict(zip(texts, vectors, strict=True)))
         found = measure_retrieval(self.validation_kbs, ranker, lambda entry: parts[entry.id] == "val")

@@ -1,4 +1,4 @@
-"""What one sees of a training run: a progress bar; Weights & Biases or TensorBoard where they are asked for."""
+"""What one sees of a training run: its progress; Weights & Biases or TensorBoard where they are asked for."""
 
 from __future__ import annotations
 
@@ -8,10 +8,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-
 from ucon.core.errors import ConfigError, unknown_name
+from ucon.core.progress import Progress
 from ucon.learning.run.trainer_state import SCORE
 from ucon.learning.run.training_run import OnFigures
 
@@ -26,22 +24,17 @@ WANDB_UPLOAD_S: Final = 120
 def training_progress(
     label: str, steps: int, done: int = 0, *, best: float | None = None, visible: bool = True
 ) -> Iterator[OnFigures]:
-    """A bar on standard error with the last loss and validation score; ``best``: that of a run that goes on."""
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("loss {task.fields[loss]} val {task.fields[score]}"),
-        TimeElapsedColumn(),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=Console(stderr=True), disable=not visible) as bar:
-        task = bar.add_task(label, total=steps, completed=done, loss="-", score=_shown(best))
+    """Progress with the last loss and validation score; ``best``: that of a run that goes on."""
+    last: dict[str, float | None] = {"loss": None, f"val/{SCORE}": best}
+
+    def note() -> str:
+        return f"loss {_shown(last['loss'])} val {_shown(last[f'val/{SCORE}'])}"
+
+    with Progress(label, steps, unit="steps", done=done, note=note(), visible=visible) as progress:
 
         def show(step: int, figures: Mapping[str, float]) -> None:
-            fields = {"loss": figures.get("loss"), "score": figures.get(f"val/{SCORE}")}
-            known = {name: _shown(value) for name, value in fields.items() if value is not None}
-            bar.update(task, completed=step, **known)  # type: ignore[arg-type]
+            last.update((name, figures[name]) for name in last if name in figures)
+            progress.update(step, note())
 
         yield show
 

@@ -12,6 +12,7 @@ from statistics import median
 
 import numpy as np
 
+from ucon.core.progress import ticked
 from ucon.core.rng import stream
 from ucon.sim.house import House
 from ucon.sim.render.raster_renderer import RasterRenderer, warm_up
@@ -54,7 +55,7 @@ def bench_renderer(houses: Sequence[House], poses: int = POSES, rounds: int = 4)
     """
     warm_up()
     figures: dict[str, list[float]] = {}
-    for house in houses:
+    for house in ticked("frames", houses):
         for key, value in bench_house(house, poses, rounds).items():
             figures.setdefault(key, []).append(value)
     result = {key: round(median(values), 1) for key, values in figures.items()}

@@ -22,6 +22,7 @@ from ucon.task.episode import Episode
 from ucon.task.making.living import living_in
 from ucon.task.making.sampler import EpisodeSampler
 from ucon.task.rules import PAPER, TaskRules
+from ucon.task.spoken import spoken_place
 
 HOUSEHOLD: Final = "you"
 NAME: Final = "own"
@@ -146,7 +147,7 @@ def own_episode(
         target = episode.placed_by[episode.target]
         if target[0] == f"{wish.target}/own":
             return replace(episode, id=f"{wish.scene}/{wish.target}/own"), dataset, place, chance
-    where = f"{wish.place.relation} {wish.place.anchor}" if wish.place else f"any of {len(reasons)} places"
+    where = spoken_place(wish.place.relation, wish.place.anchor) if wish.place else f"any of {len(reasons)} places"
     raise ConfigError(
         f"{wish.scene}: a {wish.target} cannot be kept {where} there, or cannot be found there"
         f"{f' ({reasons[-1]})' if reasons else ''}; give another --place, --object or --scene"

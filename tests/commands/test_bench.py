@@ -1,0 +1,51 @@
+"""``python -m ucon bench``: every figure has a unit, its name in ``--json`` stays, and progress is told."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import pytest
+
+from models.agents.frontier import FrontierAgent
+from ucon.__main__ import main
+from ucon.commands import bench
+from ucon.evaluation import bench_env
+from ucon.evaluation.bench_env import STAGES, bench_environment
+from ucon.sim.cache import load_house
+from ucon.sim.render.bench import bench_renderer
+from ucon.task.episode import Episode
+
+NAMES = set(bench._FIGURES)
+
+
+@pytest.fixture
+def short(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One home, few steps; the figures mean nothing."""
+
+    def one(episodes: Sequence[Episode], agent: Any, on_stage: Callable[[], None]) -> dict[str, float]:
+        return bench_environment(episodes[:1], agent and FrontierAgent, on_stage)
+
+    monkeypatch.setattr(bench_env, "bench_environment", one)
+    monkeypatch.setattr(bench_env, "_STEPS", 20)
+
+
+def test_every_figure_is_said_with_its_unit(short: None, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", "--no-renderer"]) == 0
+    told = capsys.readouterr()
+    *lines, note = told.out.splitlines()
+    assert note.startswith("CPU time of one process on one core")
+    assert len(lines) == 9
+    assert all(line.endswith((" steps a second", " choices a second", " steps a choice")) for line in lines)
+    first, *_, last = told.err.splitlines()
+    assert first == f"bench: 0 of {STAGES + 1} parts"
+    assert last.startswith(f"bench: {STAGES + 1} of {STAGES + 1} parts, ")
+
+
+def test_names_in_json(short: None, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", "--no-renderer", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    rendered = bench_renderer([load_house("Rs_int")], poses=2, rounds=1)
+    assert {name.removesuffix("_worst") for name in (*found, *rendered)} == NAMES
+    assert all(bench.said(name, value) for name, value in rendered.items())
