@@ -35,7 +35,7 @@ class Fold:
     """What is asked about; None: everything."""
 
 
-def folds_of(dataset: HabitDataset, n_folds: int, used_folds: int | None, own_places: bool = False) -> list[Fold]:
+def folds_of(dataset: HabitDataset, n_folds: int, used_folds: int | None, scene_evidence: bool = False) -> list[Fold]:
     """Pieces of a dataset, each with what reads it.
 
     Raises:
@@ -46,12 +46,16 @@ def folds_of(dataset: HabitDataset, n_folds: int, used_folds: int | None, own_pl
             f"learner.n_folds={brief(n_folds)}, learner.used_folds={brief(used_folds)}: are of habits without scenes; "
             f"{dataset.name} is dealt by scene, leave them out"
         )
-    return scene_folds(dataset, own_places=own_places) if dataset.scenes else book_folds(dataset, n_folds, used_folds)
+    return (
+        scene_folds(dataset, scene_evidence=scene_evidence)
+        if dataset.scenes
+        else book_folds(dataset, n_folds, used_folds)
+    )
 
 
-def parts_of(dataset: HabitDataset, own_places: bool = False) -> FittedParts:
+def parts_of(dataset: HabitDataset, scene_evidence: bool = False) -> FittedParts:
     """The parts that a head stands on in use."""
-    return own_parts(dataset, own_places) if dataset.scenes else default_parts()
+    return own_parts(dataset, scene_evidence) if dataset.scenes else default_parts()
 
 
 def book_folds(dataset: HabitDataset, count: int, used: int | None) -> list[Fold]:
@@ -63,22 +67,22 @@ def book_folds(dataset: HabitDataset, count: int, used: int | None) -> list[Fold
     ]
 
 
-def own_parts(dataset: HabitDataset, own_places: bool = False) -> FittedParts:
+def own_parts(dataset: HabitDataset, scene_evidence: bool = False) -> FittedParts:
     """The shipped parts with the common sense of all train entries, and what reads places learned from them."""
     parts, pairs = entry_parts(dataset), default_pair_reader()
     entries = [entry for entry in dataset.entries if parts[entry.id] == "train"]
-    folder = kept_scene_evidence(dataset, entries, pairs) if own_places else None
+    folder = kept_scene_evidence(dataset, entries, pairs) if scene_evidence else None
     return parts_with(fit_scene_prior(entries, pairs), folder)
 
 
-def scene_folds(dataset: HabitDataset, count: int = 4, *, own_places: bool = False) -> list[Fold]:
+def scene_folds(dataset: HabitDataset, count: int = 4, *, scene_evidence: bool = False) -> list[Fold]:
     """All habits, asked about some pairs at a time, with the common sense of the others.
 
-    With ``own_places`` half of the folds are read by what learned from the other half's entries.
+    With ``scene_evidence`` half of the folds are read by what learned from the other half's entries.
     """
     pairs, weights, dealt = default_pair_reader(), default_weights(), pair_folds(dataset, count)
     readers: Sequence[EvidenceReader | SceneEvidence] = [shipped_evidence()] * len(dealt)
-    if own_places:
+    if scene_evidence:
         readers = _read_by_others(dataset, [asked for asked, _ in dealt])
     return [
         Fold(dataset, FittedParts(weights, pairs, reader, fit_scene_prior(others, pairs)), asked)

@@ -1,8 +1,8 @@
 """Foretelling the way: going to which view shortens the way to the target, and by how much for each move.
 
 An auxiliary task with a label for every view of every decision, where a reward comes once an episode. The label knows
-the home and the target (``UcONSearch-v0`` with ``to_go=True``); who foretells it sees what the agent sees. So it learns
-what a home that looks like this is likely to be beyond its frontiers.
+the home and the target (``UcONSearch-v0`` with ``distance_to_goal=True``); who foretells it sees what the agent sees.
+So it learns what a home that looks like this is likely to be beyond its frontiers.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ucon.core.errors import ConfigError, brief
 from ucon.search.view_tokens import moves_to
 
 #: The label's name among the frames.
-TO_GO: Final = "to_go"
+DISTANCE_TO_GOAL: Final = "distance_to_goal"
 
 
 class ForesightLoss:
@@ -51,8 +51,8 @@ class ForesightLoss:
 
 def progress(frames: Mapping[str, Tensor]) -> tuple[Tensor, Tensor]:
     """By how much each move to a view shortens the way, (n, V) in [-1, 1], and where that is known, (n, V) bool."""
-    to_go, views = frames[TO_GO].float(), frames["views"].float()
+    distance_to_goal, views = frames[DISTANCE_TO_GOAL].float(), frames["views"].float()
     moves = moves_to(views)
-    here, there = to_go[:, -1:], to_go[:, :-1]
+    here, there = distance_to_goal[:, -1:], distance_to_goal[:, :-1]
     told = (frames["action_mask"] > 0) & (here >= 0) & (there >= 0) & (moves > 0.5)
     return torch.where(told, (here - there) / moves.clamp(min=1.0), 0.0).clamp(-1, 1), told

@@ -29,7 +29,7 @@ from ucon.learning.ppo.checks import check_choices, check_taught, collection_siz
 from ucon.learning.ppo.clipped_loss import PPOLoss, finite, inference_mode_but_memory, total
 from ucon.learning.ppo.collecting import Collecting, ExperienceCollector
 from ucon.learning.ppo.experience import Experience, Sequences
-from ucon.learning.ppo.foresight import TO_GO, ForesightLoss
+from ucon.learning.ppo.foresight import DISTANCE_TO_GOAL, ForesightLoss
 from ucon.learning.run.network_files import learns_from, load_network, network_files
 from ucon.learning.run.option_checks import check_parts, text_weights
 from ucon.learning.run.options import PPOOptions
@@ -168,7 +168,7 @@ class PPOLearner:
         self, frames: Mapping[str, Tensor], outputs: PolicyOutputs, there: Tensor
     ) -> tuple[Tensor | float, Mapping[str, float]]:
         """What a network that scores views is told beside rewards: a loss, and figures."""
-        if self.foresight is None or outputs.foresight is None or TO_GO not in frames:
+        if self.foresight is None or outputs.foresight is None or DISTANCE_TO_GOAL not in frames:
             return 0.0, {}
         decisions = {name: tensor[there] for name, tensor in frames.items()}
         return self.foresight(decisions, outputs.foresight.float()[there])

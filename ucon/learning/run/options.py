@@ -167,7 +167,7 @@ class BeliefOptions(LearnerOptions):
         relation, relevance: weights of these losses beside that of the anchors.
         n_folds: of the parts that read the train text; of habits that belong to no scenes, as ``used_folds``.
         used_folds: so many of them are learned from (each takes minutes to fit); all by default.
-        own_places: of a dataset that is bound to scenes, learn also which places its sentences speak for.
+        scene_evidence: of a dataset that is bound to scenes, learn also which places its sentences speak for.
         n_kbs: knowledge bases of one validation.
     """
 
@@ -180,7 +180,7 @@ class BeliefOptions(LearnerOptions):
     relevance: float = 0.5
     n_folds: int = N_FOLDS
     used_folds: int | None = None
-    own_places: bool = False
+    scene_evidence: bool = False
     n_kbs: int = 8
 
     def __post_init__(self) -> None:
@@ -188,7 +188,7 @@ class BeliefOptions(LearnerOptions):
         whole = {"households": self.households, "warm_up": self.warm_up, "n_kbs": self.n_kbs}
         check("above 0 and whole", lambda x: x > 0, (int,), **whole)
         check("at least 0", lambda x: 0 <= x < _MOST, relation=self.relation, relevance=self.relevance)
-        check("true or false", lambda x: True, (bool,), own_places=self.own_places)
+        check("true or false", lambda x: True, (bool,), scene_evidence=self.scene_evidence)
 
 
 @dataclass(frozen=True, kw_only=True)
