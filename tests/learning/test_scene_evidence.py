@@ -137,7 +137,7 @@ def test_what_reads_a_fold_learned_from_no_entry_of_it(data, folder, monkeypatch
         learned.append({(e.scene, e.category) for e in entries})
         return folder
 
-    monkeypatch.setattr(belief_readers, "kept_places", note)
+    monkeypatch.setattr(belief_readers, "kept_scene_evidence", note)
     folds = belief_readers.scene_folds(data, scene_evidence=True)
     assert [fold.pairs for fold in folds] == [asked for asked, _ in pair_folds(data, 4)]
     for number, fold in enumerate(folds):
@@ -148,8 +148,8 @@ def test_what_reads_a_fold_learned_from_no_entry_of_it(data, folder, monkeypatch
 
 
 def test_a_head_keeps_what_reads_for_it(data, folder, tmp_path, monkeypatch):
-    monkeypatch.setattr(belief_readers, "kept_places", lambda *_: folder)
-    learner = BeliefLearner(partial(small_head), data, 4, households=1, n_kbs=2, scene_evidence=True)
+    monkeypatch.setattr(belief_readers, "kept_scene_evidence", lambda *_: folder)
+    learner = BeliefLearner(partial(small_head), data, steps=4, households=1, n_kbs=2, scene_evidence=True)
     assert np.isfinite(learner.step()["loss"])
     files = learner.product()
     for name, content in files.items():
@@ -182,9 +182,9 @@ def test_arrays_that_do_not_fit_are_refused(folder):
 
 def test_text_without_scenes_is_read_as_it_is():
     with pytest.raises(ConfigError, match="scene_evidence=true"):
-        BeliefLearner(partial(small_head), book(), 4, scene_evidence=True)
+        BeliefLearner(partial(small_head), book(), steps=4, scene_evidence=True)
     with pytest.raises(ConfigError, match="scene_evidence=1: must be true or false"):
-        BeliefLearner(partial(small_head), book(), 4, scene_evidence=1)
+        BeliefLearner(partial(small_head), book(), steps=4, scene_evidence=1)
 
 
 def test_entries_of_a_step_differ_in_category(data):
