@@ -18,7 +18,7 @@ from ucon.core.files import sha256_bytes
 from ucon.core.fingerprint import fingerprint_of
 from ucon.core.rng import stream
 from ucon.evaluation.kept.decisions import DecisionRecord
-from ucon.learning.policies.action_policy import comparable
+from ucon.learning.policies.action_policy import rounded_logits
 from ucon.perception.belief.from_habits import Locate, ReadHabits, expecting
 from ucon.perception.drawing.map_picture import Image
 from ucon.perception.views.viewpoints import Choice
@@ -185,7 +185,7 @@ class HabitPolicyAgent:
             return []
         with torch.inference_mode():
             scores = self.policy(self._tensors(due))
-        logits = comparable(scores.logits)
+        logits = rounded_logits(scores.logits)
         return [self._choose(row, self._searches[slot]) for slot, row in zip(due, logits, strict=True)]
 
     def _tensors(self, due: dict[int, Tokens]) -> dict[str, Tensor]:

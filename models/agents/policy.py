@@ -15,7 +15,7 @@ from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import sha256_bytes
 from ucon.core.rng import stream
-from ucon.learning.policies.action_policy import Arrays, Tensors, comparable, stacked, tensors_of
+from ucon.learning.policies.action_policy import Arrays, Tensors, rounded_logits, stacked, tensors_of
 from ucon.task.agent import Info, Observation
 
 if TYPE_CHECKING:
@@ -130,7 +130,7 @@ class PolicyAgent:
             steps = {name: tensor[None] for name, tensor in stacked(frames).items()}  # (1, B, ...)
             context, state = stacked([e.context for e in playing]), stacked([e.state for e in playing])
             outputs = self.policy(steps, context, state)
-            logits = comparable(outputs.logits[0])  # (B, 7)
+            logits = rounded_logits(outputs.logits[0])  # (B, 7)
         actions = []
         for row, (episode, values) in enumerate(zip(playing, logits, strict=True)):
             actions.append(self._choose(values, episode))

@@ -23,14 +23,14 @@ from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import entry_parts
 from ucon.learning.policies.action_policy import ActionPolicy, PolicyOutputs, scores_views
 from ucon.learning.policies.playing import Players
-from ucon.learning.policies.validation import Validation, spaced
+from ucon.learning.policies.validation import Validation, evenly_spaced
 from ucon.learning.policies.view_policy import ViewPolicy
 from ucon.learning.ppo.checks import check_choices, check_taught, collection_size
 from ucon.learning.ppo.clipped_loss import PPOLoss, finite, inference_mode_but_memory, total
 from ucon.learning.ppo.collecting import Collecting, ExperienceCollector
 from ucon.learning.ppo.experience import Experience, Sequences
 from ucon.learning.ppo.foresight import TO_GO, ForesightLoss
-from ucon.learning.run.network_files import learns_from, load_network, network_files
+from ucon.learning.run.network_files import load_network, network_files, set_max_habits
 from ucon.learning.run.option_checks import check_parts, text_weights
 from ucon.learning.run.options import PPOOptions
 from ucon.learning.run.protocol import Card, Figures, State
@@ -82,10 +82,10 @@ class PPOLearner:
         self.act, self.network = cast(ActionPolicy, self.policy), policy
         self.make_env = search if views else env
         self.levels = tuple(given.levels) if self.act.uses_habits else ("none",)
-        self.episodes = spaced(load_episodes(given.episodes), given.n_episodes, "learner.n_episodes")
+        self.episodes = evenly_spaced(load_episodes(given.episodes), given.n_episodes, "learner.n_episodes")
         in_actions, in_views = env(), search() if views else None
         check_taught(policy, in_actions, loss.objective)
-        learns_from(policy, in_actions.unwrapped)
+        set_max_habits(policy, in_actions.unwrapped)
         self._read_by = str(fingerprint_of(in_views))
         self.source = (in_views or in_actions).unwrapped.source
         self.dataset = self.source.dataset
