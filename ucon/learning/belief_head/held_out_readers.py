@@ -1,8 +1,8 @@
-"""What reads sentences for the belief head while it learns: fitted parts that did not see what they read.
+"""Readers of the belief head's training sentences, each fitted without the sentences that it reads.
 
-The habit book's are dealt by category (:mod:`ucon.learning.belief_head.crossfit`). A dataset that is bound to scenes
-brings its own common sense, learned on the pairs that are not being asked about, and, where that is asked for, what
-reads places in its sentences (:mod:`ucon.fitting.scene_evidence`), likewise.
+The habit book's train categories are dealt into folds (:mod:`ucon.learning.belief_head.crossfit`). A dataset bound to
+scenes has a prior of its own, fitted on the (scene, category) pairs that are not asked about; with ``own_places`` it
+also has a reader of places of its own (:mod:`ucon.fitting.scene_evidence`), fitted in the same way.
 """
 
 from __future__ import annotations
@@ -27,19 +27,25 @@ from ucon.readers.scene_evidence import LAST, SceneEvidence
 
 @dataclass(frozen=True, eq=False)
 class Fold:
-    """Habits, and what reads them."""
+    """A dataset, the parts that read it, and the pairs that are asked about."""
 
     dataset: HabitDataset
     parts: FittedParts
     pairs: frozenset[Pair] | None = None
-    """What is asked about; None: everything."""
+    """(scene, category) pairs that are asked about; None: all."""
 
 
 def folds_of(dataset: HabitDataset, n_folds: int, used_folds: int | None, own_places: bool = False) -> list[Fold]:
-    """Pieces of a dataset, each with what reads it.
+    """Folds of a dataset, each with the parts that read it.
+
+    Args:
+        dataset: habits.
+        n_folds: folds of categories, for a dataset without scenes.
+        used_folds: how many of them to use; None: all.
+        own_places: for a dataset bound to scenes: read places with a reader fitted on it.
 
     Raises:
-        ConfigError: folds are asked for of a dataset that is bound to scenes, whose pairs are dealt into four.
+        ConfigError: ``n_folds`` or ``used_folds`` for a dataset bound to scenes, which is always dealt into four.
     """
     if dataset.scenes and (n_folds, used_folds) != (N_FOLDS, None):
         raise ConfigError(
@@ -50,12 +56,15 @@ def folds_of(dataset: HabitDataset, n_folds: int, used_folds: int | None, own_pl
 
 
 def parts_of(dataset: HabitDataset, own_places: bool = False) -> FittedParts:
-    """The parts that a head stands on in use."""
+    """The fitted parts that read for the head in use.
+
+    Those of the dataset where it is bound to scenes, else the shipped ones.
+    """
     return own_parts(dataset, own_places) if dataset.scenes else default_parts()
 
 
 def book_folds(dataset: HabitDataset, count: int, used: int | None) -> list[Fold]:
-    """The folds of a dataset, each with parts that were fitted on the others."""
+    """The first ``used`` of ``count`` folds of categories, each with parts fitted on the others."""
     pairs = default_pair_reader()
     return [
         Fold(fold.dataset, FittedParts(fold.weights, pairs, ReadEvidence.of(fold, pairs)))
@@ -64,7 +73,10 @@ def book_folds(dataset: HabitDataset, count: int, used: int | None) -> list[Fold
 
 
 def own_parts(dataset: HabitDataset, own_places: bool = False) -> FittedParts:
-    """The shipped parts with the common sense of all train entries, and what reads places learned from them."""
+    """The shipped parts with the prior of all train entries.
+
+    With ``own_places`` also a reader of places fitted on them.
+    """
     parts, pairs = entry_parts(dataset), default_pair_reader()
     entries = [entry for entry in dataset.entries if parts[entry.id] == "train"]
     folder = kept_scene_evidence(dataset, entries, pairs) if own_places else None
@@ -72,9 +84,16 @@ def own_parts(dataset: HabitDataset, own_places: bool = False) -> FittedParts:
 
 
 def scene_folds(dataset: HabitDataset, count: int = 4, *, own_places: bool = False) -> list[Fold]:
-    """All habits, asked about some pairs at a time, with the common sense of the others.
+    """Folds of a dataset bound to scenes, by (scene, category) pairs.
 
-    With ``own_places`` half of the folds are read by what learned from the other half's entries.
+    Each fold has all habits, asks about its own pairs and uses the prior of the other folds' entries. With
+    ``own_places``
+    each half of the folds is read by a reader fitted on the other half's entries.
+
+    Args:
+        dataset: habits bound to scenes.
+        count: number of folds.
+        own_places: fit readers of places.
     """
     pairs, weights, dealt = default_pair_reader(), default_weights(), pair_folds(dataset, count)
     readers: Sequence[EvidenceReader | SceneEvidence] = [shipped_evidence()] * len(dealt)
@@ -87,7 +106,7 @@ def scene_folds(dataset: HabitDataset, count: int = 4, *, own_places: bool = Fal
 
 
 def _read_by_others(dataset: HabitDataset, folds: list[frozenset[Pair]]) -> list[SceneEvidence]:
-    """What reads each fold: learned from no entry of its half."""
+    """Reader of places for each fold, fitted on no entry of that fold's half."""
     parts, pairs, relations = entry_parts(dataset), default_pair_reader(), shipped_evidence()
     half = len(folds) // 2
     readers = []

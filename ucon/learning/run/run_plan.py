@@ -94,7 +94,7 @@ class Plan:
         return tuple(one for one in self.extended if one.at < step)
 
     def validates(self, step: int) -> bool:
-        """Whether the state after ``step`` steps is validated: at intervals, and at the planned end, before extensions too."""
+        """Whether the state after ``step`` steps is validated: at intervals, and at the end as planned then."""
         ended = any(one.at == step == self.length_at(step - 1) for one in self.extended)
         return step % self.validate_every == 0 or step == self.length or ended
 
