@@ -21,7 +21,7 @@ from models.nets.end_to_end.advice import Advisor
 from models.nets.end_to_end.ego_view import THING_FEATURES
 from models.nets.end_to_end.floor_memory import CHANNELS, N_TRACKS, REACH, FloorMemory, MemoryStep, Window
 from models.nets.end_to_end.frames_of_reference import from_here, target_at, turned
-from models.nets.end_to_end.inside import Inside
+from models.nets.end_to_end.inside import PolicyTrace
 from models.nets.end_to_end.one_frame import one_frame
 from models.nets.end_to_end.places_to_go import PlacesToGo, Ways
 from models.nets.end_to_end.read_habits import SUMMARY_FEATURES, read_habits, words
@@ -195,7 +195,7 @@ class HabitPolicyE2E(PolicyModule):
         """Read T steps of B episodes; shapes as in :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
         return self.think(frames, context, state)[0]
 
-    def think(self, frames: Tensors, context: Tensors, state: Tensors) -> tuple[PolicyOutputs, Inside]:
+    def think(self, frames: Tensors, context: Tensors, state: Tensors) -> tuple[PolicyOutputs, PolicyTrace]:
         """As :meth:`forward`, but also returns the intermediate results that explain the action.
 
         Args:
@@ -223,7 +223,7 @@ class HabitPolicyE2E(PolicyModule):
         done = torch.where(seen.near, done, others.logsumexp(-1) + _NEVER)
         logits = torch.cat([others, done[..., None]], -1)
         value = self.judge(thought).squeeze(-1)
-        return PolicyOutputs(logits.float(), value.float(), {**new, **memory}), Inside(seen, ways)
+        return PolicyOutputs(logits.float(), value.float(), {**new, **memory}), PolicyTrace(seen, ways)
 
     def picture(
         self, info: Mapping[str, Any], frames: Tensors, context: Tensors, state: Tensors

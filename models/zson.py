@@ -75,7 +75,7 @@ class ZSON(PolicyModule):
         return self._goal.fingerprint()
 
     def context(self, info: Mapping[str, Any]) -> Arrays:
-        """``goal`` (D,) float32 with norm 1: embedding of the target's name, or of the goal image where there is one."""
+        """``goal`` (D,) float32 with norm 1: embedding of the target's name, or of the goal image if there is one."""
         if "goal_image" in info:
             return {"goal": self._goal.encode_image(info["goal_image"])}
         return {"goal": self._goal.encode(str(info["target"]))}
