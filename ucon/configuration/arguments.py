@@ -42,7 +42,7 @@ def check_arguments(config: Any) -> None:
 def arguments_of(target: str) -> dict[str, tuple[Kind, Any]]:
     """By name, the kinds and defaults of the arguments of a constructor that are annotated.
 
-    A constructor with ``**options`` hands them on: to the class that its ``options_of`` names, else to its base.
+    A constructor with ``**options`` hands them on: to the class that its ``options_of`` names, or to its base.
     """
     from hydra.utils import get_object
 
@@ -50,12 +50,7 @@ def arguments_of(target: str) -> dict[str, tuple[Kind, Any]]:
         found = get_object(target)
         made_by = [found]
         if inspect.isclass(found):
-            lines = [vars(c) for c in inspect.getmro(found)]
-            handed_on = [
-                [c] * ("__init__" in own) + [own["options_of"]] * ("options_of" in own)
-                for c, own in zip(inspect.getmro(found), lines, strict=True)
-            ]
-            made_by = [one for several in handed_on for one in several]
+            made_by = list(_handed_on(found))
         out: dict[str, tuple[Kind, Any]] = {}
         for one in made_by:
             parameters = inspect.signature(one).parameters.values()
@@ -70,6 +65,16 @@ def arguments_of(target: str) -> dict[str, tuple[Kind, Any]]:
     except Exception:  # not importable, or not to be called: building it says so
         return {}
     return out
+
+
+def _handed_on(found: type) -> Iterator[type]:
+    """Who takes the arguments of a class: it, whose options it takes, its bases, whose options they take."""
+    for one in inspect.getmro(found):
+        own = vars(one)
+        if "__init__" in own:
+            yield one
+        if "options_of" in own:
+            yield own["options_of"]
 
 
 def _described(node: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:

@@ -56,6 +56,12 @@ GONE: Final[Mapping[str, Mapping[str, Any]]] = {
     "ucon.envs.search.env.UcONSearchEnv": {"expert": False},
 }
 
+#: Arguments that have another name now, by the constructor's name of today.
+RENAMED: Final[Mapping[str, Mapping[str, str]]] = {
+    "ucon.envs.search.env.UcONSearchEnv": {"to_go": "distance_to_goal"},
+    "ucon.learning.belief_head.learner.BeliefLearner": {"own_places": "scene_evidence"},
+}
+
 
 def in_todays_names(node: Any, where: str) -> Any:
     """A stored configuration as it would be written today, at any depth.
@@ -76,6 +82,7 @@ def in_todays_names(node: Any, where: str) -> Any:
     if not isinstance(target, str):
         return out
     target = out["_target_"] = MOVED.get(target, target)
+    out = {RENAMED.get(target, {}).get(name, name): value for name, value in out.items()}
     for name, nothing in GONE.get(target, {}).items():
         if name in out and out[name] != nothing:
             raise DataError(

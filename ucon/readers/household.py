@@ -47,8 +47,8 @@ class FittedParts:
         """``evidence``: says what sentences speak for, else the weights do; ``own_prior``: a dataset's common sense."""
         self.weights, self.pairs, self.own_prior = weights, pairs, own_prior
         self.evidence = evidence or EvidenceReader(weights, pairs)
-        self.own_places = evidence if isinstance(evidence, SceneEvidence) else None
-        self.known = weights.anchors if self.own_places is None else self.own_places.known
+        self.scene_evidence = evidence if isinstance(evidence, SceneEvidence) else None
+        self.known = weights.anchors if self.scene_evidence is None else self.scene_evidence.known
         self.number = {name: i for i, name in enumerate(self.known)}
         self._usual_row = {name: i for i, name in enumerate(weights.anchors)}
 
@@ -117,8 +117,8 @@ class Household:
         known = candidates.known
         if features is None:
             features = self.parts.pairs.features(self.texts, candidates.names)
-        if self.parts.own_places is not None:
-            return self.parts.own_places.spoken(self.texts, candidates.names, features)
+        if self.parts.scene_evidence is not None:
+            return self.parts.scene_evidence.spoken(self.texts, candidates.names, features)
         said = unknown_said(features, self.parts.weights["any"], self.said.place)
         names = [name for name, met in zip(candidates.names, known, strict=True) if met]
         said[:, known] = self.said.anchor[:, [self.parts.number[name] for name in names]]
@@ -143,9 +143,9 @@ class Household:
         features = set_features(self._lexical[target][rows], self.cosines(target)[rows], vectors)
         name = self.parts.vectors([phrase(target)])[0]
         inputs = gate_inputs(features, vectors, name, self.parts.weights)
-        if self.parts.own_places is not None:
+        if self.parts.scene_evidence is not None:
             texts = [self.texts[k] for k in np.arange(len(self.texts))[rows]]
-            inputs[:, -1] = self.parts.own_places.about(target, texts)
+            inputs[:, -1] = self.parts.scene_evidence.about(target, texts)
         return inputs.astype(np.float32)
 
     def inputs(
@@ -196,13 +196,14 @@ def default_parts() -> FittedParts:
     return parts_with(None)
 
 
-def parts_with(own_prior: AnchorPrior | None, own_places: Path | None = None) -> FittedParts:
+def parts_with(own_prior: AnchorPrior | None, scene_evidence: Path | None = None) -> FittedParts:
     """The shipped parts, with the common sense of a dataset in place of the habit book's.
 
-    ``own_places``: folder of what reads places in its sentences (:class:`~ucon.readers.scene_evidence.SceneEvidence`).
+    ``scene_evidence``: folder of what reads places in its sentences
+    (:class:`~ucon.readers.scene_evidence.SceneEvidence`).
     """
     pairs, shipped = default_pair_reader(), shipped_evidence()
-    evidence = shipped if own_places is None else SceneEvidence.load(own_places, pairs, shipped)
+    evidence = shipped if scene_evidence is None else SceneEvidence.load(scene_evidence, pairs, shipped)
     return FittedParts(default_weights(), pairs, evidence, own_prior)
 
 

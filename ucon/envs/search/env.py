@@ -71,8 +71,8 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
     ``habits_relevance``, ``habits_mask``: see :meth:`ucon.search.text_tokens.TextTokens.read`; ``action_mask``
     int8 (V,), 1 where a view stands.
 
-    For trainers: with ``to_go=True``, ``to_go`` float32 (V + 1,), moves from each view, and last from here, to where
-    the episode would succeed, -1 where there is no view or no way.
+    For trainers: with ``distance_to_goal=True``, ``distance_to_goal`` float32 (V + 1,), moves from each view, and last
+    from here, to where the episode would succeed, -1 where there is no view or no way.
 
     ### Rewards
     0, and at the end what ``returns`` says of the episode.
@@ -83,7 +83,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
 
     metadata = {"render_modes": RENDER_MODES, "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
     _shared: ClassVar[frozenset[str]] = frozenset(
-        {"spec", "metadata", "_locate", "_sizes", "_text", "_returns", "_to_go", "_last", "_tokens"}
+        {"spec", "metadata", "_locate", "_sizes", "_text", "_returns", "_distance", "_last", "_tokens"}
     )
 
     options_of = UcONEnv
@@ -98,7 +98,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         sizes: Sizes | None = None,
         text: TextTokens | None = None,
         returns: Returns | None = None,
-        to_go: bool = False,
+        distance_to_goal: bool = False,
         observe: str = "symbolic",
         detector: Any = True,
         texts: bool | None = None,
@@ -114,7 +114,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
             sizes: rows of the tokens.
             text: embeds names and habits.
             returns: what an episode is worth.
-            to_go: add ``to_go`` to observations: what only a trainer may know.
+            distance_to_goal: add ``distance_to_goal`` to observations: what only a trainer may know.
             observe: see ``UcON-v0``.
             detector: what is mapped; see ``UcON-v0``.
             texts: see ``UcON-v0``.
@@ -132,10 +132,10 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         self._locate, self._miss, self._sizes = locate or ReadHabits(), miss, sizes or Sizes()
         self._text, self._returns = text or TextTokens(), returns or Returns()
         self._searcher: Searcher | None = None
-        self._to_go: DistanceToGoal | None = None
-        self._tells_way = to_go
+        self._distance: DistanceToGoal | None = None
+        self._tells_distance = distance_to_goal
         self.action_space = spaces.Discrete(self._sizes.views)  # type: ignore[assignment]  # it draws NumPy integers
-        self.observation_space = observation_space(self._sizes, self._text, to_go=to_go)
+        self.observation_space = observation_space(self._sizes, self._text, distance_to_goal=distance_to_goal)
 
     @property
     def source(self) -> HabitSource:
@@ -152,7 +152,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         self._searcher = Searcher(info, believing, miss=self._miss)
         self._reader = TokenReader(self._searcher, info, self._sizes)
         self._said = SaidTokens(self._text, str(info["target"]), believing)
-        self._to_go = DistanceToGoal(self.env) if self._tells_way else None
+        self._distance = DistanceToGoal(self.env) if self._tells_distance else None
         self._last, self._over = (obs, info), (False, False)
         self._tokens: Tokens | None = None
         self._course.begin(self.env)
@@ -202,20 +202,20 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         if self._tokens is None:  # the end: nothing is due
             blank = {name: np.zeros(space.shape, space.dtype) for name, space in self.observation_space.items()}  # type: ignore[attr-defined]
             blank["action_mask"][0] = 1
-            if self._to_go is not None:
-                blank["to_go"][:] = UNREACHABLE
+            if self._distance is not None:
+                blank["distance_to_goal"][:] = UNREACHABLE
             return blank | self._text_arrays()
         return {**self._tokens.arrays, **self._text_arrays(), **self._way()}
 
     def _way(self) -> Obs:
         """How far it is from the views, and from here."""
-        if self._to_go is None or self._searcher is None or self._tokens is None:
+        if self._distance is None or self._searcher is None or self._tokens is None:
             return {}
         views = [choice.view for choice in self._tokens.choices]
         out = np.full(self._sizes.views + 1, UNREACHABLE, np.float32)
-        far = self._to_go([*views, self._searcher.map.view])
+        far = self._distance([*views, self._searcher.map.view])
         out[: len(views)], out[-1] = far[:-1], far[-1]
-        return {"to_go": out}
+        return {"distance_to_goal": out}
 
     def _text_arrays(self) -> Obs:
         """Copies: whoever keeps an observation owns it."""
@@ -245,8 +245,8 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         return str(fingerprint_of(self._locate))
 
 
-def observation_space(sizes: Sizes, text: TextTokens, *, to_go: bool = False) -> spaces.Dict:
-    """The space of what a policy over tokens is given; ``to_go``: and its trainer."""
+def observation_space(sizes: Sizes, text: TextTokens, *, distance_to_goal: bool = False) -> spaces.Dict:
+    """The space of what a policy over tokens is given; ``distance_to_goal``: and its trainer."""
 
     def box(*shape: int) -> spaces.Box:
         return spaces.Box(-_MOST, _MOST, shape, np.float32)
@@ -268,7 +268,7 @@ def observation_space(sizes: Sizes, text: TextTokens, *, to_go: bool = False) ->
             "habits": box(habits, d),
             "habits_relevance": box(habits),
             "habits_mask": spaces.MultiBinary(habits),
-            **({"to_go": box(sizes.views + 1)} if to_go else {}),
+            **({"distance_to_goal": box(sizes.views + 1)} if distance_to_goal else {}),
         }
     )
 

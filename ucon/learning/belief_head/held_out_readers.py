@@ -1,8 +1,8 @@
 """Readers of the belief head's training sentences, each fitted without the sentences that it reads.
 
 The habit book's train categories are dealt into folds (:mod:`ucon.learning.belief_head.crossfit`). A dataset bound to
-scenes has a prior of its own, fitted on the (scene, category) pairs that are not asked about; with ``own_places`` it
-also has a reader of places of its own (:mod:`ucon.fitting.scene_evidence`), fitted in the same way.
+scenes has a prior of its own, fitted on the (scene, category) pairs that are not asked about. With ``scene_evidence``
+it also has a reader of places of its own (:mod:`ucon.fitting.scene_evidence`), fitted in the same way.
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ class Fold:
     """(scene, category) pairs that are asked about; None: all."""
 
 
-def folds_of(dataset: HabitDataset, n_folds: int, used_folds: int | None, own_places: bool = False) -> list[Fold]:
+def folds_of(dataset: HabitDataset, n_folds: int, used_folds: int | None, scene_evidence: bool = False) -> list[Fold]:
     """Folds of a dataset, each with the parts that read it.
 
     Args:
         dataset: habits.
         n_folds: folds of categories, for a dataset without scenes.
         used_folds: how many of them to use; None: all.
-        own_places: for a dataset bound to scenes: read places with a reader fitted on it.
+        scene_evidence: for a dataset bound to scenes: read places with a reader fitted on it.
 
     Raises:
         ConfigError: ``n_folds`` or ``used_folds`` for a dataset bound to scenes, which is always dealt into four.
@@ -52,15 +52,19 @@ def folds_of(dataset: HabitDataset, n_folds: int, used_folds: int | None, own_pl
             f"learner.n_folds={brief(n_folds)}, learner.used_folds={brief(used_folds)}: are of habits without scenes; "
             f"{dataset.name} is dealt by scene, leave them out"
         )
-    return scene_folds(dataset, own_places=own_places) if dataset.scenes else book_folds(dataset, n_folds, used_folds)
+    return (
+        scene_folds(dataset, scene_evidence=scene_evidence)
+        if dataset.scenes
+        else book_folds(dataset, n_folds, used_folds)
+    )
 
 
-def parts_of(dataset: HabitDataset, own_places: bool = False) -> FittedParts:
+def parts_of(dataset: HabitDataset, scene_evidence: bool = False) -> FittedParts:
     """The fitted parts that read for the head in use.
 
     Those of the dataset where it is bound to scenes, else the shipped ones.
     """
-    return own_parts(dataset, own_places) if dataset.scenes else default_parts()
+    return own_parts(dataset, scene_evidence) if dataset.scenes else default_parts()
 
 
 def book_folds(dataset: HabitDataset, count: int, used: int | None) -> list[Fold]:
@@ -72,32 +76,31 @@ def book_folds(dataset: HabitDataset, count: int, used: int | None) -> list[Fold
     ]
 
 
-def own_parts(dataset: HabitDataset, own_places: bool = False) -> FittedParts:
+def own_parts(dataset: HabitDataset, scene_evidence: bool = False) -> FittedParts:
     """The shipped parts with the prior of all train entries.
 
-    With ``own_places`` also a reader of places fitted on them.
+    With ``scene_evidence`` also a reader of places fitted on them.
     """
     parts, pairs = entry_parts(dataset), default_pair_reader()
     entries = [entry for entry in dataset.entries if parts[entry.id] == "train"]
-    folder = kept_scene_evidence(dataset, entries, pairs) if own_places else None
+    folder = kept_scene_evidence(dataset, entries, pairs) if scene_evidence else None
     return parts_with(fit_scene_prior(entries, pairs), folder)
 
 
-def scene_folds(dataset: HabitDataset, count: int = 4, *, own_places: bool = False) -> list[Fold]:
+def scene_folds(dataset: HabitDataset, count: int = 4, *, scene_evidence: bool = False) -> list[Fold]:
     """Folds of a dataset bound to scenes, by (scene, category) pairs.
 
     Each fold has all habits, asks about its own pairs and uses the prior of the other folds' entries. With
-    ``own_places``
-    each half of the folds is read by a reader fitted on the other half's entries.
+    ``scene_evidence`` each half of the folds is read by a reader fitted on the other half's entries.
 
     Args:
         dataset: habits bound to scenes.
         count: number of folds.
-        own_places: fit readers of places.
+        scene_evidence: fit readers of places.
     """
     pairs, weights, dealt = default_pair_reader(), default_weights(), pair_folds(dataset, count)
     readers: Sequence[EvidenceReader | SceneEvidence] = [shipped_evidence()] * len(dealt)
-    if own_places:
+    if scene_evidence:
         readers = _read_by_others(dataset, [asked for asked, _ in dealt])
     return [
         Fold(dataset, FittedParts(weights, pairs, reader, fit_scene_prior(others, pairs)), asked)

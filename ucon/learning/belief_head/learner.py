@@ -85,11 +85,11 @@ class BeliefLearner:
         self.head = head()
         draw = draw or Draw()
         self._initial = "" if given.initial is None else _load_initial(self.head, Path(given.initial).expanduser())
-        if given.own_places and not dataset.scenes:
-            raise ConfigError(f"learner.own_places=true: {dataset.name} belongs to no scenes, and is read as it is")
+        if given.scene_evidence and not dataset.scenes:
+            raise ConfigError(f"learner.scene_evidence=true: {dataset.name} belongs to no scenes, and is read as it is")
         if folds is None:
-            folds = folds_of(dataset, given.n_folds, given.used_folds, given.own_places)
-        self._parts = parts or parts_of(dataset, given.own_places)
+            folds = folds_of(dataset, given.n_folds, given.used_folds, given.scene_evidence)
+        self._parts = parts or parts_of(dataset, given.scene_evidence)
         # Where a source says what stands in a scene, that is all there is to ask about.
         others = () if dataset.standing else dataset.anchors if dataset.scenes else None
         self._folds = [
@@ -215,7 +215,7 @@ class BeliefLearner:
         files = {WEIGHTS: save(half)}
         if (prior := self._parts.own_prior) is not None:
             options["anchors"], files[PRIOR] = list(prior.names), prior.to_bytes()
-        if (own := self._parts.own_places) is not None:
+        if (own := self._parts.scene_evidence) is not None:
             options["own_places"], files = own.sha256, files | own.files
         return {**files, CONFIG: (json.dumps(options, indent=1, sort_keys=True) + "\n").encode()}
 
@@ -241,7 +241,7 @@ class BeliefLearner:
 
     def _own_reader(self) -> str:
         """Sentence of the model card about the dataset's own reader of places; empty where it has none."""
-        if self._parts.own_places is None:
+        if self._parts.scene_evidence is None:
             return ""
         return (
             "What reads places is an adapter of the encoder that comes with it (fp16), taught by where the things of "

@@ -1,8 +1,8 @@
 """Auxiliary task of policies over views: by how much does going to each view shorten the way to the target?
 
 Rewards come once per episode; this gives a label for every view of every decision. The label is computed from the home
-and the target's true place (``UcONSearch-v0`` with ``to_go=True``); the network sees only what the agent sees. So it
-learns what is likely to lie beyond the frontiers of a home that looks like this one.
+and the target's true place (``UcONSearch-v0`` with ``distance_to_goal=True``); the network sees only what the agent
+sees. So it learns what is likely to lie beyond the frontiers of a home that looks like this one.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ucon.core.errors import ConfigError, brief
 from ucon.search.view_tokens import moves_to
 
 #: Name of the label among the frames: remaining path length to the target, from each view and from here.
-TO_GO: Final = "to_go"
+DISTANCE_TO_GOAL: Final = "distance_to_goal"
 
 
 class ForesightLoss:
@@ -62,8 +62,8 @@ def progress(frames: Mapping[str, Tensor]) -> tuple[Tensor, Tensor]:
     Returns:
         (n, V) float32 in [-1, 1], 0 where unknown; and (n, V) bool, True where it is known.
     """
-    to_go, views = frames[TO_GO].float(), frames["views"].float()
+    distance_to_goal, views = frames[DISTANCE_TO_GOAL].float(), frames["views"].float()
     moves = moves_to(views)
-    here, there = to_go[:, -1:], to_go[:, :-1]
+    here, there = distance_to_goal[:, -1:], distance_to_goal[:, :-1]
     known = (frames["action_mask"] > 0) & (here >= 0) & (there >= 0) & (moves > 0.5)
     return torch.where(known, (here - there) / moves.clamp(min=1.0), 0.0).clamp(-1, 1), known

@@ -29,7 +29,7 @@ from ucon.learning.ppo.checks import check_choices, check_taught, collection_siz
 from ucon.learning.ppo.clipped_loss import PPOLoss, eval_mode_except_rnn, finite, mean_figures
 from ucon.learning.ppo.collecting import Collecting, ExperienceCollector
 from ucon.learning.ppo.experience import Experience, Sequences
-from ucon.learning.ppo.foresight import TO_GO, ForesightLoss
+from ucon.learning.ppo.foresight import DISTANCE_TO_GOAL, ForesightLoss
 from ucon.learning.run.network_files import load_network, network_files, set_max_habits
 from ucon.learning.run.option_checks import check_parts, text_weights
 from ucon.learning.run.options import PPOOptions
@@ -180,7 +180,7 @@ class PPOLearner:
         self, frames: Mapping[str, Tensor], outputs: PolicyOutputs, there: Tensor
     ) -> tuple[Tensor | float, Mapping[str, float]]:
         """Auxiliary loss of a network that scores views, and its figures; 0 where there is none."""
-        if self.foresight is None or outputs.foresight is None or TO_GO not in frames:
+        if self.foresight is None or outputs.foresight is None or DISTANCE_TO_GOAL not in frames:
             return 0.0, {}
         decisions = {name: tensor[there] for name, tensor in frames.items()}
         return self.foresight(decisions, outputs.foresight.float()[there])

@@ -169,7 +169,7 @@ class BeliefOptions(LearnerOptions):
         relevance: weight of the loss of the habits' relevance.
         n_folds: folds of the train categories, for habits without scenes; each is read by parts fitted on the others.
         used_folds: how many of the folds are trained on (each takes minutes to fit); None: all.
-        own_places: for a dataset bound to scenes: also fit a reader of places on its sentences.
+        scene_evidence: for a dataset bound to scenes: also fit a reader of places on its sentences.
         n_kbs: knowledge bases of one validation.
     """
 
@@ -182,7 +182,7 @@ class BeliefOptions(LearnerOptions):
     relevance: float = 0.5
     n_folds: int = N_FOLDS
     used_folds: int | None = None
-    own_places: bool = False
+    scene_evidence: bool = False
     n_kbs: int = 8
 
     def __post_init__(self) -> None:
@@ -190,7 +190,7 @@ class BeliefOptions(LearnerOptions):
         whole = {"households": self.households, "warm_up": self.warm_up, "n_kbs": self.n_kbs}
         check("above 0 and whole", lambda x: x > 0, (int,), **whole)
         check("at least 0", lambda x: 0 <= x < _MOST, relation=self.relation, relevance=self.relevance)
-        check("true or false", lambda x: True, (bool,), own_places=self.own_places)
+        check("true or false", lambda x: True, (bool,), scene_evidence=self.scene_evidence)
 
 
 @dataclass(frozen=True, kw_only=True)
