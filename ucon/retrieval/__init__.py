@@ -1,4 +1,4 @@
-"""The habit retrieval module and the habit levels: which sentences an agent is given."""
+"""The habit retrieval module of the paper, and the habit levels: which sentences an agent is given."""
 
 from ucon.language.phrases import QUERY, phrase, query_text
 from ucon.retrieval.base import Retriever, mrr, recall_at
