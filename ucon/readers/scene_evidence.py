@@ -179,7 +179,10 @@ class SceneEvidence:
         return np.asarray(vectors @ wanted.T + features @ self._x["owner_pair"])
 
     def _rows(self, names: Sequence[str]) -> Array:
-        """(C, D) vectors that sentences are compared with: name vectors, linearly mapped, plus a learned offset for known names."""
+        """(C, D) vectors that sentences are compared with.
+
+        The vector of a name, linearly mapped, plus a learned offset for known names.
+        """
         out: Array = self._names(names) @ self._x["turn"]
         for i, name in enumerate(names):
             if name in self._number:

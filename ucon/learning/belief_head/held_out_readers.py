@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ucon.core.errors import ConfigError, brief
-from ucon.fitting.scene_evidence import kept_scene_evidence, told_beforehand
+from ucon.fitting.scene_evidence import cached_scene_evidence, precomputed_vectors
 from ucon.fitting.scene_prior import fit_scene_prior
 from ucon.habits.splits import entry_parts
 from ucon.habits.types import HabitDataset
@@ -83,7 +83,7 @@ def own_parts(dataset: HabitDataset, scene_evidence: bool = False) -> FittedPart
     """
     parts, pairs = entry_parts(dataset), default_pair_reader()
     entries = [entry for entry in dataset.entries if parts[entry.id] == "train"]
-    folder = kept_scene_evidence(dataset, entries, pairs) if scene_evidence else None
+    folder = cached_scene_evidence(dataset, entries, pairs) if scene_evidence else None
     return parts_with(fit_scene_prior(entries, pairs), folder)
 
 
@@ -116,8 +116,8 @@ def _read_by_others(dataset: HabitDataset, folds: list[frozenset[Pair]]) -> list
     for own in (folds[:half], folds[half:]):
         read = frozenset().union(*own)
         others = [e for e in dataset.entries if parts[e.id] == "train" and (e.scene or "", e.category) not in read]
-        folder = kept_scene_evidence(dataset, others, pairs)
+        folder = cached_scene_evidence(dataset, others, pairs)
         arrays, sha256 = load_arrays(folder / LAST)
-        told = told_beforehand(folder, dataset.texts)
-        readers += [SceneEvidence(arrays, sha256, told, pairs, relations)] * len(own)
+        vectors = precomputed_vectors(folder, dataset.texts)
+        readers += [SceneEvidence(arrays, sha256, vectors, pairs, relations)] * len(own)
     return readers
