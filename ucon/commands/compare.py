@@ -106,20 +106,20 @@ def print_sweep(folder: Path) -> None:
     from ucon.evaluation.figures.paired import compare_records, comparison_table
     from ucon.evaluation.figures.report import results_table
     from ucon.evaluation.kept.finished import FinishedRun
-    from ucon.evaluation.kept.naming import answers_something, level, player
+    from ucon.evaluation.kept.naming import agent_label, is_worth_comparing, level
     from ucon.evaluation.kept.seal import SUMMARY
 
     paths = sorted(p.parent for p in folder.glob(f"*/{SUMMARY}"))
     if len(paths) < 2:
         return
     runs = [(run.summary, run.records or ()) for run in map(FinishedRun.read, paths)]
-    runs.sort(key=lambda run: (player(run[0]), _LEVEL_ORDER.get(level(run[0]), 9)))
+    runs.sort(key=lambda run: (agent_label(run[0]), _LEVEL_ORDER.get(level(run[0]), 9)))
     console = wide_console()
     console.print(results_table([summary for summary, _ in runs], title=str(folder)))
     pairs = [
-        compare_records(records_a, records_b, (f"{player(a)} {level(a)}", f"{player(b)} {level(b)}"))
+        compare_records(records_a, records_b, (f"{agent_label(a)} {level(a)}", f"{agent_label(b)} {level(b)}"))
         for (a, records_a), (b, records_b) in permutations(runs, 2)
-        if answers_something(a, b) and {r.episode for r in records_a} & {r.episode for r in records_b}
+        if is_worth_comparing(a, b) and {r.episode for r in records_a} & {r.episode for r in records_b}
     ]
     if pairs:
         console.print(comparison_table(pairs, ("success_rate", "spl")))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ucon.configuration.kept_config import add_places, bad, configuration_of, places_in
 
 if TYPE_CHECKING:
-    from ucon.evaluation.kept.replayed import Replayed
+    from ucon.evaluation.kept.replayed import ReplayResult
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -58,7 +58,7 @@ def run(args: argparse.Namespace) -> int:
 class _Again(NamedTuple):
     """A run that was played again."""
 
-    found: Replayed
+    found: ReplayResult
     n_new: int
     """Episodes played now; the others before an interruption."""
     out: Path
@@ -72,10 +72,10 @@ class _Again(NamedTuple):
 def _replay(folder: Path, out: Path, every: int, config: dict[str, Any], workers: str) -> _Again:
     from ucon.core.output import stdout_to_stderr
     from ucon.evaluation.kept.record import read_records
-    from ucon.evaluation.kept.replayed import Kept, replayed
+    from ucon.evaluation.kept.replayed import StoredRun, replayed
     from ucon.programs.evaluating import Evaluation
 
-    kept = Kept.read(folder)
+    kept = StoredRun.read(folder)
     limit = config["limit"]
     config |= {
         "every": config["every"] * every,

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ucon.evaluation.kept.recompute import Verified
+    from ucon.evaluation.kept.recompute import Verification
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -44,7 +44,7 @@ def run(args: argparse.Namespace) -> int:
     return 0 if good else 1
 
 
-def _told(found: Verified) -> str:
+def _told(found: Verification) -> str:
     """One line for a person."""
     what = f"{found.label}, {found.n} episodes: "
     if found.differing:

@@ -16,7 +16,7 @@ from ucon.evaluation.figures.gap_closed import CELLS, DISTANCES, carried_over, d
 from ucon.evaluation.figures.intervals import Interval, mean_interval, rate_interval
 from ucon.evaluation.figures.paired import Comparison
 from ucon.evaluation.kept.finished import FinishedRun
-from ucon.evaluation.kept.naming import level, player
+from ucon.evaluation.kept.naming import agent_label, level
 from ucon.evaluation.kept.record import EpisodeRecord, read_records
 from ucon.evaluation.kept.seal import has_summary
 from ucon.scenes import home_spec
@@ -51,7 +51,7 @@ def read_run(path: Path) -> Run:
             return Run(run.label, run.records)
     records = tuple(read_records(path))
     said = {"agent": records[0].agent, "habit_level": records[0].habit_level}
-    return Run(f"{player(said)}, {level(said)}", records)
+    return Run(f"{agent_label(said)}, {level(said)}", records)
 
 
 def read_runs(folders: Sequence[Path]) -> dict[Path, Run]:

@@ -16,7 +16,7 @@ import ucon
 from ucon.core.files import canonical_json, sha256_bytes, sha256_file
 from ucon.evaluation.figures.metrics import summarise
 from ucon.evaluation.kept.decisions import language_figures, seconds_per_decision
-from ucon.evaluation.kept.naming import ANY_LEVEL, NameParts, level, player
+from ucon.evaluation.kept.naming import ANY_LEVEL, NameParts, agent_label, level
 from ucon.evaluation.playing.play import PlayedEpisode
 from ucon.task.episode import Episode
 
@@ -130,7 +130,7 @@ def results_table(summaries: Sequence[dict[str, Any]], title: str | None = None,
         table.add_column(column, justify="right", no_wrap=True)
     for s in summaries:
         figures = _figures(s)
-        table.add_row(player(s), level(s), *(figures[column] for column in columns))
+        table.add_row(agent_label(s), level(s), *(figures[column] for column in columns))
     return table
 
 
