@@ -68,7 +68,7 @@ def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None =
     config: dict[str, Any] = chosen.config
     use_threads(config["threads"])
     keep_freed_memory()
-    plan = Plan.of(config["training"])  # before the learner, which takes seconds to build
+    plan = Plan.of(config["training"])  # check first: building the learner takes seconds
     check_wandb(config["wandb"])
     learner = Factory(config["learner"])()
     resolved: Mapping[str, str | int] = getattr(learner, "resolved_options", {})

@@ -118,7 +118,7 @@ class HabitPolicyE2E(PolicyModule):
         self.join = nn.Sequential(nn.Linear(looks + 3 * width + facts, hidden), nn.ReLU())
         self.lstm = nn.LSTM(hidden, hidden)
         last = nn.Linear(hidden, N_ACTIONS)
-        nn.init.normal_(last.weight, std=0.01)  # at first the places to go decide
+        nn.init.normal_(last.weight, std=0.01)  # small, so that at first the places to go to decide
         self.choose = nn.Sequential(nn.Linear(hidden + facts, hidden), nn.ReLU(), last)
         self.plan_weight = nn.Parameter(torch.tensor([1.0, 1.0, 1.0, 0.2, 0.2, 0.2, 0.2]))
         self.judge = nn.Sequential(nn.Linear(hidden + facts, hidden // 2), nn.ReLU(), nn.Linear(hidden // 2, 1))
@@ -219,7 +219,7 @@ class HabitPolicyE2E(PolicyModule):
         thought = torch.cat([hidden, facts], -1)
         planned = torch.cat([log_p[..., :3], log_p[..., 3:].expand(*log_p.shape[:-1], 4)], -1)
         logits = self.choose(thought) + self.plan_weight * planned
-        others, done = logits[..., : Action.DONE], logits[..., Action.DONE]  # Done is the last
+        others, done = logits[..., : Action.DONE], logits[..., Action.DONE]  # Done is the last action
         done = torch.where(seen.near, done, others.logsumexp(-1) + _NEVER)
         logits = torch.cat([others, done[..., None]], -1)
         value = self.judge(thought).squeeze(-1)
@@ -297,7 +297,7 @@ class HabitPolicyE2E(PolicyModule):
         return new, torch.stack(opened), windows, torch.stack(remembered)
 
     def _status(self, frames: Tensors, context: dict[str, Tensor], windows: list[Window], remembered: Tensor) -> Tensor:
-        """Numbers (T, B, _N_STATUS): pose, last action, collision, step, remembered target, ways beside, belief."""
+        """Features (T, B, _N_STATUS): look, last action, step, collision, remembered target, nodes around, belief."""
         pose, status = frames["pose"].long(), frames["status"].long()
         look = nn.functional.one_hot(pose[..., 3] + 2, _N_LOOKS)
         last = nn.functional.one_hot(status[..., 2], 8)

@@ -136,7 +136,7 @@ class WaypointAgent:
 
 
 def _check(name: str, chosen: Chosen, n: int) -> None:
-    """Raise :class:`ConfigError` for a choice that is none of ``n`` candidates, or a number of scores that is wrong."""
+    """Raise :class:`ConfigError` for a choice outside ``n`` candidates, or a wrong number of scores."""
     if not 0 <= chosen.number < n:
         raise ConfigError(f"agent {name} chose number {chosen.number} of {n} candidates, which count from 0")
     options = len(chosen.options) or n

@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's actions to its parser; their options are parsed by the actions themselves."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     for name, (_, text) in _ACTIONS.items():
-        action = actions.add_parser(name, help=text, add_help=False, prefix_chars="\0")  # options are the action's own
+        action = actions.add_parser(name, help=text, add_help=False, prefix_chars="\0")  # the action parses its options
         action.add_argument("words", nargs="*")
 
 

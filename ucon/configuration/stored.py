@@ -151,6 +151,6 @@ def _restricted_arguments(target: Any) -> Sequence[str]:
 
     try:
         found = get_object(target)
-    except Exception:  # building it says so
+    except Exception:  # building it gives the error
         return ()
     return tuple(getattr(found, "from_command_line", ()))

@@ -36,7 +36,7 @@ def run_entry(main: Callable[[], Any], config_name: str) -> None:
     if {"-h", "--help"} & set(words):
         sys.stdout.write(help_page(_configs(), config_name, words))
         return
-    os.environ.setdefault("HYDRA_FULL_ERROR", "1")  # else Hydra prints its own text and exits
+    os.environ.setdefault("HYDRA_FULL_ERROR", "1")  # otherwise Hydra prints its own message and exits
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
 

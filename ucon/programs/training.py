@@ -84,14 +84,14 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
         folder, checkpoint = path.resolve().parent.parent, path.name
     try:
         raw = read_config(folder)
-    except OSError:  # there is none, or no file has such a name
+    except OSError:  # no such file, or not a possible file name
         raise ConfigError(f"resume={cfg.resume}: no run there (no config.yaml); give the folder of a run") from None
     config = _stored(folder / CONFIG, raw, said)
     _check_device(config["learner"], str(cfg.resume))
     steps = None
     if more:
         steps = Plan(cfg.training.steps).steps
-        Plan.of(config["training"]).extend(0, steps)  # before the learner is built; from its last step later
+        Plan.of(config["training"]).extend(0, steps)  # an early check; TrainingRun.resume checks against the steps done
     watched = {name: cfg[name] for name in ("progress", "wandb", "tensorboard")}
     return ChosenRun({**config, **watched}, folder, checkpoint, steps)
 

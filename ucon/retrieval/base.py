@@ -70,7 +70,7 @@ def ranked(scores: NDArray[np.float64], rows: NDArray[np.int32]) -> NDArray[np.i
         (N,) int32.
     """
     steps = np.rint(scores * 10**DECIMALS).astype(np.int64)
-    keys = (-steps << 32) + rows  # one whole number each, so no two are equal
+    keys = (-steps << 32) + rows  # rounded score and row in one integer, so no two are equal
     keys.sort()
     return (keys & 0xFFFFFFFF).astype(np.int32)
 

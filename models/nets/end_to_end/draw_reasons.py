@@ -89,7 +89,7 @@ def _map(why: Reasons, layers: Layers, pose: tuple[int, int, int], height: int, 
         cv2.circle(image, px(*_metres(i, j)), max(1, cell_px // 4), PATH, -1, cv2.LINE_AA)
     if (at := _target_at(layers)) is not None:
         cv2.drawMarker(image, px(*at), TARGET, cv2.MARKER_TILTED_CROSS, 2 * cell_px, 3)
-    middle = px(why.goal_xy[0] + CELL_M / 2, why.goal_xy[1] + CELL_M / 2)  # a goal is a block of two cells
+    middle = px(why.goal_xy[0] + CELL_M / 2, why.goal_xy[1] + CELL_M / 2)  # goals are blocks of 2 x 2 cells
     cv2.circle(image, middle, max(4, cell_px), FLOOR_COLOUR, 4, cv2.LINE_AA)
     cv2.circle(image, middle, max(4, cell_px), GOAL, 2, cv2.LINE_AA)
     draw_agent(image, px, (pose[0] * CELL_M, pose[1] * CELL_M), pose[2] % 4, cell_px)

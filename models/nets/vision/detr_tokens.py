@@ -106,7 +106,9 @@ class DetrTokens(nn.Module):
         found = self._model.to(rgb.device)(pixel_values=(images - mean) / deviation)
         score, label = found.logits.softmax(-1).max(-1)  # (n, 100); the last label is "nothing"
         keep = _best_rows(label, score, self.n_labels)
-        order = torch.where(keep, label, self.n_labels).argsort(dim=1, stable=True)  # by label, those not kept last
+        order = torch.where(keep, label, self.n_labels).argsort(
+            dim=1, stable=True
+        )  # sorted by label, dropped queries last
         keep = keep.gather(1, order)
         middle, size_wh = found.pred_boxes.split(2, -1)
         box = torch.cat([middle - size_wh / 2, middle + size_wh / 2], -1)

@@ -55,7 +55,7 @@ def run(args: argparse.Namespace) -> int:
         return 0
     from rich.console import Console
 
-    console = Console(highlight=False, soft_wrap=True)  # a line stays a line for grep and less
+    console = Console(highlight=False, soft_wrap=True)  # no line breaks, for grep and less
     if is_scene:
         _print_scene(console, shown, with_habits=bool(args.category))
     else:

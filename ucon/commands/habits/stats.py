@@ -41,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
     from ucon.evaluation.datasets.plots import draw_plots, require_matplotlib
 
     plots = args.plots.expanduser() if args.plots else None
-    if plots:  # before minutes of measuring
+    if plots:  # check first: measuring takes minutes
         require_writable(plots / "plot.png")
         require_matplotlib()
     with stdout_to_stderr():

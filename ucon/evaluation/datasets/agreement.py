@@ -85,6 +85,6 @@ def _difference(margins: NDArray[np.float64], scale: Scale) -> NDArray[np.float6
     """Squared differences between values, (categories, categories)."""
     if scale == "nominal":
         return 1.0 - np.eye(len(margins))
-    rank = margins.cumsum() - margins / 2  # the middle of each value among all ratings
+    rank = margins.cumsum() - margins / 2  # mean rank of each value among all ratings
     squared: NDArray[np.float64] = (rank[:, None] - rank[None, :]) ** 2
     return squared

@@ -47,7 +47,7 @@ class LandmarkCase:
     steps_gt: int
 
     def to_json(self) -> dict[str, Any]:
-        """JSON-ready dictionary."""
+        """Plain values by name."""
         return asdict(self)
 
 

@@ -137,10 +137,10 @@ def folds(
 def _fold(data: HabitDataset, names: set[str], pairs: PairReader, recipe: PlaceRecipe, say: Say) -> CrossfittedFold:
     """One fold: fit on all other categories, unless the cache has the result."""
     own, rest = _part_of(data, names), _part_of(data, set(data.categories) - names)
-    anchors = list(default_weights().anchors)  # those of the arrays that the shipped weights lend
+    anchors = list(default_weights().anchors)  # the shipped weights' anchors, since some of their arrays are shared
     made_of = [EDITION, own.sha256, rest.sha256, anchors, pairs.encoder.name, str(asdict(recipe))]
     path = user_cache() / "crossfit" / sha256_bytes(canonical_json(made_of).encode())[:24] / "fold.npz"
-    if not (path.parent / MANIFEST).is_file():  # written last
+    if not (path.parent / MANIFEST).is_file():  # the manifest is written last
         say(f"fitting what reads {len(own.categories)} categories on {len(rest.categories)} others (minutes, once)")
         _keep(path, _fitted(own, rest, anchors, pairs, recipe, say))
     arrays, sha256 = load_arrays(path)

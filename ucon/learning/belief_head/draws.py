@@ -49,7 +49,7 @@ class Draw:
     """
 
     task_share: float = 0.6
-    """Share of knowledge bases with one entry a category; the others hold all entries of a household."""
+    """Share of knowledge bases with one entry per category; the others have all entries of a household."""
     targets: int = 8
     """Most targets of one sample."""
     clutter: int = 12

@@ -90,7 +90,7 @@ class BeliefLearner:
         if folds is None:
             folds = folds_of(dataset, given.n_folds, given.used_folds, given.scene_evidence)
         self._parts = parts or parts_of(dataset, given.scene_evidence)
-        # Where a source says what stands in a scene, that is all there is to ask about.
+        # Where the dataset lists what stands in a scene, only that can be a candidate.
         others = () if dataset.standing else dataset.anchors if dataset.scenes else None
         self._folds = [
             (KnowledgeBases(f.dataset, f.parts.known), Draws(f.parts, draw, others, f.pairs), f.pairs) for f in folds

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from ucon.learning.policies.action_policy import ActionPolicy
 
-#: Batches that workers are ahead of the learner.
+#: Number of batches that workers play ahead of the learner.
 _AHEAD: Final = 3
 _OPTION: Final = "learner.worker_timeout_s"
 _CONTEXT, _FRAMES, _REWARDS = "context/", "frames/", "rewards"
@@ -80,7 +80,7 @@ class Feeder:
         if self._pool is not None:
             self._pool.shutdown(wait=False, cancel_futures=True)
             for worker in self._workers():
-                worker.kill()  # it may be stopped, and holds nothing that is worth waiting for
+                worker.kill()  # it may be stopped (SIGSTOP); its results are not needed any more
             self._pool = None
         self._play.close()
 
@@ -110,7 +110,7 @@ class Feeder:
             return None
         try:
             asked = self._pool.submit(_work, trajectory)
-        except BrokenProcessPool:  # one that lost a worker takes no more
+        except BrokenProcessPool:  # a pool that lost a worker accepts no more jobs
             if lost := lost_worker(self._workers()):
                 raise lost from None
             raise

@@ -213,7 +213,9 @@ class ImitationLearner:
             DataError: a state of another network or learner.
         """
         self.done, self.frames = state.count("done"), state.count("frames")
-        self.labels = state.count("labels") if "labels" in state.values else self.frames  # earlier versions had none
+        self.labels = (
+            state.count("labels") if "labels" in state.values else self.frames
+        )  # absent in states of earlier versions
         self.updates.load(state.tensors, self.done)
         self._stream = None
 

@@ -93,7 +93,7 @@ class ViewPolicy(nn.Module):
         steps, batch = frames["ego"].shape[:2]
         tokens = {name: tensor.flatten(0, 1).float() for name, tensor in frames.items() if name != "thing_rows"}
         names: Any = self.names
-        tokens["thing_names"] = names[frames["thing_rows"].flatten(0, 1).long()]  # row -1 is the last: none
+        tokens["thing_names"] = names[frames["thing_rows"].flatten(0, 1).long()]  # row -1 is the last one: no category
         scores = self.network(tokens)
         logits, value, foresight = (found.unflatten(0, (steps, batch)) for found in scores)
         return PolicyOutputs(logits, value, state, foresight)

@@ -159,7 +159,7 @@ class ExperienceCollector:
         if self._batches is None:
             self._collector = self._collecting.collector(self._make, self._actor, self.shape[1])
             self._batches = iter(self._collector)
-            atexit.register(self.close)  # before Python waits for processes that nobody ended
+            atexit.register(self.close)  # else Python would wait at exit for the workers
         self._playing.load_state_dict(self._policy.state_dict())
         question = functools.partial(self._collected, seed)
         return ask(question, self._collecting.worker_timeout_s, self._workers, "collector.worker_timeout_s")

@@ -93,7 +93,7 @@ class PPOLearner:
         self.loss, self.validation, self.seed = loss, validation, given.seed
         self.foresight = foresight if views else None
         self.chunk = given.chunk if self.act.initial_state(1) else 1
-        each = -(-collection_size(self.act, given.frames) // collector.rows) + 1  # the last one is not learned from
+        each = -(-collection_size(self.act, given.frames) // collector.rows) + 1  # the last step is not trained on
         self.rollouts = ExperienceCollector(self.policy, self.make_env, self.episodes, self.levels, collector, each)
         self.policy.to(self.device)
         self.updates = Updates(

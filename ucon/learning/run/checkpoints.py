@@ -85,7 +85,7 @@ class Checkpoints:
         except BaseException:
             shutil.rmtree(temporary, ignore_errors=True)
             raise
-        if best == step:  # before `latest`: who goes on from there does not validate it anew
+        if best == step:  # before `latest`: a run that resumes there does not validate it again
             write_atomic(self.folder / BEST, name + "\n")
         write_atomic(self.folder / LATEST, name + "\n")
         self._drop_old(planned)

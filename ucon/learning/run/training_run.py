@@ -133,7 +133,7 @@ class TrainingRun:
         self._keep_to_schedule()
         if checkpoint != LATEST:
             self.checkpoints.rewind(checkpoint)
-        # Where the best one is gone, the next validation finds another.
+        # If the best checkpoint is gone, the next validation sets a new one.
         self.best = dict(trainer.best) if self.checkpoints.point_to_best(trainer.best_step) else {}
         cut_metrics(self.folder, step)
         self._seconds_before = read_seconds(self.folder)
