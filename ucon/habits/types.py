@@ -9,14 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError, unknown_name
 from ucon.core.files import canonical_json, sha256_bytes
-from ucon.core.sharing import Shared, is_the_one
+from ucon.core.sharing import Shared
 from ucon.habits.verdicts import NO_VERDICTS, Verdicts
 from ucon.objects.model import Relation
 
@@ -71,12 +70,6 @@ class HabitDataset(Shared):
     """What PyBullet says about the placements. It decides what is sampled, not what is told: no part of the hash."""
     standing: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Categories that stand in each scene, where the source says so: what a place may be. No part of the hash."""
-
-    def __reduce_ex__(self, protocol: Any) -> Any:
-        """Pickles name the habit book, which every installation has; other datasets they hold."""
-        from ucon.habits.book import book, the_book
-
-        return (the_book, (self.sha256,)) if is_the_one(book, self) else super().__reduce_ex__(protocol)
 
     @cached_property
     def sha256(self) -> str:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,14 +54,6 @@ class House(Shared):
     grid: NavGrid
     boxes: NDArray[np.float64]
     """World axis-aligned boxes of all instances with joints closed, (n, 6) as x0 y0 z0 x1 y1 z1."""
-
-    def __reduce_ex__(self, protocol: Any) -> Any:
-        """Pickles name a home that was loaded by its name; one that somebody built otherwise they hold."""
-        from ucon.sim.cache import loaded_by_name, the_house
-
-        if loaded_by_name(self):
-            return the_house, (self.spec.name, self.spec.hash)
-        return super().__reduce_ex__(protocol)
 
     @property
     def n_items(self) -> int:

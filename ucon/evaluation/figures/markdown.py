@@ -19,7 +19,6 @@ from ucon.evaluation.kept.finished import FinishedRun
 from ucon.evaluation.kept.naming import agent_label, level
 from ucon.evaluation.kept.record import EpisodeRecord, read_records
 from ucon.evaluation.kept.seal import has_summary
-from ucon.scenes import home_spec
 from ucon.task.outcome import FailureCause
 
 #: Limits of the classes of home sizes in square metres, around the sizes of the calibration study.
@@ -209,6 +208,8 @@ def _size(area_m2: float) -> str:
 
 @lru_cache(maxsize=4096)
 def _area_m2(scene: str) -> float:
+    from ucon.scenes import home_spec  # compiled kernels, which most tables do not need
+
     return home_spec(scene).area_m2
 
 
