@@ -15,7 +15,7 @@ from tests.learning.test_belief import in_two_homes
 from ucon.core.errors import ConfigError, DataError, DivergedError
 from ucon.core.files import write_manifest
 from ucon.fitting import scene_evidence as scene_fitting
-from ucon.fitting.scene_evidence import SceneRecipe, kept_scene_evidence, told_beforehand
+from ucon.fitting.scene_evidence import SceneRecipe, cached_scene_evidence, precomputed_vectors
 from ucon.habits import book
 from ucon.habits.splits import entry_parts
 from ucon.language.pairs import default_pair_reader
@@ -51,7 +51,7 @@ def of_part(data, part):
 @pytest.fixture(scope="module")
 def folder(data, cache):
     torch.set_num_threads(1)
-    return kept_scene_evidence(data, of_part(data, "train"), default_pair_reader(), QUICK)
+    return cached_scene_evidence(data, of_part(data, "train"), default_pair_reader(), QUICK)
 
 
 @pytest.fixture(scope="module")
@@ -102,31 +102,31 @@ def _never(text):
 
 
 def test_is_fitted_once(folder, data):
-    assert kept_scene_evidence(data, of_part(data, "train"), default_pair_reader(), QUICK, _never) == folder
+    assert cached_scene_evidence(data, of_part(data, "train"), default_pair_reader(), QUICK, _never) == folder
     with pytest.raises(AssertionError, match="minutes, once"):
-        kept_scene_evidence(data, of_part(data, "train")[1:], default_pair_reader(), QUICK, _never)
+        cached_scene_evidence(data, of_part(data, "train")[1:], default_pair_reader(), QUICK, _never)
     with pytest.raises(
         AssertionError, match="minutes, once"
     ):  # what stands in a home decides what is asked about there
-        kept_scene_evidence(replace(data, standing={}), of_part(data, "train"), default_pair_reader(), QUICK, _never)
+        cached_scene_evidence(replace(data, standing={}), of_part(data, "train"), default_pair_reader(), QUICK, _never)
 
 
 def test_numbers_that_are_none_leave_nothing_behind(data, cache, monkeypatch):
     monkeypatch.setattr(scene_fitting, "_loss", lambda net, *_: net.bias.sum() * float("nan"))
     with pytest.raises(DivergedError, match="step 0: the loss is no number"):
-        kept_scene_evidence(data, of_part(data, "val"), default_pair_reader(), QUICK)
+        cached_scene_evidence(data, of_part(data, "val"), default_pair_reader(), QUICK)
     monkeypatch.undo()
     with pytest.raises(AssertionError, match="minutes, once"):
-        kept_scene_evidence(data, of_part(data, "val"), default_pair_reader(), QUICK, _never)
+        cached_scene_evidence(data, of_part(data, "val"), default_pair_reader(), QUICK, _never)
 
 
 def test_many_sentences_are_encoded_beforehand_alike(folder, places, data):
-    told = told_beforehand(folder, data.texts)
+    told = precomputed_vectors(folder, data.texts)
     arrays, sha256 = load_arrays(folder / LAST)
     beforehand = SceneEvidence(arrays, sha256, told, default_pair_reader(), belief_readers.shipped_evidence())
     texts = data.texts[:6]
     assert np.abs(beforehand.spoken(texts, places.known) - places.spoken(texts, places.known)).max() < 0.1
-    kept = told_beforehand(folder, data.texts)
+    kept = precomputed_vectors(folder, data.texts)
     assert np.array_equal(kept.encode_half(texts), told.encode_half(texts))
 
 

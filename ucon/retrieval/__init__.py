@@ -1,4 +1,4 @@
-"""The habit retrieval module and the habit levels: which sentences an agent is given.
+"""The habit retrieval module of the paper, and the habit levels: which sentences an agent is given.
 
 Names are imported when they are first used (:mod:`ucon.core.lazy`).
 """
