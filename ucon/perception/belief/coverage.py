@@ -80,7 +80,6 @@ class Coverage(PartlyShared):
         """
         self._target, self._weights = target, weights
         self._mass = np.zeros((0, 4))
-        self._named = 0
 
     def expect(self, known: SemanticMap, places: Places) -> Expectation:
         """Expected mass of everything on the map, in units of :class:`CoverageWeights`.
