@@ -204,6 +204,7 @@ class Explorer(PartlyShared):
         self._walked, self._arrived = 0, False
 
     def _next(self) -> Action | None:
+        """The next action of the walk, or on arrival Open, then rotations; None where a choice is due."""
         if self._plan:
             if 0 < self.manner.replan_steps <= self._walked:
                 return None

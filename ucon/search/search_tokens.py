@@ -119,7 +119,7 @@ class TokenReader(PartlyShared):
         return Tokens(arrays, choices)
 
     def _views(self, decision: SearchDecision, weight: NDArray[np.float64]) -> tuple[F32, F32, F32, tuple[Choice, ...]]:
-        """Rows, logarithm of gain over cost, share of space, and choices of the views worth considering."""
+        """The selected n views: rows (n, N_VIEW), log of gain over cost (n,), unexplored share (n,), choices."""
         valued, known = decision.valued, self._searcher.map
         if valued is None:
             only = () if decision.best is None else (decision.best,)

@@ -225,6 +225,10 @@ class Searcher(PartlyShared):
         return np.array([t for t in self.closed() if self.refused.get(int(t), 0) < MOST_REFUSALS], np.int64)
 
     def _decide(self, expected: Expectation) -> SearchDecision:
+        """Value all views.
+
+        Where the best one is the current pose, its expectations are lowered and the views are valued again.
+        """
         self.planner.update(self.map)
         keep = self.choice.view if self.choice is not None else None
         known, places, closed = self.map, self.places, self.openable_now()

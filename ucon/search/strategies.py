@@ -82,7 +82,7 @@ class Views:
         self._sightings.look(known, observation, info)
 
     def candidates(self, known: SemanticMap, planner: Planner, draw: np.random.Generator) -> list[Candidate]:
-        """See :class:`Strategy`."""
+        """One candidate for each free direction that was looked at from here. See :meth:`Strategy.candidates`."""
         return directions(known, planner, self.sightings(known), self._goal, self._reach_m, draw)
 
     def sightings(self, known: SemanticMap) -> list[Sighting]:
@@ -117,7 +117,10 @@ class Frontiers:
 
 
 class FineFrontiers:
-    """At most four edges of explored space on the 5 cm map, the most useful first, with what stands near (L3MVN)."""
+    """The frontiers of L3MVN, with the categories seen near each.
+
+    At most four of the 5 cm map, the most useful first.
+    """
 
     def __init__(self, body: Body, square_m: float = SQUARE_M) -> None:
         """Start with an empty 5 cm map.

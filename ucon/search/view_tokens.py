@@ -30,7 +30,11 @@ N_VIEW: Final = _PLAIN + 4 + len(PITCHES_DEG) + 2 * len(RADII_M)
 
 
 def lg(x: Any) -> Any:
-    """Masses and scores span decades: their logarithm, 0 for a ten-thousandth or less, 1 for about 1."""
+    """Masses and scores on a logarithmic scale, since they span decades: 0 for 1e-4 or less, 1 for about 1.
+
+    Args:
+        x: a number or an array.
+    """
     return np.log10(np.maximum(x, 0.0) + 1e-4) / 4.0 + 1.0
 
 

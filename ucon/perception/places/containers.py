@@ -42,7 +42,7 @@ class Containers(PartlyShared):
         return np.flatnonzero(shut & (known.box[: known.n_tracks, 3] >= known.box[: known.n_tracks, 0]))
 
     def in_reach(self, known: SemanticMap) -> list[int]:
-        """Closed tracks that Open would open now: in view and near enough, as far as the map can tell."""
+        """Tracks of closed containers that Open would open now: in view and within reach, as the map has them."""
         reach_m = open_reach_m(known)
         return [
             int(track)

@@ -25,8 +25,8 @@ MOST_CELLS = 32
 #: Weight of each further unexplored cell of a ray, relative to the one before: exp(-CELL_M / 2 m). It is a literal,
 #: since the last bit of NumPy's exp depends on the processor, and that bit would decide between equal views.
 DEEPER = 0.8824969025845953
-#: Unexplored cells of a ray that count, 3 m. An integer count, since a limit on the remaining weight would depend on its
-#: last bit.
+#: Unexplored cells of a ray that count, 3 m. An integer count, since a limit on the remaining weight would depend on
+#: its last bit.
 DEEP_CELLS = 12
 
 

@@ -214,7 +214,7 @@ class Viewpoints(PartlyShared):
         return Valued(nodes, looks, space, opens, steps, moves, cost, look_score, both_score, score, kept)
 
     def elsewhere(self, known: SemanticMap, planner: Planner) -> Choice | None:
-        """The nearest node that the agent never stood on, at the current pitch: a last resort where no view has any gain.
+        """The nearest node that the agent never stood on: a last resort where no view has any gain.
 
         Returns:
             A choice of gain and score 0; None where no such node can be reached.
