@@ -1,4 +1,4 @@
-"""Answers of language models on disk, by the hash of what was asked: a rerun is free and says the same."""
+"""Answers of language models on disk, by the hash of the request: a rerun costs nothing and gives the same."""
 
 from __future__ import annotations
 
@@ -18,12 +18,19 @@ class AnswerCache:
     """One file an answer. A damaged file is noticed by its checksum, and its question is asked again."""
 
     def __init__(self, folder: Path | None = None) -> None:
-        """``folder`` defaults to ``chat`` in the user's cache folder."""
+        """``folder``: by default ``chat`` in the user's cache folder."""
         self._folder = folder or user_cache() / "chat"
         self._warned = False
 
     def get(self, key: str) -> tuple[Said, float] | None:
-        """The answer to a request and the seconds that it took; None where it is not kept."""
+        """The kept answer to a request.
+
+        Args:
+            key: hash of the request.
+
+        Returns:
+            The answer and the seconds it took; None where it is not kept, or damaged.
+        """
         path = self._path(key)
         try:
             kept: dict[str, Any] = parse_json(read_bounded(path, MAX_BYTES), surrogates=True)
@@ -39,7 +46,13 @@ class AnswerCache:
             return None
 
     def put(self, key: str, said: Said, seconds: float) -> None:
-        """Keep an answer; where the folder cannot be written, say so once and go on."""
+        """Keep an answer; where the folder cannot be written, warn once and go on.
+
+        Args:
+            key: hash of the request.
+            said: the answer.
+            seconds: wall time it took.
+        """
         kept: dict[str, Any] = {
             "request": key,
             "text": said.text,
