@@ -1,4 +1,4 @@
-"""Homes: the 22 official scenes as procedural analogues, their variants, and generated ones without limit."""
+"""Homes: procedural analogues of the 22 official scenes, their variants, and generated homes."""
 
 from ucon.scenes.library import SCENES, UNSEEN_SCENES, built_home, home_spec, scene_split
 from ucon.scenes.spec import GRID_M, HomeSpec, Item, Opening, Room
