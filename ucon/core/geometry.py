@@ -30,11 +30,6 @@ def yaw_matrix(quarter_turns: int) -> Vec:
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def quat_from_yaw(yaw_rad: float) -> Vec:
-    """Quaternion (4,) ``xyzw`` of a rotation about z by ``yaw_rad``."""
-    return np.array([0.0, 0.0, np.sin(yaw_rad / 2), np.cos(yaw_rad / 2)])
-
-
 def matrix_from_quat(quat_xyzw: Vec) -> Vec:
     """Rotation matrix of a quaternion.
 

@@ -101,7 +101,7 @@ def with_texts(texts: bool | None) -> bool:
     return texts if texts is not None else not current_process().name.startswith("Worker<")  # Gymnasium's name
 
 
-def told(info: dict[str, Any], *, texts: bool) -> dict[str, Any]:
+def returned_info(info: dict[str, Any], *, texts: bool) -> dict[str, Any]:
     """An info as an environment returns it.
 
     Args:

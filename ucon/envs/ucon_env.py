@@ -21,7 +21,7 @@ from ucon.envs.options import (
     checked_action,
     make_detector,
     make_renderer,
-    told,
+    returned_info,
     with_texts,
 )
 from ucon.envs.painter import Moment, Painter
@@ -230,7 +230,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
             info["reranking"] = self._knowledge.reranking
         if self._planner == "true":
             info["nav"] = Nav(*self._frame.grid(self._world.free))
-        return obs, told(info, texts=self._texts)
+        return obs, returned_info(info, texts=self._texts)
 
     def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
         """Carry out one action.
@@ -264,7 +264,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         reward = self._reward(
             success=outcome.success, done=outcome.done, collision=outcome.collision, closer_m=closer_m
         )
-        return obs, reward, outcome.done, truncated, told(info, texts=self._texts)
+        return obs, reward, outcome.done, truncated, returned_info(info, texts=self._texts)
 
     def action_masks(self) -> NDArray[np.bool_]:
         """Actions that may be chosen, for MaskablePPO: all seven, since a mask must not tell what an action would do.

@@ -89,7 +89,7 @@ class Faults:
             self.found.append(f"{where}: {fault}")
         return fault is not None
 
-    def tell(self, path: Path) -> None:
+    def raise_if_any(self, path: Path) -> None:
         """Raise an error if there are faults.
 
         Raises:
@@ -147,7 +147,7 @@ def read_anchors(path: Path, categories: Collection[str] | None = None) -> dict[
     """
     faults = Faults()
     anchors = _anchors(path, read_lines(path), categories, faults)
-    faults.tell(path)
+    faults.raise_if_any(path)
     return anchors
 
 
@@ -192,7 +192,7 @@ def parse_book(
     """
     faults = Faults()
     entries = _entries(path, read_lines(path), anchors, categories, {}, limits, faults)
-    faults.tell(path)
+    faults.raise_if_any(path)
     return entries
 
 
@@ -300,7 +300,7 @@ def book_anchors() -> dict[str, frozenset[str]]:
     path = BOOK_FOLDER / ANCHORS
     faults = Faults()
     anchors = _anchors(path, _lines(path, read_verified(path)), None, faults)
-    faults.tell(path)
+    faults.raise_if_any(path)
     return anchors
 
 
@@ -363,5 +363,5 @@ def read_book(folder: Path, categories: Collection[str] | None = None, *, verifi
             faults.found.append(str(error))
         else:
             entries += _entries(path, lines, anchors, categories, count, limits, faults)
-    faults.tell(folder)
+    faults.raise_if_any(folder)
     return HabitDataset("book" if folder == BOOK_FOLDER else folder.name, tuple(entries))

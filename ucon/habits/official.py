@@ -17,13 +17,13 @@ from typing import Any, Final, cast
 
 from ucon.core.errors import DataError, brief
 from ucon.habits.release import (
+    categories_in,
     category_name,
     default_file,
     kind,
     load_release_file,
     location_parts,
     plain,
-    standing_in,
     unpacked,
 )
 from ucon.habits.types import Entry, Habit, HabitDataset, Placement
@@ -138,7 +138,7 @@ def official(path: Path | str, categories: Collection[str] | None = None) -> tup
     report.scenes, report.categories = len(scenes), len({entry.category for entry in entries})
     if not entries:
         raise DataError(f"{file}: no usable task; expected scene -> category -> tasks (or scene -> tasks)")
-    standing = standing_in(file.parent, scenes)
+    standing = categories_in(file.parent, scenes)
     return HabitDataset(f"official:{file.stem}", tuple(entries), labelled=False, standing=standing), report
 
 

@@ -73,7 +73,7 @@ def default_file(folder: Path) -> Path:
     raise DataError(f"{folder}: no {DEFAULT_FILE} in it, found {found}; give the path of one file, or use --all")
 
 
-def standing_in(folder: Path, scenes: Collection[str]) -> dict[str, tuple[str, ...]]:
+def categories_in(folder: Path, scenes: Collection[str]) -> dict[str, tuple[str, ...]]:
     """Categories in each scene, by the list that the release keeps beside its tasks.
 
     Args:

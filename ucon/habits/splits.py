@@ -110,7 +110,7 @@ def _hash(text: str) -> int:
     return int(hashlib.sha256(text.encode()).hexdigest()[:8], 16)
 
 
-def dealt_pairs(entries: Sequence[Entry], count: int, name: str) -> list[frozenset[tuple[str, str]]]:
+def scene_category_folds(entries: Sequence[Entry], count: int, name: str) -> list[frozenset[tuple[str, str]]]:
     """Deal the (scene, category) pairs of entries into folds, at random but always the same.
 
     Args:

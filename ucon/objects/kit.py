@@ -19,10 +19,7 @@ from ucon.objects.palette import RGB
 Builder = Callable[["Kit"], None]
 
 SHAPES: dict[str, Builder] = {}
-"""Builder of each archetype; a builder registered under a category's own name goes first."""
-
-GAP = 0.002
-"""Play between neighbouring parts that must not touch."""
+"""Builder of each archetype; a builder registered under a category's own name takes precedence."""
 
 
 def shape(*names: str) -> Callable[[Builder], Builder]:

@@ -48,6 +48,6 @@ def look_around(env: gym.Env[Any, Any], actions: Sequence[int]) -> SemanticMap:
         best, _ = viewpoints.choose(known, planner, places, expected, closed)
         if best is not None:
             planner.plan(best.view)
-        viewpoints.disappoint(known, places, expected, closed)
+        viewpoints.lower_expectations(known, places, expected, closed)
         obs, _, _, _, info = env.step(action)
     return known

@@ -64,7 +64,7 @@ _JOINTS = {
 
 
 def _edges(names: list[str], types: list[str], hub: str, kind: str) -> list[tuple[str, str, str]]:
-    """Kitchen by dining by living room, bathrooms and closets by bedrooms, the rest at the hub."""
+    """Edges of the plan: kitchen to dining to living room, bathrooms and closets to bedrooms, the rest to the hub."""
     by_type: dict[str, list[str]] = {}
     for name, room_type in zip(names, types, strict=True):
         by_type.setdefault(room_type, []).append(name)

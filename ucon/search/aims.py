@@ -17,7 +17,7 @@ from ucon.perception.places.containers import open_reach_m
 from ucon.perception.places.target_places import INSIDE
 from ucon.perception.views import view_kernels as kernels
 from ucon.perception.views.candidates import Candidate
-from ucon.perception.views.viewpoints import Choice, Valued
+from ucon.perception.views.viewpoints import Choice, ViewValues
 from ucon.search.searcher import SearchDecision, Searcher
 
 _AT: Final[dict[Relation, str]] = {"ontop": "on top", "inside": "inside", "under": "under", "nextto": "beside"}
@@ -78,7 +78,7 @@ def aim_to_open(searcher: Searcher) -> Aim:
     return Aim("container", f"open: {thing(searcher.map, track)}", why)
 
 
-def aim_to_take(searcher: Searcher) -> Aim:
+def aim_at_target(searcher: Searcher) -> Aim:
     """The aim of the end of a search: walk up to the target, which is in view."""
     return Aim("target", f"take: {words(searcher.target)}", "it is seen")
 
@@ -122,7 +122,7 @@ def _belief(searcher: Searcher, probability: float) -> str:
     return "" if searcher.expecting.locations is None else f"belief {probability:.1%}, "
 
 
-def _parts(valued: Valued, choice: Choice) -> tuple[float, float]:
+def _parts(valued: ViewValues, choice: Choice) -> tuple[float, float]:
     """Of a choice's gain: the part in unexplored space, and the part behind doors that it opens."""
     view = choice.view
     n = int(np.flatnonzero((valued.nodes[:, 0] == view.i) & (valued.nodes[:, 1] == view.j))[0])

@@ -10,7 +10,18 @@ from numpy.typing import NDArray
 
 from ucon.objects.model import RELATIONS
 from ucon.perception.drawing.map_picture import Image, Pixels, draw_map, pixels_of
-from ucon.perception.drawing.overlay import FAINT, GOAL, INK, WARM, Line, believes, map_room, page, speaking, words
+from ucon.perception.drawing.overlay import (
+    FAINT,
+    GOAL,
+    INK,
+    WARM,
+    Line,
+    belief_lines,
+    habit_lines,
+    map_room,
+    page,
+    words,
+)
 from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.perception.places.target_places import INSIDE
 
@@ -47,7 +58,7 @@ def _mass_left(searcher: Searcher) -> NDArray[np.float64]:
     expected, places, n = searcher.expected, searcher.places, searcher.map.n_tracks
     if expected is None or len(expected.mass) != n:
         return np.zeros((n, len(RELATIONS)))
-    return places.left(expected.mass)
+    return places.remaining_mass(expected.mass)
 
 
 def _map(searcher: Searcher, mass: NDArray[np.float64], height: int, width: int) -> Image:
@@ -80,10 +91,10 @@ def _lines(searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64], wi
         return [going._replace(color=INK)]
     best = np.argsort(-found.p, axis=None, kind="stable")[:3]
     places = [(found.names[k // len(RELATIONS)], RELATIONS[k % len(RELATIONS)], float(found.p.flat[k])) for k in best]
-    lines = [*believes(places, width), going]
+    lines = [*belief_lines(places, width), going]
     for thing in (_near_goal(searcher, known, mass), places[0][0]):
         support = found.support(thing) if thing and found.support is not None else ()
-        if speaks := speaking(zip(found.habits, map(float, support), strict=False), width):
+        if speaks := habit_lines(zip(found.habits, map(float, support), strict=False), width):
             return lines + speaks
     return lines
 

@@ -20,10 +20,10 @@ from ucon.perception.places.target_places import INSIDE, affordance, sight_range
 from ucon.perception.views.candidates import frontiers
 from ucon.perception.views.pick_kernels import picked_views
 from ucon.perception.views.view_kernels import PITCHES_DEG
-from ucon.perception.views.viewpoints import Choice, Valued
+from ucon.perception.views.viewpoints import Choice, ViewValues
 from ucon.search.searcher import SearchDecision, Searcher
 from ucon.search.text_tokens import category_rows
-from ucon.search.view_tokens import N_VIEW, ViewSurroundings, ego, lg, view_rows
+from ucon.search.view_tokens import N_VIEW, ViewSurroundings, log_scale, to_agent_frame, view_rows
 
 F32 = NDArray[np.float32]
 THING_KINDS: Final = ("fixed_furniture", "movable_furniture", "fixture", "wall", "ceiling", "movable", "structure")
@@ -99,7 +99,7 @@ class TokenReader(PartlyShared):
         Where no view has any gain, ``views`` has one row (or none, where there is nowhere to go).
         """
         places = self._searcher.places
-        weight, mass = places.weights(decision.expected.mass), places.left(decision.expected.mass)
+        weight, mass = places.weights(decision.expected.mass), places.remaining_mass(decision.expected.mass)
         rows, prior, space, choices = self._views(decision, weight)
         things, numbers = self._things(mass)
         edges = self._frontiers(decision)
@@ -134,7 +134,7 @@ class TokenReader(PartlyShared):
         around = ViewSurroundings(known, self._searcher.places.xyz, weight)
         return view_rows(valued, at, choices, known, around), prior, space, choices
 
-    def _picked(self, valued: Valued) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    def _picked(self, valued: ViewValues) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
         """Node, heading and pitch numbers (n,) of the selected views. The current pose is left out."""
         pitch = valued.score.argmax(2)[..., None]
         score = np.take_along_axis(valued.score, pitch, 2)[..., 0]
@@ -158,9 +158,9 @@ class TokenReader(PartlyShared):
         box, shut = known.box[tracks], np.zeros(known.n_tracks, bool)
         shut[self._searcher.openable_now()] = True
         rows = np.zeros((len(tracks), N_THING), np.float32)
-        rows[:, :4] = lg(mass[tracks])
+        rows[:, :4] = log_scale(mass[tracks])
         xy = 0.5 * (box[:, :2] + box[:, 3:5])
-        rows[:, THING_AHEAD] = ego(xy - np.array(known.view.xy), known.view) / 5.0
+        rows[:, THING_AHEAD] = to_agent_frame(xy - np.array(known.view.xy), known.view) / 5.0
         rows[:, 6] = 0.5 * (box[:, 2] + box[:, 5])
         rows[:, 7:10] = box[:, 3:] - box[:, :3]
         rows[:, 10], rows[:, 11] = shut[tracks], known.opened[tracks]
@@ -180,7 +180,7 @@ class TokenReader(PartlyShared):
         rows = np.zeros((len(found), N_FRONTIER), np.float32)
         for row, edge in zip(rows, found, strict=True):
             xy = np.array(edge.view.xy) - np.array(known.view.xy)
-            row[:2] = ego(xy[None], known.view)[0] / 5.0
+            row[:2] = to_agent_frame(xy[None], known.view)[0] / 5.0
             row[2], row[3] = np.sqrt(edge.cost / 40.0), np.log10(edge.cells)
             row[4] = 1.0 if interest is None else interest[edge.view.i, edge.view.j]
             row[5] = np.hypot(*edge.view.xy) / 5.0
@@ -192,11 +192,11 @@ class TokenReader(PartlyShared):
         shut = self._searcher.openable_now()
         area = float(np.count_nonzero(known.floor)) * CELL_M**2
         left_m2 = max(25.0, 130.0 - area)
-        chosen = (0.0, 0.0) if best is None else (lg(best.score), lg(best.gain))
+        chosen = (0.0, 0.0) if best is None else (log_scale(best.score), log_scale(best.gain))
         left = (mass.sum(), mass[shut, INSIDE].sum(), mass.max(initial=0.0), expected.unknown_per_m2 * left_m2)
         out = [
             *self._fixed, known.step / 300.0, np.sqrt(known.step / 300.0), area / 100.0, known.n_tracks / 100.0,
-            *map(lg, left), len(shut) / 20.0, *chosen, float(decision.valued is None),
+            *map(log_scale, left), len(shut) / 20.0, *chosen, float(decision.valued is None),
         ]  # fmt: skip
         turned = [float(known.view.pitch_deg == pitch) for pitch in PITCHES_DEG]
         return np.array([*out, *turned], np.float32)

@@ -24,7 +24,7 @@ from ucon.perception.mapping.semantic_map import SemanticMap, frame_depth
 from ucon.perception.places.containers import Containers, open_reach_m
 from ucon.perception.places.target_places import INSIDE, Places, sight_range_m
 from ucon.perception.views.homing import Homing
-from ucon.perception.views.viewpoints import Choice, Costs, Expectation, Valued, Viewpoints
+from ucon.perception.views.viewpoints import Choice, Costs, Expectation, Viewpoints, ViewValues
 from ucon.task.actions import Action
 
 Info = Mapping[str, Any]
@@ -46,7 +46,7 @@ class SearchDecision(Shared):
     """Step of the newest frame, from 0."""
     best: Choice | None
     """The choice by gain over cost; None where there is nowhere to go."""
-    valued: Valued | None
+    valued: ViewValues | None
     """All views; None where none has any gain, so that ``best`` is merely an unvisited node."""
     expected: Expectation
     """Expected mass of tracks, relations and space."""
@@ -206,7 +206,7 @@ class Searcher(PartlyShared):
         arrived = self.choice is not None and self.map.view == self.choice.view
         if arrived:
             self._closed_after_all()
-            self.viewpoints.disappoint(self.map, self.places, expected, self.openable_now())
+            self.viewpoints.lower_expectations(self.map, self.places, expected, self.openable_now())
             self.choice = None
         if self.choice is None or not self._plan or self._age >= self.REPLAN_STEPS:
             return None
@@ -238,10 +238,10 @@ class Searcher(PartlyShared):
             best = None if valued is None else _best_or_kept(valued)
             if best is None or best.view != known.view:
                 break
-            self.viewpoints.disappoint(known, places, expected, closed)
+            self.viewpoints.lower_expectations(known, places, expected, closed)
         if best is None or best.gain <= 1e-9:
             self._second_look()
-            valued, best = None, self.viewpoints.elsewhere(known, self.planner)
+            valued, best = None, self.viewpoints.nearest_unvisited(known, self.planner)
         return SearchDecision(self.decisions, known.step, best, valued, expected, closed)
 
     def _second_look(self) -> None:
@@ -252,7 +252,7 @@ class Searcher(PartlyShared):
         self.refused.clear()
 
 
-def _best_or_kept(valued: Valued) -> Choice:
+def _best_or_kept(valued: ViewValues) -> Choice:
     """The best view, or the one that the agent is on its way to if that is nearly as good (``LOYALTY``)."""
     best, kept = valued.best, valued.kept
     return kept if kept is not None and kept.score * LOYALTY >= best.score and kept.gain > 0.0 else best

@@ -56,7 +56,7 @@ class TextTokens(Shared):
         return {"target": target, "habits": habits, "habits_relevance": relevance, "habits_mask": mask}
 
 
-class SaidTokens(PartlyShared):
+class EpisodeTextTokens(PartlyShared):
     """The text arrays of one episode; read again when the list of habits changes (habit level ``context``)."""
 
     _shared: ClassVar[frozenset[str]] = frozenset({"_read"})

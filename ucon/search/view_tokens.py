@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ucon.perception.mapping.semantic_map import CELL_M, HALF, SemanticMap, View
 from ucon.perception.views.view_kernels import PITCHES_DEG
-from ucon.perception.views.viewpoints import Choice, Valued
+from ucon.perception.views.viewpoints import Choice, ViewValues
 
 F32 = NDArray[np.float32]
 #: Radii in metres around a view within which mass and unexplored space are summed.
@@ -29,7 +29,7 @@ _MOVES_UNIT: Final = 40.0
 N_VIEW: Final = _PLAIN + 4 + len(PITCHES_DEG) + 2 * len(RADII_M)
 
 
-def lg(x: Any) -> Any:
+def log_scale(x: Any) -> Any:
     """Masses and scores on a logarithmic scale, since they span decades: 0 for 1e-4 or less, 1 for about 1.
 
     Args:
@@ -50,7 +50,7 @@ def moves_to(views: Any) -> Any:
     return _MOVES_UNIT * views[..., _MOVES] ** 2
 
 
-def ego(xy: NDArray[np.float64], view: View) -> NDArray[np.float64]:
+def to_agent_frame(xy: NDArray[np.float64], view: View) -> NDArray[np.float64]:
     """Map coordinates as coordinates ahead and to the left of the agent.
 
     Args:
@@ -83,7 +83,7 @@ class ViewSurroundings:
         np.add.at(mass, tuple(cells[inside].T), weight[inside])
         dark = (known.explored[i0:i1, j0:j1] == 0).astype(np.float64)
         sides = [2 * int(radius / CELL_M) + 1 for radius in RADII_M]
-        self._layers = [lg(_sums(mass, side)) for side in sides]
+        self._layers = [log_scale(_sums(mass, side)) for side in sides]
         self._layers += [_sums(dark, side) / side**2 for side in sides]
 
     def at(self, nodes: NDArray[np.int32]) -> NDArray[np.float64]:
@@ -93,7 +93,7 @@ class ViewSurroundings:
             nodes: (n, 2) cells.
 
         Returns:
-            (n, 2 R) float64 for the R radii of ``RADII_M``: first the masses (:func:`lg`), then the shares of
+            (n, 2 R) float64 for the R radii of ``RADII_M``: first the masses (:func:`log_scale`), then the shares of
                 unexplored cells.
         """
         cells = tuple((nodes - self._corner).T)
@@ -106,7 +106,7 @@ def _sums(values: NDArray[np.float64], side: int) -> NDArray[np.float64]:
 
 
 def view_rows(
-    valued: Valued,
+    valued: ViewValues,
     at: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]],
     choices: tuple[Choice, ...],
     known: SemanticMap,
@@ -132,12 +132,12 @@ def view_rows(
     xy = (nodes - np.array([here.i, here.j])) * CELL_M
     rows = np.zeros((len(n), N_VIEW), np.float32)
     rows[:, 0] = np.log10(score / score.max(initial=1e-12))
-    rows[:, 1], rows[:, 2], rows[:, 3] = lg(looks - space), lg(space), lg(opens)
-    rows[:, 4], rows[:, 5] = lg(valued.looks[n, :, p].sum(1)), lg(score)
+    rows[:, 1], rows[:, 2], rows[:, 3] = log_scale(looks - space), log_scale(space), log_scale(opens)
+    rows[:, 4], rows[:, 5] = log_scale(valued.looks[n, :, p].sum(1)), log_scale(score)
     rows[:, _MOVES], rows[:, 7] = np.sqrt(moves / _MOVES_UNIT), (steps - moves) / 4.0
     rows[:, 8] = [choice.opens for choice in choices]
     rows[:, IS_KEPT] = [kept is not None and choice.view == kept.view for choice in choices]
-    rows[:, AHEAD], rows[:, 12] = ego(xy, here) / 5.0, np.hypot(xy[:, 0], xy[:, 1]) / 5.0
+    rows[:, AHEAD], rows[:, 12] = to_agent_frame(xy, here) / 5.0, np.hypot(xy[:, 0], xy[:, 1]) / 5.0
     rows[:, 13] = np.log10(np.minimum(valued.cost[at], 1e3))
     rows[:, VISITED] = known.visited[nodes[:, 0], nodes[:, 1]] > 0
     rows[np.arange(len(n)), _PLAIN + (h - here.heading) % 4] = 1.0

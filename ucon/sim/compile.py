@@ -59,15 +59,6 @@ def compile_mended(spec: HomeSpec) -> House:
     return compile_house(spec)
 
 
-def inspect_home(spec: HomeSpec) -> list[HomeProblem]:
-    """All faults for which :func:`compile_house` would refuse a home.
-
-    Raises:
-        SceneError: the free floor is not in one piece.
-    """
-    return _build(spec, check=True)[1]
-
-
 def _build(spec: HomeSpec, check: bool) -> tuple[House, list[HomeProblem]]:
     with World(spec) as world:
         grid = nav_grid(world)

@@ -64,10 +64,6 @@ class SceneState(PartlyShared):
         """Number of instances, removed ones included."""
         return len(self.categories)
 
-    def is_removed(self, instance: int) -> bool:
-        """Whether the arrangement removes this instance."""
-        return bool(self.removed[instance])
-
     def set_open(self, instance: int, is_open: bool = True) -> None:
         """Open or close an instance.
 
@@ -77,10 +73,6 @@ class SceneState(PartlyShared):
         if not self.openable[instance]:
             raise EpisodeError(f"instance {instance} ({self.categories[instance]}) cannot be opened")
         self.open[instance] = is_open
-
-    def close_all(self) -> None:
-        """Close everything, as at the start of an episode."""
-        self.open[:] = False
 
     def instances_of(self, category: str) -> list[int]:
         """Present instances of a category, ascending."""

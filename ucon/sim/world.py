@@ -84,10 +84,6 @@ class World:
         """PyBullet bodies of an instance; empty if it was removed."""
         return tuple(self._bodies.get(instance, ()))
 
-    def instance_of(self, body: int) -> int:
-        """The instance that owns a PyBullet body."""
-        return self._owner[body]
-
     def set_open(self, instance: int, fraction: float) -> None:
         """Open all joints of an instance, with what its drawers hold.
 

@@ -46,7 +46,7 @@ class Course(PartlyShared):
         if self._mode == "rgb_array_list":
             self._moments.append(cast(UcONEnv, env.unwrapped).moment())
 
-    def told(self, *, over: bool) -> None:
+    def note_over(self, *, over: bool) -> None:
         """Note what the last answer said: whether the episode is over."""
         self._over = over
 

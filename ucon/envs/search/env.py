@@ -14,7 +14,7 @@ from ucon.core.errors import ConfigError
 from ucon.core.fingerprint import fingerprint_of
 from ucon.core.sharing import PartlyShared
 from ucon.envs.knowledge import HabitSource
-from ucon.envs.options import checked_action, told, with_texts
+from ucon.envs.options import checked_action, returned_info, with_texts
 from ucon.envs.search.course import RENDER_MODES, Course
 from ucon.envs.search.distance_to_goal import DistanceToGoal
 from ucon.envs.ucon_env import Obs, UcONEnv
@@ -22,7 +22,7 @@ from ucon.objects.catalogue import catalogue
 from ucon.perception.belief.from_habits import Locate, ReadHabits, expecting
 from ucon.search.search_tokens import N_EGO, N_FRONTIER, N_THING, Sizes, TokenReader, Tokens
 from ucon.search.searcher import MISS, Searcher
-from ucon.search.text_tokens import SaidTokens, TextTokens
+from ucon.search.text_tokens import EpisodeTextTokens, TextTokens
 from ucon.search.view_tokens import N_VIEW
 from ucon.sim.paths import UNREACHABLE
 from ucon.task.actions import Action
@@ -161,13 +161,15 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         believing = expecting(info, self._locate, locations=locations)
         self._searcher = Searcher(info, believing, miss=self._miss)
         self._reader = TokenReader(self._searcher, info, self._sizes)
-        self._said = SaidTokens(self._text, str(info["target"]), believing)
+        self._said = EpisodeTextTokens(self._text, str(info["target"]), believing)
         self._to_go = DistanceToGoal(self.env) if self._tells_way else None
         self._last, self._over = (obs, info), (False, False)
         self._tokens: Tokens | None = None
         self._course.begin(self.env)
         self._until_due(None)
-        return self._observed(), told({**_kept(info), **_kept(self._last[1]), "invalid": False}, texts=self._texts)
+        return self._observed(), returned_info(
+            {**_kept(info), **_kept(self._last[1]), "invalid": False}, texts=self._texts
+        )
 
     def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
         """Choose a view, and play until there are two views to choose from again or the episode ends.
@@ -192,9 +194,14 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
             self._until_due(self._searcher.choose(choice))
         info = self._last[1]
         rules = cast(UcONEnv, self.env.unwrapped).rules
-        self._course.told(over=any(self._over))
+        self._course.note_over(over=any(self._over))
         reward = self._returns(info["episode_metrics"], rules.max_steps) if any(self._over) else 0.0
-        return self._observed(), reward, *self._over, told(_kept(info) | {"invalid": invalid}, texts=self._texts)
+        return (
+            self._observed(),
+            reward,
+            *self._over,
+            returned_info(_kept(info) | {"invalid": invalid}, texts=self._texts),
+        )
 
     def _until_due(self, action: Action | None) -> None:
         """Play ``action`` and what follows until a choice among two views or more is due, or the episode ends."""

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ucon.language.choice import Answer, Option, Question, from_scores
 from ucon.language.encoder import minilm_folder
-from ucon.language.models.keeping import Keeping, LocationWeights
+from ucon.language.models.keeping import LocationScores, LocationWeights
 from ucon.language.store import StoredEncoder, default_encoder
 from ucon.objects.catalogue import catalogue
 
@@ -108,7 +108,7 @@ class EncoderModel:
         self._encoder = encoder
         self._vectors: dict[str, Vector] = {}
         self._readings: OrderedDict[tuple[str, tuple[str, ...]], _Reading] = OrderedDict()
-        self._keeping = Keeping(self._encode, keeping)
+        self._keeping = LocationScores(self._encode, keeping)
 
     def check(self) -> None:
         """Check that MiniLM is installed, which texts outside the shipped table need.

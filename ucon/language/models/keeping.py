@@ -56,7 +56,7 @@ class LocationWeights:
     """Weight of the prior, as a number of habits."""
 
 
-class Keeping:
+class LocationScores:
     """Answers questions with ``things``; the terms of an episode's habits are computed once."""
 
     def __init__(self, encode: Callable[[Sequence[str]], Vectors], weights: LocationWeights | None = None) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 from ucon.core.files import canonical_json, sha256_bytes, user_cache, write_atomic
 from ucon.core.untrusted.plain_file import read_bounded
 from ucon.core.untrusted.strict_json import MAX_BYTES, parse_json
-from ucon.language.servers.answers import MOST_TOKENS, Said
+from ucon.language.servers.answers import MOST_TOKENS, Completion
 
 
 class AnswerCache:
@@ -22,7 +22,7 @@ class AnswerCache:
         self._folder = folder or user_cache() / "chat"
         self._warned = False
 
-    def get(self, key: str) -> tuple[Said, float] | None:
+    def get(self, key: str) -> tuple[Completion, float] | None:
         """The kept answer to a request.
 
         Args:
@@ -36,7 +36,7 @@ class AnswerCache:
             kept: dict[str, Any] = parse_json(read_bounded(path, MAX_BYTES), surrogates=True)
             if kept.pop("sha256") != sha256_bytes(canonical_json(kept).encode()) or kept.pop("request") != key:
                 raise ValueError("checksum")
-            seconds, said = float(kept.pop("seconds")), Said(**kept)
+            seconds, said = float(kept.pop("seconds")), Completion(**kept)
             _require_usable(said, seconds)
             return said, seconds
         except OSError:
@@ -45,7 +45,7 @@ class AnswerCache:
             self._warn(f"warning: {path} is damaged; its question is asked again")
             return None
 
-    def put(self, key: str, said: Said, seconds: float) -> None:
+    def put(self, key: str, said: Completion, seconds: float) -> None:
         """Keep an answer; where the folder cannot be written, warn once and go on.
 
         Args:
@@ -76,7 +76,7 @@ class AnswerCache:
         print(text, file=sys.stderr)  # noqa: T201
 
 
-def _require_usable(said: Said, seconds: float) -> None:
+def _require_usable(said: Completion, seconds: float) -> None:
     counts = (said.prompt_tokens, said.completion_tokens)
     right = isinstance(said.text, str) and type(said.cut_off) is bool and math.isfinite(seconds) and seconds >= 0
     if not (right and all(type(count) is int and 0 <= count <= MOST_TOKENS for count in counts)):

@@ -18,7 +18,7 @@ CUT_OFF: Final = " that was cut off at max_tokens (raise it)"
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class Completion:
     """The text of a completion and its tokens; 0 where the server does not count them."""
 
     text: str
@@ -44,7 +44,7 @@ class Reply:
     """Requests sent for it; 0 if it came from the cache."""
 
     @classmethod
-    def of(cls, said: Said, data: dict[str, Any] | None, seconds: float, attempts: int) -> Reply:
+    def of(cls, said: Completion, data: dict[str, Any] | None, seconds: float, attempts: int) -> Reply:
         """The reply for a completion.
 
         Args:
@@ -68,7 +68,7 @@ class Usage:
     seconds: float = 0.0
 
 
-def read_answer(body: bytes) -> Said:
+def read_answer(body: bytes) -> Completion:
     """The first choice of a chat completion; a choice without text is "", since it has a cost too.
 
     Raises:
@@ -87,7 +87,7 @@ def read_answer(body: bytes) -> Said:
     text = text.strip() and text if isinstance(text, str) else ""
     used = answer.get("usage")
     used = used if isinstance(used, dict) else {}
-    return Said(text, _count(used.get("prompt_tokens")), _count(used.get("completion_tokens")), cut_off)
+    return Completion(text, _count(used.get("prompt_tokens")), _count(used.get("completion_tokens")), cut_off)
 
 
 def refusal(body: bytes, key: str) -> str:

@@ -11,7 +11,7 @@ from ucon.core.errors import AnswerError, ServerError
 from ucon.core.files import canonical_json
 from ucon.core.rng import stream
 from ucon.language.servers.answer_cache import AnswerCache
-from ucon.language.servers.answers import CUT_OFF, Reply, Said, Usage, json_object, read_answer, refusal
+from ucon.language.servers.answers import CUT_OFF, Completion, Reply, Usage, json_object, read_answer, refusal
 from ucon.language.servers.post import Outcome, post_json
 
 Usable = Callable[[str], bool]
@@ -156,7 +156,7 @@ class ChatRequest:
         seconds = max(min(client.timeout_s, self._deadline - time.monotonic()), _LEAST_S)
         return post_json(f"{client.base_url}/chat/completions", payload, headers, seconds)
 
-    def _usable(self, outcome: Outcome) -> tuple[Said, dict[str, Any] | None] | str:
+    def _usable(self, outcome: Outcome) -> tuple[Completion, dict[str, Any] | None] | str:
         """What an answer says, with the object that was asked for; or what is wrong with it."""
         try:
             said = read_answer(outcome.body)

@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from ucon.core.sharing import PartlyShared
 from ucon.perception.detectors.base import Frame
 from ucon.perception.detectors.boxes import Boxes
-from ucon.perception.detectors.owners import Owners
+from ucon.perception.detectors.owners import TrackInstances
 from ucon.perception.detectors.tracker import GATE_M, STRUCTURE, Tracker
 from ucon.perception.mapping.detections import Detections
 
@@ -28,7 +28,7 @@ class BoxDetector(PartlyShared, ABC):
             gate_m: boxes of one category farther apart than this, in metres, are two things.
         """
         self._tracker = Tracker(gate_m)
-        self._owners = Owners()
+        self._owners = TrackInstances()
 
     @abstractmethod
     def find(self, frame: Frame) -> Boxes:
@@ -41,7 +41,7 @@ class BoxDetector(PartlyShared, ABC):
     def reset(self, episode: str, categories: tuple[str, ...]) -> None:
         """Start an episode: forget all tracks. ``episode`` and ``categories`` are not used here."""
         self._tracker.reset()
-        self._owners = Owners()
+        self._owners = TrackInstances()
 
     def detect(self, frame: Frame) -> Detections:
         """Find boxes in the next frame and assign them to tracks.

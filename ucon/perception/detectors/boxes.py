@@ -37,7 +37,7 @@ class Boxes:
         mask = None if self.mask is None else self.mask[chosen]
         return Boxes([self.label[k] for k in chosen], self.score[chosen], self.xyxy[chosen], mask)
 
-    def without_doubles(self, iou: float, most: int) -> Boxes:
+    def non_maximum_suppression(self, iou: float, most: int) -> Boxes:
         """Non-maximum suppression within each label.
 
         Args:

@@ -55,7 +55,7 @@ def confusion(name: str) -> NDArray[np.float64]:
     return result
 
 
-def mistaken(name: str, draw: float) -> str:
+def wrong_name(name: str, draw: float) -> str:
     """The wrong name that a uniform random number stands for.
 
     Args:

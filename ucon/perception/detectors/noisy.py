@@ -38,7 +38,7 @@ from ucon.perception.detectors import noisy_kernels as kernels
 from ucon.perception.detectors.base import Frame, vocabulary
 from ucon.perception.detectors.box_detector import BoxDetector
 from ucon.perception.detectors.boxes import Boxes
-from ucon.perception.detectors.confusion import mistaken
+from ucon.perception.detectors.confusion import wrong_name
 from ucon.perception.detectors.tracker import GATE_M
 from ucon.perception.mapping.detections import MIN_PIXELS, STRUCTURE_KINDS
 
@@ -177,7 +177,7 @@ class NoisyDetector(BoxDetector):
             name = self._categories[k]
             # A detector is less sure of what is small and of what it takes for something else (estimated).
             score = (0.3 if wrong else 0.3 + 0.4 * sure) + 0.2 * look.score
-            found.append((mistaken(name, look.name) if wrong else name, score, self._shaken(box[k], look)))
+            found.append((wrong_name(name, look.name) if wrong else name, score, self._shaken(box[k], look)))
         return found
 
     def _ghosts(self, frame: Frame) -> list[tuple[str, float, NDArray[np.float64]]]:

@@ -164,7 +164,9 @@ class OpenVocabularyDetector(BoxDetector):
         height, width = frame.depth.shape
         xyxy = np.clip(found.xyxy, 0, np.array([width, height, width, height], np.float32))
         inside = np.flatnonzero(((xyxy[:, 2:] - xyxy[:, :2]) > 0.5).all(1))
-        return Boxes(found.label, found.score, xyxy).keep(inside).without_doubles(self._nms_iou, self._most_boxes)
+        return (
+            Boxes(found.label, found.score, xyxy).keep(inside).non_maximum_suppression(self._nms_iou, self._most_boxes)
+        )
 
     @abstractmethod
     def _raw(self, loaded: Loaded, rgb: np.ndarray) -> Boxes:

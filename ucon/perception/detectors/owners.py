@@ -15,7 +15,7 @@ from ucon.perception.detectors.base import Frame
 from ucon.perception.mapping.detections import Detections
 
 
-class Owners(PartlyShared):
+class TrackInstances(PartlyShared):
     """The simulator instance behind every track. Privileged: no agent may read it."""
 
     _flat: ClassVar[frozenset[str]] = frozenset({"_behind"})

@@ -150,7 +150,7 @@ class YoloWorldDetector(BoxDetector):
         label = [self._names[int(row[5])] for row in rows]
         found = Boxes(label, table[:, 4], np.clip(table[:, :4], 0, edge))
         inside = np.flatnonzero(((found.xyxy[:, 2:] - found.xyxy[:, :2]) > 0.5).all(1))
-        return found.keep(inside).without_doubles(self._nms_iou, self._most_boxes)
+        return found.keep(inside).non_maximum_suppression(self._nms_iou, self._most_boxes)
 
 
 def _is_row(row: object, n_names: int) -> bool:

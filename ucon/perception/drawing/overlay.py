@@ -76,7 +76,7 @@ def _fitted(drawn: Image, height: int, width: int) -> Image:
     return cv2.resize(drawn, size, interpolation=cv2.INTER_AREA)  # type: ignore[return-value]
 
 
-def believes(places: Iterable[tuple[str, str, float]], width: int) -> list[Line]:
+def belief_lines(places: Iterable[tuple[str, str, float]], width: int) -> list[Line]:
     """The belief as text of at most two lines.
 
     Args:
@@ -87,7 +87,7 @@ def believes(places: Iterable[tuple[str, str, float]], width: int) -> list[Line]
     return [Line(line, INK) for line in wrapped(f"believes: {said or 'nothing yet'}", letters(width))[:2]]
 
 
-def speaking(habits: Iterable[tuple[str, float]], width: int) -> list[Line]:
+def habit_lines(habits: Iterable[tuple[str, float]], width: int) -> list[Line]:
     """The habits that support a place most, each with its support in per cent.
 
     Args:

@@ -20,7 +20,7 @@ _STAYS = 0.25
 
 
 @jit
-def grown(box: F64, made: F64, kind: U8, opened: Flags, by_m: float, out: I32) -> int:
+def changed_boxes(box: F64, made: F64, kind: U8, opened: Flags, by_m: float, out: I32) -> int:
     """Find the things whose box changed since their points were made.
 
     Things never seen, structure, and opened things (their doors swing) are left out.
@@ -231,7 +231,7 @@ def searched(track: I32, relation: I32, share: F64, unseen: F64, shut: Flags, ou
 
 
 @jit
-def inherit(new: F64, old: F64, old_unseen: F64, unseen: F64) -> None:
+def copy_unseen(new: F64, old: F64, old_unseen: F64, unseen: F64) -> None:
     """Copy ``unseen`` from old points of a thing to its new ones.
 
     A new point takes that of the nearest old point of its relation within 0.3 m, or within 0.1 m for points inside. The

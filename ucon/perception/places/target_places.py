@@ -25,9 +25,9 @@ from ucon.perception.places.place_kernels import (
     NEXTTO,
     ONTOP,
     UNDER,
+    changed_boxes,
+    copy_unseen,
     facing,
-    grown,
-    inherit,
     make_points,
     searched,
 )
@@ -219,7 +219,7 @@ class Places(PartlyShared):
             self._made = np.vstack([self._made, np.full((fresh, 6), np.inf)])
             self._seen_from = np.vstack([self._seen_from, np.zeros((fresh, 2))])
         moved = np.empty(n, np.int32)
-        count = grown(known.box[:n], self._made, known.kind[:n], known.opened[:n], GROWTH_M, moved)
+        count = changed_boxes(known.box[:n], self._made, known.kind[:n], known.opened[:n], GROWTH_M, moved)
         changed = [track for track in moved[:count].tolist() if known.category[track]]
         if changed:
             self._seen_from[changed] = known.view.xy
@@ -256,7 +256,7 @@ class Places(PartlyShared):
         fit(shape, whole, self._turn.get(track, 0), self._lift_m, new[count:], faces[count:])
         self._track[rows], self._relation[rows] = track, new[:, 3]
         if (old := self._rows.get(track)) is not None:
-            inherit(new[:, :4], self._data[old, :4], self._data[old, 5], new[:, 5])
+            copy_unseen(new[:, :4], self._data[old, :4], self._data[old, 5], new[:, 5])
             self._data[old, 4:6] = 0.0
         self._rows[track] = rows
         self._made[track] = box
@@ -312,7 +312,7 @@ class Places(PartlyShared):
         """
         return mass[self.track, self.relation] * self.share * self.unseen
 
-    def left(self, mass: NDArray[np.float64]) -> NDArray[np.float64]:
+    def remaining_mass(self, mass: NDArray[np.float64]) -> NDArray[np.float64]:
         """Mass of tracks and relations that was not looked at in vain.
 
         Args:

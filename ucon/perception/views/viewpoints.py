@@ -71,7 +71,7 @@ class Costs(Shared):
 
 
 @dataclass(frozen=True, eq=False)
-class Valued(Shared):
+class ViewValues(Shared):
     """Gains, costs and scores of all views: n nodes, 4 headings, and the 4 pitches of ``PITCHES_DEG``."""
 
     nodes: NDArray[np.int32]
@@ -179,7 +179,7 @@ class Viewpoints(PartlyShared):
         expected: Expectation,
         closed: NDArray[np.int64],
         keep: View | None = None,
-    ) -> Valued | None:
+    ) -> ViewValues | None:
         """Gains, costs and scores of all views.
 
         Args:
@@ -211,9 +211,9 @@ class Viewpoints(PartlyShared):
         if keep is not None and keep.pitch_deg in kernels.PITCHES_DEG and self._index[keep.i, keep.j] >= 0:
             kept = (int(self._index[keep.i, keep.j]), keep.heading, kernels.PITCHES_DEG.index(keep.pitch_deg))
         self._index[nodes[:, 0], nodes[:, 1]] = -1
-        return Valued(nodes, looks, space, opens, steps, moves, cost, look_score, both_score, score, kept)
+        return ViewValues(nodes, looks, space, opens, steps, moves, cost, look_score, both_score, score, kept)
 
-    def elsewhere(self, known: SemanticMap, planner: Planner) -> Choice | None:
+    def nearest_unvisited(self, known: SemanticMap, planner: Planner) -> Choice | None:
         """The nearest node that the agent never stood on: a last resort where no view has any gain.
 
         Returns:
@@ -299,7 +299,7 @@ class Viewpoints(PartlyShared):
             weight[shut[places.track] & (places.relation == INSIDE)] = 0.0
         return weight
 
-    def disappoint(
+    def lower_expectations(
         self, known: SemanticMap, places: Places, expected: Expectation, closed: NDArray[np.int64], factor: float = 0.3
     ) -> None:
         """Lower the expectations of the current view: what it should have shown by now was not there.

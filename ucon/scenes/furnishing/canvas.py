@@ -85,7 +85,12 @@ class Canvas:
         inner: its free floor x0, y0, x1, y1, metres.
         items: items placed so far.
         solids: (n, 6) their boxes.
+        voids: (m, 6) spaces that must stay clear.
+        fronts: rectangles that must each contain a reachable node.
+        nodes_x: (nx,) x of the nodes, metres.
+        nodes_y: (ny,) y of them.
         free: (nx, ny) bool, nodes that can be walked.
+        door_nodes: nodes in the openings.
     """
 
     def __init__(
@@ -110,7 +115,7 @@ class Canvas:
         self.solids: Boxes = np.zeros((0, 6))
         self.voids: Boxes = np.zeros((0, 6))
         self.sweeps: Boxes = np.zeros((0, 6))
-        """The clear spaces above tables: what leaves of hanging and standing cabinets sweep."""
+        """(m, 6) spaces above tables that cabinet doors sweep."""
         self.fronts: list[tuple[float, float, float, float]] = []
         self.doors: list[tuple[int, float, float]] = []
         """(wall, lo, hi) of every opening, along the wall."""

@@ -202,14 +202,14 @@ class SmallThings:
 
 
 def tops(category: str, size: Vec3) -> list[tuple[float, float, float, float, float, float]]:
-    """Surfaces of an item, the highest only for tables, all for shelves.
+    """Surfaces of an item that do not move with a joint.
 
     Args:
         category: of the item.
         size: metres.
 
     Returns:
-        (x0, y0, x1, y1, z, clearance) of each, metres.
+        (x0, y0, x1, y1, z, clearance) of each in the object frame, metres.
     """
     from ucon.objects.models import build_model
 
