@@ -35,7 +35,7 @@ def user_cache() -> Path:
         if sys.platform == "darwin":
             return Path.home() / "Library" / "Caches" / "ucon"
         return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ucon"
-    except RuntimeError:  # nobody's home is known
+    except RuntimeError:  # the user's home folder is unknown
         return Path(tempfile.gettempdir()) / "ucon"
 
 

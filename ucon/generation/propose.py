@@ -142,7 +142,11 @@ class _Asker:
         self._contexts = sorted(sorted(filter(None, told)), key=lambda text: -told[text])[:N_CONTEXTS]
 
     def entry(self, wish: EntryWish, number: int, there: Sequence[Entry]) -> tuple[Entry | None, list[str]]:
-        """A new entry, or None and what is wrong with the last one that was given."""
+        """Ask for one entry.
+
+        Returns:
+            The entry or None, and the faults of the last answer.
+        """
         offer = self._offer(wish, there)
         schema = entry_schema(offer, self._contexts)
         messages = [_message("system", _prompt("entry_system").template.strip()), self._ask(offer, number)]

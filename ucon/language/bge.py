@@ -162,7 +162,7 @@ class BgeM3:
 
     @cached_property
     def _model(self) -> Any:
-        self.dim  # noqa: B018 (says what is wrong before gigabytes are read)
+        self.dim  # noqa: B018 (raises errors of the configuration before gigabytes are read)
         _check_modules(self.folder / "modules.json")
         os.environ.setdefault("HF_HUB_OFFLINE", "1")
         os.environ.setdefault("TRANSFORMERS_OFFLINE", "1")

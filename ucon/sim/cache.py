@@ -118,7 +118,7 @@ def _require_bullet(name: str) -> None:
     try:
         bullet()
     except UconError:
-        home_spec(name)  # a name that is none is told first
+        home_spec(name)  # an unknown name is reported first
         pack = user_pack()
         places = "the package and the cache" if pack is None else f"the package, {pack} and the cache"
         raise DataError(

@@ -256,7 +256,7 @@ class _Lines:
         sys.stderr.flush()
 
     def _speed(self) -> list[str]:
-        """How fast it goes, and the time left; of what is over, the time that it took."""
+        """Rate and remaining time as text; for finished work, the time it took."""
         new, seconds = self._done - self._first, self._clock() - self._began
         if new <= 0 or seconds <= 0.0:
             return []

@@ -126,7 +126,7 @@ class CausalModel(LikelihoodModel[_Ready]):
         return [np.array(scores) for scores in out]
 
     def _started(self, shared: Sequence[Ids]) -> list[Past]:
-        """The pasts after system parts: kept for the last few, those that are not are read together."""
+        """The pasts after system parts; those that are not kept from before are computed in one batch."""
         new = [ids for ids in dict.fromkeys(shared) if ids not in self._prefixes]
         nothing = self._reader.nothing()
         found = {**self._prefixes, **dict(zip(new, self._reader.after([nothing] * len(new), new), strict=True))}

@@ -72,7 +72,7 @@ class PrefixReader:
         return self._read(pasts, rows, last=max(map(len, rows)))[0]
 
     def _read(self, pasts: Sequence[Past], rows: Sequence[Sequence[int]], *, last: int) -> tuple[Any, Past]:
-        """Logits (n, last, V) and what is then held of all rows, with their padding."""
+        """Logits (n, last, V) and the new cache of all rows, with their padding."""
         import torch
 
         width = max(map(len, rows))

@@ -157,7 +157,7 @@ class ChatRequest:
         return post_json(f"{client.base_url}/chat/completions", payload, headers, seconds)
 
     def _usable(self, outcome: Outcome) -> tuple[Completion, dict[str, Any] | None] | str:
-        """What an answer says, with the object that was asked for; or what is wrong with it."""
+        """The completion and the object that was asked for, or the fault as text."""
         try:
             said = read_answer(outcome.body)
             spent = self._spent

@@ -175,7 +175,7 @@ class NoisyDetector(BoxDetector):
                 continue
             wrong = look.wrong < self._rates.false_labels
             name = self._categories[k]
-            # A detector is less sure of what is small and of what it takes for something else (estimated).
+            # Scores are lower for small things and for wrong names (estimated).
             score = (0.3 if wrong else 0.3 + 0.4 * sure) + 0.2 * look.score
             found.append((wrong_name(name, look.name) if wrong else name, score, self._shaken(box[k], look)))
         return found

@@ -160,7 +160,7 @@ class SemanticMap(PartlyShared):
         self._integrate(view, depth, detections.image)
 
     def tour(self, frames: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]]) -> None:
-        """Learn the home before the search begins; poses and steps start anew afterwards.
+        """Learn the home before the search begins; poses and steps are reset afterwards.
 
         Args:
             frames: observations and infos of a walk through the home.

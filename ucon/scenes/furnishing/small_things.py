@@ -192,7 +192,7 @@ class SmallThings:
         return self._settle(group, poses, index)
 
     def _settle(self, group: Group, poses: np.ndarray, host: int) -> bool:
-        """Like ``try_place``, but inside the host's box and without regard to clear spaces: it is in nobody's way."""
+        """Like ``try_place``, but inside the host's box and without regard to clear spaces, since it blocks no path."""
         canvas = self.canvas
         voids, free, box = canvas.voids, canvas.free.copy(), canvas.solids[host].copy()
         canvas.voids, canvas.solids[host] = canvas.sweeps, 0.0
