@@ -24,7 +24,7 @@ from ucon.perception.drawing.map_picture import Image
 from ucon.perception.views.viewpoints import Choice
 from ucon.search.search_tokens import Sizes, TokenReader, Tokens
 from ucon.search.searcher import MISS, Searcher
-from ucon.search.text_tokens import SaidTokens, TextTokens, name_table
+from ucon.search.text_tokens import EpisodeTextTokens, TextTokens, name_table
 from ucon.task.actions import Action
 from ucon.task.agent import Info, Observation
 
@@ -41,7 +41,7 @@ class _Search:
     episode: str
     searcher: Searcher
     reader: TokenReader
-    said: SaidTokens
+    said: EpisodeTextTokens
     log: SearchLog
     chosen: tuple[Tokens, int] | None = None
     """Tokens of the network's last choice, and the row that it chose."""
@@ -135,7 +135,7 @@ class HabitPolicyAgent:
             believing = expecting(info, self._locate)
             searcher = Searcher(info, believing, miss=self._miss)
             reader = TokenReader(searcher, info, self._sizes)
-            said = SaidTokens(self._text, str(info["target"]), believing)
+            said = EpisodeTextTokens(self._text, str(info["target"]), believing)
             self._searches[slot] = _Search(str(info.get("episode", "")), searcher, reader, said, SearchLog(info))
 
     def act(

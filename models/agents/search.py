@@ -6,7 +6,7 @@ from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.perception.belief.protocol import Expecting
 from ucon.perception.drawing.map_picture import Image
 from ucon.perception.views.viewpoints import Choice, Costs
-from ucon.search.aims import Aim, aim_of, aim_to_open, aim_to_take
+from ucon.search.aims import Aim, aim_at_target, aim_of, aim_to_open
 from ucon.search.searcher import SearchDecision, Searcher
 from ucon.task.actions import Action
 from ucon.task.agent import Info, Observation
@@ -39,7 +39,7 @@ class SearchLog:
         if searcher.taking:
             if not self._taking:
                 self._taking = True
-                self._add(searcher, aim_to_take(searcher))
+                self._add(searcher, aim_at_target(searcher))
         elif action is Action.OPEN and not self._came_to_open(searcher):
             self._add(searcher, aim_to_open(searcher))
 

@@ -30,7 +30,7 @@ from ucon.habits import book
 from ucon.habits.datafile import save_dataset
 from ucon.habits.types import HabitDataset
 from ucon.language.servers.answer_cache import AnswerCache
-from ucon.language.servers.answers import Said
+from ucon.language.servers.answers import Completion
 from ucon.language.sparse import SparseRows
 from ucon.language.store import TextCache
 from ucon.learning.run.network_files import load_network, network_files
@@ -263,9 +263,9 @@ def episode_file(folder: Path) -> Kind:
 
 def answer_cache(folder: Path) -> Kind:
     key = sha256_bytes(b"a question")
-    said = Said("an answer \U0001f469\u200d\U0001f373", 12, 5, False)
+    said = Completion("an answer \U0001f469\u200d\U0001f373", 12, 5, False)
     AnswerCache(folder).put(key, said, 1.5)
-    AnswerCache(folder / "other").put("0" * 64, Said("another", 1, 2, True), 0.5)
+    AnswerCache(folder / "other").put("0" * 64, Completion("another", 1, 2, True), 0.5)
     file = Path(key[:2]) / f"{key}.json"
 
     def read(copy: Path) -> Any:

@@ -16,7 +16,7 @@ from ucon.envs.ucon_env import UcONEnv
 from ucon.evaluation.playing import pictures
 from ucon.evaluation.playing.pictures import save_film
 from ucon.perception.belief.target_belief import Locations
-from ucon.perception.drawing.overlay import speaking, wrapped
+from ucon.perception.drawing.overlay import habit_lines, wrapped
 from ucon.search.picture import _lines, _mass_left, draw_search
 
 BLUE, WARM = (36, 120, 200), (226, 92, 30)
@@ -74,8 +74,8 @@ def test_who_reads_nothing_says_where_it_goes() -> None:
 
 def test_the_two_strongest_habits_are_told_with_their_weight() -> None:
     told = [("weak", 0.01), ("a little", 0.2), ("much", 0.9), ("some", 0.5)]
-    assert [line.text for line in speaking(told, 384)] == ['90% "much"', '50% "some"']
-    long, *rest = [line.text for line in speaking([("word " * 60, 0.4)], 384)]
+    assert [line.text for line in habit_lines(told, 384)] == ['90% "much"', '50% "some"']
+    long, *rest = [line.text for line in habit_lines([("word " * 60, 0.4)], 384)]
     assert long.startswith('40% "word')
     assert len(rest) == 1
     assert rest[0].endswith(' ..."')

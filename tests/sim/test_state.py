@@ -26,10 +26,10 @@ def test_open_flags_and_who_can_be_opened():
     state = SceneState(*arranged())
     assert state.openable[FRIDGE]
     assert not state.openable[TABLE]
-    assert state.is_removed(BASKET)
+    assert state.removed[BASKET]
     state.set_open(FRIDGE)
     assert state.open[FRIDGE]
-    state.close_all()
+    state.set_open(FRIDGE, False)
     assert not state.open.any()
     with pytest.raises(EpisodeError, match="breakfast_table"):
         state.set_open(TABLE)

@@ -1,1 +1,1 @@
-"""Ground floor: frames, seeded random streams, typed errors, atomic files with checksums."""
+"""The base of all packages: frames, seeded random streams, typed errors, atomic files with checksums."""

@@ -1,7 +1,4 @@
-"""Where torch computes and how, by name: ``auto`` is settled here, by the device alone.
-
-A machine without the GPU that was asked for says so in one line.
-"""
+"""Torch devices and precisions by name, with one-line errors; ``auto`` depends on the machine alone."""
 
 from __future__ import annotations
 
@@ -15,17 +12,21 @@ if TYPE_CHECKING:
 
 AUTO: Final = "auto"
 PRECISIONS: Final = ("float32", "bfloat16")
-#: So many times what a CPU takes at once, a GPU takes.
+#: Batch size on a GPU relative to a CPU, for ``auto``.
 _LARGER: Final = 4
 #: Compute capability from which NVIDIA's cards multiply in bfloat16.
 _BFLOAT16_FROM: Final = (8, 0)
 
 
 def torch_device(name: str, option: str = "device") -> str:
-    """``name`` as torch knows it: ``cpu``, ``cuda``, ``cuda:1``; ``auto`` is a GPU if there is one.
+    """The torch device of a name.
+
+    Args:
+        name: ``cpu``, ``cuda``, ``cuda:1``; ``auto`` is a GPU if there is one.
+        option: names the option in errors.
 
     Raises:
-        ConfigError: no such device here; the message names ``option``.
+        ConfigError: no such device here.
     """
     import torch
 
@@ -40,10 +41,10 @@ def torch_device(name: str, option: str = "device") -> str:
 
 
 def torch_precision(name: str, device: str = "cpu") -> torch.dtype:
-    """The type that a network's passes multiply in; ``auto`` is bfloat16 on a GPU that has it, else float32.
+    """The type of a network's matrix products.
 
     Args:
-        name: ``float32``, ``bfloat16`` or ``auto``.
+        name: ``float32``, ``bfloat16``, or ``auto``: bfloat16 on a GPU that has it, else float32.
         device: as :func:`torch_device` gives it.
 
     Raises:
@@ -61,9 +62,9 @@ def torch_precision(name: str, device: str = "cpu") -> torch.dtype:
 
 
 def cpu_precision(wanted: torch.dtype) -> torch.dtype:
-    """``wanted``, but float32 for bfloat16 on a processor that has no such multiplication.
+    """The wanted type, but float32 instead of bfloat16 on a processor without bfloat16 products.
 
-    Without AVX-512 torch emulates it, 45 times slower than float32.
+    Without AVX-512 torch emulates them, 45 times slower than float32.
     """
     import torch
 
@@ -73,7 +74,13 @@ def cpu_precision(wanted: torch.dtype) -> torch.dtype:
 
 
 def batch_size(size: int | str, device: str, on_cpu: int) -> int:
-    """How much is taken at once: ``size``; for ``auto`` ``on_cpu``, and four times as much on a GPU."""
+    """The batch size of an option.
+
+    Args:
+        size: a number, or ``auto``.
+        device: as :func:`torch_device` gives it.
+        on_cpu: the value of ``auto`` on a CPU; four times as much on a GPU.
+    """
     if size == AUTO:
         return on_cpu if device == "cpu" else _LARGER * on_cpu
     return size  # type: ignore[return-value]  # configurations are not typed; a learner checks it

@@ -1,6 +1,6 @@
-"""Typed errors. Each says what was wrong, where, what was expected and what to do.
+"""Typed errors. Each message says what was wrong, where, what was expected and what to do.
 
-Entry points catch :class:`UconError` and end in one line; anything else is a bug and keeps its traceback.
+Entry points catch :class:`UconError` and end with its one line; anything else is a bug and keeps its traceback.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ from ucon.core.text import is_shown
 
 
 class UconError(Exception):
-    """Base of every error that a user can cause and mend."""
+    """Base of every error that a user can cause and correct."""
 
 
 class DataError(UconError):
-    """A file is missing, truncated, altered, or does not say what it should."""
+    """A file is missing, truncated or altered, or its content is not valid."""
 
 
 class ConfigError(UconError):
@@ -44,10 +44,14 @@ class DetectorError(UconError):
 
 
 class ServerError(UconError):
-    """A server that cannot be reached, refuses, or does not answer in the end.
+    """A server cannot be reached, refuses, or gives no usable answer.
 
-    ``status`` is the last HTTP status, None where no answer came at all; ``attempts`` is how often it was asked, and
-    the tokens are those of answers that could not be used.
+    Attributes:
+        server: its address.
+        status: the last HTTP status; None without a response.
+        attempts: requests sent.
+        prompt_tokens: of answers that could not be used.
+        completion_tokens: of answers that could not be used.
     """
 
     def __init__(
@@ -69,22 +73,29 @@ class ServerError(UconError):
 
 
 class AnswerError(ServerError):
-    """A server that works, but whose answers to one request cannot be used."""
+    """A server works, but its answers to one request cannot be used."""
 
 
 class DivergedError(UconError):
-    """Training met numbers that are not finite."""
+    """Training produced numbers that are not finite."""
 
 
 def brief(value: object) -> str:
-    """A value as messages show it: one line, safe to print, its first 80 characters."""
+    """A value as messages show it: one line of at most 80 characters that is safe to print."""
     text = value if isinstance(value, str) else repr(value)
     text = text if len(text) <= 80 else f"{text[:80]}..."
     return text if is_shown(text) else ascii(text)[1:-1]
 
 
 def unknown_name(kind: str, name: str, known: Iterable[str], *, remedy: str = "") -> str:
-    """One line for a name that does not exist, with the nearest ones that do."""
+    """The message for a name that does not exist, with the nearest ones that do.
+
+    Args:
+        kind: what the name is of, such as ``detector``.
+        name: the unknown name.
+        known: the names that exist.
+        remedy: added at the end.
+    """
     names, name = sorted(known), brief(name)
     close = difflib.get_close_matches(name, names, n=3)
     hint = f"did you mean {', '.join(close)}?" if close else _sample(names)

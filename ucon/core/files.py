@@ -1,4 +1,4 @@
-"""Atomic files and SHA-256 manifests: a file is either whole and verified, or it is an error."""
+"""Atomic files and SHA-256 manifests: a file is either whole and verified, or an error."""
 
 from __future__ import annotations
 
@@ -18,12 +18,15 @@ from ucon.core.untrusted.plain_file import read_bounded, read_plain
 from ucon.core.untrusted.strict_json import JsonError, parse_json
 
 MANIFEST = "MANIFEST.json"
-#: Bytes of a manifest.
+#: Largest manifest, bytes.
 _MOST_MANIFEST = 64 << 20
 
 
 def user_cache() -> Path:
-    """``$UCON_CACHE``, else ``ucon`` in the platform's cache folder of this user, else in the temporary folder."""
+    """Folder of the user's cache.
+
+    ``$UCON_CACHE``, else ``ucon`` in the platform's cache folder, else in the temporary folder.
+    """
     if chosen := os.environ.get("UCON_CACHE"):
         return Path(chosen)
     try:
@@ -32,12 +35,12 @@ def user_cache() -> Path:
         if sys.platform == "darwin":
             return Path.home() / "Library" / "Caches" / "ucon"
         return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ucon"
-    except RuntimeError:  # nobody's home is known
+    except RuntimeError:  # the user's home folder is unknown
         return Path(tempfile.gettempdir()) / "ucon"
 
 
 def user_pack() -> Path | None:
-    """``$UCON_PACK``, a folder that ``python -m ucon pack`` wrote on another machine; None where none is named.
+    """Folder ``$UCON_PACK``, which ``python -m ucon pack`` wrote on another machine; None if the variable is not set.
 
     Raises:
         ConfigError: there is no such folder.
@@ -52,12 +55,12 @@ def user_pack() -> Path | None:
 
 
 def sha256_bytes(data: bytes) -> str:
-    """Hex SHA-256 of ``data``."""
+    """SHA-256 of bytes, in hexadecimal."""
     return hashlib.sha256(data).hexdigest()
 
 
 def sha256_file(path: Path) -> str:
-    """Hex SHA-256 of a file, read in pieces."""
+    """SHA-256 of a file, in hexadecimal; read in pieces."""
     digest = hashlib.sha256()
     with path.open("rb") as file:
         while chunk := file.read(1 << 20):
@@ -66,7 +69,7 @@ def sha256_file(path: Path) -> str:
 
 
 def remembered_sha256(path: Path) -> str:
-    """Hex SHA-256 of a large file, read again only where its size or time has changed since."""
+    """SHA-256 of a large file, in hexadecimal; the file is read again only if its size or time changed."""
     stat, name = path.stat(), str(path.resolve())
     note = user_cache() / "sha256" / f"{sha256_bytes(name.encode())[:32]}.json"
     state = {"bytes": stat.st_size, "mtime_ns": stat.st_mtime_ns}
@@ -83,7 +86,13 @@ def remembered_sha256(path: Path) -> str:
 
 
 def write_atomic(path: Path, data: bytes | str) -> None:
-    """Write to a temporary name beside ``path``, sync, rename. Never leaves half a file."""
+    """Write a file so that it is never incomplete: write to a temporary name beside it, sync, rename.
+
+    Folders are made as needed.
+
+    Raises:
+        OSError: it cannot be written.
+    """
     _make_folder(path.parent)
     raw = data.encode() if isinstance(data, str) else data
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
@@ -100,7 +109,7 @@ def write_atomic(path: Path, data: bytes | str) -> None:
 
 
 def require_writable(path: Path) -> None:
-    """Refuse a file that cannot be written, before the long work whose result it is to hold.
+    """Check that a file can be written, before the long work whose result goes into it.
 
     Raises:
         ConfigError: naming the file and the reason.
@@ -123,12 +132,17 @@ def _make_folder(folder: Path) -> None:
 
 
 def canonical_json(value: Any) -> str:
-    """JSON with sorted keys and no spaces: the text that hashes are made of."""
+    """JSON with sorted keys and no spaces, the text that hashes are computed of."""
     return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
 
 
 def write_manifest(folder: Path, names: Iterable[str]) -> None:
-    """Record size and SHA-256 of ``names`` in ``folder/MANIFEST.json``."""
+    """Write ``MANIFEST.json``, with size and SHA-256 of files of a folder.
+
+    Args:
+        folder: of the files.
+        names: of the files.
+    """
     entries = {
         name: {"bytes": (folder / name).stat().st_size, "sha256": sha256_file(folder / name)} for name in sorted(names)
     }
@@ -136,11 +150,11 @@ def write_manifest(folder: Path, names: Iterable[str]) -> None:
 
 
 def listed_files(folder: Path) -> dict[str, Any]:
-    """What the manifest of a folder says of each file.
+    """The entries of a folder's manifest, by file name.
 
     Raises:
-        FileNotFoundError: there is none.
-        DataError: it is no usable one.
+        FileNotFoundError: there is no manifest.
+        DataError: it is not usable.
     """
     manifest = folder / MANIFEST
     raw = read_plain(manifest, _MOST_MANIFEST)
@@ -154,11 +168,11 @@ def listed_files(folder: Path) -> dict[str, Any]:
 
 
 def read_verified(path: Path, most: int | None = None) -> bytes:
-    """Bytes of ``path``, checked against the manifest in its folder.
+    """Read a file and check it against the manifest in its folder.
 
     Args:
         path: the file.
-        most: bytes that it may have; a larger one is not read. None: so many as its manifest says.
+        most: largest size in bytes; a larger file is not read. None: the size in the manifest.
 
     Raises:
         DataError: the file or its manifest entry is missing, or size or checksum differ.

@@ -1,4 +1,4 @@
-"""Which trained weights something has, by hash: results and runs of training say whose they are by it."""
+"""Checksums of trained weights, by which results and training runs name the weights they used."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from typing import Protocol, runtime_checkable
 
 @runtime_checkable
 class Fingerprinted(Protocol):
-    """Has weights that are not in its configuration."""
+    """Has weights that are not part of its configuration."""
 
     def fingerprint(self) -> str | None:
-        """Hash of the weights; "" without any, None where they are missing."""
+        """Checksum of the weights; "" without any, None where they are missing."""
         ...
 
 
 def fingerprint_of(part: object) -> str | None:
-    """The fingerprint of a part; "" of one that has none."""
+    """The fingerprint of an object; "" if it has none."""
     return part.fingerprint() if isinstance(part, Fingerprinted) else ""

@@ -1,6 +1,6 @@
-"""Frames. Right-handed, z up, metres; heading 0 looks along +x and headings turn counter-clockwise.
+"""Frames and rotations. Right-handed, z up, metres; heading 0 looks along +x, headings turn counter-clockwise.
 
-Quaternions are ``xyzw``. Turns of 90 degrees use exact cosines, so images do not depend on libm.
+Quaternions are ``xyzw``. Turns of 90 degrees use exact cosines, so that images do not depend on the maths library.
 """
 
 from __future__ import annotations
@@ -18,18 +18,27 @@ HEADING_SIN: Final = (0.0, 1.0, 0.0, -1.0)
 
 
 def yaw_matrix(quarter_turns: int) -> Vec:
-    """Exact rotation about z by ``quarter_turns`` times 90 degrees, (3, 3)."""
+    """Exact rotation about z.
+
+    Args:
+        quarter_turns: counter-clockwise.
+
+    Returns:
+        (3, 3) float64.
+    """
     c, s = HEADING_COS[quarter_turns % 4], HEADING_SIN[quarter_turns % 4]
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def quat_from_yaw(yaw_rad: float) -> Vec:
-    """Quaternion ``xyzw`` of a rotation about z."""
-    return np.array([0.0, 0.0, np.sin(yaw_rad / 2), np.cos(yaw_rad / 2)])
-
-
 def matrix_from_quat(quat_xyzw: Vec) -> Vec:
-    """Rotation matrix (3, 3) of a quaternion ``xyzw``, which is normalised first."""
+    """Rotation matrix of a quaternion.
+
+    Args:
+        quat_xyzw: (4,), normalised first.
+
+    Returns:
+        (3, 3) float64.
+    """
     x, y, z, w = np.asarray(quat_xyzw, float) / np.linalg.norm(quat_xyzw)
     return np.array(
         [
@@ -41,7 +50,7 @@ def matrix_from_quat(quat_xyzw: Vec) -> Vec:
 
 
 def matrix_from_rpy(rpy_rad: tuple[float, float, float]) -> Vec:
-    """Rotation matrix (3, 3) of fixed-axis roll, pitch, yaw, as in URDF and PyBullet."""
+    """Rotation matrix (3, 3) of roll, pitch, yaw in radians about fixed axes, as in URDF and PyBullet."""
     (cr, cp, cy), (sr, sp, sy) = np.cos(rpy_rad), np.sin(rpy_rad)
     return np.array(
         [
@@ -53,7 +62,15 @@ def matrix_from_rpy(rpy_rad: tuple[float, float, float]) -> Vec:
 
 
 def axis_angle_matrix(axis: Vec, angle_rad: float) -> Vec:
-    """Rotation matrix (3, 3) about a unit ``axis``."""
+    """Rotation matrix about an axis.
+
+    Args:
+        axis: (3,), of length 1.
+        angle_rad: counter-clockwise.
+
+    Returns:
+        (3, 3) float64.
+    """
     x, y, z = axis
     c, s = float(np.cos(angle_rad)), float(np.sin(angle_rad))
     return np.array(

@@ -1,10 +1,10 @@
-"""How kernels are compiled, where they are kept, and the array types they take.
+"""Compilation of numba kernels, their cache on disk, and the array types they take.
 
 Strict IEEE arithmetic (no fastmath) gives the same bits on every machine of one instruction set.
 
-Numba keeps a compiled kernel as long as its own file stays as it is, though the kernels that it calls are compiled into
-it, and the constants that it takes from other modules, may live in other files. So all of them are kept in a folder
-named by the hash of all files that define kernels and of those that these import.
+Numba recompiles a kernel only when its own file changes. But kernels that it calls, and constants of other modules, are
+compiled into it and may be in other files. So all kernels are kept in a folder named by the hash of all files that
+define kernels and of the files that these import.
 """
 
 from __future__ import annotations
@@ -40,17 +40,17 @@ _IMPORT = re.compile(rb"^from ucon\.([\w.]+) import", re.MULTILINE)
 
 
 def jit(function: _Function) -> _Function:
-    """Compile once and keep on disk; releases the interpreter lock."""
+    """Compile a kernel and keep it on disk; it releases the interpreter lock."""
     return _compiled(function)
 
 
 def merged(function: _Function) -> _Function:
-    """Like :func:`jit` for a few lines that are written into their callers before those are compiled."""
+    """As :func:`jit`, for a few lines that are inlined into their callers before compilation."""
     return _compiled(function, inline="always")
 
 
 def leaf(function: _Function) -> _Function:
-    """Like :func:`jit` for a kernel that allocates nothing: it counts no references to the arrays it is given.
+    """As :func:`jit`, for a kernel that allocates nothing: it does not count references to its arrays.
 
     Counting (atomically, for each array at each call and view) would cost more than drawing a small part.
     """
@@ -58,10 +58,10 @@ def leaf(function: _Function) -> _Function:
 
 
 def inlined(function: _Function) -> _Function:
-    """Like :func:`leaf` for what is called thousands of times a picture, from one place or two.
+    """As :func:`leaf`, for a kernel that is called thousands of times a picture from one or two places.
 
-    Left to itself the compiler passes some twenty words for three arrays, which takes longer than to draw a small face.
-    Elsewhere it would only lengthen compilation.
+    Otherwise the compiler passes some twenty words for three arrays, which takes longer than drawing a small face. With
+    more callers it would only lengthen compilation.
     """
     return _compiled(function, _nrt=False, forceinline=True)
 
@@ -69,7 +69,7 @@ def inlined(function: _Function) -> _Function:
 def _compiled(function: _Function, **options: Any) -> _Function:
     config: Any = numba.config
     before = config.CACHE_DIR
-    # Numba picks the folder while it decorates. A user's own choice (NUMBA_CACHE_DIR) goes first.
+    # Numba reads the folder while it decorates. The user's NUMBA_CACHE_DIR takes precedence.
     config.CACHE_DIR = before or str(kernel_folder())
     try:
         return cast(_Function, numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function))
@@ -79,7 +79,7 @@ def _compiled(function: _Function, **options: Any) -> _Function:
 
 @lru_cache(maxsize=1)
 def kernel_folder() -> Path:
-    """Where compiled kernels are kept: beside the code, or in the user's cache where that is read-only."""
+    """Folder of compiled kernels: beside the code, or in the user's cache where that is read-only."""
     name = f"kernels-{sources_hash(_PACKAGE)[:16]}"
     beside = _PACKAGE / "__pycache__"
     usable = os.access(beside if beside.is_dir() else _PACKAGE, os.W_OK)
@@ -87,7 +87,7 @@ def kernel_folder() -> Path:
 
 
 def sources_hash(package: Path) -> str:
-    """SHA-256 over the files of a package that define kernels, and those that they import, by name and content."""
+    """SHA-256 over a package's files that define kernels and those that they import, by name and content."""
     files = {path.relative_to(package).as_posix(): path.read_bytes() for path in package.rglob("*.py")}
     chosen = {name for name, content in files.items() if _MARK in content}
     for name in tuple(chosen):

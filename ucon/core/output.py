@@ -1,4 +1,4 @@
-"""Standard output that holds nothing but a command's own result, whole."""
+"""Output of commands: results on standard output, everything else on standard error."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rich.console import Console
 
-#: Tables are as wide as they need to be: in a narrow terminal lines break, but no figure is cut off.
+#: Least width of tables in columns: in a narrower terminal lines break, but no number is cut off.
 _LEAST_WIDTH = 132
 
 
 def is_wide() -> bool:
-    """Whether standard output has room for whole tables; where it is no terminal, 80 columns are taken."""
+    """Whether standard output is wide enough for whole tables; 80 columns are assumed where it is no terminal."""
     from rich.console import Console
 
     return Console().width >= _LEAST_WIDTH
 
 
 def wide_console() -> Console:
-    """A console for tables on standard output."""
+    """A console for tables on standard output, at least 132 columns wide."""
     from rich.console import Console
 
     return Console(width=max(Console().width, _LEAST_WIDTH))
@@ -34,7 +34,7 @@ def wide_console() -> Console:
 
 @contextmanager
 def stdout_to_stderr() -> Iterator[None]:
-    """Send what libraries print meanwhile (PyBullet its build time, in C) to standard error."""
+    """Context in which everything printed, also by C libraries (PyBullet), goes to standard error."""
     sys.stdout.flush()
     saved = os.dup(1)
     os.dup2(2, 1)
@@ -48,11 +48,16 @@ def stdout_to_stderr() -> Iterator[None]:
 
 @cache
 def say_once(line: str) -> None:
-    """Print a line to standard error, once, and not again from the worker processes."""
+    """Print a line to standard error, once a process and never from worker processes."""
     if multiprocessing.parent_process() is None:
         print(line, file=sys.stderr)
 
 
 def say_written(path: Path, what: str) -> None:
-    """Say on standard error, so that standard output stays what it is, what was written where."""
+    """Print to standard error which file was written and its size.
+
+    Args:
+        path: the file.
+        what: its content, in words.
+    """
     sys.stderr.write(f"{path}: {what}, {path.stat().st_size / 1024:.0f} KB\n")

@@ -1,4 +1,4 @@
-"""A pool of spawned processes whose results are not waited for without end: one may be stopped, and says nothing."""
+"""A pool of spawned processes with a time limit for each result: a process may hang or be stopped."""
 
 from __future__ import annotations
 
@@ -14,22 +14,15 @@ from ucon.core.errors import UconError
 
 T = TypeVar("T")
 R = TypeVar("R")
-#: The longest time that one piece of work may take, in seconds.
+#: Longest time for one result, seconds.
 PATIENCE_S: Final = 3600.0
 _TICK_S: Final = 1.0
-#: Seconds in which a process ends that has nothing to do any more.
+#: Seconds for a process to end by itself before it is killed.
 _END_S: Final = 10.0
 
 
 class Pool:
-    """``with Pool(workers) as pool``: the processes end with it, all of them, whatever they do.
-
-    Args:
-        workers: how many.
-        begin: called first in each, with ``given``.
-        given: sent to each once.
-        patience_s: see :meth:`result`.
-    """
+    """A pool of processes, used as a context; at its end all processes end."""
 
     def __init__(
         self,
@@ -39,19 +32,35 @@ class Pool:
         *,
         patience_s: float = PATIENCE_S,
     ) -> None:
+        """Start the processes.
+
+        Args:
+            workers: number of processes.
+            begin: called first in each process, with ``given``.
+            given: sent to each process once.
+            patience_s: longest time for one result, seconds.
+        """
         spawn = multiprocessing.get_context("spawn")
         self._pool = ProcessPoolExecutor(workers, mp_context=spawn, initializer=begin, initargs=given)
         self._workers, self._patience_s = workers, patience_s
 
     def submit(self, work: Callable[..., R], *given: Any) -> Future[R]:
-        """Have something done; work is begun in the order in which it is asked for."""
+        """Start a piece of work; pieces begin in the order of submission.
+
+        Args:
+            work: a function that can be pickled.
+            *given: its arguments.
+        """
         return self._pool.submit(work, *given)
 
     def result(self, asked: Future[R]) -> R:
-        """What came of it. To be asked for in the order in which the work was.
+        """Wait for the result of a piece of work; ask in the order of submission.
+
+        Args:
+            asked: what :meth:`submit` returned.
 
         Raises:
-            UconError: nothing came in time: the processes are ended.
+            UconError: there was no result in time; the processes are ended.
         """
         waited = 0.0
         tick = min(_TICK_S, self._patience_s / 4)
@@ -60,9 +69,9 @@ class Pool:
             try:
                 return asked.result(tick)
             except TimeoutError:
-                if asked.done():  # just now, or it is an error of the work itself
+                if asked.done():  # finished just now, or the work itself raised TimeoutError
                     return asked.result()
-            waited += min(time.monotonic() - begun, 2 * tick)  # this process may have stood still, by Ctrl-Z
+            waited += min(time.monotonic() - begun, 2 * tick)  # not the time in which this process was suspended
             if waited > self._patience_s:
                 self.close(at_once=True)
                 raise UconError(
@@ -71,13 +80,17 @@ class Pool:
                 )
 
     def map(self, work: Callable[[T], R], items: Iterable[T]) -> Iterator[R]:
-        """Results in order."""
+        """Results of ``work`` for all items, in order."""
         asked = deque([self.submit(work, item) for item in items])
         while asked:
             yield self.result(asked.popleft())
 
     def close(self, *, at_once: bool = False) -> None:
-        """End the processes: after what they are at, or where that takes long, or ``at_once``, by force."""
+        """End the processes: when they finish their work, or by force after ten seconds.
+
+        Args:
+            at_once: by force now.
+        """
         processes = list((self._pool._processes or {}).values())
         if at_once:
             for process in processes:

@@ -1,4 +1,4 @@
-"""Counter-based random streams keyed by (seed, stage, name): adding an item shifts no other."""
+"""Random streams keyed by (seed, stage, name): an added item does not change the numbers of others."""
 
 from __future__ import annotations
 
@@ -10,9 +10,16 @@ from ucon.core.errors import ConfigError, brief
 
 
 def stream(seed: int, *keys: str | int) -> np.random.Generator:
-    """A generator that depends on nothing but ``seed`` and ``keys``.
+    """A random generator that depends on ``seed`` and ``keys`` alone.
 
     Philox keyed by SHA-256, so it is the same in every process and on every platform.
+
+    Args:
+        seed: any integer.
+        *keys: strings and integers; ``"1"`` and ``1`` differ.
+
+    Raises:
+        ConfigError: the seed is not a whole number.
 
     Example:
         ``stream(7, "furnish", "kitchen_0", "fridge")``
@@ -21,7 +28,7 @@ def stream(seed: int, *keys: str | int) -> np.random.Generator:
 
 
 def derived_seed(seed: int, *keys: str | int) -> int:
-    """A 63-bit seed for code that wants an integer, keyed like :func:`stream`."""
+    """A 63-bit seed for code that needs an integer, keyed like :func:`stream`."""
     return _key(seed, keys) & ((1 << 63) - 1)
 
 

@@ -1,7 +1,7 @@
-"""Who shares what with its copies, declared by the classes themselves.
+"""What deep copies share with the original; classes declare it.
 
-Environments are cloned thousands of times by whoever plans ahead: a clone must own what changes in an episode, and no
-more than that. Homes, habits, embeddings and episodes never change, so clones hold the same ones.
+Planners clone environments thousands of times. A clone must own what changes in an episode, and no more. Homes, habits,
+embeddings and episodes never change, so clones share them.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ V = TypeVar("V")
 
 
 class Shared:
-    """What is never changed once it was made, or only remembers more: a copy of it is itself."""
+    """Base of objects that never change (or only remember more): a copy is the object itself."""
 
     __slots__ = ()
 
@@ -28,11 +28,11 @@ class Shared:
 
 
 class PartlyShared:
-    """A state whose deep copies share some attributes.
+    """Base of states whose deep copies share some attributes.
 
-    ``_shared`` names those that are never written to, only replaced; ``_flat`` containers and arrays that are written
-    to, of values that are not; ``_left_out`` those that a copy makes anew when it needs them, None until then. All
-    others are copied in depth.
+    ``_shared`` names attributes that are replaced but never written to; copies share them. ``_flat`` names containers
+    and arrays that are written to, of values that are not; copies copy them one level deep. ``_left_out`` names
+    attributes that a copy makes again when needed; they are None in it. All others are copied deeply.
     """
 
     _shared: ClassVar[frozenset[str]] = frozenset()
@@ -55,17 +55,22 @@ class PartlyShared:
         return new
 
     def __getstate__(self) -> dict[str, Any]:
-        """For pickles: without what is made anew."""
+        """State for pickles, without what is made again."""
         return {name: None if name in self._left_out else value for name, value in self.__dict__.items()}
 
 
 def is_the_one(made: Callable[[], Any], value: object) -> bool:
-    """Whether ``value`` is what a cached function without arguments has made: pickles may name it then."""
+    """Whether a value is the result of a cached function without arguments, so that pickles may name the function.
+
+    Args:
+        made: the cached function.
+        value: the object.
+    """
     return bool(made.cache_info().currsize) and made() is value  # type: ignore[attr-defined]
 
 
 class Remembered(WeakKeyDictionary[K, V]):
-    """What was worked out for objects while they live; pickles leave it behind, copies begin with what is known."""
+    """A weak dictionary of values computed for live objects. Its pickles are empty."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), ()

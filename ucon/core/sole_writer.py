@@ -1,4 +1,4 @@
-"""One command at a time writes to a run's folder."""
+"""A lock on a run's folder: one command at a time writes to it."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from ucon.core.errors import ConfigError
 
 try:
     import fcntl
-except ImportError:  # Windows knows no locks on folders
+except ImportError:  # Windows has no locks on folders
     fcntl = None  # type: ignore[assignment]
 
 
 @contextlib.contextmanager
 def sole_writer(folder: Path) -> Iterator[None]:
-    """Make ``folder`` and hold it against other commands; a process that dies, however it does, lets go of it.
+    """Context that makes a folder and locks it against other commands; the lock ends with the process.
 
-    The folder itself is locked, so nothing is left in it. Where that is not possible (Windows, some network drives, a
-    folder that cannot be made) nothing is held, and whoever writes there says what is wrong.
+    The folder itself is locked, so no lock file is left. Where that is not possible (Windows, some network drives, a
+    folder that cannot be made) there is no lock, and errors appear when something is written.
 
     Raises:
         ConfigError: another command writes there.

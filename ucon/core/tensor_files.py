@@ -1,4 +1,4 @@
-"""Tensors of others (safetensors): what is in a file is compared with what is wanted before any of it is unpacked."""
+"""Safetensors files: names, shapes and types are checked in the header before anything is unpacked."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ucon.core.untrusted.strict_json import JsonError, parse_json
 if TYPE_CHECKING:
     from torch import Tensor
 
-#: Kinds of number by their names in files; others are of no use here.
+#: Number types by their names in files; others are refused.
 _KINDS: Final = {
     "F64": "float64", "F32": "float32", "F16": "float16", "BF16": "bfloat16", "I64": "int64", "I32": "int32",
     "I16": "int16", "I8": "int8", "U8": "uint8", "BOOL": "bool",
 }  # fmt: skip
-#: Those that weights may be rounded to.
+#: Types that float weights may be stored in.
 _ROUNDED: Final = ("float32", "float16", "bfloat16")
 _METADATA: Final = "__metadata__"
 _MOST_HEADER: Final = 16 << 20
@@ -27,8 +27,12 @@ _MOST_HEADER: Final = 16 << 20
 def read_tensors(raw: bytes, path: Path) -> dict[str, Tensor]:
     """The tensors in the bytes of a safetensors file, by name.
 
+    Args:
+        raw: the bytes.
+        path: of the file, for errors.
+
     Raises:
-        DataError: they are none; a pickle is called one.
+        DataError: they are not safetensors; a pickle is named as such.
     """
     from safetensors import SafetensorError
     from safetensors.torch import load
@@ -41,14 +45,17 @@ def read_tensors(raw: bytes, path: Path) -> dict[str, Tensor]:
 
 
 def read_fitting(path: Path, wanted: Mapping[str, Tensor]) -> tuple[dict[str, Tensor], bytes]:
-    """Tensors of the file ``path``, which its folder's manifest lists, and its bytes.
+    """Read a safetensors file that its folder's manifest lists.
 
     Args:
-        path: a safetensors file.
-        wanted: tensors of the same names and shapes. Those of floats may have been rounded to 32 or 16 bits.
+        path: the file.
+        wanted: tensors with the expected names and shapes. Floats may have been rounded to 32 or 16 bits.
+
+    Returns:
+        Tensors by name, and the file's bytes.
 
     Raises:
-        DataError: missing, altered or no safetensors; other names, shapes or kinds of number; or values that are none.
+        DataError: missing, altered or not safetensors; other names, shapes or types; values that are not finite.
     """
     raw = read_verified(path, 8 * sum(tensor.numel() for tensor in wanted.values()) + _MOST_HEADER)
     check_header(header(raw, path), wanted, path)
@@ -58,10 +65,14 @@ def read_fitting(path: Path, wanted: Mapping[str, Tensor]) -> tuple[dict[str, Te
 
 
 def header(raw: bytes, path: Path) -> dict[str, tuple[str, tuple[int, ...]]]:
-    """Kind of number and shape of each tensor in a safetensors file, by name; nothing is unpacked.
+    """Type and shape of each tensor of a safetensors file, by name; nothing is unpacked.
+
+    Args:
+        raw: the bytes.
+        path: of the file, for errors.
 
     Raises:
-        DataError: it is none.
+        DataError: it is not a safetensors file.
     """
     size = int.from_bytes(raw[:8], "little")
     try:
@@ -79,10 +90,14 @@ def header(raw: bytes, path: Path) -> dict[str, tuple[str, tuple[int, ...]]]:
 
 
 def metadata(raw: bytes, path: Path) -> Mapping[str, Any]:
-    """What the header says beside tensors.
+    """The metadata in the header of a safetensors file; empty without any.
+
+    Args:
+        raw: the bytes.
+        path: of the file, for errors.
 
     Raises:
-        DataError: it is no safetensors file.
+        DataError: it is not a safetensors file.
     """
     header(raw, path)
     found = parse_json(raw[8 : 8 + int.from_bytes(raw[:8], "little")], max_bytes=_MOST_HEADER).get(_METADATA)
@@ -90,10 +105,15 @@ def metadata(raw: bytes, path: Path) -> Mapping[str, Any]:
 
 
 def check_header(found: Mapping[str, tuple[str, tuple[int, ...]]], wanted: Mapping[str, Tensor], path: Path) -> None:
-    """Refuse other names, shapes or kinds of number.
+    """Check names, shapes and types.
+
+    Args:
+        found: type and shape by name, of :func:`header`.
+        wanted: tensors with the expected names, shapes and types.
+        path: of the file, for errors.
 
     Raises:
-        DataError: naming the first tensor in ``path`` that does not fit.
+        DataError: naming the first tensor that does not fit.
     """
     if odd := sorted(wanted.keys() ^ found.keys()):
         what = "lacks" if odd[0] in wanted else "has the unknown"
@@ -107,10 +127,10 @@ def check_header(found: Mapping[str, tuple[str, tuple[int, ...]]], wanted: Mappi
 
 
 def check_finite(tensors: Mapping[str, Tensor], path: Path) -> None:
-    """Refuse values that are no numbers.
+    """Check that all values are finite.
 
     Raises:
-        DataError: naming the first tensor that has one.
+        DataError: naming the first tensor with a value that is not.
     """
     import torch
 

@@ -1,8 +1,8 @@
-"""Which texts can be shown on one line: no control character, nothing that turns or hides what stands beside it.
+"""Which texts can be displayed on one line: no control characters, nothing that turns or hides its neighbours.
 
-``str.isprintable`` also refuses what joins emoji and the letters of some scripts, and emoji that are younger than this
-Python's tables. Those are no control characters where they stand between what they join; between Latin letters, where
-they would hide a word from whoever looks for it, they stay refused.
+``str.isprintable`` also refuses the characters that join emoji and letters of some scripts, and emoji newer than this
+Python's tables. Joiners are allowed between the characters they join. Between Latin letters, where they would hide a
+word from a search, they are refused.
 """
 
 from __future__ import annotations
@@ -12,21 +12,21 @@ import unicodedata
 from typing import Final
 
 _JOINERS: Final = "\u200c\u200d"
-#: What a joiner stands between: signs, marks on them, and letters of scripts without capitals.
+#: Unicode categories allowed before and after a joiner: signs, marks on them, letters of scripts without capitals.
 _BEFORE: Final = frozenset(("So", "Sk", "Sm", "Po", "Lo", "Mn", "Mc"))
 _AFTER: Final = frozenset(("So", "Sm", "Lo"))
 _EMOJI: Final = range(0x1F000, 0x1FB00)
-#: Flags of parts of countries: a black flag, letters that cannot be seen by themselves, and their end.
+#: Flags of parts of countries: a black flag, invisible tag letters, and an end tag.
 _FLAG: Final = re.compile("\U0001f3f4[\U000e0061-\U000e007a\U000e0030-\U000e0039]{1,10}\U000e007f")
 
 
 def is_shown(text: str) -> bool:
-    """Whether every character of a text can be shown on one line."""
+    """Whether every character of a text can be displayed on one line."""
     return text.isprintable() or shown(text) == text
 
 
 def shown(text: str) -> str:
-    """A text with a blank in place of each character that cannot be shown, a line break among them."""
+    """The text with a space in place of each character that cannot be displayed, line breaks included."""
     if text.isprintable():
         return text
     flags = {i for match in _FLAG.finditer(text) for i in range(match.start() + 1, match.end())}

@@ -1,4 +1,4 @@
-"""Environments over the task: ``UcON-v0`` with seven actions."""
+"""The Gymnasium environments ``UcON-v0`` (seven actions), ``UcONSearch-v0`` (views) and ``UcONImageGoal-v0``."""
 
 from ucon.envs.registration import register_envs
 

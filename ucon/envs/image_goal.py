@@ -1,7 +1,7 @@
-"""``UcONImageGoal-v0``: go to the pose whose image is given; what ZSON learns from, in our homes.
+"""``UcONImageGoal-v0``: go to the pose whose image is given. ZSON is trained on it.
 
-Images and names share CLIP's space, so a policy that learned to reach images can be asked for names without ever
-having been told one (Majumdar et al., NeurIPS 2022, section 3).
+Images and names share CLIP's space, so a policy that learned to reach images can be given names without ever having
+been trained on one (Majumdar et al., NeurIPS 2022, section 3).
 """
 
 from __future__ import annotations
@@ -27,25 +27,26 @@ from ucon.task.search import Pose, Search
 
 @dataclass(frozen=True)
 class ImageGoalReward:
-    """ZSON's: for reaching the place, for looking as the image does, and for coming closer to both."""
+    """The reward of ZSON: for reaching the goal, for facing as in the image, and for progress towards both."""
 
     success: float = 5.0
+    """For Done near the goal."""
     facing: float = 5.0
-    """Beside it, for a success that looks as the image does."""
+    """Added to a success with the heading of the image."""
     progress: float = 1.0
-    """Of a metre."""
+    """For every metre nearer to the goal."""
     turned: float = 1.0
-    """Of a radian towards the image's heading, near the place."""
+    """For every radian towards the image's heading, near the goal."""
     step: float = -0.01
+    """For every step."""
 
 
 class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
-    """Reach a place shown by an image.
+    """Reach the pose that an image shows.
 
-    ### Description
-    Homes, starts, observations and actions are those of ``UcON-v0`` with images; ``info["goal_image"]`` at reset is
-    what the camera would see at the goal: a node that can be walked to, at least ``least_m`` away, and a heading, drawn
-    by the episode's id. The episode's target and habits mean nothing here.
+    ### Description Homes, starts, observations and actions are those of ``UcON-v0`` with images. ``info["goal_image"]``
+    at reset is the camera's image at the goal: a reachable node at least ``least_m`` away, and a heading, drawn by the
+    episode's id. The episode's target and habits have no meaning here.
 
     ### Action space, observation space
     Those of ``UcON-v0``.
@@ -54,15 +55,15 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
     See :class:`ImageGoalReward`.
 
     ### Termination
-    Done, right within ``near_m`` of the goal by the way there is; 300 steps. ``info["episode_metrics"]`` has
-    ``success``, ``spl`` and ``steps``, ``info["is_success"]`` the first of them.
+    Done ends the episode, with success if the path to the goal is at most ``near_m`` long; 300 steps truncate it.
+    ``info["episode_metrics"]`` has ``success``, ``spl`` and ``steps``; ``info["is_success"]`` is the first of them.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
     _shared: ClassVar[frozenset[str]] = frozenset({"spec", "metadata", "_reward", "_goal", "_field", "_shown"})
 
     options_of = UcONEnv
-    """Whose options it takes beside its own."""
+    """The environment whose options it accepts besides its own."""
 
     def __init__(
         self,
@@ -75,15 +76,15 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
         texts: bool | None = None,
         **options: Any,
     ) -> None:
-        """Describe the environment.
+        """Make the environment; homes are loaded at the first reset.
 
         Args:
             episodes: see ``UcON-v0``.
-            reward: of a step.
-            near_m: how near to the goal Done succeeds.
-            least_m: how far the goal is at least, where the home is so large.
+            reward: weights of the reward.
+            near_m: longest path to the goal at which Done succeeds, metres.
+            least_m: least distance of the goal, metres; ignored where the home is too small.
             texts: see ``UcON-v0``.
-            observe: ``pixels``; there is nothing to reach without images.
+            observe: ``pixels``; goals are images.
             **options: of ``UcON-v0``.
 
         Raises:
@@ -101,12 +102,12 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
 
     @property
     def source(self) -> HabitSource:
-        """Gives every episode its habits, which mean nothing here."""
+        """The habits of the episodes; they have no meaning here."""
         return self.env.source
 
     @property
     def goal(self) -> Pose:
-        """Where the image was taken.
+        """The pose at which the goal image was taken.
 
         Raises:
             EpisodeError: before the first reset.
@@ -116,7 +117,11 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
         return self._goal
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Obs, dict[str, Any]]:
-        """Start an episode, as ``UcON-v0`` does, with an image to reach."""
+        """Start an episode, see ``UcON-v0``.
+
+        Returns:
+            Observation and info, with ``goal_image`` (H, W, 3) uint8.
+        """
         super().reset(seed=seed)
         self._goal = None
         obs, info = self.env.reset(seed=seed, options=options)
@@ -127,7 +132,15 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
         return obs, info | {"goal_image": self._shown}
 
     def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
-        """Carry out one action; see ``UcON-v0`` for what is refused."""
+        """Carry out one action.
+
+        Returns:
+            Observation, reward (:class:`ImageGoalReward`), terminated, truncated, info.
+
+        Raises:
+            EpisodeError: before the first reset, or after the end of an episode.
+            ActionError: not an action; nothing was done.
+        """
         goal, near = self.goal, self._to_go_m() <= self._near
         before_m, before_rad = self._to_go_m(), self._to_turn_rad()
         obs, _, done, truncated, info = self.env.step(action)
@@ -150,7 +163,7 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
         return obs, reward, done, truncated, info
 
     def _drawn(self) -> Pose:
-        """A node that can be walked to, far enough away where there is one, and a heading."""
+        """A reachable node at least ``least_m`` away (any, where there is none), and a heading."""
         start = self.env.search.pose
         away = distances(self.env.search.world.free, [(start.i, start.j)])
         far = np.argwhere(away >= self._least_m / metres(1))
@@ -160,29 +173,31 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
         return Pose(i, j, int(draw.integers(4)), start.height, start.pitch_deg)
 
     def _image(self, pose: Pose) -> NDArray[np.uint8]:
-        """What the camera would see at a pose, (H, W, 3)."""
+        """The camera's image at a pose, (H, W, 3) uint8."""
         search, eyes = self.env.search, cast(RasterRenderer, self.env.search.eyes)
         rgb = np.empty((eyes.height, eyes.width, 3), np.uint8)
         eyes.render(*Search(search.world, eyes, search.target, pose, search.rules).camera, rgb=rgb)
         return rgb
 
     def _to_go_m(self) -> float:
+        """Path length to the goal in metres."""
         here = self.env.search.pose
         return metres(int(self._field[here.i, here.j]))
 
     def _to_turn_rad(self) -> float:
+        """Angle between the current heading and the image's, radians."""
         quarters = (self.env.search.pose.heading - self.goal.heading) % 4
         return 0.5 * float(np.pi) * min(quarters, 4 - quarters)
 
     def action_masks(self) -> NDArray[np.bool_]:
-        """See ``UcON-v0``."""
+        """(7,) bool, all True; see ``UcON-v0``."""
         return self.env.action_masks()
 
     def render(self) -> NDArray[np.uint8] | None:
-        """See ``UcON-v0``."""
+        """A frame for people; see ``UcON-v0``."""
         return self.env.render()
 
     def close(self) -> None:
-        """See ``UcON-v0``."""
+        """Release what the environment holds; see ``UcON-v0``."""
         self._goal = None
         self.env.close()

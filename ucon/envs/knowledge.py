@@ -1,4 +1,4 @@
-"""What an agent is told: the habits of an episode at a habit level, and their embeddings."""
+"""The habits that an agent is given: those of an episode at a habit level, with their embeddings."""
 
 from __future__ import annotations
 
@@ -28,42 +28,41 @@ from ucon.task.episode import Episode
 
 @dataclass(frozen=True, eq=False)
 class Knowledge(PartlyShared):
-    """The habits of one episode at one level."""
+    """The habits of one episode at one habit level."""
 
     _shared: ClassVar[frozenset[str]] = frozenset({"base", "rows", "target_embedding", "retriever", "texts"})
 
     base: KnowledgeBase
+    """All habits of the episode's household."""
     rows: NDArray[np.int32]
     """(n,) rows of the dataset that the agent is given, in order."""
     target_embedding: NDArray[np.float16]
+    """(D,) embedding of the target's name."""
     retriever: Retriever
+    """Ranks the habits of the knowledge base."""
     target: str
+    """Category of the target."""
     reranking: ContextHabits | None = None
-    """At level ``context``: the list that follows what is seen; ``rows`` are those of the start."""
+    """At level ``context``: the list that is ranked again as things are seen; ``rows`` is its first state."""
 
     @cached_property
     def texts(self) -> tuple[str, ...]:
-        """The sentences that the agent is given."""
+        """The n sentences that the agent is given."""
         return tuple(self.base.dataset.texts[row] for row in self.rows)
 
     def retrieval_metrics(self) -> dict[str, float]:
-        """Recall of the target's habits and reciprocal rank of the first, by this retriever in this knowledge base."""
+        """How well the retriever ranks the target's habits in this knowledge base.
+
+        Returns:
+            ``recall_at_10``, ``recall_at_20`` and ``mrr`` (reciprocal rank of the first one), each in [0, 1].
+        """
         ranking, relevant = self.retriever.rank(self.target, self.base), self.base.rows_about(self.target)
         found = {f"recall_at_{k}": recall_at(ranking, relevant, k) for k in (10, 20)}
         return found | {"mrr": mrr(ranking, relevant)}
 
 
 class HabitSource(Shared):
-    """Gives every episode its habits.
-
-    Args:
-        dataset: habits by which the episodes were made; the habit book by default.
-        retriever: ranks habits for level ``retrieval``; dense by default.
-        mode: knowledge base of all entries of a category (``category``) or of one (``task``).
-        top_p: habits given at levels ``retrieval`` and ``context``.
-        encoder: makes the embeddings of observations; MiniLM by default.
-        context: how strongly level ``context`` follows what is seen.
-    """
+    """Gives every episode its habits."""
 
     def __init__(
         self,
@@ -74,6 +73,19 @@ class HabitSource(Shared):
         encoder: StoredEncoder | None = None,
         context: ContextWeights | None = None,
     ) -> None:
+        """Choose dataset and retriever; embeddings are computed at first use.
+
+        Args:
+            dataset: the habits by which the episodes were made; the habit book by default.
+            retriever: ranks habits at levels ``retrieval`` and ``context``; dense by default.
+            mode: knowledge base of all entries of a category (``category``) or of one (``task``).
+            top_p: number of habits given at levels ``retrieval`` and ``context``.
+            encoder: makes the embeddings of observations; MiniLM by default.
+            context: how strongly level ``context`` follows what is seen.
+
+        Raises:
+            ConfigError: an unknown mode, or ``top_p`` below 1.
+        """
         if mode not in MODES:
             raise ConfigError(unknown_name("knowledge base mode", mode, MODES))
         if top_p < 1:
@@ -84,12 +96,12 @@ class HabitSource(Shared):
 
     @cached_property
     def dataset(self) -> HabitDataset:
-        """The habits."""
+        """The habit dataset; the habit book is read at first use."""
         return self._dataset or book()
 
     @cached_property
     def encoder(self) -> StoredEncoder:
-        """The sentence encoder of observations."""
+        """The sentence encoder of observations; loaded at first use."""
         return self._encoder or default_encoder()
 
     @cached_property
@@ -99,43 +111,61 @@ class HabitSource(Shared):
 
     @cached_property
     def context(self) -> ContextRetriever:
-        """Re-ranks at level ``context``."""
+        """The retriever that ranks again at level ``context``."""
         return ContextRetriever(self.retriever, self._context)
 
     @property
     def table(self) -> NDArray[np.float16]:
-        """(N, D) embeddings of the whole dataset, read-only."""
+        """(N, D) float16 embeddings of all N habits of the dataset, read-only."""
         return dataset_vectors(self.dataset, self.encoder)
 
     @property
     def dimension(self) -> int:
-        """Length of an embedding."""
+        """Length D of an embedding."""
         return self.encoder.dim
 
     def prepare(self, progress: Progress | None = None, level: str = "none") -> None:
-        """Make the dataset's embeddings, once for all processes: they are kept on disk. Nothing to do for the book.
+        """Compute the dataset's embeddings, once for all processes: they are kept on disk. The book's are shipped.
 
-        Those of the retriever only where ``level`` asks it.
+        Args:
+            progress: told how far the work is.
+            level: the retriever is prepared only at levels that rank habits.
         """
         dataset_vectors(self.dataset, self.encoder, progress)
         if level in RANKED_LEVELS and isinstance(self.retriever, PreparedRetriever):
             self.retriever.prepare(self.dataset, progress)
 
     def weights(self, level: str) -> tuple[str, ...]:
-        """Names, with the start of their hashes, of the weights that decide what episodes at ``level`` are told."""
+        """Names, with the start of their checksums, of the weights that decide which habits are given.
+
+        Args:
+            level: the retriever counts only at levels that rank habits.
+        """
         retriever = self.retriever if level in RANKED_LEVELS else None
         asked = (retriever.name,) if isinstance(retriever, PreparedRetriever) else ()
         return (self.encoder.name, *asked)
 
     @staticmethod
     def check_level(level: str) -> str:
-        """The level, if it exists."""
+        """The level itself.
+
+        Raises:
+            ConfigError: there is no such habit level.
+        """
         if level not in LEVELS:
             raise ConfigError(unknown_name("habit level", level, LEVELS))
         return level
 
     def locations(self, episode: Episode, house: House) -> tuple[tuple[str, str, float], ...]:
-        """Where the target may have been put: (relation, anchor category, probability). Privileged."""
+        """The distribution from which the target's place was drawn. Privileged.
+
+        Args:
+            episode: the episode.
+            house: its home.
+
+        Returns:
+            (relation, anchor category, probability); the probabilities sum to 1.
+        """
         from ucon.task.making.living import placements_of
 
         ids = episode.entries if self.mode == "category" else episode.task_entries
@@ -147,6 +177,10 @@ class HabitSource(Shared):
 
     def knowledge(self, episode: Episode, level: str) -> Knowledge:
         """The habits of an episode at a level.
+
+        Args:
+            episode: the episode.
+            level: a habit level.
 
         Raises:
             EpisodeError: the episode was made with another dataset.

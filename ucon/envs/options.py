@@ -1,4 +1,4 @@
-"""What is given to an environment, checked: one of several names, a renderer, a detector, an action."""
+"""Checks of an environment's options and actions; makes renderers and detectors from options."""
 
 from __future__ import annotations
 
@@ -14,13 +14,21 @@ from ucon.sim.render import RasterRenderer, Renderer
 
 
 def check_choice(option: str, value: Any, choices: tuple[Any, ...]) -> None:
-    """Raise :class:`ConfigError` where ``value`` is none of ``choices``."""
+    """Check that an option has one of its values.
+
+    Raises:
+        ConfigError: it has not; ``option`` names it.
+    """
     if value not in choices:
         raise ConfigError(f"{option}={value!r}: expected one of {', '.join(map(str, choices))}")
 
 
 def check_render_mode(value: Any, modes: tuple[str, ...] | list[str]) -> None:
-    """Raise :class:`ConfigError` where ``value`` is none of ``modes`` and not None."""
+    """Check a ``render_mode``; None is always allowed.
+
+    Raises:
+        ConfigError: it is none of ``modes``. For ``human`` the message says what to do instead.
+    """
     if value == "human":
         raise ConfigError(
             "render_mode='human': no window is opened; give render_mode='rgb_array' and show what render() returns, or "
@@ -30,7 +38,17 @@ def check_render_mode(value: Any, modes: tuple[str, ...] | list[str]) -> None:
 
 
 def make_renderer(name: str, width_px: int, height_px: int, fov_deg: float) -> Renderer:
-    """The renderer of a name: ``raster`` or ``tiny``."""
+    """Make a renderer.
+
+    Args:
+        name: ``raster``, or ``tiny`` (PyBullet's).
+        width_px: of its images.
+        height_px: of its images.
+        fov_deg: horizontal angle of view.
+
+    Raises:
+        ConfigError: an unknown name.
+    """
     check_choice("renderer", name, ("raster", "tiny"))
     if name == "raster":
         return RasterRenderer(width_px, height_px, fov_deg)
@@ -40,9 +58,14 @@ def make_renderer(name: str, width_px: int, height_px: int, fov_deg: float) -> R
 
 
 def make_detector(option: bool | Detector | None) -> Detector | None:
-    """The detector of an option: none for False and None, ``gt`` for True, an object as it is.
+    """The detector of an option.
 
-    An object follows the episode of one environment: it must not be given to two.
+    Args:
+        option: False or None for none, True for ``gt``, or a detector. A detector follows the episode of one
+            environment: do not give it to two.
+
+    Raises:
+        ConfigError: the value is no detector.
     """
     if option is None or isinstance(option, bool):
         return GtDetector() if option else None
@@ -54,8 +77,12 @@ def make_detector(option: bool | Detector | None) -> Detector | None:
 def checked_action(action: Any, n: int) -> int:
     """An action as a number below ``n``.
 
+    Args:
+        action: what was given to ``step``.
+        n: number of actions.
+
     Raises:
-        ActionError: no whole number (1.0 is none), or out of range.
+        ActionError: not a whole number (1.0 and True are none), or out of range.
     """
     try:
         number = index(action)
@@ -67,17 +94,20 @@ def checked_action(action: Any, n: int) -> int:
 
 
 def with_texts(texts: bool | None) -> bool:
-    """Whether infos hold texts: as asked for, else everywhere but in worker processes of ``AsyncVectorEnv``.
+    """Whether infos hold texts: the option where it is given, else True except in workers of ``AsyncVectorEnv``.
 
-    TorchRL's ``GymEnv(name, num_envs=2)`` makes such workers, and tensors of whatever stands in their infos.
+    TorchRL's ``GymEnv(name, num_envs=2)`` makes such workers, and converts everything in their infos to tensors.
     """
     return texts if texts is not None else not current_process().name.startswith("Worker<")  # Gymnasium's name
 
 
-def told(info: dict[str, Any], *, texts: bool) -> dict[str, Any]:
-    """An info as an environment gives it; without ``texts`` numbers and arrays alone.
+def returned_info(info: dict[str, Any], *, texts: bool) -> dict[str, Any]:
+    """An info as an environment returns it.
 
-    TorchRL makes tensors of the infos of vector environments, by the names of observations, the same ones at all steps.
+    Args:
+        info: everything.
+        texts: False keeps numbers and arrays only, and adds ``is_success``. TorchRL makes tensors of the infos of
+            vector environments and needs the same keys at all steps.
     """
     if texts:
         return info

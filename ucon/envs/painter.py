@@ -1,4 +1,4 @@
-"""Frames for people: what the camera sees, with the map of the home beside it."""
+"""Frames for people: the camera's image with the map of the home beside it."""
 
 from __future__ import annotations
 
@@ -20,24 +20,31 @@ _FOV_DEG: Final = 90.0
 
 @dataclass(frozen=True)
 class Moment(Shared):
-    """What a frame shows, kept in passing and drawn when somebody wants to see it."""
+    """The state that a frame shows; kept at each step and drawn on demand."""
 
     pose: Pose
+    """The agent's pose."""
     opened: tuple[int, ...]
-    """Instances, in ascending order."""
+    """Opened instances, ascending."""
     nodes: int
-    """Length of the path so far."""
+    """Number of nodes of the path so far."""
 
     @classmethod
     def of(cls, search: Search, ledger: Ledger) -> Moment:
-        """How a search stands."""
+        """The current state of a search."""
         return cls(search.pose, tuple(np.flatnonzero(search.opened).tolist()), len(ledger.path_xy))
 
 
 class Painter:
-    """Draws the moments of one episode. The home is loaded once, and opened further as the episode goes on."""
+    """Draws the moments of one episode. The home is loaded once; containers are opened as the episode goes on."""
 
     def __init__(self, search: Search, ledger: Ledger) -> None:
+        """Load the home.
+
+        Args:
+            search: the episode's search.
+            ledger: its path.
+        """
         self._renderer = RasterRenderer(FRAME_PX, FRAME_PX, _FOV_DEG)
         self._search, self._ledger = search, ledger
         world: Any = search.world
@@ -47,9 +54,13 @@ class Painter:
         self._renderer.load(world.house, world.arrangement)
 
     def draw(self, moment: Moment) -> NDArray[np.uint8]:
-        """First-person frame with the top-down map beside it, (384, 768, 3) uint8."""
+        """Draw a moment of this episode.
+
+        Returns:
+            The camera's image and the top-down map beside it, (384, 768, 3) uint8.
+        """
         world: Any = self._search.world
-        if not self._shown.issubset(moment.opened):  # a moment long past
+        if not self._shown.issubset(moment.opened):  # an earlier moment: close everything first
             self._renderer.load(world.house, world.arrangement)
             self._shown = set()
         for instance in moment.opened:

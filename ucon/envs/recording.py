@@ -1,4 +1,4 @@
-"""Videos by Gymnasium's ``RecordVideo``, with all frames that a step gives."""
+"""Videos by Gymnasium's ``RecordVideo`` with all frames of a step."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ import gymnasium as gym
 class RecordVideo(gym.wrappers.RecordVideo):
     """Records every frame of an environment whose ``render_mode`` is ``rgb_array_list``.
 
-    Gymnasium's own keeps the last one of each step: of a choice, which takes many actions, only where it led to.
+    Gymnasium's own class keeps the last frame of each step. A step of ``UcONSearch-v0`` takes many actions.
     """
 
     def _capture_frame(self) -> None:
+        """Append all frames since the last call."""
         frames: Any = self.env.render()
         self.recorded_frames.extend(frames if isinstance(frames, list) else [frames])

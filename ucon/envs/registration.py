@@ -1,4 +1,4 @@
-"""Gymnasium ids. ``import ucon.envs`` registers them; Gymnasium 1 looks for no plugins by itself."""
+"""Registers the Gymnasium ids. ``import ucon.envs`` calls it; Gymnasium 1 does not look for plugins."""
 
 from __future__ import annotations
 
@@ -6,7 +6,10 @@ import gymnasium as gym
 
 
 def register_envs() -> None:
-    """Register all once; an episode ends itself after 300 steps, so no time limit is wrapped around it."""
+    """Register the environments; calling it again does nothing.
+
+    An episode ends by itself after 300 steps, so no time limit is wrapped around it.
+    """
     if "UcON-v0" not in gym.registry:
         gym.register(id="UcON-v0", entry_point="ucon.envs.ucon_env:UcONEnv")
     if "UcONSearch-v0" not in gym.registry:

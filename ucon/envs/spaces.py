@@ -13,23 +13,24 @@ from ucon.sim.render import SKY_DEPTH_M
 from ucon.task.actions import Action
 
 NO_ACTION = len(Action)
-"""``last_action`` at the start."""
+"""``last_action`` at the reset."""
 MOST_HABITS = 1 << 20
-"""Rows beyond which no observation is made."""
+"""Largest ``max_habits``."""
 MAX_POSE = 1000.0
+"""Bound of the pose's entries."""
 
 
 def observation_space(image_px: tuple[int, int] | None, dimension: int, max_habits: int, max_steps: int) -> spaces.Dict:
-    """The space of :class:`ucon.envs.ucon_env.UcONEnv`, where its entries are explained.
+    """The observation space of :class:`ucon.envs.ucon_env.UcONEnv`, where its entries are explained.
 
     Args:
-        image_px: Height and width of the images; None: no images.
-        dimension: Length of a text embedding.
-        max_habits: Rows of habits, padded.
-        max_steps: Steps of an episode.
+        image_px: height and width of the images; None: no images.
+        dimension: length of a text embedding.
+        max_habits: rows of habits, padded.
+        max_steps: steps of an episode.
 
     Raises:
-        ConfigError: a number of rows that is none.
+        ConfigError: ``max_habits`` is out of its range.
     """
     if type(max_habits) is not int or not 1 <= max_habits <= MOST_HABITS:
         raise ConfigError(f"max_habits={brief(max_habits)}: expected a whole number from 1 to {MOST_HABITS}")
@@ -51,10 +52,18 @@ def observation_space(image_px: tuple[int, int] | None, dimension: int, max_habi
 
 
 def padded(rows: NDArray[np.int32], max_habits: int, where: str) -> tuple[NDArray[np.int32], NDArray[np.int8]]:
-    """``habits`` and ``habits_mask`` of an observation, each (max_habits,).
+    """``habits`` and ``habits_mask`` of an observation.
+
+    Args:
+        rows: (n,) rows of the habits given.
+        max_habits: length of both.
+        where: names the episode in the error.
+
+    Returns:
+        (max_habits,) int32, -1 past n, and (max_habits,) int8.
 
     Raises:
-        ConfigError: more rows than that.
+        ConfigError: there are more rows than ``max_habits``.
     """
     if len(rows) > max_habits:
         n = len(rows)

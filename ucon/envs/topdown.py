@@ -1,4 +1,4 @@
-"""The small top-down map beside the first-person frame. For people: it shows what the agent cannot know."""
+"""The top-down map beside the camera's image. For people: it shows privileged facts."""
 
 from __future__ import annotations
 
@@ -19,27 +19,29 @@ _FREE, _OUTSIDE, _BLOCKED, _EDGE = (238, 236, 230), (58, 62, 70), (196, 190, 180
 _WALL, _HEDGE, _NAME = (84, 80, 76), (70, 110, 64), (120, 112, 100)
 _PATH, _AGENT, _TARGET, _OPENED, _START = (64, 110, 190), (24, 60, 140), (214, 60, 48), (226, 160, 60), (60, 140, 80)
 _LEGEND_PX, _LEGEND_INK = 18, (225, 225, 225)
-#: Around the home, so that what is drawn on its outermost cells is not cut off.
+#: Margin around the home.
 _EDGE_PX = 10
 _FONT, _FONT_SCALE = cv2.FONT_HERSHEY_SIMPLEX, 0.34
 
 
 class TopDownMap:
-    """Draws one home from above with the search in it, the way up that the agent's own map has.
+    """Draws one home from above with the search in it, in the orientation of the agent's own map.
 
-    To the right is where the agent looks at the start, so that the two maps of a film can be compared.
-
-    Args:
-        house: the home.
-        boxes: (n, 6) boxes of its things, metres.
-        free: (nx, ny) nodes that can be stood on.
-        size_px: side of the picture.
-        heading: quarter turns of the agent at the start.
+    The agent's first heading is to the right, so that both maps of a film can be compared.
     """
 
     def __init__(
         self, house: House, boxes: NDArray[np.float64], free: NDArray[np.bool_], size_px: int, heading: int = 0
     ) -> None:
+        """Draw the home.
+
+        Args:
+            house: the home.
+            boxes: (n, 6) boxes of its things, metres.
+            free: (nx, ny) nodes that can be stood on.
+            size_px: side of the picture.
+            heading: quarter turns of the agent at the start.
+        """
         self._size, self._turned = size_px, (HEADING_COS[heading], HEADING_SIN[heading])
         x, y = house.grid.origin_xy
         nx, ny = house.grid.shape
@@ -68,7 +70,17 @@ class TopDownMap:
         target_box: NDArray[np.float64],
         opened: NDArray[np.float64],
     ) -> Image:
-        """The map with path, agent, target and opened boxes (m, 6); (size, size, 3) uint8. World frame."""
+        """Draw the state of a search; all coordinates are in the world frame.
+
+        Args:
+            path_xy: nodes of the path so far, metres.
+            heading: quarter turns of the agent.
+            target_box: (6,) box of the target, metres.
+            opened: (m, 6) boxes of opened containers, metres.
+
+        Returns:
+            (size_px, size_px, 3) uint8.
+        """
         image = self._base.copy()
         for box in opened:
             self._rectangle(image, (box[0], box[1], box[3], box[4]), _OPENED, -1)
@@ -84,6 +96,7 @@ class TopDownMap:
         return image
 
     def _draw_walls(self, house: House) -> None:
+        """Draw walls and the openings in them."""
         wide = max(1, round(0.12 * self._scale))
         for room in house.spec.rooms:
             self._rectangle(self._base, room.rect, _HEDGE if room.outdoor else _WALL, wide)
@@ -92,7 +105,7 @@ class TopDownMap:
             cv2.line(self._base, self._px(*ends[0]), self._px(*ends[1]), _FREE, wide + 1)
 
     def _draw_names(self, house: House) -> None:
-        """What each room is, where its name fits in."""
+        """Write each room's type where it fits in."""
         for room in house.spec.rooms:
             x0, y0, x1, y1 = room.rect
             (u0, v0), (u1, v1) = self._px(x0, y0), self._px(x1, y1)
@@ -103,6 +116,7 @@ class TopDownMap:
                 cv2.putText(self._base, text, at, _FONT, _FONT_SCALE, _NAME, 1, cv2.LINE_AA)
 
     def _draw_legend(self) -> None:
+        """Draw the legend."""
         v, text_v, step = self._size - _LEGEND_PX // 2, self._size - 5, self._size // 4
         for k, text in enumerate(("target", "start", "agent", "opened")):
             u = k * step + 14
@@ -116,15 +130,16 @@ class TopDownMap:
                 cv2.circle(self._base, (u, v), 4, _AGENT if filled else _START, -1 if filled else 2, cv2.LINE_AA)
 
     def _rectangle(self, image: Image, corners: Sequence[float], color: Color, thickness: int) -> None:
-        """``corners``: x0, y0, x1, y1 in the world; -1 fills it."""
+        """Draw a rectangle; ``corners``: x0, y0, x1, y1 in world metres; a thickness of -1 fills it."""
         cv2.rectangle(image, self._px(*corners[:2]), self._px(*corners[2:]), color, thickness)
 
     def _ahead_left(self, x: float, y: float) -> tuple[float, float]:
+        """World coordinates along the agent's first heading and to its left."""
         c, s = self._turned
         return c * x + s * y, c * y - s * x
 
     def _px(self, x: float, y: float) -> tuple[int, int]:
-        """Column and row of a point of the world."""
+        """Column and row of a world point."""
         ahead, left = self._ahead_left(x, y)
         u = self._margin[0] + (ahead - self._low[0]) * self._scale
         v = self._margin[1] + (self._high[1] - left) * self._scale
@@ -132,7 +147,7 @@ class TopDownMap:
 
 
 def _star(image: Image, at: tuple[int, int], radius: int) -> None:
-    """Five points, with a light edge that shows it on any ground."""
+    """A five-pointed star with a light edge, visible on any background."""
     turn = np.pi * np.arange(10) / 5
     reach = np.where(np.arange(10) % 2 == 0, 1.0, 0.45)[:, None]
     outline = reach * np.stack([np.sin(turn), -np.cos(turn)], 1)

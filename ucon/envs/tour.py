@@ -1,6 +1,6 @@
-"""A walk through the home before an episode: what whoever knows the home has seen, but for the target.
+"""A walk through the home before an episode: what someone who knows the home has seen, without the target.
 
-Only privileged agents are given it (``info["privileged"]["tour"]``): it tells what knowing the home is worth.
+Only privileged agents are given it (``info["privileged"]["tour"]``). It measures what knowing the home is worth.
 """
 
 from __future__ import annotations
@@ -18,15 +18,23 @@ from ucon.envs.frame import StartFrame
 from ucon.perception.detectors import Detector, Frame
 from ucon.task.search import Pose, Search
 
-#: Nodes between two stops, along each axis: a metre.
+#: Nodes between two stops along each axis, 1 m.
 STRIDE: Final = 4
-#: Of a rule set's views: straight ahead, and down to the floor where cameras pitch.
+#: How many of a rule set's views are taken at each stop: level, and down where the camera can pitch.
 _VIEWS: Final = 2
 
 
 @dataclass(frozen=True, eq=False)
 class Tour:
-    """Frames from all over the home of ``search``, whose doors are as they are, drawn when it is called."""
+    """Frames from all over the home, with its doors as they are; rendered when called.
+
+    Attributes:
+        search: the episode's search, at its start.
+        renderer: has the home loaded.
+        detector: names the things in the frames.
+        frame: converts into the start frame.
+        fov_deg: horizontal angle of view.
+    """
 
     search: Search
     renderer: Any
@@ -35,10 +43,14 @@ class Tour:
     fov_deg: float
 
     def __call__(self) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
-        """Observations and infos as :class:`ucon.perception.mapping.semantic_map.SemanticMap` takes them in.
+        """Render the frames.
+
+        Yields:
+            Observation and info as :class:`ucon.perception.mapping.semantic_map.SemanticMap` takes them. The target is
+                in none.
 
         Raises:
-            ConfigError: no detector.
+            ConfigError: there is no detector.
         """
         if self.detector is None:
             raise ConfigError("a tour of the home needs a detector; give the environment one, as detector=gt")
@@ -51,6 +63,7 @@ class Tour:
                     yield self._look(guide, self.detector)
 
     def _look(self, guide: Search, detector: Detector) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Observation and info of one frame, without the target."""
         height, width, target = self.renderer.height, self.renderer.width, guide.target
         depth, instance = np.empty((height, width), np.float32), np.empty((height, width), np.int16)
         rgb = np.empty((height, width, 3), np.uint8) if detector.needs_rgb else None
@@ -64,7 +77,15 @@ class Tour:
 
 
 def stops(free: NDArray[np.bool_], start: tuple[int, int]) -> NDArray[np.int64]:
-    """(n, 2) nodes a metre apart, every one that can be reached from ``start``, rows first."""
+    """Nodes 1 m apart that can be reached.
+
+    Args:
+        free: (nx, ny) bool.
+        start: node of the agent.
+
+    Returns:
+        (n, 2) int64, by row.
+    """
     _, number = cv2.connectedComponents(free.astype(np.uint8), connectivity=4)
     reached = number == number[start]
     grid = np.zeros_like(reached)

@@ -21,7 +21,7 @@ from ucon.envs.options import (
     checked_action,
     make_detector,
     make_renderer,
-    told,
+    returned_info,
     with_texts,
 )
 from ucon.envs.painter import Moment, Painter
@@ -40,6 +40,7 @@ from ucon.task.rules import task_rules
 from ucon.task.search import Pose, Search
 from ucon.task.sets import load_episodes
 
+#: The canonical view, in which the rules count pixels.
 CANONICAL_PX = 128
 CANONICAL_FOV_DEG = 90.0
 
@@ -64,7 +65,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
     | pose | float32 (4,) | x, y in metres, yaw, pitch in radians, relative to the start |
     | target | float32 (D,) | embedding of the target's name |
     | habits | int32 (max_habits,) | rows of ``env.unwrapped.habit_table``, -1 = padding |
-    | habits_mask | int8 (max_habits,) | 1 where a habit stands |
+    | habits_mask | int8 (max_habits,) | 1 for rows that are habits |
     | last_action | Discrete(8) | 7 at the start |
     | collision | Discrete(2) | the last move was blocked |
     | step | Discrete(max_steps + 1) | steps taken |
@@ -72,22 +73,22 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
     ### Info
     ``target`` (category), ``camera_m`` (its height), ``fov_deg`` (its width); at reset ``task`` (name of the rules),
     ``context`` (a sentence or None), ``habits`` (texts), ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for
-    seeds and logs), at level ``context`` ``reranking`` (:class:`ucon.retrieval.ContextHabits`: told what was seen, it
-    ranks anew), with ``planner="true"`` ``nav`` (free grid in the agent's frame); with a detector (True is ``gt``)
+    seeds and logs), at level ``context`` ``reranking`` (:class:`ucon.retrieval.ContextHabits`: ranks the habits again
+    by what was seen), with ``planner="true"`` ``nav`` (free grid in the agent's frame); with a detector (True: ``gt``)
     ``detections``, ``tracks`` and ``opened`` (tracks); at the end ``episode_metrics`` and ``is_success``. With
     ``privileged=True`` also ``privileged`` (scene, episode, solution, locations, target instance, pose): for trainers
-    and oracles only. With ``texts=False`` all but numbers and arrays is left out, and by default so it is in
-    worker processes of Gymnasium's ``AsyncVectorEnv``: TorchRL takes no more.
+    and oracles only. With ``texts=False`` info has numbers and arrays only. This is the default in worker processes of
+    Gymnasium's ``AsyncVectorEnv``, since TorchRL accepts nothing else.
 
     ### Rewards
     :class:`ucon.task.reward.Reward`: +10 for a successful Done and -0.01 a step by default.
 
     ### Termination
-    Done terminates; 300 steps truncate. An episode that is over takes no step: reset first.
+    Done terminates; 300 steps truncate. After the end of an episode ``step`` raises until the next reset.
 
     ### Copies
-    ``copy.deepcopy`` and ``pickle`` give an environment that goes its own way from where this one stands. Copies share
-    homes, habits, embeddings and episodes; a pickle names those that every installation has.
+    ``copy.deepcopy`` and ``pickle`` give an independent environment in the same state. Copies share homes, habits,
+    embeddings and episodes; a pickle stores only the names of those that every installation has.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
@@ -118,6 +119,31 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         texts: bool | None = None,
         render_mode: str | None = None,
     ) -> None:
+        """Make the environment; homes are loaded at the first reset.
+
+        Args:
+            episodes: name of a set (``mini``, ``val``, ``test``), a file, or episodes.
+            habit_level: which habits the agent is given: none, full, gt, retrieval, context.
+            source: gives every episode its habits; the habit book by default.
+            task: name of the rule set.
+            observe: ``pixels`` for images in observations, ``symbolic`` without.
+            width_px: of the images.
+            height_px: of the images.
+            fov_deg: horizontal angle of view.
+            detector: False for none, True for ``gt``, or a detector.
+            planner: ``true`` puts the true free grid into info, ``observed`` does not.
+            renderer: ``raster``, or ``tiny`` (PyBullet's).
+            world: ``compiled`` arrays, or ``live`` PyBullet.
+            reward: weights of a step's reward.
+            max_habits: rows of habits in observations.
+            privileged: put privileged facts into info.
+            texts: whether info holds texts; None: yes except in worker processes.
+            render_mode: None or ``rgb_array``.
+
+        Raises:
+            ConfigError: an option has an unknown value.
+            EpisodeError: there are no such episodes.
+        """
         check_choice("observe", observe, ("pixels", "symbolic"))
         check_choice("planner", planner, ("true", "observed"))
         check_choice("world", world, ("compiled", "live"))
@@ -146,18 +172,27 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
 
     @property
     def max_habits(self) -> int:
-        """The longest list of habits that it gives."""
+        """Rows of habits in observations: the longest list of habits that can be given."""
         return self._max_habits
 
     @property
     def habit_table(self) -> NDArray[np.float16]:
-        """Embeddings of all habits of the dataset, (N, D) float16, read-only: what ``obs["habits"]`` numbers."""
+        """Embeddings of all N habits of the dataset, (N, D) float16, read-only; ``obs["habits"]`` are its rows."""
         return self.source.table
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Obs, dict[str, Any]]:
-        """Start an episode: ``options["episode"]`` (an Episode, an id or an index), else one drawn by the seed.
+        """Start an episode.
 
-        ``options["habit_level"]`` is the level of this episode alone, where it is to be another one.
+        Args:
+            seed: draws the episode, unless one is given.
+            options: ``episode``, an Episode, an id or an index; ``habit_level``, the level of this episode alone.
+
+        Returns:
+            Observation and info; see the class.
+
+        Raises:
+            EpisodeError: no such episode, or it does not fit its home or the habits in use.
+            ConfigError: an unknown habit level, or more habits than ``max_habits``.
         """
         super().reset(seed=seed)
         self._ledger = None  # a reset that fails leaves nothing to go on with
@@ -195,14 +230,20 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
             info["reranking"] = self._knowledge.reranking
         if self._planner == "true":
             info["nav"] = Nav(*self._frame.grid(self._world.free))
-        return obs, told(info, texts=self._texts)
+        return obs, returned_info(info, texts=self._texts)
 
     def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
         """Carry out one action.
 
+        Args:
+            action: 0 to 6, see :class:`ucon.task.actions.Action`.
+
+        Returns:
+            Observation, reward, terminated, truncated, info; see the class.
+
         Raises:
             EpisodeError: before the first reset, or after the end of an episode.
-            ActionError: an action that is none; nothing was done.
+            ActionError: not an action; nothing was done.
         """
         ledger, potential = self._begun("step"), self._reward.progress != 0
         if self._over:
@@ -223,30 +264,42 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         reward = self._reward(
             success=outcome.success, done=outcome.done, collision=outcome.collision, closer_m=closer_m
         )
-        return obs, reward, outcome.done, truncated, told(info, texts=self._texts)
+        return obs, reward, outcome.done, truncated, returned_info(info, texts=self._texts)
 
     def action_masks(self) -> NDArray[np.bool_]:
-        """(7,) which actions may be chosen, as MaskablePPO asks: all of them, what they will do nobody is told."""
+        """Actions that may be chosen, for MaskablePPO: all seven, since a mask must not tell what an action would do.
+
+        Returns:
+            (7,) bool.
+        """
         self._begun("action_masks")
         return np.ones(len(Action), bool)
 
     def moment(self) -> Moment:
-        """What a frame of now would show; :meth:`draw` draws it, now or later in the episode."""
+        """The current state as :meth:`draw` takes it, now or later in the episode."""
         ledger = self._begun("moment")
         return Moment.of(self.search, ledger)
 
     def draw(self, moment: Moment) -> NDArray[np.uint8]:
-        """First-person frame with the top-down map beside it, (384, 768, 3) uint8, of a moment of this episode."""
+        """Draw a moment of this episode.
+
+        Returns:
+            The camera's image and the top-down map beside it, (384, 768, 3) uint8.
+        """
         if self._painter is None:
             self._painter = Painter(self.search, self._begun("draw"))
         return self._painter.draw(moment)
 
     def render(self) -> NDArray[np.uint8] | None:
-        """First-person frame with the top-down map beside it, (384, 768, 3) uint8; None without a ``render_mode``."""
+        """The current frame: the camera's image and the top-down map beside it.
+
+        Returns:
+            (384, 768, 3) uint8; None without a ``render_mode``.
+        """
         return None if self.render_mode is None else self.draw(self.moment())
 
     def close(self) -> None:
-        """Release the renderer and, with ``world="live"``, the PyBullet client; a reset makes them anew."""
+        """Release the renderer and, with ``world="live"``, the PyBullet client; a reset makes them again."""
         self._renderer.close()
         if self._detector is not None:
             self._detector.close()
@@ -255,12 +308,13 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         self._world = self._ledger = self._painter = None
 
     def _begun(self, what: str) -> Ledger:
-        """The figures of the episode that is played."""
+        """The metrics of the current episode; raises where there is none (``what`` names the call)."""
         if self._ledger is None:
             raise EpisodeError(f"{what} before reset, or after close: call reset() first")
         return self._ledger
 
     def _enter(self, house: Any) -> None:
+        """Build the episode's world and load it into the renderer."""
         arrangement = self.episode.arrangement
         if self._world_kind == "live":
             from ucon.sim.live import LiveState
@@ -273,7 +327,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         self._renderer.load(house, arrangement)
 
     def _look(self, opened: tuple[int, ...]) -> tuple[Obs, dict[str, Any]]:
-        """One raster a step: image, depth, instances and the canonical pixel counts together."""
+        """Observation and info of the current pose; one rendering gives image, depth, instances and pixel counts."""
         pose, camera_m = self._frame.pose(self.search.pose), self.search.camera[2]
         info: dict[str, Any] = {"target": self.episode.target_category, "camera_m": camera_m, "fov_deg": self._fov_deg}
         obs: Obs = {"pose": pose}
@@ -304,7 +358,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         return obs, info
 
     def _draw(self) -> tuple[NDArray[np.float32] | None, NDArray[np.uint8] | None]:
-        """Depth (H, W) and colours (H, W, 3), each if it is asked for; instances and counts are kept."""
+        """Depth (H, W) and colours (H, W, 3), each if it is needed; instances and pixel counts are kept."""
         pixels, detector, shape = self._observe == "pixels", self._detector, self._instance.shape
         depth = np.empty(shape, np.float32) if pixels or detector is not None else None
         rgb = np.empty((*shape, 3), np.uint8) if pixels or (detector is not None and detector.needs_rgb) else None
@@ -318,13 +372,14 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         return depth, rgb
 
     def _give_habits(self) -> None:
-        """What observations show: the habits of the level, at level ``context`` as they are ranked now."""
+        """Update ``habits`` and ``habits_mask`` of observations; at level ``context`` by the current ranking."""
         rows = (self._knowledge.reranking or self._knowledge).rows
         if rows is not self._habit_rows:
             self._habits, self._habits_mask = padded(rows, self._max_habits, f"episode {self.episode.id}")
             self._habit_rows = rows
 
     def _choose(self, options: dict[str, Any]) -> Episode:
+        """The episode of ``options``, else one drawn by the seed."""
         wanted = options.get("episode")
         if wanted is None:
             return self.episodes[int(self.np_random.integers(len(self.episodes)))]

@@ -40,7 +40,7 @@ from ucon.core.rng import derived_seed, stream
 from ucon.core.untrusted.unpack import UnpackError, read_array
 from ucon.fitting.rate_schedule import schedule
 from ucon.fitting.scene_prior import fit_scene_prior
-from ucon.habits.splits import dealt_pairs
+from ucon.habits.splits import scene_category_folds
 from ucon.habits.types import Entry, HabitDataset
 from ucon.language.adapted import AdaptedMiniLM
 from ucon.language.adapter import adapter_bytes, add_adapters
@@ -224,7 +224,7 @@ def _standing(data: HabitDataset, entries: Sequence[Entry]) -> dict[str, list[st
 def _priors(entries: Sequence[Entry], pairs: PairReader) -> list[tuple[list[Entry], AnchorPrior]]:
     """Folds of entries, each with the prior of all other entries."""
     out = []
-    for fold in dealt_pairs(entries, _PRIOR_FOLDS, "places"):
+    for fold in scene_category_folds(entries, _PRIOR_FOLDS, "places"):
         asked = [e for e in entries if (e.scene or "", e.category) in fold]
         out.append((asked, fit_scene_prior([e for e in entries if (e.scene or "", e.category) not in fold], pairs)))
     return out

@@ -1,1 +1,1 @@
-"""From proposals to a dataset: propose, validate in PyBullet, verify against the text."""
+"""Making habit datasets: propose entries, validate placements in PyBullet, verify labels against the text."""

@@ -1,6 +1,6 @@
-"""The pipeline as one call: propose (the book's text), validate in PyBullet, verify, and write one dataset file.
+"""The whole pipeline: the book's text, validation in PyBullet, verification, and one dataset file.
 
-Equal text, code and catalogue give equal bytes, whatever the number of processes and however often it was interrupted.
+Equal text, code and catalogue give equal bytes, whatever the number of processes and of interruptions.
 """
 
 from __future__ import annotations
@@ -19,23 +19,26 @@ from ucon.habits.datafile import require_suffix, save_dataset
 from ucon.habits.types import HabitDataset
 from ucon.objects.catalogue import catalogue
 
-#: Called with the name of the step, how much of it is done, and how much there is.
+#: Called with the name of the step, the amount done, and the amount of all.
 Progress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True)
 class BuiltDataset:
-    """What a build made."""
+    """The result of a build."""
 
     dataset: HabitDataset
+    """The entries with verdicts."""
     path: Path
+    """The written file."""
     steps: dict[str, Any]
+    """Numbers of each step, as stored in the file's header."""
     doubts: tuple[Doubt, ...]
-    """Labels that the text does not bear out, the most doubtful first: for a person to read."""
+    """Labels that the text does not confirm, the most doubtful first, for a person to check."""
 
 
 def validation_folder() -> Path:
-    """Where finished blocks of validation are kept by default."""
+    """Default folder of finished blocks of validation, in the user's cache."""
     return user_cache() / "validate"
 
 
@@ -47,14 +50,14 @@ def build(
     workers: int = 2,
     progress: Progress | None = None,
 ) -> BuiltDataset:
-    """Make a dataset file of a folder in the habit book's format.
+    """Make a dataset file from a folder in the habit book's format.
 
     Args:
         out: file to write, its name ending in ``.habits.xz``.
         book: folder of the text.
-        work: where finished blocks are kept, so that an interrupted build goes on; default in the user's cache.
+        work: folder of finished blocks, so that an interrupted build is continued; by default in the user's cache.
         workers: processes.
-        progress: called as the steps go on.
+        progress: called as the steps proceed.
 
     Raises:
         DataError: the text is malformed; names file and line.
@@ -91,7 +94,7 @@ def _proposed(dataset: HabitDataset) -> dict[str, int]:
 
 
 def _verified(dataset: HabitDataset, doubts: Sequence[Doubt]) -> dict[str, int]:
-    """How many pairs of a sentence and a placement were looked at, and which labels the verifier doubts."""
+    """Number of pairs of a sentence and a placement that were checked, and of doubted labels."""
     return {
         "pairs": sum(len(entry.habits) * len(entry.placements) for entry in dataset.entries),
         "doubted_supports": sum(doubt.labelled for doubt in doubts),
@@ -100,7 +103,14 @@ def _verified(dataset: HabitDataset, doubts: Sequence[Doubt]) -> dict[str, int]:
 
 
 def validation_figures(dataset: HabitDataset, wanted: dict[str, list[Any]]) -> dict[str, Any]:
-    """Counts of trials and refusals; ``implausible`` triples are refused by every home that was tried."""
+    """Counts of trials and refusals.
+
+    ``implausible`` triples are refused by every home in which they were tried.
+
+    Args:
+        dataset: with verdicts.
+        wanted: triples by home.
+    """
     of = dataset.verdicts.of
     reasons = Counter(reason for verdict in of.values() for reason in verdict.refused.values())
     implausible = Counter(verdict.reason for verdict in of.values() if verdict.reason is not None)

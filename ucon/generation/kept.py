@@ -1,7 +1,7 @@
-"""Verdicts of imported files, kept in the user's cache: what was tried in a home is not tried again.
+"""Verdicts of imported datasets, kept in the user's cache, so that nothing is tried twice.
 
-They are kept by home and triple, so the release's files, which share most of their locations, share them too; and
-apart for every version of the code that decides them.
+They are stored by home and triple, so that the release's files, which have most locations in common, share them; and
+separately for every version of the code that decides them.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from ucon.habits.verdicts import Triple, Verdict, Verdicts
 from ucon.task.making.placeable import refusal
 
 Tried = dict[Triple, str | None]
-"""Reasons of one home; None where it takes the triple."""
+"""By triple, the reason why one home refuses it; None where it does not."""
 
 
 def tried(dataset: HabitDataset, *, workers: int = 2, progress: Progress | None = None) -> Verdicts:
-    """Verdicts on all placements of a dataset, each really tried; what is known from before is not tried again.
+    """Verdicts on all placements of a dataset by trying them; known ones are not tried again.
 
-    An anchor that a home lacks is brought to as many places as instances of one that stands there are tried.
+    An anchor that a home lacks is put at as many places as instances of an existing anchor are tried.
 
     Args:
         dataset: entries, bound to scenes or not.
         workers: processes.
-        progress: called with (trials done, trials in all) of what is not known yet.
+        progress: called with (trials done, trials in all) of those that are not known yet.
     """
     wanted, folder = dataset_triples(dataset), kept_folder()
     known = {home: _read(_path(folder, home)) for home, triples in wanted.items() if triples}
@@ -43,13 +43,13 @@ def tried(dataset: HabitDataset, *, workers: int = 2, progress: Progress | None 
 
 
 def shape_verdicts(dataset: HabitDataset) -> Verdicts:
-    """Verdicts of the shapes alone: the same on every machine, whatever was tried there before."""
+    """Verdicts by shapes alone, the same on every machine."""
     wanted = dataset_triples(dataset)
     return _verdicts({home: {t: refusal(home, t) for t in triples} for home, triples in wanted.items()})
 
 
 def kept_folder() -> Path:
-    """Folder of the verdicts that this version of the code reaches."""
+    """Folder of the verdicts of this version of the code."""
     return user_cache() / "validate" / f"imported-{code_version()[:16]}"
 
 

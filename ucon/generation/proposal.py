@@ -1,7 +1,7 @@
-"""An entry as a language model is asked for it and gives it: JSON schema, and the check of what comes back.
+"""Entries proposed by language models: the JSON schema of an entry, and the check of an answer.
 
-Entries pass by the rules of the habit book's parser (:mod:`ucon.habits.rules`). All that is wrong is said at once, so
-that it can be mended in one go. Whatever a text says, it is text.
+Entries must keep the rules of the habit book's parser (:mod:`ucon.habits.rules`). All faults are reported together, so
+that the model can correct them in one go.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from ucon.habits.types import Entry, Habit, Placement
 from ucon.habits.writer import format_entries
 from ucon.objects.model import RELATIONS, Relation
 
-#: Spaces that typesetting models use, which a line of plain text has no need of.
+#: Special spaces that some models use; replaced by plain ones.
 _SPACES: Final = str.maketrans(dict.fromkeys("\u00a0\u2009\u202f", " "))
 
 
@@ -38,18 +38,23 @@ class Material:
     contexts: Collection[str]
     """Contexts that a placement may have."""
     sentences: Collection[str]
-    """Keys (:func:`sentence_key`) of sentences that exist already."""
+    """Keys (:func:`sentence_key`) of existing sentences."""
     households: Collection[str]
-    """Households that the category has already."""
+    """Existing households of the category."""
 
 
 def sentence_key(text: str) -> str:
-    """Sentences of equal keys are the same to a reader: case, punctuation and spaces do not count."""
+    """Key of a sentence; sentences that differ only in case, punctuation and spaces have equal keys."""
     return " ".join(re.findall(r"\w+", text.casefold()))
 
 
 def entry_schema(offer: Material, contexts: Collection[str]) -> dict[str, Any]:
-    """JSON schema of an entry; ``contexts`` are those that the server shall choose from."""
+    """JSON schema of an entry.
+
+    Args:
+        offer: category, anchors and households.
+        contexts: the contexts to choose from.
+    """
     text, number = {"type": "string"}, {"type": "integer", "minimum": 1, "maximum": BOOK_LIMITS.placements[1]}
     told = {"anyOf": [{"type": "null"}, {"type": "string", "enum": list(contexts)}]} if contexts else {"type": "null"}
     names = {"type": "string", "enum": sorted(set(offer.anchors) - {offer.category})}
@@ -64,7 +69,7 @@ def entry_schema(offer: Material, contexts: Collection[str]) -> dict[str, Any]:
 
 
 def entry_json(entry: Entry) -> dict[str, Any]:
-    """An entry as a model should give it."""
+    """An entry as a model should give it, for examples in prompts."""
     return {
         "household": entry.household,
         "placements": [{"relation": p.relation, "anchor": p.anchor, "context": p.context} for p in entry.placements],
@@ -73,7 +78,16 @@ def entry_json(entry: Entry) -> dict[str, Any]:
 
 
 def read_entry(data: Mapping[str, Any], offer: Material, number: int) -> tuple[Entry | None, list[str]]:
-    """The entry ``category/number`` in a model's answer, or None and all that is wrong with it."""
+    """Read the entry in a model's answer.
+
+    Args:
+        data: the JSON object.
+        offer: what the entry may be made of.
+        number: of the entry; its id is ``category/number``.
+
+    Returns:
+        The entry or None, and all faults.
+    """
     faults: list[str] = []
     household = _text(data.get("household"), "household", faults)
     fault = header_fault(offer.category, household, offer.kind, None) if not faults else None
@@ -147,7 +161,7 @@ def _habits(given: object, n_placements: int, offer: Material, faults: list[str]
 
 
 def _text(value: object, where: str, faults: list[str]) -> str:
-    """A string without the spaces around it; anything else is a fault."""
+    """A text without surrounding spaces; anything else is a fault."""
     if not isinstance(value, str):
         faults.append(f"{where}: expected a text")
         return ""

@@ -1,8 +1,8 @@
 """Step 1 of the pipeline: a language model proposes entries for new categories and households.
 
-What a model gives is checked by the rules of the habit book (:mod:`ucon.generation.proposal`); it is told what is
-wrong and may mend it a few times. What stays wrong is reported and left out. The result is a text file in the book's
-format, which a person can read and edit; entries that it holds already are kept, so an interrupted run goes on.
+Answers are checked by the rules of the habit book (:mod:`ucon.generation.proposal`). The model is told all faults and
+may correct them a few times; entries that stay wrong are reported and left out. The result is a text file in the book's
+format, which a person can read and edit. Entries already in the file are kept, so an interrupted run is continued.
 """
 
 from __future__ import annotations
@@ -42,7 +42,13 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True, slots=True)
 class EntryWish:
-    """``count`` entries of a category are wanted in all, in homes or in one of the kinds of places."""
+    """A number of entries of one category, in homes or in one kind of home.
+
+    Attributes:
+        category: of the entries.
+        count: number in all, existing ones included.
+        kind: of :data:`ucon.habits.types.HOUSEHOLD_KINDS`; None: homes.
+    """
 
     category: str
     count: int = 1
@@ -51,7 +57,7 @@ class EntryWish:
 
 @dataclass(frozen=True, slots=True)
 class LeftOut:
-    """An entry that was asked for and is not there, and why."""
+    """An entry that could not be obtained, and the last faults."""
 
     category: str
     kind: str | None
@@ -60,7 +66,7 @@ class LeftOut:
 
 @dataclass(frozen=True, slots=True)
 class Proposed:
-    """Entries of the file, how many of them are new, what was left out, and what it cost."""
+    """The result of a run: entries of the file, the number of new ones, those left out, and the cost."""
 
     entries: tuple[Entry, ...]
     new: int
@@ -80,23 +86,23 @@ def propose(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Proposed:
-    """Ask for what ``out`` lacks and write it there, entry by entry.
+    """Ask for the entries that a file lacks and write them to it, one by one.
 
     Args:
         client: the model.
-        wishes: how many entries of which categories ``out`` shall hold.
-        out: text file in the book's format; kept and completed where it exists.
-        known: entries that exist elsewhere: examples, and sentences that are not to be repeated; default the book.
-        anchors: anchors with their relations; default the book's.
-        categories: categories that exist; default the catalogue's.
-        rounds: how often an entry may be given, the first time included.
-        seed: another one asks for other entries.
-        progress: called with (entries tried or there, entries wanted).
+        wishes: how many entries of which categories the file should have.
+        out: text file in the book's format; completed where it exists.
+        known: existing entries, for examples and so that sentences are not repeated; by default the book.
+        anchors: anchors with their relations; by default the book's.
+        categories: categories that exist; by default the catalogue's.
+        rounds: most answers for one entry.
+        seed: another seed gives other entries.
+        progress: called with (entries tried or present, entries wanted).
 
     Raises:
-        ConfigError: an unknown category or kind of place, or a count or number of rounds below 1.
+        ConfigError: an unknown category or kind of home, or a count or number of rounds below 1.
         DataError: ``out`` exists and is malformed; names file and line.
-        ServerError: the server is down or refuses; entries that were proposed before are in ``out``.
+        ServerError: the server cannot be reached or refuses; entries proposed before are in ``out``.
     """
     names = catalogue().names if categories is None else categories
     _check(wishes, names, rounds)
@@ -136,7 +142,11 @@ class _Asker:
         self._contexts = sorted(sorted(filter(None, told)), key=lambda text: -told[text])[:N_CONTEXTS]
 
     def entry(self, wish: EntryWish, number: int, there: Sequence[Entry]) -> tuple[Entry | None, list[str]]:
-        """A new entry, or None and what is wrong with the last one that was given."""
+        """Ask for one entry.
+
+        Returns:
+            The entry or None, and the faults of the last answer.
+        """
         offer = self._offer(wish, there)
         schema = entry_schema(offer, self._contexts)
         messages = [_message("system", _prompt("entry_system").template.strip()), self._ask(offer, number)]
@@ -163,7 +173,7 @@ class _Asker:
         )
 
     def _usual(self, kind: str | None) -> Anchors:
-        """Anchors that known entries of such places use: shops have checkout counters, homes have not."""
+        """Anchors that known entries of this kind of home use: shops have checkout counters, homes do not."""
         used = {p.anchor for e in self._known.entries if e.kind in (None, kind) for p in e.placements}
         return {name: relations for name, relations in self._anchors.items() if name in used} or self._anchors
 
@@ -189,7 +199,7 @@ class _Asker:
         return _message("user", told)
 
     def _examples(self, offer: Material, number: int) -> list[Entry]:
-        """Entries of other categories, as learning may see them: no sentence of a test is shown to a model."""
+        """Entries of other categories from the training part, so that no test sentence is shown to a model."""
         if not self._known.labelled:
             return []
         parts = entry_parts(self._known)

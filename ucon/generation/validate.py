@@ -1,11 +1,11 @@
 """Step 2 of the pipeline: every placement is tried in PyBullet in every named home that has its anchor.
 
-What no named home has is brought into two of them, chosen by the triple's name.
+An anchor that no named home has is added to two homes, chosen by the triple's name.
 
-A trial puts the object by up to :data:`ANCHORS_TRIED` instances of the anchor in the otherwise untouched home, lets it
-settle, and asks whether a robot could ever stand in reach and see it. What no instance takes is refused with the last
-reason. Trials are independent and seeded by what they try, so the verdicts depend neither on their order nor on how
-many processes share them; finished blocks are kept on disk, and the same call goes on where it was interrupted.
+A trial puts the object at up to :data:`ANCHORS_TRIED` instances of the anchor in the otherwise unchanged home, lets it
+settle, and tests whether an agent within reach could see it. If no instance works, the triple is refused with the last
+reason. Trials are independent and seeded by what they try, so verdicts depend neither on their order nor on the number
+of processes. Finished blocks are kept on disk, so that an interrupted call is continued.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True, slots=True)
 class Trials:
-    """Triples to be tried in one home, with an absent anchor brought to up to ``spots`` places."""
+    """Triples to try in one home; an absent anchor is put at up to ``spots`` places."""
 
     home: str
     triples: tuple[Triple, ...]
@@ -57,14 +57,14 @@ class Trials:
 
     @property
     def key(self) -> str:
-        """Names its results: hash of what is tried, of the home it is tried in, and of the code that decides."""
+        """Hash of what is tried, of the home, and of the code that decides; names the file of the results."""
         what = [self.home, load_house(self.home).spec.hash, self.triples, self.spots, code_version()]
         return sha256_bytes(canonical_json(what).encode())[:24]
 
 
 @lru_cache(maxsize=1)
 def code_version() -> str:
-    """SHA-256 of all sources that decide a trial: verdicts of one version are never taken for those of another."""
+    """SHA-256 of all sources that decide a trial, so that verdicts of other versions are not used."""
     root = Path(ucon.__file__).parent
     sources = [root / name for name in _DECIDES]
     files = [path for source in sources for path in (sorted(source.rglob("*.py")) if source.is_dir() else [source])]
@@ -72,7 +72,7 @@ def code_version() -> str:
 
 
 def dataset_triples(dataset: HabitDataset) -> dict[str, list[Triple]]:
-    """What has to be tried by home: a bound entry's placements in its scene, the others wherever the anchor stands."""
+    """The triples to try, by home: an entry's own scene if it is bound to one, else every home with the anchor."""
     found: dict[str, set[Triple]] = {home: set() for home in SCENES}
     free: set[Triple] = set()
     for entry in dataset.entries:
@@ -100,13 +100,13 @@ def validate(
     spots: int = 1,
     progress: Progress | None = None,
 ) -> Verdicts:
-    """Try all triples in their homes.
+    """Try triples in their homes.
 
     Args:
-        wanted: triples by home, as of :func:`dataset_triples`.
-        folder: where finished blocks are kept; what is there is not tried again.
+        wanted: triples by home, see :func:`dataset_triples`.
+        folder: of finished blocks, which are not tried again.
         workers: processes; 0 or 1 tries everything in this one.
-        spots: places to which an anchor that a home lacks is brought, one after the other, until one serves.
+        spots: most places at which an absent anchor is put, one after the other.
         progress: called with (trials done, trials in all).
     """
     blocks = [
@@ -129,7 +129,17 @@ def validate(
 
 
 def try_triple(house: House, triple: Triple, eyes: RasterRenderer, spots: int = 1) -> str | None:
-    """None where the home takes the triple and the object can be found there; else why not."""
+    """Try one triple in a home.
+
+    Args:
+        house: the home.
+        triple: category, relation, anchor.
+        eyes: a renderer.
+        spots: most places at which an absent anchor is put.
+
+    Returns:
+        None where the object can be placed and seen, else the reason.
+    """
     reason: str | None = None
     for spot in range(1 if triple[2] in house.categories else spots):
         reason = _try_at(house, triple, eyes, spot)
@@ -139,7 +149,7 @@ def try_triple(house: House, triple: Triple, eyes: RasterRenderer, spots: int = 
 
 
 def _try_at(house: House, triple: Triple, eyes: RasterRenderer, spot: int) -> str | None:
-    """One round of trials; ``spot`` counts the places to which an absent anchor was brought before."""
+    """One trial; ``spot`` is the number of places tried before for an absent anchor."""
     category, relation, anchor = triple
     home, again = house.spec.name, (f"spot {spot}",) if spot else ()
     try:
@@ -168,7 +178,7 @@ def _try_at(house: House, triple: Triple, eyes: RasterRenderer, spot: int) -> st
 
 
 def _with_anchor(house: House, anchor: str, again: tuple[str, ...]) -> tuple[Arrangement, list[int]]:
-    """The home, the anchor brought in where it lacks one, and the anchor's instances."""
+    """The arrangement with the anchor (added if the home lacks one), and the anchor's instances."""
     there = [k for k, name in enumerate(house.categories) if name == anchor]
     if there:
         return Arrangement(), there
@@ -178,7 +188,7 @@ def _with_anchor(house: House, anchor: str, again: tuple[str, ...]) -> tuple[Arr
 
 
 def _results(blocks: Sequence[Trials], folder: Path, workers: int) -> Iterator[tuple[Trials, list[str | None]]]:
-    """Reasons of every block: those on disk at once, the others as they are finished, in order."""
+    """Reasons of every block in order: those on disk at once, the others as they finish."""
     missing = [block for block in blocks if not _path(folder, block).is_file()]
     there = set(blocks) - set(missing)
     if missing:

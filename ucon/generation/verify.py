@@ -1,11 +1,11 @@
-"""Step 3 of the pipeline: does a habit's text agree with the placements that it is said to support?
+"""Step 3 of the pipeline: does a habit's text agree with the placements that it is labelled to support?
 
-The verifier is a logistic model of a (sentence, placement) pair. It sees what the evidence reader reads in the sentence
-(log-odds of the anchor against its usual frequency, of "no place", of the relation) and the pair features between
-sentence and anchor. Its weights are its own: ``python -m ucon data fit-verifier`` makes them. The object's name
-is left out: it says which places are usual, not what the sentence says.
+The verifier is a logistic model of a (sentence, placement) pair. Its inputs are what the evidence reader finds in the
+sentence (log-odds of the anchor against its usual frequency, of "no place", of the relation) and the pair features of
+sentence and anchor. Its weights are made by ``python -m ucon data fit-verifier``. The object's name is not an input: it
+says which places are usual, not what the sentence says.
 
-Nothing is dropped: labels that the text does not bear out are listed for a person.
+No label is changed: labels that the text does not confirm are listed for a person.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ MADE_BY: Final = "python -m ucon data fit-verifier"
 INPUTS: Final = ("odds", "chance", "no_place", "relation", *FEATURES)
 """Columns of :meth:`Verifier.inputs`."""
 LOW, HIGH = 0.01, 0.9
-"""Scores below which a support is doubted, and above which a sentence that is said not to support is."""
+"""A support label is doubted below the first score, its absence above the second."""
 DECIMALS: Final = 4
 _TINY: Final = 1e-7
 
 
 @dataclass(frozen=True, slots=True)
 class Doubt:
-    """A label that the text does not bear out: an entry, one of its sentences, one of its placements."""
+    """A label that the text does not confirm."""
 
     entry: str
     habit: int
@@ -46,9 +46,9 @@ class Doubt:
     text: str
     placement: Placement
     labelled: bool
-    """Whether the sentence is said to support the placement."""
+    """Whether the sentence is labelled to support the placement."""
     score: float
-    """Probability that it does, by its text."""
+    """Probability of support, by the text."""
 
     def __str__(self) -> str:
         said = "is said to support" if self.labelled else "is said not to support"
@@ -60,7 +60,12 @@ class Verifier:
     """Scores sentences against placements."""
 
     def __init__(self, arrays: Mapping[str, NDArray], sha256: str = "", pairs: PairReader | None = None) -> None:
-        """``arrays``: those of the evidence reader, ``frequency`` (A,) of its anchors, and ``head`` (inputs + 1,).
+        """Take over the weights.
+
+        Args:
+            arrays: those of the evidence reader, ``frequency`` (A,) of its anchors, and ``head`` (inputs + 1,).
+            sha256: of the weights' file.
+            pairs: pair features; the shipped reader by default.
 
         Raises:
             DataError: an array is missing or has another shape.
@@ -79,11 +84,27 @@ class Verifier:
         self._usual = np.log(self.frequency)
 
     def scores(self, texts: Sequence[str], placements: Sequence[Placement]) -> Array:
-        """Probability (H, P) that each sentence supports each placement."""
+        """Probability that each sentence supports each placement.
+
+        Args:
+            texts: H sentences.
+            placements: P placements.
+
+        Returns:
+            (H, P) float64.
+        """
         return sigmoid(np.round(self.inputs(texts, placements) @ self.head[:-1] + self.head[-1], DECIMALS))
 
     def inputs(self, texts: Sequence[str], placements: Sequence[Placement]) -> Array:
-        """Inputs (H, P, 10) of the logistic model, in the order of :data:`INPUTS`."""
+        """Inputs of the logistic model.
+
+        Args:
+            texts: H sentences.
+            placements: P placements.
+
+        Returns:
+            (H, P, 10) float64, in the order of :data:`INPUTS`.
+        """
         if not texts or not placements:
             return np.zeros((len(texts), len(placements), len(INPUTS)))
         said = self._evidence.read(texts)
@@ -101,7 +122,7 @@ class Verifier:
         return np.concatenate([np.stack(columns, axis=2), self._pairs.features(texts, names)], axis=2)
 
     def _chance(self, texts: Sequence[str], names: Sequence[str], said: Evidence) -> Array:
-        """(H, P): probability that each sentence speaks for each anchor, known or not."""
+        """(H, P): probability that each sentence is about each anchor, known or not."""
         out = np.empty((len(texts), len(names)))
         new = sorted({name for name in names if name not in self.known})
         unknown = self._evidence.unknown(texts, new, said.place) if new else None
@@ -123,15 +144,15 @@ def doubtful(
 ) -> list[Doubt]:
     """Labels that the verifier doubts, the most doubtful first.
 
-    Of entries that it learned from it has also learned the labels, wrong ones included: what it says about new entries
-    is worth more.
+    The verifier has learned the labels of its training entries, wrong ones included, so its doubts about new entries
+    are more reliable.
 
     Args:
         dataset: entries with labels.
-        verifier: default the shipped one.
-        low: a support that scores less is doubted.
-        high: a sentence that is said not to support, and scores more, is doubted.
-        wanted: which entries to look at.
+        verifier: the shipped one by default.
+        low: a support label with a lower score is doubted.
+        high: a missing support label with a higher score is doubted.
+        wanted: which entries to check.
 
     Raises:
         DataError: the dataset has no labels.
@@ -151,17 +172,17 @@ def doubtful(
 
 
 def pack(bow: NDArray) -> dict[str, NDArray]:
-    """Word weights (V, K) as int8 codes with a scale a row."""
+    """Word weights (V, K) as int8 codes with one scale a row."""
     scale = np.maximum(np.abs(bow).max(axis=1), 1e-9).astype(np.float32) / 127
     return {"bow": np.rint(bow / scale[:, None]).astype(np.int8), "bow_scale": scale}
 
 
 def unpack(arrays: Mapping[str, NDArray]) -> NDArray[np.float32]:
-    """Inverse of :func:`pack`."""
+    """Word weights (V, K) float32; the inverse of :func:`pack`."""
     return arrays["bow"].astype(np.float32) * arrays["bow_scale"].astype(np.float32)[:, None]
 
 
 @cache
 def default_verifier() -> Verifier:
-    """The shipped verifier: one per process."""
+    """The process's shipped verifier."""
     return Verifier(*load_arrays(WEIGHTS))

@@ -1,4 +1,4 @@
-"""What people do at home: habits, the placements they imply, households, knowledge bases, datasets."""
+"""Habits of households: sentences, the placements they support, knowledge bases and datasets (paper, section III)."""
 
 from ucon.habits.book import BOOK_FOLDER, book, parse_book, read_anchors
 from ucon.habits.hosting import Hosted, hosted, household

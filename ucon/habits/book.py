@@ -6,8 +6,8 @@ r"""The habit book and its format: households described sentence by sentence in 
     1: After the morning radio news, ...                    a habit that supports placement 1 (`1,2:` both)
     -: Crosswords come out once the dishes are dry.         a habit that supports none
 
-Blank lines separate nothing by themselves: a `#` line starts an entry. ``anchors.txt`` lists the anchors with the
-relations they allow. A file ends with a line break, which tells a whole file from one that was cut off.
+A `#` line starts an entry; blank lines have no meaning. ``anchors.txt`` lists the anchors with the relations they
+allow. A file must end with a line break; one that does not was cut off.
 """
 
 from __future__ import annotations
@@ -41,11 +41,11 @@ from ucon.objects.model import RELATIONS, Relation
 
 BOOK_FOLDER: Final = Path(__file__).parent / "book"
 BOOK_FILE: Final = Path(__file__).parent / "data" / "book.habits.xz"
-"""The book as ``python -m ucon habits build`` makes it of the text: entries with PyBullet's verdicts."""
+"""The book as ``python -m ucon habits build`` makes it from the text: entries with PyBullet's verdicts."""
 ANCHORS: Final = "anchors.txt"
-#: So many faults of a dataset are told.
+#: Most faults of a dataset that one error lists.
 MOST_TOLD: Final = 20
-#: Of one file of text.
+#: Largest text file.
 _MAX_BYTES: Final = 64 * 2**20
 
 _HEADER = re.compile(r"# (\w+) \| (\S[^{}]*?)(?: \{(\w+)\})?")
@@ -64,23 +64,39 @@ class _Draft:
     placements: list[Placement] = field(default_factory=list)
     habits: list[Habit] = field(default_factory=list)
     broken: bool = False
-    """A line of it could not be read, so nothing is said of what that line leaves open."""
+    """Whether a line could not be read; faults that may only follow from that are not reported."""
 
 
 class Faults:
-    """What is wrong with a dataset, told at once."""
+    """Collects all faults of a dataset, so that one error reports them together.
+
+    Attributes:
+        found: the faults, each with file and line.
+    """
 
     def __init__(self) -> None:
         self.found: list[str] = []
 
     def add(self, where: str, fault: str | None) -> bool:
-        """Take in a fault; whether there is one."""
+        """Add a fault, unless it is None.
+
+        Args:
+            where: file and line.
+            fault: what is wrong, or None.
+
+        Returns:
+            Whether there was a fault.
+        """
         if fault is not None:
             self.found.append(f"{where}: {fault}")
         return fault is not None
 
-    def tell(self, path: Path) -> None:
-        """Raise :class:`DataError` with all of them, one a line, the first ``MOST_TOLD`` of many."""
+    def raise_if_any(self, path: Path) -> None:
+        """Raise an error if there are faults.
+
+        Raises:
+            DataError: one fault a line, at most the first ``MOST_TOLD``.
+        """
         if len(self.found) == 1:
             raise DataError(self.found[0])
         if self.found:
@@ -90,7 +106,7 @@ class Faults:
 
 
 def read_lines(path: Path) -> list[str]:
-    """Lines of a UTF-8 text file.
+    """Read the lines of a UTF-8 text file.
 
     Raises:
         DataError: no such file, invalid UTF-8, or a file that does not end with a line break.
@@ -119,21 +135,28 @@ def _lines(path: Path, raw: bytes) -> list[str]:
 
 
 def read_anchors(path: Path, categories: Collection[str] | None = None) -> dict[str, frozenset[str]]:
-    """Anchors of a file like ``anchors.txt``: lines ``class name: relation ...``, names among ``categories``.
+    """Read a file like ``anchors.txt``, with lines ``class name: relation ...``.
+
+    Args:
+        path: the file.
+        categories: names that exist; None accepts any.
+
+    Returns:
+        Allowed relations of each anchor.
 
     Raises:
-        DataError: naming file and line of all that is wrong.
+        DataError: with all faults, each with file and line.
     """
     faults = Faults()
     anchors = _anchors(path, read_lines(path), categories, faults)
-    faults.tell(path)
+    faults.raise_if_any(path)
     return anchors
 
 
 def _anchors(
     path: Path, lines: Sequence[str], categories: Collection[str] | None, faults: Faults
 ) -> dict[str, frozenset[str]]:
-    """Anchors of a file. What names one counts as one, so that its uses are no faults as well."""
+    """The anchors of a file. A line with a fault still defines its anchor, so that its uses are not reported too."""
     anchors: dict[str, frozenset[str]] = {}
     for number, line in enumerate(lines, 1):
         where = f"{path}:{number}"
@@ -158,20 +181,20 @@ def _anchors(
 def parse_book(
     path: Path, anchors: Anchors, categories: Collection[str] | None = None, limits: Limits = BOOK_LIMITS
 ) -> list[Entry]:
-    """Entries of one file.
+    """Read the entries of one file.
 
     Args:
         path: the file; entry ids are ``category/number``.
         anchors: allowed relations of each anchor.
         categories: target categories that exist; None accepts any name.
-        limits: how much an entry may have.
+        limits: least and most placements, habits and words.
 
     Raises:
-        DataError: naming file and line of all that is wrong.
+        DataError: with all faults, each with file and line.
     """
     faults = Faults()
     entries = _entries(path, read_lines(path), anchors, categories, {}, limits, faults)
-    faults.tell(path)
+    faults.raise_if_any(path)
     return entries
 
 
@@ -184,9 +207,10 @@ def _entries(
     limits: Limits,
     faults: Faults,
 ) -> list[Entry]:
-    """Entries of a file; ``count`` is how many entries of each category came before, and is brought up to date.
+    """The entries of a file.
 
-    Lines with faults are left out, and what is wrong about others only for that reason is not told.
+    ``count``, the number of earlier entries of each category, is updated. Lines with faults are left out; faults of
+    other lines that may only follow from that are not reported.
     """
     entries: list[Entry] = []
     draft: _Draft | None = None
@@ -274,17 +298,17 @@ def _finish(path: Path, draft: _Draft, count: dict[str, int], limits: Limits, fa
 
 @cache
 def book_anchors() -> dict[str, frozenset[str]]:
-    """Anchors of the embedded book with the relations they allow."""
+    """The anchors of the shipped book with the relations they allow; read once."""
     path = BOOK_FOLDER / ANCHORS
     faults = Faults()
     anchors = _anchors(path, _lines(path, read_verified(path)), None, faults)
-    faults.tell(path)
+    faults.raise_if_any(path)
     return anchors
 
 
 @cache
 def book() -> HabitDataset:
-    """The embedded habit book: 24,423 habits of 497 categories, checked against its checksum."""
+    """The shipped habit book: 24,423 habits of 497 categories, checked against its checksum; read once."""
     return load_dataset_file(BOOK_FILE, verified=True)
 
 
@@ -297,10 +321,13 @@ copyreg.pickle(HabitDataset, _pickled)
 
 
 def the_book(sha256: str) -> HabitDataset:
-    """The embedded book where it is the one of this hash: a pickle named it.
+    """The shipped book, for unpickling.
+
+    Args:
+        sha256: hash of the book when it was pickled.
 
     Raises:
-        DataError: the book of this installation is another edition.
+        DataError: this installation has another edition.
     """
     found = book()
     if found.sha256 != sha256:
@@ -315,13 +342,17 @@ def _read(path: Path, verified: bool) -> list[str]:
 
 
 def read_book(folder: Path, categories: Collection[str] | None = None, *, verified: bool = False) -> HabitDataset:
-    """All ``*.txt`` of a folder in name order; its ``anchors.txt`` where it has one, else the book's.
+    """Read all ``*.txt`` of a folder in name order, with its ``anchors.txt`` (the book's, where it has none).
 
-    ``verified`` checks each file against the manifest of the folder; without, a file that was edited is read as it is.
-    The limits of the book bind the book alone.
+    The limits of the shipped book apply to that book alone.
+
+    Args:
+        folder: the folder.
+        categories: names that exist; None accepts any.
+        verified: check each file against the folder's manifest; otherwise an edited file is read as it is.
 
     Raises:
-        DataError: naming file and line of all that is wrong.
+        DataError: with all faults, each with file and line.
     """
     if folder.is_file():
         raise DataError(
@@ -342,5 +373,5 @@ def read_book(folder: Path, categories: Collection[str] | None = None, *, verifi
             faults.found.append(str(error))
         else:
             entries += _entries(path, lines, anchors, categories, count, limits, faults)
-    faults.tell(folder)
+    faults.raise_if_any(folder)
     return HabitDataset("book" if folder == BOOK_FOLDER else folder.name, tuple(entries))

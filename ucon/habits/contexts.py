@@ -1,11 +1,11 @@
-"""Contexts: on which day, at what hour, in which season and on what occasion a household keeps a thing elsewhere.
+"""Contexts: the day, hour, season or occasion in which a household keeps a thing elsewhere.
 
 The book's contexts are free text. ``data/contexts.txt`` maps each of them, reviewed by hand, to conditions:
 
     summer evenings = season summer; time 18-22
     when guests come = event guests/visit
 
-All conditions of a line must hold. A context that the table does not know (in a user's own files) holds only where an
+All conditions of a line must hold. A context that the table does not list (in a user's own files) holds only where an
 episode states it word for word.
 """
 
@@ -27,7 +27,7 @@ DAYS: Final = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
 SEASONS: Final = ("spring", "summer", "autumn", "winter")
 EVENT_GROUPS: Final = ("guests", "feast", "travel", "work", "chores", "health", "weather", "family", "hobby")
 TABLE: Final = Path(__file__).parent / "data" / "contexts.txt"
-#: How often an episode that states its context has an occasion at all.
+#: Probability that an episode that states its context has an occasion.
 EVENT_P: Final = 0.5
 MAX_LINE: Final = 400
 _WAKING_HOURS = range(6, 24)
@@ -39,7 +39,7 @@ _SEASON_OF: Final = {
     **dict.fromkeys(("feast/rosh-hashanah", "feast/diwali"), "autumn"),
     **dict.fromkeys(("weather/heat", "feast/barbecue", "feast/picnic"), "summer"),
 }
-"""Occasions that fall into one season."""
+"""By occasion that belongs to one season: the season."""
 _DAY_NAMES = ("Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday")
 _NAMED_DAYS = {"workday": range(5), "weekend": range(5, 7), "dayoff": range(5, 7)}
 _SLUG = re.compile(r"[a-z0-9]+(?:-[a-z0-9]+)*")
@@ -47,10 +47,14 @@ _SLUG = re.compile(r"[a-z0-9]+(?:-[a-z0-9]+)*")
 
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """What must be the case for a placement to be used; None: anything.
+    """The condition under which a placement is used; a field of None does not matter.
 
-    ``days`` are 0 (Monday) to 6; ``hours`` is [from, to) on a 24 h clock and may pass midnight; ``occasion`` is an
-    event such as ``guests/visit``, or ``other/...`` where a text says neither day, time, season nor event.
+    Attributes:
+        days: 0 (Monday) to 6.
+        hours: [from, to) on a 24 h clock; may pass midnight.
+        seasons: of :data:`SEASONS`.
+        occasion: an event such as ``guests/visit``, or ``other/...`` for texts that name neither day, time, season nor
+            event.
     """
 
     days: frozenset[int] | None = None
@@ -60,7 +64,7 @@ class Condition:
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """What the condition speaks of: day, time, season, event, other."""
+        """Which of day, time, season, event, other the condition is about."""
         found = [name for name, value in zip(("day", "time", "season"), self._calendar, strict=True) if value]
         if self.occasion:
             found.append("other" if self.occasion.startswith("other/") else "event")
@@ -71,7 +75,7 @@ class Condition:
         return self.days, self.hours, self.seasons
 
     def holds(self, context: Context) -> bool:
-        """Whether a stated context fulfils it."""
+        """Whether a context fulfils all parts of the condition."""
         if self.days is not None and context.day not in self.days:
             return False
         if self.hours is not None and not between(context.hour, *self.hours):
@@ -83,24 +87,31 @@ class Condition:
 
 @dataclass(frozen=True, slots=True)
 class Context:
-    """When an episode takes place and who asks. ``day`` 0 is Monday, ``hour`` 0 to 23."""
+    """When an episode takes place and who asks.
+
+    Attributes:
+        day: 0 (Monday) to 6.
+        hour: 0 to 23.
+        season: of :data:`SEASONS`.
+        occasion: such as ``guests/visit``, or None.
+        asker: household of the entry that the target's placement follows.
+    """
 
     day: int
     hour: int
     season: str
     occasion: str | None
     asker: str
-    """Household of the entry that the target's placement follows."""
 
     def sentence(self) -> str:
-        """What a person would tell the robot."""
+        """The context as a person would say it, for prompts and info."""
         told = f"It is {_DAY_NAMES[self.day]}, about {self.hour} o'clock, in {self.season}."
         if self.occasion:
             told += f" Occasion: {self.occasion.partition('/')[2].replace('-', ' ')}."
         return f"{told} Asking: {self.asker}."
 
     def to_json(self) -> dict[str, Any]:
-        """JSON-ready dictionary."""
+        """The context as JSON data."""
         return {
             "day": DAYS[self.day],
             "hour": self.hour,
@@ -111,7 +122,12 @@ class Context:
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> Context:
-        """Rebuild it; raises ValueError or KeyError for what is not a context."""
+        """Read a context from JSON data.
+
+        Raises:
+            ValueError: a value is out of its range.
+            KeyError: a field is missing.
+        """
         hour, season = int(data["hour"]), str(data["season"])
         if not 0 <= hour < 24 or season not in SEASONS:
             raise ValueError(f"context of hour {hour} and season '{season}'")
@@ -122,7 +138,13 @@ class Context:
 
 
 def draw_context(rng: np.random.Generator, occasions: Iterable[str], asker: str) -> Context:
-    """A day, an hour and a season, and in half of the cases one of the occasions that matter to the household."""
+    """Draw a random context; half of them have an occasion.
+
+    Args:
+        rng: random numbers.
+        occasions: those that matter to the household.
+        asker: the household that asks.
+    """
     known = sorted(set(occasions))
     day, hour = int(rng.integers(7)), int(rng.choice(_WAKING_HOURS))
     season = SEASONS[int(rng.integers(len(SEASONS)))]
@@ -132,21 +154,28 @@ def draw_context(rng: np.random.Generator, occasions: Iterable[str], asker: str)
 
 
 def condition_of(text: str) -> Condition:
-    """The condition behind a context of the book; a context of its own where the table does not know the text."""
+    """The condition of a context of the book.
+
+    Args:
+        text: the context; one that the table does not list becomes an occasion ``other/...`` of its own.
+    """
     return context_table().get(text) or Condition(occasion=f"other/{_slug(text)}")
 
 
 @cache
 def context_table() -> dict[str, Condition]:
-    """The reviewed table of the embedded book's contexts."""
+    """Conditions by context of the shipped table, reviewed by hand; read once."""
     return read_contexts(TABLE)
 
 
 def read_contexts(path: Path) -> dict[str, Condition]:
-    """Conditions by context of a table file.
+    """Read a table of contexts.
+
+    Returns:
+        Conditions by context.
 
     Raises:
-        DataError: naming file and line of the first thing that is wrong.
+        DataError: naming file and line of the first fault.
     """
     try:
         lines = path.read_bytes().decode("utf-8").replace("\r\n", "\n").split("\n")
@@ -225,7 +254,7 @@ _PARSERS: Final[dict[str, tuple[str, Any]]] = {
 
 
 def between(hour: int, start: int, end: int) -> bool:
-    """Whether a full hour lies in a span, which may go past midnight."""
+    """Whether an hour lies in [start, end), which may pass midnight."""
     return start <= hour < end if start < end else hour >= start or hour < end
 
 

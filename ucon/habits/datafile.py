@@ -30,7 +30,16 @@ _MAX_BYTES: Final = 256 * 2**20
 
 
 def save_dataset(dataset: HabitDataset, path: Path, steps: dict[str, Any] | None = None) -> None:
-    """Write a dataset file; ``steps`` records how it was made (what was proposed, validated, verified)."""
+    """Write a dataset file; equal datasets give equal bytes.
+
+    Args:
+        dataset: what to write.
+        path: a name ending in ``.habits.xz``.
+        steps: how the dataset was made (proposed, validated, verified), stored in the header.
+
+    Raises:
+        DataError: another ending.
+    """
     require_suffix(path)
     lines = [canonical_json(_entry_row(entry)) for entry in dataset.entries]
     body = "\n".join([*lines, canonical_json(dataset.verdicts.to_json())]) + "\n"
@@ -50,22 +59,26 @@ def save_dataset(dataset: HabitDataset, path: Path, steps: dict[str, Any] | None
 
 
 def require_suffix(path: Path) -> None:
-    """Refuse a name that no dataset file has."""
+    """Check that a name ends in ``.habits.xz``.
+
+    Raises:
+        DataError: it does not.
+    """
     if not path.name.endswith(SUFFIX):
         raise DataError(f"{path}: expected a name ending in {SUFFIX}")
 
 
 def load_dataset_file(path: Path, categories: Collection[str] | None = None, *, verified: bool = False) -> HabitDataset:
-    """The dataset of a file.
+    """Load a dataset file.
 
     Args:
         path: the file.
         categories: names of targets and anchors that exist; None accepts any name.
-        verified: check the file against the manifest of its folder, and take its entries to keep the rules.
+        verified: check the file against its folder's manifest, and skip the rules for its entries.
 
     Raises:
-        DataError: no such file, a truncated or altered one, another version, or a line that is no entry, or none by
-            the rules of an own household; names file and line.
+        DataError: no such file, a truncated or altered one, another version, or a line that is no entry or breaks a
+            rule; names file and line.
     """
     lines = _lines(path, verified=verified)
     header = _header(path, lines[0])
@@ -137,7 +150,7 @@ def _entry(row: str, where: str) -> Entry:
 
 
 def _check(path: Path, entries: tuple[Entry, ...], categories: Collection[str] | None) -> None:
-    """Raise where an entry breaks a rule; which relations its anchors allow, only the text knows."""
+    """Check all entries against the rules. Which relations an anchor allows is known only from the text."""
     names = {p.anchor for entry in entries for p in entry.placements} if categories is None else categories
     anchors = dict.fromkeys(names, frozenset[str](RELATIONS))
     seen: set[str] = set()
@@ -150,7 +163,7 @@ def _check(path: Path, entries: tuple[Entry, ...], categories: Collection[str] |
 
 
 def _faults(entry: Entry, categories: Collection[str] | None, anchors: Anchors) -> Iterator[str | None]:
-    """What each rule says about an entry, None where it is kept."""
+    """What each rule says about an entry; None for a rule that is kept."""
     yield from map(line_fault, (entry.id, entry.category, entry.household, *(h.text for h in entry.habits)))
     yield from (line_fault(text) for p in entry.placements for text in (p.anchor, p.context or ""))
     yield header_fault(entry.category, entry.household, entry.kind, categories)
@@ -162,7 +175,7 @@ def _faults(entry: Entry, categories: Collection[str] | None, anchors: Anchors) 
 
 
 def _usable(entry: Entry) -> bool:
-    """Whether every value is of the type that it should be, and every text can be shown."""
+    """Whether every value has its type, and every text can be displayed."""
     texts: list[Any] = [entry.id, entry.category, entry.household, *(h.text for h in entry.habits)]
     texts += [text for p in entry.placements for text in (p.relation, p.anchor)]
     texts += [text for text in (entry.scene, entry.kind, *(p.context for p in entry.placements)) if text is not None]

@@ -1,4 +1,4 @@
-"""Which entries a home can host, and which of them its household has."""
+"""Which entries a home can host, and which entries make up its household."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from ucon.habits.splits import Split, entry_filter
 from ucon.habits.types import Entry, HabitDataset, Placement
 from ucon.habits.verdicts import NO_VERDICTS, Verdicts
 
+#: Realisable placements that an entry with several needs to be hosted.
 MIN_REALISABLE = 2
 #: Probability of 1, 2 and 3 entries a category: 2.3 in the mean.
 N_ENTRIES_P = (0.15, 0.40, 0.45)
@@ -17,14 +18,14 @@ N_ENTRIES_P = (0.15, 0.40, 0.45)
 
 @dataclass(frozen=True, slots=True)
 class Hosted:
-    """An entry with the indices of its placements that a home can realise."""
+    """An entry, and the indices of its placements that a home can realise."""
 
     entry: Entry
     realisable: tuple[int, ...]
 
     @property
     def ok(self) -> bool:
-        """Whether two placements can be realised, or its only one, so that the entry may be sampled there."""
+        """Whether the entry may be sampled in the home: two placements can be realised, or its only one."""
         return len(self.realisable) >= max(1, min(MIN_REALISABLE, len(self.entry.placements)))
 
     @property
@@ -41,14 +42,14 @@ def hosted(
     home: str = "",
     verdicts: Verdicts = NO_VERDICTS,
 ) -> list[Hosted]:
-    """Every entry with what a home can realise of it; ``ok`` says whether it is hosted, the others are listed too.
+    """The realisable placements of every entry in a home; ``ok`` says whether it is hosted.
 
     Args:
         entries: of a dataset or household.
-        anchors_present: categories that stand in the home.
-        importable: whether a missing anchor can be brought in.
-        home: its name, for ``verdicts`` that were reached in this very home.
-        verdicts: of validation; what they refuse is not realisable.
+        anchors_present: categories in the home.
+        importable: whether a missing anchor can be added.
+        home: its name; ``verdicts`` of this very home come first.
+        verdicts: of validation; a placement they refuse is not realisable.
     """
     can = dict.fromkeys(anchors_present, True)
 
@@ -72,18 +73,21 @@ def household(
     kinds: Collection[str] = (),
     part: Split | None = None,
 ) -> dict[str, tuple[Entry, ...]]:
-    """What the people of a home are like: for each category 1 to 3 entries, seeded by the home's name.
+    """The household of a home: 1 to 3 entries for each category, drawn by the home's name.
 
-    Entries bound to scenes are not drawn: a named scene and its variants have all of their own, other homes borrow
-    those of one scene, chosen by the home's name.
+    Entries bound to scenes are not drawn: a named scene and its variants have all of theirs, other homes use those of
+    one scene, chosen by the home's name.
 
     Args:
         home: its name.
-        dataset: what people can be like.
-        seed: another seed, other people.
-        kinds: kinds of place that the home is (:data:`ucon.habits.types.HOUSEHOLD_KINDS`): entries bound to them come
-            first, entries bound to others never.
+        dataset: the entries.
+        seed: another seed gives another household.
+        kinds: of the home (:data:`ucon.habits.types.HOUSEHOLD_KINDS`). Entries bound to these come first, entries bound
+            to other kinds are never drawn.
         part: draw only from the entries that episodes of this part may use; None: from all.
+
+    Returns:
+        Entries by category.
     """
     if dataset.scenes:
         scene = home.split("~")[0]
@@ -104,7 +108,7 @@ def household(
 
 
 def _draw(home: str, category: str, entries: Sequence[Entry], seed: int) -> tuple[Entry, ...]:
-    """1 to 3 entries at random, those of people who are bound to such a place before the others."""
+    """1 to 3 random entries; those bound to a kind of home come first."""
     rng = stream(seed, "household", home, category)
     count = min(int(rng.choice(3, p=N_ENTRIES_P)) + 1, len(entries))
     order = sorted(rng.permutation(len(entries)), key=lambda i: entries[i].kind is None)

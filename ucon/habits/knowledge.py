@@ -1,4 +1,4 @@
-"""The knowledge base of an episode: the habits of its categories, shuffled."""
+"""The knowledge base of an episode: the habits of its categories, shuffled (paper, section III)."""
 
 from __future__ import annotations
 
@@ -21,20 +21,28 @@ MODES: tuple[Mode, ...] = ("category", "task")
 
 @dataclass(frozen=True, eq=False)
 class KnowledgeBase(Shared):
-    """Rows of a dataset in the order in which a user would tell them: none in particular."""
+    """Rows of a dataset in random order."""
 
     dataset: HabitDataset
     rows: NDArray[np.int32]
-    """(N,) in shuffled order."""
+    """(N,) rows of the dataset, shuffled."""
 
     @classmethod
     def build(
         cls, dataset: HabitDataset, drawn: Mapping[str, Sequence[Entry]], seed: int, mode: Mode = "category"
     ) -> KnowledgeBase:
-        """Knowledge base of the drawn entries of each category.
+        """The knowledge base of the household's entries for some categories.
 
-        Mode ``category`` takes all of them, ``task`` one a category, chosen by the seed; :attr:`entries` says which.
-        Each entry has its own random keys, so the order of two habits does not depend on what else is there.
+        Each entry has its own random keys, so the order of two habits does not depend on the others.
+
+        Args:
+            dataset: the habits.
+            drawn: entries by category.
+            seed: of the order, and of the choice in mode ``task``.
+            mode: ``category`` takes all entries, ``task`` one a category; :attr:`entries` says which.
+
+        Raises:
+            ConfigError: an unknown mode, or no entry.
         """
         if mode not in MODES:
             raise ConfigError(unknown_name("knowledge base mode", mode, MODES))
@@ -55,12 +63,12 @@ class KnowledgeBase(Shared):
 
     @cached_property
     def texts(self) -> tuple[str, ...]:
-        """The sentences in order."""
+        """The N sentences in order."""
         return tuple(self.dataset.texts[row] for row in self.rows)
 
     @cached_property
     def entries(self) -> dict[str, tuple[Entry, ...]]:
-        """Entries behind the habits by category: where objects may be. Privileged, never shown to an agent."""
+        """The entries of the habits, by category. Privileged: they hold the placements."""
         found: dict[str, list[Entry]] = {}
         for number in np.unique(self.dataset.row_entry[self.rows]):
             entry = self.dataset.entries[number]
@@ -68,7 +76,11 @@ class KnowledgeBase(Shared):
         return {category: tuple(entries) for category, entries in sorted(found.items())}
 
     def rows_about(self, target: str) -> NDArray[np.int32]:
-        """Rows whose category is the target, supporting or not, in order."""
+        """Rows of the target category's habits, distractors included, in order.
+
+        Raises:
+            ConfigError: the category is not in the knowledge base.
+        """
         if target not in self.entries:
             raise ConfigError(unknown_name("target of this knowledge base", target, self.entries))
         return self.rows[self.dataset.row_category[self.rows] == self.dataset.categories.index(target)]

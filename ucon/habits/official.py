@@ -1,9 +1,9 @@
-"""Reader of the official release's task files. Its text is read from a path the user gives and never shipped.
+"""Reader of the official release's task files, from a path that the user gives; their text is never shipped.
 
 Two forms are accepted: scene -> category -> list of tasks, and scene -> list of tasks. A task has the fields
-``user_instruction``, ``basic_object_name``, ``prompt``, ``habits`` and ``location`` (or ``locations``); a location
-reads ``target.place_relation(anchor)``. Other fields, such as the answers that language models gave, are never looked
-at. Whatever does not fit is reported with its file and position.
+``user_instruction``, ``basic_object_name``, ``prompt``, ``habits`` and ``location`` (or ``locations``). A location
+reads ``target.place_relation(anchor)``. Other fields, such as answers of language models, are ignored. Whatever does
+not fit is reported with its file and position.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from typing import Any, Final, cast
 
 from ucon.core.errors import DataError, brief
 from ucon.habits.release import (
+    categories_in,
     category_name,
     default_file,
     kind,
     load_release_file,
     location_parts,
     plain,
-    standing_in,
     unpacked,
 )
 from ucon.habits.types import Entry, Habit, HabitDataset, Placement
@@ -31,12 +31,13 @@ from ucon.objects.model import RELATIONS, Relation
 
 MAX_TEXT: Final = 2000
 """Characters of one sentence; the release's longest has 259."""
+#: Most reasons that :meth:`ImportReport.left_out` lists.
 _REASONS: Final = 3
 
 
 @dataclass(frozen=True, slots=True)
 class ReleaseProblem:
-    """One thing that does not fit. ``where`` is the file and the path inside it."""
+    """One fault of a file; ``where`` is the file and the path inside it."""
 
     where: str
     message: str
@@ -47,7 +48,7 @@ class ReleaseProblem:
 
 @dataclass(frozen=True, slots=True)
 class Located:
-    """A placement of an entry that was read, and where it stands in the file."""
+    """A placement that was read, and its position in the file."""
 
     where: str
     scene: str
@@ -57,7 +58,18 @@ class Located:
 
 @dataclass
 class ImportReport:
-    """What a file holds and everything that does not fit; habits and locations are counted as they are listed."""
+    """Counts and faults of a file.
+
+    Attributes:
+        path: the file.
+        scenes: scenes with tasks.
+        categories: target categories with usable tasks.
+        tasks: tasks listed.
+        habits: sentences listed.
+        locations: locations listed.
+        problems: all faults.
+        located: every placement of the dataset, in the order of the file.
+    """
 
     path: Path
     scenes: int = 0
@@ -67,10 +79,16 @@ class ImportReport:
     locations: int = 0
     problems: list[ReleaseProblem] = field(default_factory=list)
     located: list[Located] = field(default_factory=list)
-    """Every placement of the dataset, in the order of the file."""
 
     def left_out(self, habits: int) -> str | None:
-        """One line on what a dataset of ``habits`` sentences lacks of the file, and why; None if nothing."""
+        """One line on what the dataset lacks of the file, and why.
+
+        Args:
+            habits: sentences of the dataset.
+
+        Returns:
+            None if nothing is missing.
+        """
         lost = {"habits": (self.habits - habits, self.habits)}
         lost["locations"] = (self.locations - len(self.located), self.locations)
         if not any(count for count, _ in lost.values()):
@@ -82,17 +100,20 @@ class ImportReport:
         return f"{self.path}: {counts} left out ({why}{more}); `python -m ucon habits import` lists each"
 
     def add(self, where: str, message: str) -> None:
-        """Report one malformed thing."""
+        """Add a fault."""
         self.problems.append(ReleaseProblem(where, message))
 
 
 def official(path: Path | str, categories: Collection[str] | None = None) -> tuple[HabitDataset, ImportReport]:
-    """Dataset of one file of the release (a folder means its ``seen_obj_seen_scene.json``).
+    """Read one file of the release.
 
     Args:
-        path: file or folder.
+        path: file, or a folder, which means its ``seen_obj_seen_scene.json``.
         categories: names that exist; targets and anchors outside are reported and left out. Names of models and
-            instances are taken for their category. None accepts any name as it stands.
+            instances are mapped to their category. None accepts any name as it is.
+
+    Returns:
+        The dataset and the report.
 
     Raises:
         DataError: the file cannot be read, is not JSON of one of the two forms, or holds no usable task.
@@ -117,7 +138,7 @@ def official(path: Path | str, categories: Collection[str] | None = None) -> tup
     report.scenes, report.categories = len(scenes), len({entry.category for entry in entries})
     if not entries:
         raise DataError(f"{file}: no usable task; expected scene -> category -> tasks (or scene -> tasks)")
-    standing = standing_in(file.parent, scenes)
+    standing = categories_in(file.parent, scenes)
     return HabitDataset(f"official:{file.stem}", tuple(entries), labelled=False, standing=standing), report
 
 

@@ -1,4 +1,4 @@
-"""The official release's task folder: which files it holds, and the names that its files use for things.
+"""The files of the official release's task folder, and the names they use for things.
 
 The raw files under ``origin/`` were never cleaned: they name models (``coffee_table_fqluyq_0``,
 ``bottom_cabinet-jhymlr``) and instances (``vinegar_bottle_194``) instead of categories, write ``on_top`` for ``ontop``,
@@ -19,7 +19,7 @@ from ucon.core.untrusted.plain_file import read_bounded
 from ucon.core.untrusted.strict_json import JsonError, parse_json
 
 DEFAULT_FILE: Final = "seen_obj_seen_scene.json"
-#: Which categories stand in which scene.
+#: The file that lists the categories in each scene.
 STANDING_FILE: Final = "scene_obj.json"
 ORIGIN: Final = "origin"
 _SPLITS: Final = tuple(f"{o}_obj_{s}_scene" for o in ("seen", "unseen") for s in ("seen", "unseen"))
@@ -39,19 +39,19 @@ _PATTERNS: Final = ("*seen_obj_*seen_scene*.json", "task*.json", "test*.json", f
 
 _RELATION_NAMES: Final = {"on": "ontop", "on_top": "ontop", "on_top_of": "ontop", "next_to": "nextto", "in": "inside"}
 _LOCATION: Final = re.compile(r"""['"\s]*([^.()]+)\.place_(\w+)\(([^()]+)\)['"\s]*""")
-#: Of one file; the release's largest has some tens of megabytes.
+#: Largest file; the release's has some tens of megabytes.
 _MAX_BYTES: Final = 256 * 2**20
 _MODEL: Final = re.compile(r"[a-z0-9]{6}")
 
 
 def task_files(folder: Path) -> list[Path]:
-    """The task files of a release folder, known ones and their variants: its own, then those of ``origin/``."""
+    """The task files of a release folder: its own, then those of ``origin/``, each by name."""
     found = [path for path in _json_files(folder) if _is_task_file(path.relative_to(folder).as_posix())]
     return sorted(found, key=lambda path: (path.parent != folder, path.name))
 
 
 def release_warnings(folder: Path) -> list[str]:
-    """One line for every task file of the release that a folder lacks, and for every file that is none of it."""
+    """One line for every task file that a folder lacks, and for every file that is not part of the release."""
     found = {path.relative_to(folder).as_posix() for path in _json_files(folder)}
     lines = [f"{folder / name}: missing, the release has it" for name in TASK_FILES if name not in found]
     if not any(name.startswith(f"{ORIGIN}/") for name in found):
@@ -61,7 +61,11 @@ def release_warnings(folder: Path) -> list[str]:
 
 
 def default_file(folder: Path) -> Path:
-    """The file that a folder stands for; raises :class:`DataError` naming what is there where it is missing."""
+    """The file that a folder stands for.
+
+    Raises:
+        DataError: it is missing; names the task files that are there.
+    """
     file = folder / DEFAULT_FILE
     if file.is_file():
         return file
@@ -69,10 +73,15 @@ def default_file(folder: Path) -> Path:
     raise DataError(f"{folder}: no {DEFAULT_FILE} in it, found {found}; give the path of one file, or use --all")
 
 
-def standing_in(folder: Path, scenes: Collection[str]) -> dict[str, tuple[str, ...]]:
-    """Categories that stand in each of ``scenes``, by the list that the release keeps beside its tasks.
+def categories_in(folder: Path, scenes: Collection[str]) -> dict[str, tuple[str, ...]]:
+    """Categories in each scene, by the list that the release keeps beside its tasks.
 
-    Scenes that it does not name are left out; without the list it is empty.
+    Args:
+        folder: of the tasks.
+        scenes: scenes to look up; those that the list lacks are left out.
+
+    Returns:
+        Categories by scene; empty without a list.
 
     Raises:
         DataError: there is a list, but it cannot be read.
@@ -89,10 +98,13 @@ def standing_in(folder: Path, scenes: Collection[str]) -> dict[str, tuple[str, .
 
 
 def load_release_file(file: Path) -> tuple[dict[str, Any], list[str]]:
-    """The object that a file holds, and the keys that one of its objects has twice (the last one counts).
+    """Read a file of the release.
+
+    Returns:
+        The object in it, and the keys that an object has twice (the last one counts).
 
     Raises:
-        DataError: the file cannot be read, or is no JSON object.
+        DataError: the file cannot be read, or holds no JSON object.
     """
     try:
         raw = read_bounded(file, _MAX_BYTES)
@@ -109,7 +121,7 @@ def load_release_file(file: Path) -> tuple[dict[str, Any], list[str]]:
 
 
 def unpacked(task: Any) -> Any:
-    """A task that is given as a text holding JSON, read; anything else as it is."""
+    """A task that is given as a text of JSON, parsed; anything else as it is."""
     if not isinstance(task, str):
         return task
     try:
@@ -119,12 +131,12 @@ def unpacked(task: Any) -> Any:
 
 
 def kind(value: Any) -> str:
-    """What a JSON value is, for messages."""
+    """The kind of a JSON value, for messages."""
     return {dict: "object", list: "list", str: "text", type(None): "null"}.get(type(value), type(value).__name__)
 
 
 def plain(text: Any) -> str | None:
-    """A text on one line, without what cannot be shown; None for anything else."""
+    """A text on one line, without characters that cannot be displayed; None for anything else."""
     if not isinstance(text, str):
         return None
     line = text if is_shown(text) else " ".join(text.split())
@@ -132,9 +144,14 @@ def plain(text: Any) -> str | None:
 
 
 def category_name(text: str, categories: Collection[str] | None) -> str:
-    """The category behind a name: ``sink`` of ``sink_ksecxq_0``, ``carving_knife`` of ``Carving knife``.
+    """The category of a name: ``sink`` of ``sink_ksecxq_0``, ``carving_knife`` of ``Carving knife``.
 
-    The longest form that is among ``categories``; the whole name where none is, or nothing is known of them.
+    Args:
+        text: name of a category, a model or an instance.
+        categories: names that exist, or None.
+
+    Returns:
+        The longest form that is among ``categories``; the whole name where none is.
     """
     name = re.sub(r"[\s-]+", "_", text.strip("'\" \t\n").lower())
     if categories is None or name in categories:
@@ -146,7 +163,13 @@ def category_name(text: str, categories: Collection[str] | None) -> str:
 
 
 def location_parts(text: str, categories: Collection[str] | None) -> tuple[str, str, str] | None:
-    """Target, relation and anchor of ``target.place_relation(anchor)``, names as of :func:`category_name`."""
+    """Target, relation and anchor of ``target.place_relation(anchor)``.
+
+    Names are mapped by :func:`category_name`.
+
+    Returns:
+        None where the text is no location.
+    """
     match = _LOCATION.fullmatch(text)
     if match is None:
         return None

@@ -1,6 +1,6 @@
-"""What makes an entry: the rules that the book's parser and every other source of entries share.
+"""The rules for entries, shared by the book's parser and every other source of entries.
 
-Each function looks at values and returns what is wrong with them, in one line without a place, or None.
+Each function checks some values. It returns what is wrong, in one line without a place, or None.
 """
 
 from __future__ import annotations
@@ -20,17 +20,16 @@ MAX_LINE: Final = 400
 
 @dataclass(frozen=True)
 class Limits:
-    """How much an entry may have, least and most."""
+    """Least and most placements and habits of an entry, and words of a sentence."""
 
     placements: tuple[int, int]
     habits: tuple[int, int]
     words: tuple[int, int]
-    """Of a sentence."""
 
 
-#: What the habit book keeps, so that its households are alike.
+#: Limits of the habit book, so that its households are alike.
 BOOK_LIMITS: Final = Limits((3, 6), (8, 13), (5, 26))
-#: What anybody's own households keep; the format counts the placements of an entry by one digit.
+#: Limits of a user's own households; the format counts the placements of an entry by one digit.
 OWN_LIMITS: Final = Limits((1, 9), (1, 1000), (1, 80))
 
 Anchors = Mapping[str, frozenset[str]]
@@ -41,7 +40,7 @@ _CONTEXT = re.compile(r"[^{}]+")
 
 
 def line_fault(line: str) -> str | None:
-    """What keeps a text from being one line of a habit file: its length, or a character that cannot be seen."""
+    """What keeps a text from being one line of a habit file: its length, or a control character."""
     if len(line) > MAX_LINE:
         return f"{len(line)} characters, at most {MAX_LINE} are allowed; shorten it"
     if not is_shown(line):
@@ -50,7 +49,14 @@ def line_fault(line: str) -> str | None:
 
 
 def header_fault(category: str, household: str, kind: str | None, categories: Collection[str] | None) -> str | None:
-    """What is wrong with whose entry it is; ``categories`` that exist, None accepts any name."""
+    """What is wrong with an entry's header.
+
+    Args:
+        category: target category.
+        household: description of the people.
+        kind: kind of home, or None.
+        categories: names that exist; None accepts any.
+    """
     if not _HOUSEHOLD.fullmatch(household):
         return f"household '{household[:60]}', expected a description that starts with a word and has no braces"
     if categories is not None and category not in categories:
@@ -61,7 +67,14 @@ def header_fault(category: str, household: str, kind: str | None, categories: Co
 
 
 def placement_fault(category: str, earlier: Sequence[Placement], new: Placement, anchors: Anchors) -> str | None:
-    """What is wrong with a placement that follows ``earlier`` ones of its entry."""
+    """What is wrong with a placement.
+
+    Args:
+        category: of the entry.
+        earlier: the entry's placements before it.
+        new: the placement.
+        anchors: allowed relations of each anchor.
+    """
     relation, anchor = new.relation, new.anchor
     if relation not in RELATIONS:
         return unknown_name("relation", relation, RELATIONS)
@@ -79,7 +92,14 @@ def placement_fault(category: str, earlier: Sequence[Placement], new: Placement,
 
 
 def habit_fault(text: str, supports: Sequence[int], n_placements: int, limits: Limits) -> str | None:
-    """What is wrong with a sentence and the placements (from 0) that it supports."""
+    """What is wrong with a habit.
+
+    Args:
+        text: the sentence.
+        supports: indices, from 0, of the placements it supports.
+        n_placements: of its entry.
+        limits: least and most words.
+    """
     for index in supports:
         if not 0 <= index < n_placements:
             return f"no placement {index + 1}; the entry has {n_placements}"
@@ -95,7 +115,7 @@ def habit_fault(text: str, supports: Sequence[int], n_placements: int, limits: L
 
 
 def count_fault(n_placements: int, n_habits: int, limits: Limits) -> str | None:
-    """What is wrong with how much an entry has."""
+    """What is wrong with the number of placements or habits of an entry."""
     counted = (("placements", n_placements, limits.placements), ("habits", n_habits, limits.habits))
     for what, found, (low, high) in counted:
         if not low <= found <= high:

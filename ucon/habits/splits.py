@@ -1,10 +1,10 @@
-"""What may be learned from: train, val and test, by category and by entry.
+"""The parts train, val and test, by category and by entry.
 
-The official release's unseen categories are in the test part wherever the habit book holds them; the other categories
-are drawn by a hash of the name, so that a new category never moves an old one. All entries of a val or test category
+The official release's unseen categories are in the test part wherever the habit book has them. The other categories are
+assigned by a hash of the name, so that a new category never moves an old one. All entries of a val or test category
 belong to its part. Of a training category two fifths of the entries are kept for testing: unseen habits of seen
 categories. Priors, readers, retrievers and policies learn from ``train`` entries only, and an episode of one part uses
-only entries of :data:`PARTS_USED`, so no sentence of a test episode was ever learned from.
+only entries of :data:`PARTS_USED`, so no sentence of a test episode was ever trained on.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ PARTS_USED: Final[dict[Split, frozenset[Split]]] = {
     "val": frozenset({"val", "train"}),
     "test": frozenset({"test"}),
 }
-"""Entries that episodes of a part may use: what is validated on may stand among known things, tests are all new."""
+"""By part of the episodes: the parts of the entries they may use. Validation may use training entries too."""
 
 _PARTS: WeakKeyDictionary[HabitDataset, dict[str, Split]] = WeakKeyDictionary()
 
@@ -40,7 +40,7 @@ def _unseen() -> frozenset[str]:
 
 
 def category_split(category: str) -> Split:
-    """The part that a target category belongs to, known or not."""
+    """The part of a target category, also of one that is in no dataset."""
     if category in _unseen():
         return "test"
     value = _hash(f"split:{category}") % 100
@@ -50,12 +50,12 @@ def category_split(category: str) -> Split:
 
 
 def split_categories(categories: Iterable[str], split: Split) -> tuple[str, ...]:
-    """Those of ``categories`` that lie in a part, sorted."""
+    """The categories of a part, sorted."""
     return tuple(sorted(c for c in categories if category_split(c) == split))
 
 
 def entry_parts(dataset: HabitDataset) -> dict[str, Split]:
-    """The part of every entry by its id.
+    """The part of every entry, by its id; computed once a dataset.
 
     Entries bound to scenes (the official release) are split by scene and category together: 12 % test, 6 % val.
     """
@@ -70,7 +70,12 @@ def entry_parts(dataset: HabitDataset) -> dict[str, Split]:
 
 
 def entry_filter(dataset: HabitDataset, part: Split | None) -> Callable[[Entry], bool]:
-    """Whether episodes of a part may use an entry; None: all of them."""
+    """A function that tells whether episodes of a part may use an entry.
+
+    Args:
+        dataset: of the entries.
+        part: None allows all of them.
+    """
     if part is None:
         return lambda _: True
     parts, used = entry_parts(dataset), PARTS_USED[part]
@@ -78,7 +83,7 @@ def entry_filter(dataset: HabitDataset, part: Split | None) -> Callable[[Entry],
 
 
 def _category_parts(split: Split, entries: list[Entry]) -> dict[str, Split]:
-    """Of a training category, the entries with the smallest hashes are kept: two of five, counted per kind of place."""
+    """The parts of a category's entries: of a training category, two of five are kept for testing."""
     if split != "train":
         return {e.id: split for e in entries}
     parts: dict[str, Split] = {}
@@ -105,8 +110,14 @@ def _hash(text: str) -> int:
     return int(hashlib.sha256(text.encode()).hexdigest()[:8], 16)
 
 
-def dealt_pairs(entries: Sequence[Entry], count: int, name: str) -> list[frozenset[tuple[str, str]]]:
-    """(scene, category) pairs of entries dealt into folds, at random but always alike."""
+def scene_category_folds(entries: Sequence[Entry], count: int, name: str) -> list[frozenset[tuple[str, str]]]:
+    """Deal the (scene, category) pairs of entries into folds, at random but always the same.
+
+    Args:
+        entries: bound to scenes.
+        count: number of folds; empty ones are left out.
+        name: of the dataset; decides the order.
+    """
     pairs = sorted({(e.scene or "", e.category) for e in entries})
     order = stream(0, "pair folds", name).permutation(len(pairs))
     return [fold for k in range(count) if (fold := frozenset(pairs[i] for i in order[k::count]))]

@@ -1,7 +1,7 @@
-"""Habits as values: a sentence, the placements it speaks for, the entry of a household, a dataset of entries.
+"""Habits as values: sentences, placements, entries of households, datasets.
 
-Every habit of a dataset has one row number, counted through the entries in order; tables of embeddings, knowledge
-bases and observations speak of habits by that number.
+Every habit of a dataset has a row number, counted through the entries in order. Embedding tables, knowledge bases and
+observations refer to habits by it.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from ucon.habits.verdicts import NO_VERDICTS, Verdicts
 from ucon.objects.model import Relation
 
 HOUSEHOLD_KINDS: tuple[str, ...] = ("office", "shop", "restaurant", "garden")
-"""Kinds of places that entries may be bound to; ``garden`` is any home with a garden, garage or sauna."""
+"""Kinds of home that entries may be bound to; ``garden`` is any home with a garden, garage or sauna."""
 
 
 @dataclass(frozen=True, slots=True)
 class Placement:
-    """One place where an object may be: a relation to an anchor category, perhaps only in a context."""
+    """A place where an object may be: a relation to an anchor category, perhaps only in a context."""
 
     relation: Relation
     anchor: str
@@ -34,7 +34,7 @@ class Placement:
 
 @dataclass(frozen=True, slots=True)
 class Habit:
-    """One sentence. ``supports`` are indices (from 0) into the placements of its entry; empty: a distractor."""
+    """One sentence; ``supports`` are indices (from 0) into its entry's placements, empty for a distractor."""
 
     text: str
     supports: tuple[int, ...] = ()
@@ -42,10 +42,17 @@ class Habit:
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One household's relation to one kind of object.
+    """One household's placements and habits for one category.
 
-    ``household`` is metadata: an observation tells it only as who asks, where an episode states its context. ``scene``
-    binds an entry to one home; None: any home.
+    Attributes:
+        id: unique in its dataset.
+        category: of the object.
+        household: description of the people. Observations have it only as the asker, where an episode states its
+            context.
+        placements: where the object may be.
+        habits: sentences about it.
+        scene: the home it is bound to; None: any.
+        kind: the kind of home it is bound to (:data:`HOUSEHOLD_KINDS`); None: any.
     """
 
     id: str
@@ -55,7 +62,6 @@ class Entry:
     habits: tuple[Habit, ...]
     scene: str | None = None
     kind: str | None = None
-    """Kind of place that its people are bound to (:data:`KINDS`); None: any."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,15 +71,16 @@ class HabitDataset(Shared):
     name: str
     entries: tuple[Entry, ...]
     labelled: bool = True
-    """Whether ``supports`` is known; the official release does not say which habit speaks for which place."""
+    """Whether ``supports`` is known; the official release does not say which habit supports which placement."""
     verdicts: Verdicts = NO_VERDICTS
-    """What PyBullet says about the placements. It decides what is sampled, not what is told: no part of the hash."""
+    """Which placements PyBullet could realise. It decides what is sampled, not which habits are given, so it is not
+    part of the hash."""
     standing: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    """Categories that stand in each scene, where the source says so: what a place may be. No part of the hash."""
+    """Categories in each scene, where the source lists them. Not part of the hash."""
 
     @cached_property
     def sha256(self) -> str:
-        """Hash of all entries."""
+        """SHA-256 of all entries, in hexadecimal."""
         content = [
             (
                 (e.id, e.category, e.household, e.scene, e.kind),
@@ -96,17 +103,17 @@ class HabitDataset(Shared):
 
     @cached_property
     def first_row(self) -> NDArray[np.int32]:
-        """Row of each entry's first habit, and the number of rows at the end: (n_entries + 1,)."""
+        """(n_entries + 1,) row of each entry's first habit, and the number of rows at the end."""
         return np.cumsum([0] + [len(e.habits) for e in self.entries], dtype=np.int32)
 
     @cached_property
     def row_entry(self) -> NDArray[np.int32]:
-        """Entry number of each row, (n_rows,)."""
+        """(n_rows,) number of each row's entry."""
         return np.repeat(np.arange(len(self.entries), dtype=np.int32), np.diff(self.first_row))
 
     @cached_property
     def row_category(self) -> NDArray[np.int32]:
-        """Index into :attr:`categories` of each row, (n_rows,)."""
+        """(n_rows,) index into :attr:`categories` of each row."""
         index = {category: i for i, category in enumerate(self.categories)}
         return np.asarray([index[e.category] for e in self.entries], np.int32)[self.row_entry]
 
@@ -127,7 +134,7 @@ class HabitDataset(Shared):
 
     @cached_property
     def entry_number(self) -> dict[str, int]:
-        """Position of each entry by its id."""
+        """Number of each entry, by its id."""
         return {entry.id: i for i, entry in enumerate(self.entries)}
 
     @cached_property
@@ -141,23 +148,35 @@ class HabitDataset(Shared):
         return len(self.texts)
 
     def entries_of(self, category: str, scene: str | None = None) -> tuple[Entry, ...]:
-        """Entries of a category; with ``scene``, those that may live there."""
+        """Entries of a category.
+
+        Args:
+            category: the category.
+            scene: leave out entries that are bound to another scene; None keeps all.
+
+        Raises:
+            ConfigError: no entry has this category.
+        """
         if category not in self._by_category:
             raise ConfigError(unknown_name("target category", category, self.categories, remedy=f"({self.name})"))
         entries = self._by_category[category]
         return entries if scene is None else tuple(e for e in entries if e.scene in (None, scene))
 
     def rows_of_entries(self, entries: Sequence[Entry]) -> NDArray[np.int32]:
-        """Rows of the habits of some entries, in their order."""
+        """Rows of the habits of some entries, in the order of the entries.
+
+        Returns:
+            (n,) int32.
+        """
         numbers = [self.entry_number[e.id] for e in entries]
         parts = [np.arange(self.first_row[n], self.first_row[n + 1], dtype=np.int32) for n in numbers]
         return np.concatenate(parts) if parts else np.empty(0, np.int32)
 
     def entry_of(self, row: int) -> Entry:
-        """Entry that a row belongs to."""
+        """The entry that a row belongs to."""
         return self.entries[self.row_entry[row]]
 
     def supports(self, row: int) -> tuple[Placement, ...]:
-        """Placements that a habit speaks for; empty for a distractor and where labels are unknown."""
+        """Placements that a habit supports; empty for a distractor and where labels are unknown."""
         placements = self.entry_of(row).placements
         return tuple(placements[i] for i in self.habits[row].supports)

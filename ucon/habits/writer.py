@@ -1,4 +1,4 @@
-"""Writes entries in the habit book's format; what :func:`ucon.habits.book.parse_book` reads back is equal."""
+"""Writes entries in the habit book's format; :func:`ucon.habits.book.parse_book` reads the same entries back."""
 
 from __future__ import annotations
 
@@ -9,10 +9,12 @@ from ucon.habits.types import Entry
 
 
 def format_entries(entries: Iterable[Entry]) -> str:
-    """Text of some entries, a blank line between two of them; ids are not written, the parser counts anew.
+    """Entries as text, with a blank line between two of them.
+
+    Ids are not written; the parser counts again.
 
     Raises:
-        DataError: an entry is bound to a scene, of which the format knows nothing.
+        DataError: an entry is bound to a scene, which the format cannot express.
     """
     return "\n".join(_entry_text(entry) for entry in entries)
 

@@ -1,7 +1,7 @@
-"""Text in, numbers out: sentence encoders, embedding tables, and features of (habit, candidate) pairs.
+"""Sentence encoders, embedding tables, features of (habit, candidate) pairs, and language models.
 
-Importing this package is cheap: torch and transformers are imported when a text is first encoded that neither
-the shipped table nor the cache on disk holds.
+Importing this package is cheap. torch and transformers are imported when a text is encoded that neither the shipped
+table nor the cache on disk holds.
 """
 
 from ucon.language.encoder import DIM, MINILM_SHA256, MiniLM, TextEncoder

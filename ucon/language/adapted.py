@@ -1,4 +1,4 @@
-"""The embedded encoder with a trained adapter: its own name, so that its vectors never mix with the frozen ones'."""
+"""MiniLM with a trained adapter. It has its own name, so that its vectors never mix with the frozen encoder's."""
 
 from __future__ import annotations
 
@@ -10,12 +10,19 @@ from ucon.language.encoder import MINILM_SHA256, MiniLM, Progress
 
 
 class AdaptedMiniLM(MiniLM):
-    """all-MiniLM-L6-v2 with an adapter (:mod:`ucon.language.adapter`) added into its matrices."""
+    """all-MiniLM-L6-v2 with an adapter (:mod:`ucon.language.adapter`) added to its matrices."""
 
     def __init__(
         self, adapter: Path, folder: Path | None = None, *, check: bool = True, progress: Progress | None = None
     ) -> None:
-        """``adapter``: a safetensors file beside its manifest; the rest as in :class:`MiniLM`."""
+        """Choose adapter and weights; nothing is read yet.
+
+        Args:
+            adapter: a safetensors file beside its manifest.
+            folder: of the weights; see :class:`MiniLM`.
+            check: verify the SHA-256 of the weights.
+            progress: called with (texts done, texts in all).
+        """
         super().__init__(folder, check=check, progress=progress)
         self._adapter = adapter
 

@@ -1,9 +1,9 @@
 """Low-rank adapters (LoRA) of a frozen BERT: ``y = W x + up(down(x))`` on every matrix of attention and MLP.
 
-``up`` starts at zero, so a new adapter changes nothing. Adapters are kept as fp16 safetensors that name the weights
-they belong to; for use they are added into the matrices, so an adapted encoder costs what the frozen one does.
+``up`` starts at zero, so a new adapter changes nothing. Adapters are stored as fp16 safetensors that name the weights
+they belong to. For use they are added to the matrices, so an adapted encoder costs what the frozen one does.
 
-Imported where torch is needed anyway; :mod:`ucon.language.adapted` is the cheap way in.
+This module imports torch; :mod:`ucon.language.adapted` does not.
 """
 
 from __future__ import annotations
@@ -22,12 +22,18 @@ from ucon.core.rng import derived_seed
 from ucon.core.tensor_files import check_finite, header, metadata, read_tensors
 
 BASE_KEY: Final = "base_sha256"
-#: Three times the encoder.
+#: Largest adapter file: three times the encoder.
 _MOST_BYTES: Final = 256 << 20
 
 
 class LowRank(nn.Module):
-    """A frozen linear map with a trainable low-rank addition."""
+    """A frozen linear map with a trainable low-rank addition.
+
+    Attributes:
+        base: the frozen map.
+        down: (rank, in), random at first.
+        up: (out, rank), zero at first.
+    """
 
     def __init__(self, base: nn.Linear, rank: int, generator: torch.Generator) -> None:
         super().__init__()
@@ -37,13 +43,22 @@ class LowRank(nn.Module):
         self.up = nn.Parameter(torch.zeros(base.out_features, rank))  # (out, rank)
 
     def forward(self, x: Tensor) -> Tensor:
-        """(..., in) -> (..., out)."""
+        """Apply it: (..., in) -> (..., out)."""
         added: Tensor = nn.functional.linear(nn.functional.linear(x, self.down), self.up)
         return self.base(x) + added
 
 
 def add_adapters(model: nn.Module, rank: int, seed: int) -> dict[str, nn.Parameter]:
-    """Freeze ``model``, wrap the linear maps of its encoder layers, return what is to be trained by name."""
+    """Freeze a model and add adapters to the linear maps of its encoder layers, in place.
+
+    Args:
+        model: a BERT.
+        rank: of the adapters.
+        seed: of their initial values.
+
+    Returns:
+        Trainable parameters by name.
+    """
     model.requires_grad_(False)
     generator = torch.Generator().manual_seed(derived_seed(seed, "adapter"))
     parameters: dict[str, nn.Parameter] = {}
@@ -56,7 +71,12 @@ def add_adapters(model: nn.Module, rank: int, seed: int) -> dict[str, nn.Paramet
 
 
 def merge(model: nn.Module, adapter: Mapping[str, Tensor], where: str = "adapter") -> None:
-    """Add an adapter into the matrices of a plain model.
+    """Add an adapter to the matrices of a plain model, in place.
+
+    Args:
+        model: a BERT.
+        adapter: matrices by name.
+        where: names the adapter in errors.
 
     Raises:
         DataError: names or shapes are not those of this model.
@@ -76,10 +96,15 @@ def merge(model: nn.Module, adapter: Mapping[str, Tensor], where: str = "adapter
 
 
 def begin_with(parameters: Mapping[str, nn.Parameter], adapter: Mapping[str, Tensor], where: str) -> None:
-    """Give the parameters of :func:`add_adapters` the values of another adapter.
+    """Copy an adapter's values into the parameters of :func:`add_adapters`.
+
+    Args:
+        parameters: to be written.
+        adapter: matrices by name.
+        where: names the adapter in errors.
 
     Raises:
-        DataError: names or shapes differ, as those of another rank do.
+        DataError: names or shapes differ, as with another rank.
     """
     shapes = {name: tuple(value.shape) for name, value in parameters.items()}
     if odd := sorted(name for name, value in adapter.items() if shapes.get(name) != tuple(value.shape)):
@@ -95,13 +120,20 @@ def begin_with(parameters: Mapping[str, nn.Parameter], adapter: Mapping[str, Ten
 
 
 def adapter_bytes(parameters: Mapping[str, Tensor], base_sha256: str) -> bytes:
-    """The file of an adapter: fp16, with the hash of the weights that it belongs to."""
+    """The bytes of an adapter file: fp16 matrices, with the hash of the weights they belong to."""
     half = {name: value.detach().to(torch.float16).contiguous() for name, value in sorted(parameters.items())}
     return save(half, {BASE_KEY: base_sha256})
 
 
 def read_adapter(path: Path, base_sha256: str) -> dict[str, Tensor]:
-    """Matrices of an adapter file that the manifest of its folder lists.
+    """Read an adapter file and check it against its folder's manifest.
+
+    Args:
+        path: the file.
+        base_sha256: hash of the encoder's weights.
+
+    Returns:
+        Matrices by name.
 
     Raises:
         DataError: missing, truncated or altered, not safetensors, or made for other weights.

@@ -1,4 +1,4 @@
-"""The sentence encoder in batches, with gradients: for training."""
+"""The sentence encoder in batches and with gradients, for training."""
 
 from __future__ import annotations
 
@@ -12,21 +12,33 @@ from torch import Tensor
 from ucon.core.device import cpu_precision
 
 CHUNK = 40
-"""Texts of one pass, sorted by length: little padding, and activations that fit the cache."""
+"""Texts of one pass. Texts are sorted by length, so that there is little padding."""
 MAX_TOKENS = 64
 
 
 class BatchEncoder:
-    """Encodes many texts at once, with gradients. Last bits depend on the batch: for training and choosing only."""
+    """Encodes many texts at once, with gradients. The last bits depend on the batch, so it is for training only."""
 
     def __init__(self, tokenizer: Any, model: Any, precision: torch.dtype) -> None:
+        """Take over tokenizer and model.
+
+        Args:
+            tokenizer: of transformers.
+            model: of transformers.
+            precision: of the matrix products.
+        """
         self._tokenizer, self._model, self._precision = tokenizer, model, cpu_precision(precision)
 
     def __call__(self, texts: Sequence[str], hidden: float = 0.0, seed: int = 0) -> Tensor:
-        """Unit vectors (n, dim) float32 in the order of ``texts``.
+        """Encode texts.
 
-        ``hidden`` is the share of tokens that are masked, drawn by ``seed``: what is learned then cannot hang on
-        single words.
+        Args:
+            texts: n sentences.
+            hidden: share of tokens that are masked, so that training cannot rely on single words.
+            seed: of the masks.
+
+        Returns:
+            (n, dim) float32 unit vectors, in the order of ``texts``.
         """
         ids = self._tokenizer(list(texts), truncation=True, max_length=MAX_TOKENS)["input_ids"]
         if hidden:

@@ -1,8 +1,8 @@
 """BGE-M3, the retriever of the paper: dense vectors and lexical weights of texts, in one pass.
 
-The weights (2.3 GB) come with nothing: they are read from a folder, or from the Hugging Face cache where
-``BAAI/bge-m3`` is there already; nothing is ever downloaded. As with every encoder here, texts go through the network
-one at a time on one thread and what comes out is rounded to fp16, so a text's bytes do not depend on its company.
+The weights (2.3 GB) are not shipped. They are read from a folder, or from the Hugging Face cache if ``BAAI/bge-m3`` is
+in it; nothing is ever downloaded. As with every encoder here, texts go through the network one at a time on one thread
+and the result is rounded to fp16, so a text's bytes do not depend on the other texts.
 """
 
 from __future__ import annotations
@@ -25,16 +25,19 @@ from ucon.language.sparse import SparseRows
 
 HUB_NAME: Final = "BAAI/bge-m3"
 SPARSE_HEAD: Final = "sparse_linear.pt"
-#: The first that is there is loaded; the second is what the model's authors publish.
+#: Names of the weights' file; the first one found is loaded. The model's authors publish the second.
 WEIGHTS: Final = ("model.safetensors", "pytorch_model.bin")
 _NEEDED = ("config.json", "modules.json", "tokenizer.json")
-#: What decides vectors beside the weights.
+#: Files that decide the vectors besides the weights.
 _SETTINGS = (*_NEEDED, "sentence_bert_config.json", "tokenizer_config.json", "1_Pooling/config.json")
 _HOW = f"get it once with `hf download {HUB_NAME} --local-dir FOLDER`, then give retriever=bge_m3 retriever.path=FOLDER"
 
 
 def bge_folder(path: str = HUB_NAME) -> Path:
-    """Folder of the model: ``path`` itself, or where the Hugging Face cache keeps the model of that name.
+    """Folder of the model.
+
+    Args:
+        path: a folder, or a name in the Hugging Face cache.
 
     Raises:
         DataError: neither is there, or files are missing in it; says how to get them.
@@ -62,20 +65,24 @@ def _hub_folder(path: str) -> Path:
 
 
 class BgeM3:
-    """XLM-RoBERTa with the first token's state as the vector of a text, and a weight of each of its tokens."""
+    """XLM-RoBERTa: the state of the first token is a text's vector, and each of its tokens has a lexical weight."""
 
     def __init__(self, path: str = HUB_NAME, *, device: str = "cpu") -> None:
-        """Nothing is read before it is needed.
+        """Choose the weights; nothing is read yet.
 
         Args:
             path: folder in sentence-transformers layout, or a name in the Hugging Face cache.
-            device: where the network runs; byte identity is promised for ``cpu`` only.
+            device: where the network runs; equal bytes are promised for ``cpu`` only.
         """
         self._path, self._device = path, device
 
     @cached_property
     def folder(self) -> Path:
-        """Where the weights are."""
+        """Folder of the weights.
+
+        Raises:
+            DataError: it is not there.
+        """
         return bge_folder(self._path)
 
     @cached_property
@@ -89,7 +96,11 @@ class BgeM3:
 
     @cached_property
     def sparse_name(self) -> str:
-        """Name of the lexical weights: with the hash of their head too."""
+        """Name of the lexical weights, with the start of their head's hash.
+
+        Raises:
+            DataError: the head's file is missing.
+        """
         head = self.folder / SPARSE_HEAD
         if not head.is_file():
             raise DataError(
@@ -100,7 +111,7 @@ class BgeM3:
 
     @cached_property
     def dim(self) -> int:
-        """Length of a vector: 1024 of the published model."""
+        """Length of a vector: 1024 for the published model."""
         config = _settings(self.folder / "config.json")
         if config.get("model_type") != "xlm-roberta" or not isinstance(config.get("hidden_size"), int):
             kind = config.get("model_type")
@@ -108,14 +119,25 @@ class BgeM3:
         return int(config["hidden_size"])
 
     def encode(self, texts: Sequence[str]) -> Vectors:
-        """Unit vectors (n, dim) float32 of fp16 values, each text on its own."""
+        """Encode texts, each on its own.
+
+        Returns:
+            (n, dim) float32 unit vectors whose values are exact in fp16.
+        """
         out = np.empty((len(texts), self.dim), np.float16)
         for i, output in enumerate(self._outputs(texts)):
             out[i] = output["sentence_embedding"][0].float().cpu().numpy()
         return out.astype(np.float32)
 
     def encode_both(self, texts: Sequence[str], progress: Progress | None = None) -> tuple[Vectors, SparseRows]:
-        """Vectors as :meth:`encode` gives them, and lexical weights: of each token the most that it reaches."""
+        """Vectors as :meth:`encode` gives them, and lexical weights.
+
+        A token that occurs several times has its largest weight.
+
+        Args:
+            texts: n texts.
+            progress: called with (texts done, texts in all).
+        """
         weight, bias, special = self._head
         vectors = np.empty((len(texts), self.dim), np.float16)
         rows: list[tuple[NDArray[np.int32], NDArray[np.float16]]] = []
@@ -140,7 +162,7 @@ class BgeM3:
 
     @cached_property
     def _model(self) -> Any:
-        self.dim  # noqa: B018 (says what is wrong before gigabytes are read)
+        self.dim  # noqa: B018 (raises errors of the configuration before gigabytes are read)
         _check_modules(self.folder / "modules.json")
         os.environ.setdefault("HF_HUB_OFFLINE", "1")
         os.environ.setdefault("TRANSFORMERS_OFFLINE", "1")

@@ -1,8 +1,8 @@
-"""Asking a language model to choose: a closed set of options in, a score for each out.
+"""The interface of language models: closed questions in, a choice or a score for each option out.
 
-Agents ask :class:`Question` s, batches of them; a :class:`LanguageModel` answers each. A question carries the words of
-its prompt (for models that read prose), and the parts it was made of (for encoders, which compare texts, and for masked
-models, which fill a gap). Whatever a habit or a server says, an answer is one of the options or none at all.
+Agents ask batches of :class:`Question`; a :class:`LanguageModel` answers each. A question has the text of its prompt
+(for models that read prose) and the parts it was made of (for encoders, which compare texts, and for masked models,
+which fill a gap). Whatever a habit or a server says, an answer is one of the options or none.
 """
 
 from __future__ import annotations
@@ -18,89 +18,88 @@ Image = NDArray[np.uint8]
 """(H, W, 3) RGB."""
 
 
-#: Least log-probability that an answer states.
+#: Least log-probability in an answer's scores.
 LEAST: Final = -1e4
 
 Failure = Literal["", "server", "unusable", "too long"]
-"""``server``: no answer, a refusal or none in time; ``unusable``: answers, but none that names one option;
-``too long``: a question that exceeds the model's window even without habits."""
+"""``server``: no answer in time, or a refusal. ``unusable``: no answer names exactly one option. ``too long``: the
+question exceeds the model's window even without habits."""
 
 
 @dataclass(frozen=True, slots=True)
 class Option:
-    """One of the things that may be answered."""
+    """One of the possible answers."""
 
     name: str
     """The answer itself: ``front``, ``90``, ``sofa``. Names in one question differ."""
     labels: tuple[str, ...] = ()
-    """Catalogue names, with spaces, of what stands there; for models that compare texts."""
+    """Categories, with spaces, of the things there; for models that compare texts."""
 
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """What is asked of a model once."""
+    """One closed question."""
 
     target: str
-    """The thing looked for, with spaces."""
+    """Category of the target, with spaces."""
     habits: tuple[str, ...]
     """The sentences that the agent was given, in order."""
     options: tuple[Option, ...]
     """At least one."""
     system: str
-    """Role, rules and habits: the same in all questions of an episode, so that a prefix cache can keep it."""
+    """System message: role, rules and habits. It is the same in all questions of an episode, for prefix caches."""
     situation: str
-    """What is seen now, and what is asked; it lists the options."""
+    """User message: what is seen now, the options and the question."""
     cloze: str = ""
-    """A sentence with one ``{}`` that an option's name fills: for masked models, which read no instructions."""
+    """A sentence with one ``{}`` for an option's name; for masked models, which read no instructions."""
     images: tuple[Image, ...] = ()
-    """For models that see."""
+    """For vision-language models."""
     things: tuple[str, ...] = ()
-    """Catalogue names, with spaces, of a place, where the question is which option is kept there (L3MVN); for models
-    that compare texts."""
+    """Where the question is which option is kept at a place (L3MVN): categories of the things there, with spaces."""
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What a model said to one question."""
+    """A model's answer to one question."""
 
     choice: int
-    """Number of the option, -1 where no usable answer came: the caller then falls back, and counts it."""
+    """Number of the option; -1 where there is no usable answer, so that the caller falls back."""
     scores: tuple[float, ...] = ()
-    """Natural logarithms of the options' probabilities, which add up to 1; empty for models that only name one."""
+    """Natural logarithms of the options' probabilities, which sum to 1; empty for models that only name an option."""
     text: str = ""
-    """What was generated, cut to 500 characters; empty for models that score."""
+    """Generated text, cut to 500 characters; empty for models that score."""
     retries: int = 0
-    """Questions asked again because an answer was unusable."""
+    """Further requests that were needed because an answer was unusable."""
     prompt_tokens: int = 0
     completion_tokens: int = 0
     seconds: float = 0.0
-    """Wall time of this answer; in a batch its share, or its own where answers are waited for side by side."""
+    """Wall time; in a batch an equal share, or the answer's own where requests run in parallel."""
     failure: Failure = ""
     """Why there is no usable answer; empty where there is one."""
     dropped: int = 0
-    """Habits at the end of the list that did not fit into the model's window."""
+    """Number of habits cut off at the end of the list because of the model's window."""
 
 
 @runtime_checkable
 class LanguageModel(Protocol):
-    """Answers questions. Built by ``configs/language/``; weights are loaded at the first question.
+    """Answers closed questions. Configured in ``configs/language/``; weights are loaded at the first question.
 
-    A model that reads :attr:`Question.images` says ``sees_images = True``; one that says nothing reads words alone.
-    One with weights on this machine has ``fingerprint()``, see :mod:`ucon.evaluation.playing.needed_weights`.
+    A model that reads :attr:`Question.images` has ``sees_images = True``. One with weights on this machine has
+    ``fingerprint()``, see :mod:`ucon.evaluation.playing.needed_weights`.
     """
 
     @property
     def name(self) -> str:
-        """Names kind and weights in every table: ``encoder (all-MiniLM-L6-v2)``."""
+        """Kind and weights, for tables: ``encoder (all-MiniLM-L6-v2)``."""
         ...
 
     @property
     def gives_scores(self) -> bool:
-        """Whether answers carry scores; agents that compare options across questions need them."""
+        """Whether answers have scores; agents that compare options across questions need them."""
         ...
 
     def check(self) -> None:
-        """Whether weights, or server and key, are there: cheap, for one line of error before anything is played.
+        """Check that weights, or server and key, are there, before anything is played; cheap.
 
         Raises:
             ConfigError: an option that cannot work here, or a key that is missing or refused.
@@ -110,20 +109,27 @@ class LanguageModel(Protocol):
         ...
 
     def answer(self, questions: Sequence[Question]) -> list[Answer]:
-        """One answer a question, in order; never an exception for what a model or a server says."""
+        """Answer a batch of questions.
+
+        Returns:
+            One answer a question, in order. A model's or server's failure is an answer without a choice, never an
+                exception.
+        """
         ...
 
 
 def sees_images(model: LanguageModel) -> bool:
-    """Whether a model reads the images of a question; those that cannot would answer without a word of complaint."""
+    """Whether a model reads the images of a question; other models would ignore them."""
     return bool(getattr(model, "sees_images", False))
 
 
 def from_scores(logits: NDArray[np.floating[Any]], **spent: Any) -> Answer:
-    """The answer of a model that scores: ``logits`` (n,) in natural units, rounded so that ties fall to the first.
+    """The answer of a model that scores; ties go to the first option.
 
-    No answer where a logit is no number, as overflowing half precision makes them. What is impossible gets
-    :data:`LEAST`, since records hold finite numbers.
+    Args:
+        logits: (n,) log odds of the options in natural units. If one is NaN, as with overflowing half precision, the
+            answer has no choice. Impossible options get :data:`LEAST`, since records hold finite numbers.
+        **spent: fields of :class:`Answer`.
     """
     x = np.asarray(logits, np.float64)
     if np.isnan(x).any() or not np.isfinite(x.max()):

@@ -1,7 +1,7 @@
-"""Sentence encoders. The default is all-MiniLM-L6-v2 as an installed package carries it: no network, ever.
+"""Sentence encoders. The default is all-MiniLM-L6-v2 from an installed package; no network is needed.
 
-Batched matrix products change last bits with the batch, so texts are encoded one at a time on one thread, and the
-result is rounded to fp16: the same text gives the same bytes whatever is encoded beside it.
+Batched matrix products change the last bits with the batch. So texts are encoded one at a time on one thread and the
+result is rounded to fp16: a text's bytes do not depend on the other texts.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class TextEncoder(Protocol):
 
     @property
     def name(self) -> str:
-        """Identifies the weights: vectors of equal names may be mixed."""
+        """Identifies the weights: vectors of encoders with equal names may be mixed."""
         ...
 
     @property
@@ -44,7 +44,11 @@ class TextEncoder(Protocol):
         ...
 
     def encode(self, texts: Sequence[str]) -> Vectors:
-        """Unit vectors (n, dim) float32 whose values are exactly representable in fp16."""
+        """Encode texts.
+
+        Returns:
+            (n, dim) float32 unit vectors whose values are exact in fp16.
+        """
         ...
 
 
@@ -67,10 +71,16 @@ def minilm_folder() -> Path:
 
 
 class MiniLM(Shared):
-    """all-MiniLM-L6-v2: mean pooling over tokens, then unit length. Weights are loaded at the first text."""
+    """all-MiniLM-L6-v2: mean over the tokens' states, scaled to length 1. Weights are loaded at the first text."""
 
     def __init__(self, folder: Path | None = None, *, check: bool = True, progress: Progress | None = None) -> None:
-        """``folder`` holds the weights (default: the installed package); ``check`` verifies their SHA-256."""
+        """Choose the weights; nothing is read yet.
+
+        Args:
+            folder: of the weights; the installed package by default.
+            check: verify their SHA-256.
+            progress: called with (texts done, texts in all).
+        """
         self._folder = folder
         self._check = check
         self._progress = progress
@@ -78,7 +88,7 @@ class MiniLM(Shared):
         self._tokenizer: Any = None
 
     def __getstate__(self) -> dict[str, Any]:
-        """For pickles: without the weights, which are loaded again at the first text."""
+        """State for pickles, without the weights; they are loaded again at the first text."""
         return self.__dict__ | {"_model": None, "_tokenizer": None, "_progress": None}
 
     @property
@@ -88,16 +98,27 @@ class MiniLM(Shared):
 
     @property
     def dim(self) -> int:
-        """384."""
+        """Length of a vector, 384."""
         return DIM
 
     def parts(self) -> tuple[Any, Any]:
-        """Tokenizer and torch model, loaded and checked: for training, which batches."""
+        """Tokenizer and torch model, loaded and checked, for training.
+
+        Raises:
+            DataError: the weights are missing or altered.
+        """
         self._load()
         return self._tokenizer, self._model
 
     def encode(self, texts: Sequence[str]) -> Vectors:
-        """Unit vectors (n, 384) float32, rounded to fp16, each text on its own."""
+        """Encode texts, each on its own.
+
+        Returns:
+            (n, 384) float32 unit vectors whose values are exact in fp16.
+
+        Raises:
+            DataError: the weights are missing or altered.
+        """
         out = np.empty((len(texts), DIM), np.float16)
         if texts:
             self._load()
@@ -143,7 +164,7 @@ class MiniLM(Shared):
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Keep torch to one thread: sums must not depend on the number of threads."""
+    """Context in which torch uses one thread, so that sums do not depend on the number of threads."""
     import torch
 
     threads = torch.get_num_threads()
@@ -156,7 +177,7 @@ def one_thread() -> Iterator[None]:
 
 @contextmanager
 def quiet(transformers: Any) -> Iterator[None]:
-    """Keep the library's progress bars and reports off the terminal while weights load."""
+    """Context in which transformers prints no progress bars and reports while weights load."""
     logging = transformers.utils.logging
     level, bar = logging.get_verbosity(), logging.is_progress_bar_enabled()
     logging.set_verbosity_error()

@@ -1,7 +1,6 @@
-"""Which categories a sentence names: by full name, by a synonym, by its head noun, or by part of its words.
+"""Which categories a sentence mentions: by full name, by a synonym, by its head noun, or by part of its words.
 
-Sparse and open: the lexicon starts with the catalogue's names and takes further ones (a detector's
-labels) as they come.
+It starts with the catalogue's names and accepts further ones (a detector's labels).
 """
 
 from __future__ import annotations
@@ -23,9 +22,14 @@ Matches = tuple[NDArray[np.int32], NDArray[np.float32]]
 
 
 class Lexicon:
-    """Names with numbers, and what each sentence says of them (remembered by text)."""
+    """Names with numbers, and the names that each sentence mentions (remembered by text).
+
+    Attributes:
+        ids: number of each name.
+    """
 
     def __init__(self, names: Iterable[str] = ()) -> None:
+        """Start with some names."""
         self.ids: dict[str, int] = {}
         self._first: dict[str, list[tuple[tuple[str, ...], int, int]]] = {}
         self._share: dict[str, list[tuple[int, float]]] = {}
@@ -37,7 +41,7 @@ class Lexicon:
         return len(self.ids)
 
     def add(self, names: Iterable[str]) -> None:
-        """Take in names that are not known yet; remembered sentences are read again."""
+        """Add names that are not known yet; remembered sentences are scanned again."""
         new = [name for name in dict.fromkeys(names) if name not in self.ids]
         if new:
             self._matches.clear()
@@ -57,7 +61,11 @@ class Lexicon:
             self._first.setdefault(words[0], []).append((words, number, kind))
 
     def matches(self, text: str) -> Matches:
-        """Names that a sentence touches, with their lexical features."""
+        """Names that share a word with a sentence.
+
+        Returns:
+            Their numbers (k,) int32 and features (k, 4) float32 in the order of :data:`LEXICAL`.
+        """
         found = self._matches.get(text)
         if found is None:
             if len(self._matches) > 60_000:
@@ -87,7 +95,7 @@ class Lexicon:
 
 @cache
 def catalogue_lexicon() -> Lexicon:
-    """The process's lexicon, starting with all names of the catalogue."""
+    """The process's lexicon, which starts with all names of the catalogue."""
     from ucon.objects.catalogue import catalogue
 
     return Lexicon(catalogue().names)

@@ -1,4 +1,4 @@
-"""Which of a closed set of options a text names: forgiving in form, strict about there being one."""
+"""Finds the one option of a closed set that a text names, whatever its case, punctuation and other words."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Final
 
 from ucon.language.servers.answers import json_object, without_thoughts
 
-#: Longer texts name too much to mean one thing.
+#: Longer texts are no answers.
 _MOST_CHARACTERS: Final = 500
 #: Numbers keep their sign: turning by -90 is not turning by 90.
 _WORD: Final = re.compile(r"[+-]?\d+(?:\.\d+)?|\w+")
@@ -17,14 +17,21 @@ Words = tuple[str, ...]
 
 
 def chosen(text: str, names: Sequence[str], key: str = "choice") -> int:
-    """Number of the one option that an answer names, -1 for none or several.
+    """The one option that a model's answer names.
 
-    An answer is a JSON object with the option under ``key``, or a short text. The option may be written in other
-    case, with other punctuation, among other words, or by some of its own words if no other option has them.
+    The answer is a JSON object with the option under ``key``, or a short text; see :func:`named`.
+
+    Args:
+        text: the answer.
+        names: of the options.
+        key: of the option in JSON.
+
+    Returns:
+        Number of the option; -1 for none or several.
     """
     said, bare = json_object(text, (key,)), without_thoughts(text)
     if said is None and "{" in bare:
-        return -1  # JSON that was cut off: "sofa" may have been on its way to "sofa bed"
+        return -1  # JSON that was cut off: "sofa" may be the beginning of "sofa bed"
     value = bare if said is None else said.get(key)
     if isinstance(value, bool) or not isinstance(value, str | int):
         return -1
@@ -32,7 +39,18 @@ def chosen(text: str, names: Sequence[str], key: str = "choice") -> int:
 
 
 def named(text: str, names: Sequence[str]) -> int:
-    """Number of the one option that a short text names, -1 for none or several."""
+    """The one option that a short text names.
+
+    The option may be written in other case, with other punctuation, among other words, or by some of its words if no
+    other option has them.
+
+    Args:
+        text: at most 500 characters.
+        names: of the options.
+
+    Returns:
+        Number of the option; -1 for none or several.
+    """
     text = text.strip()
     if len(text) > max(_MOST_CHARACTERS, *map(len, names)):
         return -1

@@ -1,7 +1,7 @@
-"""Features of (habit, candidate) pairs: does this sentence speak of that kind of thing?
+"""Features of (habit, candidate) pairs: is this sentence about that category?
 
-Frozen sentence embeddings alone hardly learn to read places; these features carry the gain. They are open-vocabulary
-and depend only on the two texts, so a new category gets its column when it is first seen.
+Readers hardly learn from frozen sentence embeddings alone; these features make the difference. They depend on the two
+texts only, so a new category gets its column when it is first seen.
 """
 
 from __future__ import annotations
@@ -25,9 +25,16 @@ N_FEATURES = len(FEATURES)
 
 
 class WordVectors:
-    """Vectors of single words: the book's vocabulary is shipped, other words are encoded when first met."""
+    """Vectors of single words. The book's vocabulary is shipped; other words are encoded when first met."""
 
     def __init__(self, words: Sequence[str], vectors: Quantised, encoder: StoredEncoder) -> None:
+        """Start with n words.
+
+        Args:
+            words: the words.
+            vectors: their n vectors.
+            encoder: encodes further words.
+        """
         self._row = {word: i for i, word in enumerate(words)}
         self._codes = vectors.codes
         self._scale = vectors.scale
@@ -35,13 +42,17 @@ class WordVectors:
 
     @classmethod
     def load(cls, encoder: StoredEncoder) -> WordVectors:
-        """The shipped words."""
+        """The shipped words.
+
+        Raises:
+            DataError: the file is missing or altered.
+        """
         file = read_arrays(read_verified(DATA / "words.npz"), MAX_BYTES)
         words = file["words"].tobytes().decode().split("\n")
         return cls(words, Quantised(file["codes"], file["scale"]), encoder)
 
     def rows(self, words: Sequence[str]) -> NDArray[np.int64]:
-        """Row numbers of words, encoding those that are new."""
+        """Row numbers (n,) int64 of n words; new words are encoded and added."""
         new = [word for word in dict.fromkeys(words) if word not in self._row]
         if new:
             added = quantise(self._encoder.encode_half(new))
@@ -62,13 +73,28 @@ class PairReader:
     """Computes pair features."""
 
     def __init__(self, encoder: StoredEncoder, words: WordVectors, lexicon: Lexicon) -> None:
+        """Take over the tables.
+
+        Args:
+            encoder: of sentences.
+            words: vectors of single words.
+            lexicon: finds names in sentences.
+        """
         self.encoder = encoder
         self._words = words
         self._lexicon = lexicon
         self._name: dict[str, Quantised] = {}
 
     def features(self, texts: Sequence[str], names: Sequence[str]) -> NDArray[np.float32]:
-        """(H, C, 6) float32 in the order of :data:`FEATURES`, all within [-1, 1]."""
+        """Features of all pairs.
+
+        Args:
+            texts: H habits.
+            names: C candidate categories.
+
+        Returns:
+            (H, C, 6) float32 in the order of :data:`FEATURES`, all within [-1, 1].
+        """
         out = np.zeros((len(texts), len(names), N_FEATURES), np.float32)
         if not texts or not names:
             return out
@@ -112,12 +138,12 @@ class PairReader:
 
 @lru_cache(maxsize=60_000)
 def content_words(text: str) -> tuple[str, ...]:
-    """Words that carry meaning, as written (in lower case): what the word vectors are made of."""
+    """Words of a text that carry meaning, unstemmed and in lower case; the keys of the word vectors."""
     return tuple(word for word in tokens(text) if word not in STOP_WORDS and len(word) > 2)
 
 
 @cache
 def default_pair_reader() -> PairReader:
-    """One reader per process on the shipped tables."""
+    """The process's pair reader on the shipped tables."""
     encoder = default_encoder()
     return PairReader(encoder, WordVectors.load(encoder), catalogue_lexicon())

@@ -1,18 +1,18 @@
-"""How a category is said: by its name, and in the paper's query for habits."""
+"""Categories as text: the name with spaces, and the paper's retrieval query."""
 
 from __future__ import annotations
 
 from typing import Final
 
-#: The paper's query.
+#: The paper's retrieval query.
 QUERY: Final = "Please retrieve the habit about {target}."
 
 
 def phrase(category: str) -> str:
-    """A category as people write it: ``coffee_table`` is "coffee table"."""
+    """A category with spaces: ``coffee_table`` becomes "coffee table"."""
     return category.replace("_", " ")
 
 
 def query_text(target: str) -> str:
-    """The paper's query for a target category."""
+    """The paper's retrieval query for a target category."""
     return QUERY.format(target=phrase(target))

@@ -1,7 +1,7 @@
-"""Vectors as small integers, so that their products are exact.
+"""Vectors as int8 codes, so that their products are exact.
 
-A product of two int8 vectors of length 384 stays below 2**24, so float32 adds it up without rounding in whatever
-order: cosines do not depend on the batch they were computed in.
+A product of two int8 vectors of length 384 stays below 2**24, so float32 sums it without rounding in any order. Cosines
+do not depend on the batch they are computed in.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, eq=False)
 class Quantised:
-    """Unit vectors: ``codes`` (n, dim) int8 times ``scale`` (n,) float32, each row of length 1."""
+    """n unit vectors as ``codes`` (n, dim) int8 times ``scale`` (n,) float32."""
 
     codes: NDArray[np.int8]
     scale: NDArray[np.float32]
@@ -23,12 +23,16 @@ class Quantised:
         return len(self.codes)
 
     def take(self, rows: NDArray[np.integer]) -> Quantised:
-        """Some rows."""
+        """The vectors of some rows."""
         return Quantised(self.codes[rows], self.scale[rows])
 
 
 def quantise(vectors: NDArray[np.floating]) -> Quantised:
-    """Int8 codes of vectors (n, dim), largest component 127, scaled back to unit length."""
+    """Quantise vectors; each has the largest component 127 and is scaled to length 1.
+
+    Args:
+        vectors: (n, dim).
+    """
     values = np.asarray(vectors, np.float32)
     top = np.maximum(np.abs(values).max(axis=1, initial=1e-9), 1e-9)
     codes = np.rint(values * (np.float32(127) / top)[:, None]).astype(np.int8)
@@ -37,6 +41,14 @@ def quantise(vectors: NDArray[np.floating]) -> Quantised:
 
 
 def cosines(a: Quantised, b: Quantised) -> NDArray[np.float32]:
-    """Cosines (n_a, n_b), the same bits in every batch."""
+    """Cosines of all pairs, the same bits in every batch.
+
+    Args:
+        a: n_a vectors.
+        b: n_b vectors.
+
+    Returns:
+        (n_a, n_b) float32.
+    """
     products = a.codes.astype(np.float32) @ b.codes.astype(np.float32).T
     return products * a.scale[:, None] * b.scale[None, :]

@@ -1,4 +1,4 @@
-"""Sparse vectors of texts: token ids and their weights, and parts of them on disk."""
+"""Sparse vectors of texts (token ids and weights), and their storage in parts on disk."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from ucon.core.files import sha256_bytes, write_atomic
 from ucon.core.untrusted.plain_file import read_bounded
 from ucon.core.untrusted.unpack import read_arrays
 
-#: Of one part: two thousand texts.
+#: Largest file of a part.
 _MAX_BYTES = 256 * 2**20
 
 
 @dataclass(frozen=True, eq=False)
 class SparseRows:
-    """n sparse vectors, one after the other."""
+    """n sparse vectors in flat arrays."""
 
     start: NDArray[np.int32]
-    """(n + 1,): row i is at ``start[i]:start[i + 1]`` of the others."""
+    """(n + 1,) row i is ``start[i]:start[i + 1]`` of the other arrays."""
     ids: NDArray[np.int32]
     """(m,) token ids, ascending within a row."""
     weights: NDArray[np.float16]
@@ -35,18 +35,26 @@ class SparseRows:
 
     @classmethod
     def stack(cls, rows: Sequence[tuple[NDArray[np.int32], NDArray[np.float16]]]) -> SparseRows:
-        """From (ids, weights) of every row."""
+        """Vectors from (ids, weights) of every row."""
         start = np.cumsum([0, *(len(ids) for ids, _ in rows)]).astype(np.int32)
         ids = np.concatenate([np.empty(0, np.int32), *(ids for ids, _ in rows)])
         return cls(start, ids, np.concatenate([np.empty(0, np.float16), *(weights for _, weights in rows)]))
 
     def row(self, i: int) -> tuple[NDArray[np.int32], NDArray[np.float16]]:
-        """Ids and weights of one row."""
+        """Ids (k,) and weights (k,) of one row."""
         part = slice(self.start[i], self.start[i + 1])
         return self.ids[part], self.weights[part]
 
     def dot(self, ids: NDArray[np.int32], weights: NDArray[np.float16]) -> NDArray[np.float64]:
-        """Sum over shared tokens of the products of weights, (n,); ``ids`` ascending."""
+        """Dot products with one sparse vector.
+
+        Args:
+            ids: (k,) token ids, ascending.
+            weights: (k,).
+
+        Returns:
+            (n,) float64.
+        """
         place = np.minimum(np.searchsorted(ids, self.ids), max(len(ids) - 1, 0))
         shared = (ids[place] == self.ids) if len(ids) else np.zeros(len(self.ids), bool)
         product = np.zeros(len(self.ids))
@@ -55,14 +63,22 @@ class SparseRows:
         return total[self.start[1:]] - total[self.start[:-1]]
 
     def save(self, path: Path) -> None:
-        """Write a part: 4 to 6 bytes a token, its own checksum within."""
+        """Write a compressed file, 4 to 6 bytes a token, with checksums."""
         buffer = io.BytesIO()
         np.savez_compressed(buffer, start=self.start, ids=self.ids, weights=self.weights)
         write_atomic(path, buffer.getvalue())
 
     @classmethod
     def load(cls, path: Path, n: int) -> SparseRows | None:
-        """A part of ``n`` rows; None where it is not there yet or damaged."""
+        """Read a file.
+
+        Args:
+            path: the file.
+            n: expected number of rows.
+
+        Returns:
+            None where it is not there, or damaged (with a warning).
+        """
         try:
             file = read_arrays(read_bounded(path, _MAX_BYTES), _MAX_BYTES)
             found = cls(file["start"], file["ids"], file["weights"])
@@ -85,21 +101,26 @@ class SparseRows:
 
 
 def joined(parts: Sequence[SparseRows]) -> SparseRows:
-    """All rows of some parts in order."""
+    """The rows of all parts, in order."""
     return SparseRows.stack([part.row(i) for part in parts for i in range(len(part))])
 
 
 class SparseFolder:
-    """Sparse vectors of long lists of texts, made in parts of :data:`PART_TEXTS`: what was interrupted goes on."""
+    """Sparse vectors of long lists of texts, made and stored in parts, so that interrupted work is continued."""
 
     PART_TEXTS = 2000
 
     def __init__(self, folder: Path, make: Callable[[Sequence[str], int, int], SparseRows]) -> None:
-        """``make`` gives the rows of some texts; it is also told how many were done before, and how many there are."""
+        """Choose the folder.
+
+        Args:
+            folder: of the parts.
+            make: from some texts, the number done before and the number of all, to their rows.
+        """
         self._folder, self._make = folder, make
 
     def rows(self, texts: Sequence[str]) -> SparseRows:
-        """Vectors of texts; the parts that are not on disk are made and kept."""
+        """Vectors of texts; missing parts are made and stored."""
         parts = []
         for begin in range(0, len(texts), self.PART_TEXTS):
             part = texts[begin : begin + self.PART_TEXTS]

@@ -1,7 +1,7 @@
-"""Vectors by text: the shipped table, a cache on disk, and an encoder for what neither holds.
+"""Vectors by text: the shipped table, a cache on disk, and an encoder for the rest.
 
-The table holds the habit book, the catalogue's names and the retrieval queries as fp16, so that the default data
-needs no encoder. Other texts (a dataset given by path) are encoded once and kept in the user's cache folder.
+The table holds the habit book, the catalogue's names and the retrieval queries as fp16, so that the default data needs
+no encoder. Other texts (a dataset given by path) are encoded once and kept in the user's cache folder.
 """
 
 from __future__ import annotations
@@ -29,20 +29,32 @@ KEY_BYTES = 16
 SHARD_TEXTS = 2000
 MAX_SHARDS = 32
 REMEMBERED = 60_000
-#: Of one file: half a million vectors.
+#: Largest file of the cache: half a million vectors.
 _MAX_BYTES = 2**30
 
 
 def text_key(text: str) -> bytes:
-    """First 16 bytes of the SHA-256 of a text."""
+    """Key of a text: the first 16 bytes of its SHA-256."""
     return hashlib.sha256(text.encode()).digest()[:KEY_BYTES]
 
 
 class VectorTable(Shared):
-    """Read-only fp16 vectors addressed by text."""
+    """Read-only fp16 vectors, addressed by text.
+
+    Attributes:
+        vectors: (n, dim) float16.
+    """
 
     def __init__(self, keys: bytes, vectors: NDArray[np.float16]) -> None:
-        """``keys``: 16 bytes a row; ``vectors`` (n, dim) in the same order."""
+        """Make a table.
+
+        Args:
+            keys: 16 bytes a row, see :func:`text_key`.
+            vectors: (n, dim) float16.
+
+        Raises:
+            DataError: their numbers differ.
+        """
         if len(keys) != KEY_BYTES * len(vectors):
             raise DataError(f"embedding table: {len(keys) // KEY_BYTES} keys for {len(vectors)} vectors; rebuild it")
         self.vectors = np.asarray(vectors)  # a plain view: rows of a mapped array are slow to make
@@ -52,7 +64,7 @@ class VectorTable(Shared):
         return len(self.vectors)
 
     def __reduce_ex__(self, protocol: Any) -> Any:
-        """Pickles name the shipped table, which is checked wherever it is loaded."""
+        """Pickle the shipped table by name; it is checked wherever it is loaded."""
         return (shipped_table, ()) if is_the_one(shipped_table, self) else super().__reduce_ex__(protocol)
 
     def row(self, text: str) -> int:
@@ -60,7 +72,7 @@ class VectorTable(Shared):
         return self._row.get(text_key(text), -1)
 
     def slice(self, texts: Sequence[str]) -> NDArray[np.float16] | None:
-        """View of consecutive rows that hold exactly these texts, or None."""
+        """View (n, dim) of the consecutive rows of exactly these n texts; None if there are none."""
         first = self.row(texts[0]) if texts else -1
         if first < 0 or any(self.row(text) != first + i for i, text in enumerate(texts)):
             return None
@@ -68,7 +80,11 @@ class VectorTable(Shared):
 
     @classmethod
     def load(cls, stem: Path) -> VectorTable:
-        """Table of ``stem.npy`` (mapped, not read twice) and ``stem.keys``, both checked against the manifest."""
+        """Load ``stem.npy`` (memory-mapped) and ``stem.keys``, both checked against the manifest.
+
+        Raises:
+            DataError: a file is missing, altered, or no table.
+        """
         keys = read_verified(stem.with_suffix(".keys"))
         read_verified(stem.with_suffix(".npy"))  # one pass over the file; the pages stay in the system's cache
         try:
@@ -79,7 +95,13 @@ class VectorTable(Shared):
 
     @staticmethod
     def save(stem: Path, texts: Sequence[str], vectors: NDArray[np.float16]) -> None:
-        """Write both files; the manifest is the caller's."""
+        """Write ``stem.npy`` and ``stem.keys``; the caller writes the manifest.
+
+        Args:
+            stem: path without the endings.
+            texts: n texts.
+            vectors: (n, dim).
+        """
         buffer = io.BytesIO()
         np.save(buffer, np.ascontiguousarray(vectors, np.float16), allow_pickle=False)
         write_atomic(stem.with_suffix(".npy"), buffer.getvalue())
@@ -87,19 +109,24 @@ class VectorTable(Shared):
 
 
 class TextCache:
-    """Vectors of one encoder on disk: files named by their own hash, so a damaged one is noticed and dropped.
+    """Vectors of one encoder on disk. Files are named by their hash, so a damaged one is noticed and deleted.
 
     Processes may share a folder: each adds files of its own under a temporary name and renames them.
     """
 
     def __init__(self, folder: Path, dim: int) -> None:
-        """``dim``: length of a vector."""
+        """Start with nothing in memory.
+
+        Args:
+            folder: of the files.
+            dim: length of a vector.
+        """
         self._folder, self._dim = folder, dim
         self._known: dict[bytes, NDArray[np.float16]] = {}
         self._read: set[str] = set()
 
     def get(self, key: bytes) -> NDArray[np.float16] | None:
-        """Vector of a key, reading new files once if it is not known yet."""
+        """Vector (dim,) of a key, if it is in memory; see :meth:`refresh`."""
         return self._known.get(key)
 
     def refresh(self) -> None:
@@ -125,7 +152,12 @@ class TextCache:
             self._known.update((keys[i * KEY_BYTES : (i + 1) * KEY_BYTES], vector) for i, vector in enumerate(vectors))
 
     def add(self, keys: Sequence[bytes], vectors: NDArray[np.float16]) -> None:
-        """Keep vectors (n, dim), in memory and, where the folder can be written, on disk."""
+        """Keep vectors in memory and, where the folder can be written, on disk.
+
+        Args:
+            keys: n keys, see :func:`text_key`.
+            vectors: (n, dim) float16.
+        """
         self._known.update(zip(keys, vectors, strict=True))
         try:
             self._write(keys, vectors)
@@ -157,10 +189,16 @@ class TextCache:
 
 
 class StoredEncoder(Shared):
-    """An encoder behind a table and a cache: each distinct text is encoded once, ever."""
+    """An encoder behind tables and a cache: each distinct text is encoded once."""
 
     def __init__(self, encoder: TextEncoder, *, tables: Sequence[VectorTable] = (), folder: Path | None = None) -> None:
-        """``folder`` is where the cache lives (default: the user's cache folder)."""
+        """Choose encoder and tables.
+
+        Args:
+            encoder: encodes texts that neither tables nor cache hold.
+            tables: searched first.
+            folder: of the cache; by default the user's cache folder.
+        """
         self._encoder = encoder
         self._tables = tuple(tables)
         self._folder = folder
@@ -172,7 +210,7 @@ class StoredEncoder(Shared):
         self._place: dict[str, tuple[int, int, NDArray[np.float16] | None]] = {}
 
     def __reduce_ex__(self, protocol: Any) -> Any:
-        """Pickles name the default encoder, and of others leave out what they remember."""
+        """Pickle the default encoder by name, and others without what they remember."""
         return (default_encoder, ()) if is_the_one(default_encoder, self) else super().__reduce_ex__(protocol)
 
     def __getstate__(self) -> dict[str, Any]:
@@ -184,7 +222,7 @@ class StoredEncoder(Shared):
 
     @property
     def name(self) -> str:
-        """Name of the encoder behind."""
+        """Name of the encoder."""
         return self._encoder.name
 
     @property
@@ -193,7 +231,7 @@ class StoredEncoder(Shared):
         return self._encoder.dim
 
     def missing(self, texts: Iterable[str]) -> list[str]:
-        """The distinct texts that would have to be encoded."""
+        """The distinct texts that neither tables nor cache hold."""
         out: dict[str, None] = {}
         for text in texts:
             if all(table.row(text) < 0 for table in self._tables) and self._cached(text_key(text)) is None:
@@ -201,13 +239,29 @@ class StoredEncoder(Shared):
         return list(out)
 
     def encode(self, texts: Sequence[str], progress: Callable[[int, int], None] | None = None) -> Vectors:
-        """Vectors (n, dim) float32 of fp16 values; encodes and keeps what is new."""
+        """Encode texts; new ones are kept.
+
+        Args:
+            texts: n texts.
+            progress: called with (texts done, texts in all).
+
+        Returns:
+            (n, dim) float32 whose values are exact in fp16.
+        """
         return self.encode_half(texts, progress).astype(np.float32)
 
     def encode_half(
         self, texts: Sequence[str], progress: Callable[[int, int], None] | None = None
     ) -> NDArray[np.float16]:
-        """Like :meth:`encode`, in the stored type: (n, dim) float16."""
+        """As :meth:`encode`, in the stored type.
+
+        Args:
+            texts: n texts.
+            progress: called with (texts done, texts in all).
+
+        Returns:
+            (n, dim) float16.
+        """
         new = [text for text in texts if text not in self._place]
         if new:
             self._fill(self.missing(new), progress)
@@ -228,11 +282,11 @@ class StoredEncoder(Shared):
         return out
 
     def add(self, texts: Sequence[str], vectors: Vectors) -> None:
-        """Keep vectors (n, dim) that this encoder has given elsewhere."""
+        """Keep vectors (n, dim) that this encoder computed elsewhere."""
         self._cache.add([text_key(text) for text in texts], vectors.astype(np.float16))
 
     def table_slice(self, texts: Sequence[str]) -> NDArray[np.float16] | None:
-        """View (n, dim) of a table that holds exactly these texts in a row; None if none does."""
+        """View (n, dim) of the table that holds exactly these texts in consecutive rows; None if none does."""
         for table in self._tables:
             if (view := table.slice(texts)) is not None:
                 return view
@@ -272,22 +326,22 @@ class StoredEncoder(Shared):
 
 @cache
 def shipped_table() -> VectorTable:
-    """Vectors of the habit book, the catalogue's names and the retrieval queries."""
+    """The shipped table: the habit book, the catalogue's names and the retrieval queries; loaded once."""
     return VectorTable.load(DATA / "embeddings")
 
 
 @cache
 def default_encoder() -> StoredEncoder:
-    """MiniLM behind the shipped table and the user's cache: one per process."""
+    """The process's encoder: MiniLM behind the shipped table and the user's cache."""
     tables = (shipped_table(),) if (DATA / "embeddings.npy").is_file() else ()
     return StoredEncoder(MiniLM(), tables=tables)
 
 
 def write_table(texts: Sequence[str], vectors: NDArray[np.float16], stem: Path) -> None:
-    """Write a table; :func:`write_manifest_of` its folder afterwards."""
+    """Write a table; then call :func:`write_manifest_of` for its folder."""
     VectorTable.save(stem, texts, vectors)
 
 
 def write_manifest_of(folder: Path) -> None:
-    """List every data file of a folder in its manifest."""
+    """Write a folder's manifest, which lists every data file in it."""
     write_manifest(folder, [path.name for path in folder.iterdir() if path.name != MANIFEST and path.is_file()])

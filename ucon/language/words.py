@@ -1,4 +1,4 @@
-"""Words: tokens, light stemming, stop words, and what people call a category."""
+"""Words of texts: tokens, light stemming, stop words, and synonyms of categories."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def tokens(text: str) -> list[str]:
 
 @lru_cache(maxsize=200_000)
 def stem(word: str) -> str:
-    """A light stem: plurals, -ing and -ed, a final e. Enough to join "shelves" and "shelf"."""
+    """A light stem: removes plurals, -ing, -ed and a final e. Enough to map "shelves" to "shelf"."""
     if len(word) <= 3:
         return word
     irregular = _IRREGULAR.get(word)
@@ -94,6 +94,6 @@ def content_stems(text: str) -> tuple[str, ...]:
 
 @cache
 def synonyms() -> dict[str, tuple[str, ...]]:
-    """What people call a category besides its name: ``sofa`` -> couch, settee, ..."""
+    """Other names of each category: ``sofa`` -> couch, settee, ...; read once."""
     path = Path(__file__).parent / "data" / "synonyms.json"
     return {name: tuple(phrases) for name, phrases in json.loads(path.read_text()).items()}

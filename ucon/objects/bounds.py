@@ -1,4 +1,4 @@
-"""Exact axis-aligned boxes of parts, and stretching of a set of parts to a wanted box. Plain Python: parts are few."""
+"""Exact axis-aligned boxes of parts, and stretching of parts to a given size. Plain Python, since parts are few."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _UPRIGHT: Rows = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 def rotation_rows(rpy_rad: Vec3) -> Rows:
-    """Rotation matrix of fixed-axis roll, pitch, yaw as three rows."""
+    """Rotation matrix of roll, pitch, yaw in radians about fixed axes, as three rows."""
     if rpy_rad == (0.0, 0.0, 0.0):
         return _UPRIGHT
     roll, pitch, yaw = rpy_rad
@@ -26,7 +26,7 @@ def rotation_rows(rpy_rad: Vec3) -> Rows:
 
 
 def part_box(part: Part) -> Box3:
-    """Smallest axis-aligned box around ``part``, in the object frame."""
+    """The smallest axis-aligned box around a part in the object frame, metres."""
     sx, sy, sz = (0.5 * s for s in part.size)
     low, high = [], []
     for axis, (a, b, c) in enumerate(rotation_rows(part.rpy_rad)):
@@ -51,7 +51,7 @@ def part_box(part: Part) -> Box3:
 
 
 def union_box(boxes: Iterable[Box3]) -> Box3:
-    """Smallest box around ``boxes`` (at least one)."""
+    """The smallest box around some boxes (at least one)."""
     columns = list(zip(*boxes, strict=True))
     return (
         min(columns[0]),
@@ -64,10 +64,15 @@ def union_box(boxes: Iterable[Box3]) -> Box3:
 
 
 def fit(parts: list[Part], size: Vec3, rounds: int = 4) -> list[Part]:
-    """Stretch ``parts`` so that together they fill ``size``, footprint centred on the origin, bottom at z = 0.
+    """Stretch parts so that together they have a given size, centred on the origin with the bottom at z = 0.
 
-    Upright parts are stretched exactly; turned ones keep their right angles, so a few rounds are needed, and a last
-    even shrink makes sure that nothing sticks out.
+    Upright parts are stretched exactly. Turned ones keep their right angles, so a few rounds are needed; a last uniform
+    shrink makes sure that nothing sticks out.
+
+    Args:
+        parts: of one object.
+        size: wanted extent, metres.
+        rounds: most rounds.
     """
     for _ in range(rounds):
         box = union_box(map(part_box, parts))

@@ -1,7 +1,7 @@
-"""The catalogue: what is known of each of the 838 categories before any home is built.
+"""The catalogue: facts about each of the 838 categories.
 
-One row of ``data/catalogue.csv`` is one :class:`Category` (what everybody reads) and one :class:`Hints` (what only
-the shape builders read). A row that does not say what it should is an error that names file and line.
+A row of ``data/catalogue.csv`` is one :class:`Category` (for everybody) and one :class:`Hints` (for the shape
+builders). A row with a wrong value is an error that names file and line.
 """
 
 from __future__ import annotations
@@ -31,22 +31,33 @@ _COLUMNS = [
 
 @dataclass(frozen=True, slots=True)
 class Hints:
-    """Proportions for the shape builders; fractions of the object's size."""
+    """Proportions for the shape builders, as fractions of the object's size.
+
+    Attributes:
+        color_name: name of its colour.
+        container_kind: kind of its compartments.
+        interior_frac: size of the interior.
+        compartments: their number.
+        top_frac: height of the surface on top.
+        area_frac: usable part of the footprint on top.
+        under_frac: free height below.
+    """
 
     color_name: str
     container_kind: str
     interior_frac: Vec3 | None
     compartments: int
     top_frac: float | None
-    """Height of the surface on top."""
     area_frac: float | None
-    """Usable part of the footprint on top."""
     under_frac: float
-    """Free height below."""
 
 
 class Catalogue:
-    """All categories by name, in alphabetical order."""
+    """All categories by name, in alphabetical order; a mapping from names to :class:`Category`.
+
+    Attributes:
+        names: of all categories, in alphabetical order.
+    """
 
     def __init__(self, rows: dict[str, tuple[Category, Hints]]) -> None:
         self._rows = rows
@@ -65,7 +76,11 @@ class Catalogue:
         return len(self._rows)
 
     def hints(self, name: str) -> Hints:
-        """What the shape builders know about ``name``."""
+        """The shape builders' hints for a category.
+
+        Raises:
+            ConfigError: no such category.
+        """
         return self._row(name)[1]
 
     def _row(self, name: str) -> tuple[Category, Hints]:
@@ -77,7 +92,7 @@ class Catalogue:
 
 @lru_cache(maxsize=1)
 def catalogue() -> Catalogue:
-    """The catalogue that ships with the package."""
+    """The shipped catalogue; read once."""
     return read_catalogue(CATALOGUE_FILE)
 
 
@@ -85,7 +100,7 @@ def read_catalogue(path: Path) -> Catalogue:
     """Read and check a catalogue file.
 
     Raises:
-        DataError: the file is missing, or a row does not say what it should; the message names file and line.
+        DataError: the file is missing, or a row has a wrong value; names file and line.
     """
     try:
         text = path.read_text(encoding="utf-8")
@@ -146,7 +161,7 @@ def _parse(values: list[str], where: str) -> tuple[Category, Hints]:
 
 
 class _Cells:
-    """One row at the border: every reading is checked."""
+    """The cells of one row, checked as they are read."""
 
     def __init__(self, row: dict[str, str], where: str) -> None:
         self.row = row

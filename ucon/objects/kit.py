@@ -1,8 +1,8 @@
-"""The bench that shapes are built on: parts in, one :class:`ObjectModel` out.
+"""Building of shapes: a builder adds parts to a :class:`Kit`, which becomes one :class:`ObjectModel`.
 
-A builder receives a :class:`Kit` for one category, size and colour and adds parts to it. Lengths are metres; after
-:meth:`Kit.unit` they are fractions of the size (x and y from -0.5 to 0.5, z from 0 to 1), and the finished parts are
-stretched to fill the size exactly. Thicknesses of rods are always metres.
+A builder gets a kit for one category, size and colour. Lengths are metres. After :meth:`Kit.unit` they are fractions of
+the size (x and y from -0.5 to 0.5, z from 0 to 1), and the finished parts are stretched to fill the size exactly.
+Thicknesses of rods are always metres.
 """
 
 from __future__ import annotations
@@ -19,14 +19,11 @@ from ucon.objects.palette import RGB
 Builder = Callable[["Kit"], None]
 
 SHAPES: dict[str, Builder] = {}
-"""Builder of each archetype; a builder registered under a category's own name goes first."""
-
-GAP = 0.002
-"""Play between neighbouring parts that must not touch."""
+"""Builder of each archetype; a builder registered under a category's own name takes precedence."""
 
 
 def shape(*names: str) -> Callable[[Builder], Builder]:
-    """Register a builder for archetypes or single categories."""
+    """Decorator that registers a builder for archetypes or single categories."""
 
     def register(builder: Builder) -> Builder:
         for name in names:
@@ -39,7 +36,15 @@ def shape(*names: str) -> Callable[[Builder], Builder]:
 
 
 class Kit:
-    """Collects the parts of one model."""
+    """Collects the parts of one model.
+
+    Attributes:
+        category: row of the catalogue.
+        hints: proportions.
+        size: metres.
+        color: default colour of parts.
+        material: default material of parts.
+    """
 
     def __init__(self, category: Category, hints: Hints, size: Vec3, color: RGB, material: Material) -> None:
         self.category = category
@@ -62,11 +67,15 @@ class Kit:
         return self.category.name
 
     def has(self, *words: str) -> bool:
-        """Whether the category's name contains one of ``words``."""
+        """Whether the category's name contains one of some words."""
         return any(word in self.category.name for word in words)
 
     def unit(self) -> Kit:
-        """From here on coordinates are fractions of the size, and the result is stretched to fill it."""
+        """Switch to fractions of the size; the result is stretched to fill the size.
+
+        Returns:
+            The kit itself.
+        """
         self._scale = self.size
         self._fit = True
         return self
@@ -83,7 +92,17 @@ class Kit:
         link: int = -1,
         rpy: Vec3 = (0.0, 0.0, 0.0),
     ) -> None:
-        """An upright box, or one turned about its centre."""
+        """Add a box.
+
+        Args:
+            x: extent.
+            y: extent.
+            z: extent.
+            color: default: the kit's.
+            material: default: the kit's, or plain with a colour.
+            link: joint that carries it, -1 for none.
+            rpy: rotation about its centre, radians.
+        """
         self._add("box", x, y, z, color, material, link, rpy)
 
     def ball(
@@ -95,7 +114,16 @@ class Kit:
         material: Material | None = None,
         rpy: Vec3 = (0.0, 0.0, 0.0),
     ) -> None:
-        """An ellipsoid filling the box."""
+        """Add an ellipsoid that fills a box.
+
+        Args:
+            x: extent.
+            y: extent.
+            z: extent.
+            color: default: the kit's.
+            material: default: the kit's, or plain with a colour.
+            rpy: rotation about its centre, radians.
+        """
         self._add("sphere", x, y, z, color, material, -1, rpy)
 
     def wedge(
@@ -108,7 +136,17 @@ class Kit:
         flip: bool = False,
         link: int = -1,
     ) -> None:
-        """A ramp rising along +x, or along -x when ``flip``."""
+        """Add a ramp that rises along +x, or along -x with ``flip``.
+
+        Args:
+            x: extent.
+            y: extent.
+            z: extent.
+            color: default: the kit's.
+            material: default: the kit's, or plain with a colour.
+            flip: direction.
+            link: joint that carries it, -1 for none.
+        """
         self._add("wedge", x, y, z, color, material, link, (0.0, 0.0, pi if flip else 0.0))
 
     def cyl(
@@ -122,10 +160,21 @@ class Kit:
         taper: float = 1.0,
         link: int = -1,
     ) -> None:
-        """A cylinder or cone filling the box, along ``axis``; ``taper`` scales its end at the larger coordinate."""
+        """Add a cylinder or cone that fills a box.
+
+        Args:
+            x: extent.
+            y: extent.
+            z: extent.
+            color: default: the kit's.
+            material: default: the kit's, or plain with a colour.
+            axis: ``x``, ``y`` or ``z``.
+            taper: scale of its end at the larger coordinate.
+            link: joint that carries it, -1 for none.
+        """
         sx, sy, sz = self._extent(x, y, z)
         turn = 1.0
-        if taper > 1.0:  # Parts taper towards their top only: stand it on its head.
+        if taper > 1.0:  # Parts taper towards their top only, so turn it upside down.
             grown = (
                 sx if axis == "x" else sx * taper,
                 sy if axis == "y" else sy * taper,
@@ -150,7 +199,17 @@ class Kit:
         kind: str = "box",
         taper: float = 1.0,
     ) -> None:
-        """A straight bar (``box``), round bar (``cylinder``) or lens (``sphere``) from ``start`` to ``end``."""
+        """Add a straight bar (``box``), round bar (``cylinder``) or lens (``sphere``).
+
+        Args:
+            start: one end.
+            end: the other.
+            thickness: metres, one or two.
+            color: default: the kit's.
+            material: default: the kit's, or plain with a colour.
+            kind: see above.
+            taper: of a cylinder.
+        """
         p = [c * s for c, s in zip(start, self._scale, strict=True)]
         q = [c * s for c, s in zip(end, self._scale, strict=True)]
         dx, dy, dz = (b - a for a, b in zip(p, q, strict=True))
@@ -170,7 +229,16 @@ class Kit:
         color: RGB | None = None,
         material: Material | None = None,
     ) -> None:
-        """An upright board between two points of the floor plan, in metres, a little longer so that corners close."""
+        """Add an upright board between two points of the floor plan, slightly longer so that corners close; metres.
+
+        Args:
+            start: x, y of one end.
+            end: of the other.
+            thickness: of the board.
+            z: extent.
+            color: default: the kit's.
+            material: default: the kit's, or plain with a colour.
+        """
         dx, dy = end[0] - start[0], end[1] - start[1]
         size = (hypot(dx, dy) + 0.6 * thickness, thickness, z[1] - z[0])
         center = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2, (z[0] + z[1]) / 2)
@@ -179,7 +247,14 @@ class Kit:
     def path(
         self, points: list[Vec3], thickness: float, color: RGB | None = None, material: Material | None = None
     ) -> None:
-        """Bars through ``points``: handles, frames, hoses."""
+        """Add bars through some points: handles, frames, hoses.
+
+        Args:
+            points: in order.
+            thickness: metres.
+            color: default: the kit's.
+            material: default: the kit's, or plain with a colour.
+        """
         for start, end in pairwise(points):
             self.rod(start, end, thickness, color, material)
 
@@ -188,11 +263,25 @@ class Kit:
     def surface(
         self, x: tuple[float, float], y: tuple[float, float], z: float, clearance: float = 1.0, link: int = -1
     ) -> None:
-        """A level place to stand things on (metres, also in unit mode)."""
+        """Add a level surface to put things on; metres, also after :meth:`unit`.
+
+        Args:
+            x: extent.
+            y: extent.
+            z: height.
+            clearance: free height above.
+            link: joint that carries it, -1 for none.
+        """
         self.surfaces.append(Surface(x[0], y[0], x[1], y[1], z, clearance, link))
 
     def top_surface(self, inset: float = 0.0, z: float | None = None, clearance: float = 1.0) -> None:
-        """The whole top as a surface, ``inset`` metres from its edges."""
+        """Add the whole top as a surface.
+
+        Args:
+            inset: distance from its edges, metres.
+            z: height; the top by default.
+            clearance: free height above.
+        """
         hx, hy = self.size[0] / 2 - inset, self.size[1] / 2 - inset
         self.surface((-hx, hx), (-hy, hy), self.size[2] if z is None else z, clearance)
 
@@ -204,25 +293,57 @@ class Kit:
         link: int = -1,
         opened_by: tuple[int, ...] = (),
     ) -> None:
-        """A free space for content (metres, also in unit mode)."""
+        """Add a compartment; metres, also after :meth:`unit`.
+
+        Args:
+            x: extent.
+            y: extent.
+            z: extent.
+            link: joint that carries its content, -1 for none.
+            opened_by: joints that must be open to see into it.
+        """
         self.compartments.append(Compartment((x[0], y[0], z[0], x[1], y[1], z[1]), link, opened_by))
 
     def below(self, x: tuple[float, float], y: tuple[float, float], z1: float, z0: float = 0.0) -> None:
-        """A free space below it (metres, also in unit mode)."""
+        """Add a free space below the object; metres, also after :meth:`unit`.
+
+        Args:
+            x: extent.
+            y: extent.
+            z1: its top.
+            z0: its bottom.
+        """
         self.under.append((x[0], y[0], z0, x[1], y[1], z1))
 
     def hinge(self, origin: Vec3, axis: Vec3, travel_rad: float) -> int:
-        """Add a revolute joint; returns its number, the ``link`` of the parts it carries."""
+        """Add a revolute joint.
+
+        Args:
+            origin: a point on the axis, metres.
+            axis: unit vector.
+            travel_rad: angle when open.
+
+        Returns:
+            Number of the joint, the ``link`` of the parts it carries.
+        """
         self.joints.append(Joint("revolute", origin, axis, travel_rad))
         return len(self.joints) - 1
 
     def slide(self, origin: Vec3, travel_m: float) -> int:
-        """Add a drawer joint along +x; returns its number."""
+        """Add a drawer joint along +x.
+
+        Args:
+            origin: metres.
+            travel_m: distance when open.
+
+        Returns:
+            Number of the joint, the ``link`` of the parts it carries.
+        """
         self.joints.append(Joint("prismatic", origin, (1.0, 0.0, 0.0), travel_m))
         return len(self.joints) - 1
 
     def finish(self) -> ObjectModel:
-        """The model as a value."""
+        """The model of everything that was added."""
         parts = fit(self.parts, self.size) if self._fit else self.parts
         loose = self.category.role == "movable" and not (self.compartments or self.joints or self.under)
         return ObjectModel(

@@ -1,7 +1,7 @@
-"""What an object is made of: parts, joints, and the places where other things can be.
+"""The parts of an object: primitives, joints, and the places where other things can be.
 
-Object frame: origin at the centre of the footprint on the floor plane (z = 0 is the bottom), +x is the
-front, +y its left, z up; metres. A model is a value: the same (category, size, tint) is the same model.
+Object frame: origin at the centre of the footprint on the floor plane (z = 0 is the bottom), +x is the front, +y its
+left, z up; metres. A model is a value: the same (category, size, tint) gives the same model.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ RELATIONS: tuple[Relation, ...] = ("ontop", "inside", "under", "nextto")
 
 
 class Material(IntEnum):
-    """What a surface looks like; the renderer has one procedural texture for each."""
+    """Look of a surface; the renderer has one procedural texture for each."""
 
     PLAIN = 0
     WOOD = 1
@@ -40,9 +40,16 @@ class Material(IntEnum):
 class Part:
     """One convex primitive.
 
-    ``size`` is the full extent of its box before rotation. A cylinder stands along its own z, its top scaled by
-    ``taper`` (0 = cone, 1 = cylinder); a sphere is an ellipsoid filling ``size``; a wedge is a box whose top
-    edge is at its own +x side (a ramp rising along x).
+    Attributes:
+        shape: a cylinder stands along its own z; a sphere is an ellipsoid that fills ``size``; a wedge is a box whose
+            top edge is at its own +x side (a ramp that rises along x).
+        size: full extent before rotation, metres.
+        center: in the object frame with all joints closed, metres.
+        color: RGB, 0 to 255.
+        material: look.
+        rpy_rad: roll, pitch, yaw about fixed axes.
+        link: joint that carries the part; -1 for the fixed base.
+        taper: scale of a cylinder's top (0: cone, 1: cylinder).
     """
 
     shape: Shape
@@ -52,13 +59,12 @@ class Part:
     material: Material = Material.PLAIN
     rpy_rad: Vec3 = (0.0, 0.0, 0.0)
     link: int = -1
-    """Joint that carries this part; -1 for the fixed base. Given in the object frame with all joints closed."""
     taper: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """One degree of freedom, closed at 0 and open at ``travel`` (radians or metres, always positive)."""
+    """One degree of freedom: closed at 0, open at ``travel`` (radians or metres, always positive)."""
 
     kind: Literal["revolute", "prismatic"]
     origin: Vec3
@@ -68,7 +74,7 @@ class Joint:
 
 @dataclass(frozen=True, slots=True)
 class Surface:
-    """A level rectangle that things stand on, in the object frame."""
+    """A level rectangle that things can stand on, in the object frame, metres."""
 
     x0: float
     y0: float
@@ -84,8 +90,10 @@ class Surface:
 class Compartment:
     """A free space that things can be inside of.
 
-    ``link`` is the joint whose part carries the floor (a drawer takes its content along; -1: the content stays).
-    ``opened_by`` lists the joints that must be open for the content to be seen; empty for open shelves and baskets.
+    Attributes:
+        box: in the object frame with all joints closed, metres.
+        link: joint whose part carries the content (a drawer); -1: the content does not move.
+        opened_by: joints that must be open to see into it; none for open shelves and baskets.
     """
 
     box: Box3
@@ -95,7 +103,7 @@ class Compartment:
 
 @dataclass(frozen=True, slots=True)
 class ObjectModel:
-    """The shape of one kind of object at one size."""
+    """The shape of one category at one size."""
 
     category: str
     size: Vec3
@@ -104,20 +112,20 @@ class ObjectModel:
     surfaces: tuple[Surface, ...] = ()
     compartments: tuple[Compartment, ...] = ()
     under: tuple[Box3, ...] = ()
-    """Free spaces below it (table, bed, chair, sink), reaching down to z = 0."""
+    """Free spaces below it (table, bed, chair, sink), down to z = 0."""
     mass_kg: float = 1.0
     simple_collision: bool = False
-    """Collide as one box (small movable things); else part by part, which hollow things and furniture need."""
+    """Whether it collides as one box (small movable things); else part by part (hollow things, furniture)."""
 
     @property
     def openable(self) -> bool:
-        """Whether Open does something to it."""
+        """Whether Open acts on it."""
         return bool(self.joints)
 
 
 @dataclass(frozen=True, slots=True)
 class Category:
-    """One row of the catalogue. Figures are credited in ``docs/DATA.md``."""
+    """One row of the catalogue. Numbers are credited in ``docs/DATA.md``."""
 
     name: str
     archetype: str
@@ -138,5 +146,5 @@ class Category:
 
     @property
     def phrase(self) -> str:
-        """The name as people write it: ``coffee_table`` is "coffee table"."""
+        """The name with spaces: ``coffee_table`` becomes "coffee table"."""
         return self.name.replace("_", " ")

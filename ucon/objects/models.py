@@ -1,4 +1,4 @@
-"""``build_model``: the shape of a category at a size and colour variant, made once and shared."""
+"""``build_model``: the shape of a category at a size and colour variant, built once and shared."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from ucon.objects.tint import material_of, tinted
 
 @lru_cache(maxsize=8192)
 def build_model(category: str, size: Vec3 | None = None, tint: int = 0) -> ObjectModel:
-    """The model of ``category``.
+    """The model of a category.
 
     Args:
-        category: A name of the catalogue.
+        category: of the catalogue.
         size: (x depth, y width, z height) in metres; the catalogue's size when None.
-        tint: Colour variant; 0 is the catalogue's colour.
+        tint: colour variant; 0 is the catalogue's colour.
 
     Raises:
         ConfigError: unknown category, or a size that is not three positive lengths.

@@ -1,4 +1,4 @@
-"""The colours that shapes are painted with, and lighter and darker ones of them."""
+"""Colours of shapes, and their lighter and darker variants."""
 
 from __future__ import annotations
 
@@ -30,7 +30,12 @@ GLASSY: RGB = (196, 220, 228)
 
 
 def shade(color: RGB, factor: float) -> RGB:
-    """Darker (below 1) or lighter (above 1, towards white)."""
+    """A darker or lighter colour.
+
+    Args:
+        color: RGB, 0 to 255.
+        factor: below 1 darker, above 1 lighter, up to white at 2.
+    """
     if factor <= 1.0:
         return (int(color[0] * factor), int(color[1] * factor), int(color[2] * factor))
     gain = min(factor - 1.0, 1.0)

@@ -1,4 +1,4 @@
-"""Colours and materials: what a category looks like, and its seeded colour variants."""
+"""Colours and materials of categories, and their seeded colour variants."""
 
 from __future__ import annotations
 
@@ -47,7 +47,12 @@ _MATERIAL_OF_GROUP = {
 
 
 def material_of(row: Category, hints: Hints) -> Material:
-    """What the body of a category is made of."""
+    """Material of the body of a category.
+
+    Args:
+        row: of the catalogue.
+        hints: its colour's name.
+    """
     if row.archetype in _FABRIC_ARCHETYPES:
         return Material.FABRIC
     if row.archetype in ("tree", "plant_small", "food_leafy"):
@@ -57,7 +62,12 @@ def material_of(row: Category, hints: Hints) -> Material:
 
 
 def tinted(row: Category, tint: int) -> RGB:
-    """Colour of variant ``tint``: furniture and fabric change colour, everything else only its brightness."""
+    """Colour of a variant: furniture and fabrics change their colour, other things only their brightness.
+
+    Args:
+        row: of the catalogue.
+        tint: number of the variant; 0 is the catalogue's colour.
+    """
     if tint == 0:
         return row.color
     random = stream(tint, "tint", row.name)

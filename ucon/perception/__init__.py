@@ -1,1 +1,4 @@
-"""What an agent makes of what it sees: the semantic map, places to look at, views, candidates, the planner."""
+"""What an agent computes from its own frames.
+
+Detections, the semantic map, places where the target may be, the belief over them, views to look from, and the planner.
+"""

@@ -1,4 +1,4 @@
-"""One short look around with everything that a searching agent uses, so that its kernels are compiled beforehand."""
+"""Compiles the kernels of a searching agent, by a few steps with everything that such an agent uses."""
 
 from __future__ import annotations
 
@@ -20,7 +20,15 @@ from ucon.perception.views.viewpoints import Expectation, Viewpoints
 
 
 def look_around(env: gym.Env[Any, Any], actions: Sequence[int]) -> SemanticMap:
-    """Play ``actions`` in the first episode of an environment with a detector; the map that was made of it."""
+    """Play actions in the first episode of an environment and run the whole of perception on every frame.
+
+    Args:
+        env: an environment with a detector and ``nav`` in its info.
+        actions: what to play.
+
+    Returns:
+        The map of the frames.
+    """
     obs, info = env.reset(options={"episode": 0})
     known, places, planner, viewpoints = SemanticMap(), Places(0.1), Planner(info["nav"]), Viewpoints(3.0)
     fine = FineMap()
@@ -40,6 +48,6 @@ def look_around(env: gym.Env[Any, Any], actions: Sequence[int]) -> SemanticMap:
         best, _ = viewpoints.choose(known, planner, places, expected, closed)
         if best is not None:
             planner.plan(best.view)
-        viewpoints.disappoint(known, places, expected, closed)
+        viewpoints.lower_expectations(known, places, expected, closed)
         obs, _, _, _, info = env.step(action)
     return known

@@ -1,4 +1,4 @@
-"""Floors and walls: material and colour by room type, with seeded variants that tell rooms apart."""
+"""Materials and colours of floors and walls by room type, with seeded variants."""
 
 from __future__ import annotations
 
@@ -51,14 +51,25 @@ _FLOORS: dict[str, tuple[Material, tuple[RGB, ...]]] = {
 
 
 def floor_of(room_type: str, seed: int, room: str) -> tuple[RGB, Material]:
-    """Colour and material of a floor; rooms of one home share their parquet."""
+    """Colour and material of a floor; all parquet rooms of a home have the same colour.
+
+    Args:
+        room_type: type of the room.
+        seed: of the home.
+        room: its name.
+    """
     material, colors = _FLOORS.get(room_type, (Material.PARQUET, PARQUET))
     key = "parquet" if material == Material.PARQUET else room
     return colors[int(stream(seed, "floor", key).integers(len(colors)))], material
 
 
 def wall_colors(types: list[str], seed: int) -> list[RGB]:
-    """One light hue a room; neighbours in the list differ. Gardens have hedges."""
+    """One light colour for each room; neighbours in the list differ. Gardens have hedges.
+
+    Args:
+        types: type of each room.
+        seed: of the home.
+    """
     order = stream(seed, "walls").permutation(len(WALLS))
     found = []
     for index, room_type in enumerate(types):

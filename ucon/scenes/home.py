@@ -24,21 +24,27 @@ from ucon.scenes.tidy import FloorPlan
 N_TRIES = 3
 OUTDOOR_HEIGHT_M = 20.0
 YARD_CELLS = 12
-"""A wall is an outside wall if no room lies within 3 m behind it."""
+"""A wall is an outside wall if there is no room within so many cells (3 m) behind it."""
 EARLY_HUNG = ("radiator", "urinal")
 WALL_FIRST = ("wall_mounted_tv", "mirror", "painting", "picture", "poster")
 
 
 @dataclass(frozen=True)
 class BuiltHome:
-    """A home and what of its program found no place, by room."""
+    """A home, and by room the items of its program that found no place."""
 
     spec: HomeSpec
     dropped: dict[str, dict[str, int]]
 
 
 def build_home(name: str, program: HomeProgram, seed: int) -> BuiltHome:
-    """The home of ``program`` drawn with ``seed``."""
+    """Build the home of a program.
+
+    Args:
+        name: of the home.
+        program: its rooms and furniture.
+        seed: of all random choices.
+    """
     program = enriched(program, seed)
     plan = lay_out(program, seed, name)
     programs = {room.name: room for room in program.rooms}
@@ -75,7 +81,15 @@ def _wishes(name: str, programs: dict[str, RoomProgram]) -> RoomProgram:
 
 
 def exterior_walls(plan: FloorPlan, index: int) -> list[tuple[int, float, float]]:
-    """(wall, lo, hi) in metres of the stretches of a room's walls with no room behind."""
+    """The stretches of a room's walls without a room behind them.
+
+    Args:
+        plan: the floor plan.
+        index: number of the room.
+
+    Returns:
+        (wall, lo, hi) in metres.
+    """
     rect = plan.rects[index]
     found = []
     for wall in range(4):
@@ -103,7 +117,20 @@ def furnish_room(
     wall_height_m: float,
     seed: int,
 ) -> tuple[list[Item], Counter[str]]:
-    """Items of one room and what found no place; the best of up to three tries where large things are left over."""
+    """Furnish one room; up to three tries where large things found no place, of which the best is kept.
+
+    Args:
+        index: number of the room.
+        rect: x0, y0, x1, y1, metres.
+        plan: the floor plan.
+        openings: of the home.
+        wish: what the room should hold.
+        wall_height_m: of the home.
+        seed: of the home.
+
+    Returns:
+        Items, and by category how many found no place.
+    """
     best: tuple[float, list[Item], Counter[str]] | None = None
     for attempt in range(N_TRIES):
         height = OUTDOOR_HEIGHT_M if wish.type == "garden" else wall_height_m
@@ -123,7 +150,7 @@ def furnish_room(
 
 
 def _regret(missing: Counter[str]) -> float:
-    """Floor area of the furniture that found no place, m2."""
+    """Floor area of the furniture that found no place, square metres."""
     book = catalogue()
     stands = [c for c in missing if (book[c].mount == "floor" or c in EARLY_HUNG) and book[c].role != "movable"]
     return float(sum(missing[c] * np.prod(book[c].size[:2]) for c in stands))
@@ -169,7 +196,7 @@ def _fill(
 
 
 def surface_like(left: Counter[str]) -> list[str]:
-    """Of what is left, the things that can stand on furniture."""
+    """The categories among ``left`` that can stand on furniture, sorted."""
     book = catalogue()
     small = [c for c in left if left[c] > 0 and float(np.prod(book[c].size[:2])) < 0.2 and book[c].size[2] < 0.8]
     small += [c for c in ("standing_tv",) if left[c] > 0]
@@ -177,7 +204,7 @@ def surface_like(left: Counter[str]) -> list[str]:
 
 
 def _sort(wish: RoomProgram) -> tuple[dict[str, int], list[str], dict[str, int]]:
-    """Split the furniture into what stands or hangs (counts), the hung categories, and small things."""
+    """Split the furniture into floor and wall items (counts), the hung categories, and small things."""
     book = catalogue()
     surface = dict(wish.surface)
     floor: dict[str, int] = {}

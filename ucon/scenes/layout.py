@@ -1,8 +1,8 @@
-"""From a room program to a floor plan: rectangles on the 0.25 m grid and one opening for every edge.
+"""From a room program to a floor plan: rectangles on the 0.25 m grid, and one opening for every edge.
 
-Rooms grow outwards from the hub: each room tries every place along its parent's walls that is flush with
-something already there, and takes the one that keeps the outline compact. Several seeded plans are drawn and the
-best is kept; if none works out, :func:`block_plan` always does. All lengths here are whole grid cells.
+Rooms grow outwards from the hub. Each room tries every place along its parent's walls that is flush with something
+there and takes the one that keeps the outline compact. Several seeded plans are drawn and the best is kept; if none
+works, :func:`block_plan` always does. All lengths here are whole grid cells.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ucon.scenes.program import HomeProgram, RoomProgram
 from ucon.scenes.spec import GRID_M
 from ucon.scenes.tidy import FloorPlan, Rect, pad, plan_cost, shared_wall, trim_corridors
 
-#: A room of 1.25 x 1.5 m would keep three nodes beside a shelf; small rooms are raised so that five always remain.
+#: Least sides of rooms, so that five nodes remain free beside a shelf.
 MIN_SIDES_M = {"bathroom": (2.0, 2.25), "corridor": (1.5, 2.5), "entryway": (1.75, 2.0)}
 MIN_SIDES_DEFAULT_M = (1.75, 2.0)
 FOLD_CELLS = 56
@@ -27,11 +27,17 @@ WALL_CELLS = {"doorway": 6, "opening_1.2": 7, "opening_1.5": 8, "opening_2.0": 1
 GAP_CELLS = {"doorway": 4, "opening_1.2": 5, "opening_1.5": 6, "opening_2.0": 8}
 N_PLANS = 12
 MANY_ROOMS = 12
-"""Larger homes draw twice as many plans."""
+"""Homes with more rooms draw twice as many plans."""
 
 
 def lay_out(program: HomeProgram, seed: int, name: str) -> FloorPlan:
-    """The best of several seeded floor plans of ``program``."""
+    """The best of several seeded floor plans.
+
+    Args:
+        program: rooms and edges of the home.
+        seed: of the plans.
+        name: of the home.
+    """
     program = _raise_small_rooms(program)
     best: tuple[float, FloorPlan] | None = None
     enough = N_PLANS * (1 + (len(program.rooms) > MANY_ROOMS))
@@ -135,7 +141,7 @@ def _subtree(
 def _place_hub(
     plan: FloorPlan, legs: dict[str, list[str]], hub: RoomProgram, attempt: int, rng: np.random.Generator
 ) -> None:
-    """Put the hub at the origin. A corridor starts longer with every attempt; what stays unused is trimmed."""
+    """Put the hub at the origin. A corridor starts longer with every attempt; unused ends are trimmed later."""
     width, length = _cells(hub)
     if hub.type != "corridor":
         plan.add(hub.name, (0, 0, length, width))
@@ -162,7 +168,7 @@ def _attach(
     rng: np.random.Generator,
     program: HomeProgram,
 ) -> bool:
-    """Place ``room`` against one of ``parents``; False where nothing fits."""
+    """Place a room at one of its possible parents; False where it fits nowhere."""
     rows, owner = [], []
     placed = np.array(plan.rects)  # (n, 4)
     small, large = _cells(room)
@@ -184,7 +190,7 @@ def _attach(
     if not len(keep):
         return False
     cost = _place_cost(rects[keep], placed) + rng.uniform(0, 6.0, len(keep))
-    if program.hub not in parents:  # leave the hub's walls to the rooms that need them
+    if program.hub not in parents:  # keep the hub's walls free for its own children
         cost += 0.9 * _contact(rects[keep], placed[:2] if f"{program.hub}_b" in plan.names else placed[:1])
     best = int(keep[int(np.argmin(cost))])
     x0, y0, x1, y1 = (int(v) for v in rects[best])
@@ -247,7 +253,7 @@ def _contact(rects: np.ndarray, placed: np.ndarray) -> np.ndarray:
 
 
 def block_plan(program: HomeProgram) -> FloorPlan:
-    """A plain plan that always exists: every room spans its children, which hang side by side below it."""
+    """A simple plan that always exists: every room spans its children, which are side by side below it."""
     program = _raise_small_rooms(program)
     rooms = {room.name: room for room in program.rooms}
     tree = _children(program)

@@ -1,4 +1,4 @@
-"""Homes by name: the 22 official scenes, their variants, and generated homes without limit."""
+"""Homes by name: the 22 official scenes, their variants, and generated homes."""
 
 from __future__ import annotations
 
@@ -16,13 +16,20 @@ from ucon.scenes.spec import HomeSpec
 SCENES: tuple[str, ...] = tuple(scene_programs())
 UNSEEN_SCENES = ("Beechwood_1_int", "Pomaria_1_int")
 UNSEEN_SEED = 900_000
-"""Generated homes from this seed on are kept for tests of unseen homes."""
+"""First seed of the generated homes that are reserved for tests of unseen homes."""
 MAX_SEED = 10**9
 
 
 @lru_cache(maxsize=64)
 def built_home(name: str) -> BuiltHome:
-    """The home called ``name`` with the list of what found no place."""
+    """A home and the items that found no place.
+
+    Args:
+        name: ``Rs_int``, ``Rs_int~3`` (variant 3) or ``procedural:house:17``.
+
+    Raises:
+        SceneError: no such home; the message names the nearest ones.
+    """
     if name.startswith("procedural"):
         kind, seed = parse_procedural(name)
         return build_home(name, procedural_program(kind, seed), derived_seed(seed, "procedural", kind))
@@ -31,7 +38,10 @@ def built_home(name: str) -> BuiltHome:
 
 
 def home_spec(name: str) -> HomeSpec:
-    """The home called ``name``: ``Rs_int``, ``Rs_int~3`` (variant 3) or ``procedural:house:17``.
+    """The specification of a home.
+
+    Args:
+        name: ``Rs_int``, ``Rs_int~3`` (variant 3) or ``procedural:house:17``.
 
     Raises:
         SceneError: no such home; the message names the nearest ones.
@@ -40,14 +50,18 @@ def home_spec(name: str) -> HomeSpec:
 
 
 def scene_split(name: str) -> Literal["seen", "unseen"]:
-    """Whether a home may be trained on (``seen``) or is kept for tests (``unseen``)."""
+    """Whether a home may be trained on (``seen``) or is reserved for tests (``unseen``)."""
     if name.startswith("procedural"):
         return "unseen" if parse_procedural(name)[1] >= UNSEEN_SEED else "seen"
     return "unseen" if parse_scene(name)[0] in UNSEEN_SCENES else "seen"
 
 
 def parse_scene(name: str) -> tuple[str, int]:
-    """Scene and variant of ``Rs_int~3``; variant 0 is the canonical home."""
+    """Scene and variant of a name such as ``Rs_int~3``; variant 0 is the canonical home.
+
+    Raises:
+        SceneError: no such scene, or no such variant.
+    """
     scene, mark, variant = name.partition("~")
     if scene not in SCENES:
         raise SceneError(unknown_name("scene", name, SCENES, remedy="Generated homes: procedural:<kind>:<seed>."))
@@ -59,7 +73,11 @@ def parse_scene(name: str) -> tuple[str, int]:
 
 
 def parse_procedural(name: str) -> tuple[str, int]:
-    """Kind and seed of ``procedural:house:17``."""
+    """Kind and seed of a name such as ``procedural:house:17``.
+
+    Raises:
+        SceneError: no such kind, or no such seed.
+    """
     parts = name.split(":")
     if len(parts) != 3 or parts[0] != "procedural":
         raise SceneError(f"scene '{name}': expected procedural:<kind>:<seed>, as in procedural:house:17")

@@ -1,4 +1,4 @@
-"""Cuts one opening into the wall that two joined rooms share."""
+"""Cuts the openings into the walls that joined rooms share."""
 
 from __future__ import annotations
 
@@ -9,11 +9,17 @@ from ucon.scenes.spec import GRID_M, LINTEL_M, Opening
 from ucon.scenes.tidy import FloorPlan, Rect, shared_wall
 
 CORNER_CELLS = 2
-"""Openings keep 0.5 m from room corners where the wall is long enough."""
+"""Distance of openings from room corners in cells (0.5 m), where the wall is long enough."""
 
 
 def cut_openings(plan: FloorPlan, seed: int, wall_height_m: float) -> tuple[Opening, ...]:
-    """An opening for every edge of the plan, in its order."""
+    """An opening for every edge of a plan, in the order of the edges.
+
+    Args:
+        plan: the floor plan.
+        seed: of the positions.
+        wall_height_m: of the home.
+    """
     found = []
     for a, b, joint in plan.edges:
         wall = shared_wall(plan.rect(a), plan.rect(b))
@@ -22,7 +28,7 @@ def cut_openings(plan: FloorPlan, seed: int, wall_height_m: float) -> tuple[Open
         axis, coord, low, high = wall
         width = high - low if joint == "open" else min(GAP_CELLS[joint], high - low)
         if joint == "open" and not b.endswith("_b"):
-            width = max(4, high - low - 2)  # leave stubs of wall, so that it reads as two rooms
+            width = max(4, high - low - 2)  # leave ends of the wall, so that two rooms can be told apart
         start = _start(plan.rect(a), plan.rect(b), wall, width, joint, stream(seed, "opening", a, b).random())
         lo, hi = start * GRID_M, (start + width) * GRID_M
         height = wall_height_m if joint == "open" else LINTEL_M

@@ -13,7 +13,16 @@ _TALL_M = 1.8
 
 
 def draw_plan(spec: HomeSpec, pixels_per_m: int = 50, labels: bool = True) -> NDArray[np.uint8]:
-    """Top-down plan of a home, (H, W, 3) uint8, y up; items as rectangles with a mark at their front."""
+    """Plan of a home; items are rectangles with a mark at their front.
+
+    Args:
+        spec: the home.
+        pixels_per_m: scale.
+        labels: write categories and room names.
+
+    Returns:
+        (H, W, 3) uint8, y up.
+    """
     rects = np.array([room.rect for room in spec.rooms])
     low, high = rects[:, :2].min(0) - 0.4, rects[:, 2:].max(0) + 0.4
     width, height = (int(v) for v in np.ceil((high - low) * pixels_per_m))

@@ -1,7 +1,7 @@
 """Programs of generated homes, drawn from :mod:`ucon.scenes.room_types`.
 
-What rooms hold follows the statistics of the measured rooms (:func:`ucon.scenes.program.type_stats`) with must-haves
-per type added; sizes grow with what has to fit.
+The content of rooms follows the statistics of the measured rooms (:func:`ucon.scenes.program.type_stats`), with
+necessary things added by room type; sizes grow with the content.
 """
 
 from __future__ import annotations
@@ -17,7 +17,12 @@ MIN_ROOMS, MAX_ROOMS = 4, 15
 
 
 def procedural_program(kind: str, seed: int) -> HomeProgram:
-    """The program of generated home ``seed`` of a kind."""
+    """The program of a generated home.
+
+    Args:
+        kind: of :data:`ucon.scenes.program.HOME_KINDS`.
+        seed: number of the home.
+    """
     rng = stream(seed, "program", kind)
     always, pool, most = KIND_ROOMS[kind]
     n = int(rng.integers(MIN_ROOMS, min(most, MAX_ROOMS) + 1))
@@ -59,7 +64,7 @@ _JOINTS = {
 
 
 def _edges(names: list[str], types: list[str], hub: str, kind: str) -> list[tuple[str, str, str]]:
-    """Kitchen by dining by living room, bathrooms and closets by bedrooms, the rest at the hub."""
+    """Edges of the plan: kitchen to dining to living room, bathrooms and closets to bedrooms, the rest to the hub."""
     by_type: dict[str, list[str]] = {}
     for name, room_type in zip(names, types, strict=True):
         by_type.setdefault(room_type, []).append(name)
@@ -135,7 +140,7 @@ def _furniture(room_type: str, kind: str, rng: np.random.Generator) -> dict[str,
 
 
 def _sampled(found: dict[str, int], stats: TypeStats | None, rng: np.random.Generator) -> dict[str, int]:
-    """Add what measured rooms of the type hold besides."""
+    """Add furniture by the statistics of measured rooms of the type."""
     for category, share, mean in stats.categories if stats else ():
         draw, amount = rng.random(), rng.poisson(max(mean - 1.0, 0.0))
         if category in found or category not in catalogue() or draw > share * 0.8:

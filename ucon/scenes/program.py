@@ -1,7 +1,7 @@
-"""Room programs: which rooms a home has, how large, what stands in them and which are joined.
+"""Room programs: the rooms of a home, their sizes, their content, and which are joined.
 
-The 22 official scenes come from measured inventories (``data/programs.json``, credited in ``docs/DATA.md``);
-generated homes get theirs from :mod:`ucon.scenes.procedural`. Layout and furnishing read nothing else.
+The 22 official scenes come from measured inventories (``data/programs.json``, credited in ``docs/DATA.md``); generated
+homes get theirs from :mod:`ucon.scenes.procedural`. Layout and furnishing use nothing else.
 """
 
 from __future__ import annotations
@@ -22,49 +22,60 @@ _SOURCE = "ucon/scenes/data/programs.json"
 
 @dataclass(frozen=True)
 class RoomProgram:
-    """One room as it is wished for: ``size_m`` is width and length in either order."""
+    """One room as it is wanted."""
 
     name: str
     type: str
     size_m: tuple[float, float]
+    """Width and length, in either order."""
     furniture: Mapping[str, int] = field(default_factory=dict)
+    """Number of items by category."""
     surface: Mapping[str, int] = field(default_factory=dict)
-    """Small things that stand on furniture."""
+    """Number of small things that stand on furniture, by category."""
     fixtures: Mapping[str, int] = field(default_factory=dict)
-    """Windows, switches and lights."""
+    """Number of windows, switches and lights, by category."""
 
 
 @dataclass(frozen=True)
 class HomeProgram:
-    """Rooms and the openings between them, a tree rooted at ``hub``."""
+    """Rooms and the openings between them, a tree with the root ``hub``."""
 
     kind: str
     wall_height_m: float
     hub: str
     rooms: tuple[RoomProgram, ...]
     edges: tuple[tuple[str, str, str], ...]
-    """(room nearer the hub, room, kind of joint): ``doorway``, ``opening_<width>``, ``open``."""
+    """(room nearer the hub, room, kind of opening): ``doorway``, ``opening_<width>`` or ``open``."""
 
 
 @dataclass(frozen=True)
 class TypeStats:
-    """What rooms of one type hold: (category, share of rooms that have it, mean number where present)."""
+    """Statistics of the measured rooms of one type."""
 
     area_m2: tuple[float, float, float]
-    """Median, smallest, largest."""
+    """Median, smallest and largest area."""
     categories: tuple[tuple[str, float, float], ...]
+    """(category, share of rooms that have it, mean number where present)."""
 
 
 @lru_cache(maxsize=1)
 def scene_programs() -> dict[str, HomeProgram]:
-    """Programs of the official scenes by name, sorted."""
+    """Programs of the official scenes, by name; sorted.
+
+    Raises:
+        DataError: the shipped file cannot be read.
+    """
     scenes = _section("scenes")
     return {name: _program(name, scenes[name]) for name in sorted(scenes)}
 
 
 @lru_cache(maxsize=1)
 def type_stats() -> dict[str, TypeStats]:
-    """Statistics of room types by name, sorted."""
+    """Statistics of the measured rooms, by room type; sorted.
+
+    Raises:
+        DataError: the shipped file cannot be read.
+    """
     types = _section("room_types")
     stats = {}
     for name in sorted(types):
@@ -107,7 +118,15 @@ def _program(name: str, raw: Any) -> HomeProgram:
 
 
 def check_program(name: str, program: HomeProgram) -> None:
-    """Raise DataError unless kinds are known, names unique, sizes sane and the edges form a tree from the hub."""
+    """Check a program: known kinds, unique names, plausible sizes, and edges that form a tree from the hub.
+
+    Args:
+        name: of the home, for errors.
+        program: what to check.
+
+    Raises:
+        DataError: naming the first fault.
+    """
     names = {r.name for r in program.rooms}
     reached = {program.hub}
     for parent, child, joint in program.edges:

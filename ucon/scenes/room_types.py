@@ -1,8 +1,8 @@
-"""What generated homes are made of: which rooms a kind of home has, how large they are, what they must and may hold."""
+"""Contents of generated homes: the rooms of each kind of home, and sizes and contents of each type of room."""
 
 from __future__ import annotations
 
-#: Range of width and length in metres.
+#: By room type: least and greatest width, least and greatest length, metres.
 SIZES_M: dict[str, tuple[float, float, float, float]] = {
     "bathroom": (2.0, 2.75, 2.5, 3.5),
     "bedroom": (3.0, 4.25, 3.5, 5.0),
@@ -36,8 +36,8 @@ BIG: dict[str, tuple[float, float, float, float]] = {
     "kitchen": (4.5, 6.0, 5.5, 7.0),
     "bathroom": (3.0, 3.5, 3.75, 4.5),
 }
-"""Rooms of restaurants and shops."""
-#: What a room of a type always holds, as (category, least, most).
+"""The same for rooms of restaurants and shops."""
+#: By room type: what is always there, as (category, least, most).
 MUST: dict[str, tuple[tuple[str, int, int], ...]] = {
     "bathroom": (("sink", 1, 1), ("toilet", 1, 1), ("mirror", 1, 1), ("towel_rack", 1, 1), ("trash_can", 0, 1)),
     "bedroom": (("bed", 1, 1), ("nightstand", 1, 2), ("table_lamp", 1, 2), ("wardrobe", 1, 1), ("carpet", 0, 1)),
@@ -121,7 +121,7 @@ MUST: dict[str, tuple[tuple[str, int, int], ...]] = {
     "grocery_store": (("grocery_shelf", 8, 14), ("checkout_counter", 1, 2), ("shopping_cart", 2, 3)),
     "garden": (("garden_chair", 2, 3), ("breakfast_table", 1, 1), ("tree", 2, 4), ("bush", 3, 6), ("grill", 0, 1)),
 }
-#: Small things that make a room look lived in, as (category, probability).
+#: By room type: further small things, as (category, probability).
 CLUTTER: dict[str, tuple[tuple[str, float], ...]] = {
     "bathroom": (("soap_dispenser", 0.7), ("hamper", 0.3), ("bottle_of_shampoo", 0.4)),
     "bedroom": (("pillow", 1.0), ("alarm_clock", 0.5), ("paperback_book", 0.5), ("hamper", 0.3)),
@@ -171,7 +171,7 @@ OFFICE_POOL = (
 )  # fmt: skip
 RESTAURANT_POOL = ("bar", "storage_room", "private_office", "pantry_room", "dining_room", "utility_room")
 SHOP_POOL = ("storage_room", "private_office", "break_room", "storage_room", "bar", "dining_room")
-#: (kind) -> (rooms always there, rooms to choose from, most rooms)
+#: By kind of home: rooms that are always there, rooms to choose from, most rooms.
 KIND_ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...], int]] = {
     "house": (("living_room", "kitchen", "bathroom", "bedroom"), HOUSE_POOL, 15),
     "flat": (("living_room", "kitchen", "bathroom", "bedroom"), FLAT_POOL, 8),

@@ -1,7 +1,7 @@
-"""Specification of a home: rooms, openings, and every item with its pose. Plain data, one hash.
+"""The specification of a home: rooms, openings, and every item with its pose. Plain data with one hash.
 
-World frame: metres, z up, floor at z = 0; room edges lie on the 0.25 m grid. Walls are 0.10 m thick, centred on
-the grid line between rooms, so a room's free floor is its rectangle shrunk by 0.05 m.
+World frame: metres, z up, floor at z = 0; room edges are on the 0.25 m grid. Walls are 0.10 m thick and centred on the
+grid line between rooms, so a room's free floor is its rectangle shrunk by 0.05 m.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ LINTEL_M = 2.05
 
 @dataclass(frozen=True)
 class Room:
-    """One rectangular room. ``rect`` = (x0, y0, x1, y1) on the grid."""
+    """One rectangular room; ``rect`` is x0, y0, x1, y1 on the grid, metres."""
 
     name: str
     type: str
@@ -29,15 +29,21 @@ class Room:
     floor_material: Material
     wall_color: tuple[int, int, int]
     outdoor: bool = False
-    """No ceiling; its walls are hedges of full height, so that nothing beyond them can be seen."""
+    """Whether it has no ceiling, and hedges of full height for walls."""
 
 
 @dataclass(frozen=True)
 class Opening:
     """A hole in the wall between two rooms.
 
-    ``axis`` 0: the wall lies in the plane x = ``coord`` and the hole spans y in [lo, hi]; 1: swapped.
-    ``height_m`` is the lintel; equal to the wall height for a full opening.
+    Attributes:
+        axis: 0: the wall is in the plane x = ``coord`` and the hole spans y in [lo, hi]; 1: x and y swapped.
+        coord: of the plane, metres.
+        lo: start of the hole.
+        hi: its end.
+        room_a: number of one room.
+        room_b: number of the other.
+        height_m: of the lintel; equal to the wall height for a full opening.
     """
 
     axis: Literal[0, 1]
@@ -51,21 +57,25 @@ class Opening:
 
 @dataclass(frozen=True)
 class Item:
-    """One object of the base scene. ``position`` is the centre of its footprint, z its bottom."""
+    """One object of the home."""
 
     category: str
+    """Of the catalogue."""
     size: Vec3
+    """Metres, before rotation."""
     position: Vec3
+    """Centre of its footprint, and its bottom; world metres."""
     quarter_turns: int
     """Rotation about z in steps of 90 degrees, counter-clockwise; the front looks along +x at 0."""
     room: int
+    """Number of its room."""
     tint: int = 0
-    """Selects a colour variant of the category."""
+    """Colour variant of the category."""
 
 
 @dataclass(frozen=True)
 class HomeSpec:
-    """A whole home. Equal specs have equal hashes, in every process."""
+    """A whole home. Equal specifications have equal hashes, in every process."""
 
     name: str
     """``Rs_int``; ``Rs_int~3`` (variant 3); ``procedural:house:17``."""
@@ -77,12 +87,12 @@ class HomeSpec:
 
     @cached_property
     def hash(self) -> str:
-        """SHA-256 of the canonical JSON, lengths rounded to 1e-6 m."""
+        """SHA-256 of the canonical JSON, with lengths rounded to 1e-6 m."""
         return sha256_bytes(canonical_json({f.name: _plain(getattr(self, f.name)) for f in fields(self)}).encode())
 
     @property
     def area_m2(self) -> float:
-        """Floor of all rooms, in square metres."""
+        """Floor area of all rooms, square metres."""
         return sum((r.rect[2] - r.rect[0]) * (r.rect[3] - r.rect[1]) for r in self.rooms)
 
 

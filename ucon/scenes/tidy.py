@@ -1,4 +1,4 @@
-"""A floor plan on the grid, and what is done to it once all rooms are placed: trim, pad, judge."""
+"""A floor plan on the grid, and its clean-up once all rooms are placed: trimming, padding, cost."""
 
 from __future__ import annotations
 
@@ -12,19 +12,25 @@ Rect = tuple[int, int, int, int]
 """x0, y0, x1, y1 in cells."""
 
 WALK_CELLS = 130
-"""Plans with longer walks than this (32.5 m) are worse."""
+"""Plans with longer walks than this (32.5 m) cost more."""
 
 
 @dataclass
 class FloorPlan:
-    """Names, types and rectangles of the placed rooms, and (room, room, joint) for every opening."""
+    """The placed rooms of a home.
+
+    Attributes:
+        names: of the rooms.
+        rects: x0, y0, x1, y1 of each in cells.
+        edges: (room, room, kind of opening).
+    """
 
     names: list[str] = field(default_factory=list)
     rects: list[Rect] = field(default_factory=list)
     edges: list[tuple[str, str, str]] = field(default_factory=list)
 
     def rect(self, name: str) -> Rect:
-        """Rectangle of a room by name."""
+        """Rectangle of a room, by name."""
         return self.rects[self.names.index(name)]
 
     def add(self, name: str, rect: Rect) -> None:
@@ -34,7 +40,11 @@ class FloorPlan:
 
 
 def shared_wall(a: Rect, b: Rect) -> tuple[int, int, int, int] | None:
-    """(axis, coordinate, lo, hi) of the wall that two rooms share, or None."""
+    """The wall that two rooms share.
+
+    Returns:
+        (axis, coordinate, lo, hi) in cells; None if there is none.
+    """
     for axis in (0, 1):
         lo = max(a[1 - axis], b[1 - axis])
         hi = min(a[3 - axis], b[3 - axis])
@@ -47,7 +57,7 @@ def shared_wall(a: Rect, b: Rect) -> tuple[int, int, int, int] | None:
 
 
 def _needed(plan: FloorPlan, index: int) -> list[tuple[int, int, int]]:
-    """(axis, lo, hi) of wall that the openings of a room need."""
+    """(axis, lo, hi) of the wall that the openings of a room need."""
     name = plan.names[index]
     found = []
     for a, b, _joint in plan.edges:
@@ -81,7 +91,7 @@ def trim_corridors(plan: FloorPlan, program: HomeProgram) -> None:
 
 
 def pad(plan: FloorPlan, program: HomeProgram) -> None:
-    """Push walls out by up to 1 m where that closes a gap to another room or to the outline."""
+    """Move walls out by up to 1 m where that closes a gap to another room or to the outline."""
     types = {room.name: room.type for room in program.rooms}
     for reach in (2, 4):
         for index in sorted(range(len(plan.names)), key=lambda i: _area(plan.rects[i])):
@@ -121,7 +131,7 @@ def _push(plan: FloorPlan, index: int, side: int, reach: int) -> None:
 
 
 def plan_cost(plan: FloorPlan, program: HomeProgram) -> float:
-    """Lower is better: outline, voids, corridor length, stretched outlines."""
+    """Cost of a plan, lower is better: outline, gaps, corridor length, elongated outlines."""
     rects = np.array(plan.rects)
     size = rects[:, 2:].max(0) - rects[:, :2].min(0)
     used = float((rects[:, 2:] - rects[:, :2]).prod(1).sum())
@@ -132,7 +142,7 @@ def plan_cost(plan: FloorPlan, program: HomeProgram) -> float:
 
 
 def longest_walk(plan: FloorPlan) -> float:
-    """Longest shortest walk between room corners through the openings, in cells, furniture aside."""
+    """Longest of the shortest walks between room corners through the openings, in cells; furniture is ignored."""
     doors: dict[str, list[int]] = {name: [] for name in plan.names}
     points: list[tuple[float, float]] = []
     for a, b, _ in plan.edges:

@@ -1,4 +1,7 @@
-"""Searching: what may be chosen (strategies), how it is carried out (explorer), views by gain over cost (searcher)."""
+"""Search: which candidates an agent may choose from, how a choice is carried out, and search by gain over cost.
+
+Strategies list candidates, the explorer carries choices out; the searcher values all views instead.
+"""
 
 from ucon.search.explorer import Decision, Explorer, Manner
 from ucon.search.strategies import STRATEGIES, FineFrontiers, Frontiers, Landmarks, Strategy, Views

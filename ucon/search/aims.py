@@ -1,6 +1,6 @@
-"""What a search goes for next, in words that a person understands: ``look at: bottom cabinet 24 (inside)``.
+"""What a search does next, as a text for people: ``look at: bottom cabinet 24 (inside)``.
 
-The number of a thing is that of its track on the agent's own map; metres are as the crow flies.
+The number of a thing is its track on the agent's own map. Distances in metres are straight lines.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ucon.perception.places.containers import open_reach_m
 from ucon.perception.places.target_places import INSIDE
 from ucon.perception.views import view_kernels as kernels
 from ucon.perception.views.candidates import Candidate
-from ucon.perception.views.viewpoints import Choice, Valued
+from ucon.perception.views.viewpoints import Choice, ViewValues
 from ucon.search.searcher import SearchDecision, Searcher
 
 _AT: Final[dict[Relation, str]] = {"ontop": "on top", "inside": "inside", "under": "under", "nextto": "beside"}
@@ -25,17 +25,27 @@ _MOST_THINGS: Final = 3
 
 
 class Aim(NamedTuple):
-    """What was chosen."""
+    """What a choice is for.
+
+    Attributes:
+        kind: ``frontier``, ``landmark``, ``container``, ``wander``, or ``target`` where the target is in view.
+        words: the aim as text.
+        why: gain, cost and score as text; "" where they are not known.
+    """
 
     kind: str
-    """``frontier``, ``landmark``, ``container``, ``wander``, or ``target`` where the search has seen it."""
     words: str
     why: str
-    """What it is worth and costs, where that is known; "" otherwise."""
 
 
 def aim_of(searcher: Searcher, decision: SearchDecision, choice: Choice | None) -> Aim:
-    """What ``choice`` goes for; asked before it is chosen, since then the search goes on."""
+    """The aim of a choice. Call it before the choice is made: making it changes the searcher.
+
+    Args:
+        searcher: the search, at the decision.
+        decision: the decision that is due.
+        choice: one of its choices; None turns on the spot.
+    """
     if choice is None:
         return Aim("wander", "turn: there is nowhere to go", "")
     away = _away(searcher.map, choice.view)
@@ -56,7 +66,11 @@ def aim_of(searcher: Searcher, decision: SearchDecision, choice: Choice | None) 
 
 
 def aim_to_open(searcher: Searcher) -> Aim:
-    """What an Open on the way is for: the container in reach that most is expected in."""
+    """The aim of an Open on the way: the container within reach that has most expected mass inside.
+
+    Args:
+        searcher: the search; at least one closed container is within reach.
+    """
     assert searcher.expected is not None
     inside = searcher.expected.mass[:, INSIDE]
     track = max(searcher.containers.in_reach(searcher.map), key=lambda t: float(inside[t]))
@@ -64,13 +78,18 @@ def aim_to_open(searcher: Searcher) -> Aim:
     return Aim("container", f"open: {thing(searcher.map, track)}", why)
 
 
-def aim_to_take(searcher: Searcher) -> Aim:
-    """The end of a search."""
+def aim_at_target(searcher: Searcher) -> Aim:
+    """The aim of the end of a search: walk up to the target, which is in view."""
     return Aim("target", f"take: {words(searcher.target)}", "it is seen")
 
 
 def candidate_words(known: SemanticMap, candidate: Candidate) -> str:
-    """What going to a candidate is for."""
+    """What going to a candidate is for, as text.
+
+    Args:
+        known: the agent's map.
+        candidate: one of its candidates.
+    """
     away = _away(known, candidate.view)
     if candidate.kind == "container":
         return f"open: {thing(known, candidate.track)}"
@@ -83,26 +102,28 @@ def candidate_words(known: SemanticMap, candidate: Candidate) -> str:
 
 
 def thing(known: SemanticMap, track: int) -> str:
-    """A thing on an agent's map: its category and number."""
+    """A thing on the agent's map as text: its category and track number."""
     return f"{words(known.category[track])} {track}"
 
 
 def _away(known: SemanticMap, view: View) -> str:
+    """Straight distance to a pose, as text."""
     metres = math.dist(known.view.xy, view.xy)
     return f"{metres:.1f} m away" if metres else "a turn away"
 
 
 def _actions(n: int) -> str:
+    """A number of actions, as text."""
     return "1 action" if n == 1 else f"{n} actions"
 
 
 def _belief(searcher: Searcher, probability: float) -> str:
-    """Of a search that has read something; what coverage expects is no probability."""
+    """A probability as text; "" for coverage, whose mass is no probability."""
     return "" if searcher.expecting.locations is None else f"belief {probability:.1%}, "
 
 
-def _parts(valued: Valued, choice: Choice) -> tuple[float, float]:
-    """Of a choice's gain what is in space not explored, and what is behind doors that it opens."""
+def _parts(valued: ViewValues, choice: Choice) -> tuple[float, float]:
+    """Of a choice's gain: the part in unexplored space, and the part behind doors that it opens."""
     view = choice.view
     n = int(np.flatnonzero((valued.nodes[:, 0] == view.i) & (valued.nodes[:, 1] == view.j))[0])
     at = n, view.heading, kernels.PITCHES_DEG.index(view.pitch_deg)
@@ -110,7 +131,7 @@ def _parts(valued: Valued, choice: Choice) -> tuple[float, float]:
 
 
 def _opened(searcher: Searcher, decision: SearchDecision, choice: Choice) -> int:
-    """Track of the container in reach of a view that most is expected in; -1 where there is none."""
+    """Track of the container within reach of a view that has most expected mass inside; -1 where there is none."""
     known, (x, y) = searcher.map, choice.view.xy
     closed = decision.closed
     box = known.box[closed]
@@ -124,7 +145,7 @@ def _opened(searcher: Searcher, decision: SearchDecision, choice: Choice) -> int
 
 
 def _looked_at(searcher: Searcher, decision: SearchDecision, choice: Choice) -> tuple[int, int, float] | None:
-    """Track and relation of which a view would show most mass, and how much of it it would show."""
+    """Track and relation of which a view shows most expected mass, and that mass; None where it shows none."""
     known, places, reach_m, view = searcher.map, searcher.places, searcher.viewpoints.reach_m, choice.view
     x, y = view.xy
     dx, dy = places.xyz[:, 0] - x, places.xyz[:, 1] - y

@@ -1,4 +1,4 @@
-"""Carries out choices in one episode: walks there, looks around, opens, and takes what it was looking for.
+"""Carries out choices among candidates in one episode: walks there, looks around, opens, and goes to the target.
 
 All agents that choose among candidates share it, so that they differ in choosing alone. Every action costs a step.
 """
@@ -27,23 +27,29 @@ from ucon.search.strategies import Strategy
 from ucon.task.actions import Action
 
 Info = Mapping[str, Any]
-#: When a sight of the target ends the search: at once; only while looking around; only where a direction with it in
-#: view was chosen.
+#: When seeing the target ends the search: at once (``always``), only while looking around on arrival (``around``), or
+#: only after a direction that shows the target was chosen (``chosen``).
 Interrupt = Literal["always", "around", "chosen"]
+#: Random nodes are at least so far away, metres.
 _WANDER_M = 1.0
 
 
 @dataclass(frozen=True)
 class Manner:
-    """How choices are carried out."""
+    """Options of how choices are carried out.
+
+    Raises:
+        ConfigError: at construction, if ``replan_steps`` is not a whole number from 0 up.
+    """
 
     look_around: bool = True
-    """Turn through all four headings on arrival (and at the start)."""
+    """Turn through all four headings on arrival, and at the start of the episode."""
     opens: bool = True
-    """Open on arrival, once a heading, what is closed, in view and in reach."""
+    """On arrival, Open once in each heading where a closed container is in view and within reach."""
     interrupt: Interrupt = "always"
+    """When seeing the target ends the search."""
     replan_steps: int = 0
-    """Ask for a new choice after so many actions of a walk; 0: on arrival only."""
+    """A new choice is due after so many actions of a walk; 0: on arrival only."""
 
     def __post_init__(self) -> None:
         if type(self.replan_steps) is not int or self.replan_steps < 0:
@@ -52,27 +58,50 @@ class Manner:
 
 @dataclass(frozen=True, eq=False)
 class Decision:
-    """A choice that is due."""
+    """A choice among candidates that is due."""
 
     number: int
-    """Of the episode, from 0."""
+    """Number of the decision in its episode, from 0."""
     step: int
+    """Step of the newest frame, from 0."""
     target: str
+    """Category of the target."""
     candidates: tuple[Candidate, ...]
     """At least one."""
     known: SemanticMap
+    """The agent's map."""
     sightings: tuple[Sighting, ...]
+    """What was seen around the current node, for prompts."""
     draw: np.random.Generator
-    """For what is drawn at random in this decision; depends on seed, episode and number alone."""
+    """Random numbers of this decision; they depend on seed, episode and number alone."""
 
 
 class Explorer(PartlyShared):
-    """One search in one home."""
+    """One search by choices among candidates, in one episode.
+
+    Each step, :meth:`look` takes in the frame. It returns an action, or None where a choice is due; then
+    :meth:`decision` lists the candidates and :meth:`choose` returns the action.
+
+    Attributes:
+        target: category of the target.
+        map: the agent's map.
+        planner: paths on it.
+        strategy: lists the candidates.
+        manner: options.
+        decisions: how many choices were made.
+    """
 
     _flat: ClassVar[frozenset[str]] = frozenset({"_plan", "_opened_at", "_stood", "_visited"})
 
     def __init__(self, info: Info, strategy: Strategy, manner: Manner | None = None, seed: int = 0) -> None:
-        """``info``: of the reset; ``strategy``: this episode's own; ``seed``: of what is drawn at random."""
+        """Start an episode.
+
+        Args:
+            info: the info at the reset.
+            strategy: a new object, used for this episode only.
+            manner: options; defaults where None.
+            seed: of random choices.
+        """
         self.target = str(info["target"])
         self.map = SemanticMap(Body.of(info))
         self.planner = Planner(info.get("nav"))
@@ -96,12 +125,20 @@ class Explorer(PartlyShared):
 
     @property
     def taking(self) -> bool:
-        """Whether the target was found and is being walked up to."""
+        """Whether the target was found and the agent is walking up to it."""
         return self._taken is not None
 
     def look(self, observation: Mapping[str, Any], info: Info) -> Action | None:
-        """Take in a frame; the next action, or None where a choice is due (:meth:`decision`, :meth:`choose`)."""
-        self._decision = None  # what was offered before this frame is out of date
+        """Take in a frame.
+
+        Args:
+            observation: of the frame.
+            info: of the frame.
+
+        Returns:
+            The next action, or None where a choice is due.
+        """
+        self._decision = None  # candidates from before this frame are out of date
         self.map.update(observation, info)
         self.strategy.look(self.map, observation, info)
         if self._arrived or not self._plan:
@@ -118,25 +155,35 @@ class Explorer(PartlyShared):
         return self._next()
 
     def decision(self) -> Decision:
-        """What may be chosen now."""
+        """The choice that is due, computed once a frame. Only where :meth:`look` returned None.
+
+        Where the strategy lists no candidate, a random explored node is the only one.
+        """
         if self._decision is None:
             self.planner.update(self.map)
             draw = stream(*self._key, self.decisions)
-            found = self._fresh(self.strategy.candidates(self.map, self.planner, draw)) or [self._somewhere(draw)]
+            found = self._not_done(self.strategy.candidates(self.map, self.planner, draw)) or [self._random_node(draw)]
             around = tuple(self.strategy.sightings(self.map))
             self._decision = Decision(self.decisions, self.map.step, self.target, tuple(found), self.map, around, draw)
         return self._decision
 
-    def _fresh(self, found: list[Candidate]) -> list[Candidate]:
-        """Without what would be looked at again from the very pose, and things walked up to before; directions stay."""
+    def _not_done(self, found: list[Candidate]) -> list[Candidate]:
+        """The candidates without poses where the agent stood and things it walked up to; directions stay."""
 
-        def known(c: Candidate) -> bool:
+        def done(c: Candidate) -> bool:
             return c.kind != "view" and (c.view in self._stood or c.track in self._visited)
 
-        return [c for c in found if not known(c)]
+        return [c for c in found if not done(c)]
 
     def choose(self, number: int) -> Action:
-        """Choose candidate ``number`` of the decision that is due; the first action towards it."""
+        """Make the choice that is due.
+
+        Args:
+            number: of the candidate in the decision.
+
+        Returns:
+            The first action towards it.
+        """
         chosen = self.decision().candidates[number]
         self._decision = None
         self.decisions += 1
@@ -148,14 +195,16 @@ class Explorer(PartlyShared):
         self._sent_to = chosen.track
         self._walk_to(chosen.view)  # the planner was brought up to date for the decision
         first = self._next()
-        # A choice that is no walk must cost a step as well, or a stubborn chooser would never end.
+        # A choice without a walk must cost a step too, or repeating it would never end the episode.
         return Action.ROTATE_LEFT if first is None else first
 
     def _walk_to(self, view: View) -> None:
+        """Plan a walk to a pose."""
         self._goal, self._plan = view, deque(self.planner.plan(view))
         self._walked, self._arrived = 0, False
 
     def _next(self) -> Action | None:
+        """The next action of the walk, or on arrival Open, then rotations; None where a choice is due."""
         if self._plan:
             if 0 < self.manner.replan_steps <= self._walked:
                 return None
@@ -175,22 +224,23 @@ class Explorer(PartlyShared):
         return None
 
     def _opens_here(self) -> bool:
-        """Whether to Open now: on arrival, once a pose, where that would reach something closed."""
+        """Whether to Open now: at most once a pose, where a closed container is within reach."""
         if not self.manner.opens or self.map.view in self._opened_at:
             return False
         return bool(self.containers.in_reach(self.map))
 
     def _may_take(self, track: int) -> bool:
-        """Whether a target that was seen ends the search."""
+        """Whether seeing the target, now or earlier, ends the search (:data:`Interrupt`)."""
         standing = self._arrived or not self._plan
         if self.manner.interrupt == "around" and standing and self.map.pixels[track] >= MIN_PIXELS:
             return True
         return self.taking or self.manner.interrupt == "always"
 
     def _target_track(self, heading: int | None = None) -> int | None:
-        """The track to take: the one being taken, else one in view, else the nearest; with ``heading``: that way first.
+        """The track of the target to go to, or None.
 
-        There may be several where a detector can be wrong.
+        The one chosen before, else one in view, else the nearest. With ``heading``, one in that direction comes first.
+        There may be several, since a detector can be wrong.
         """
         known = self.map
         tracks = [t for t in known.instances.get(self.target, ()) if known.seen(t)]
@@ -203,8 +253,8 @@ class Explorer(PartlyShared):
 
         return min(tracks, key=order)
 
-    def _somewhere(self, draw: np.random.Generator) -> Candidate:
-        """An explored node drawn at random: what is left where a strategy offers nothing."""
+    def _random_node(self, draw: np.random.Generator) -> Candidate:
+        """A random explored, reachable node at least 1 m away (any node, where there is none)."""
         i0, i1, j0, j1 = self.map.extent(0)
         window = (slice(i0, i1), slice(j0, j1))
         ok = (self.planner.steps[window].min(2) < UNREACHED) & (self.map.explored[window] > 0)
@@ -219,7 +269,7 @@ class Explorer(PartlyShared):
 
 
 def _heading_to(known: SemanticMap, track: int) -> int:
-    """The quarter turn in which a thing lies from where the agent stands."""
+    """The heading (quarter turns) in which a thing lies from where the agent stands."""
     x0, y0, _, x1, y1, _ = known.box[track]
     dx, dy = 0.5 * (x0 + x1) - known.view.xy[0], 0.5 * (y0 + y1) - known.view.xy[1]
     if abs(dx) >= abs(dy):

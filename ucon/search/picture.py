@@ -1,4 +1,4 @@
-"""What a searching agent thinks, as a picture: its own map, where it believes the target is, where it goes and why."""
+"""A search as a picture: the agent's map, its belief about the target's place, its goal and the habits behind it."""
 
 from __future__ import annotations
 
@@ -10,22 +10,43 @@ from numpy.typing import NDArray
 
 from ucon.objects.model import RELATIONS
 from ucon.perception.drawing.map_picture import Image, Pixels, draw_map, pixels_of
-from ucon.perception.drawing.overlay import FAINT, GOAL, INK, WARM, Line, believes, map_room, page, speaking, words
+from ucon.perception.drawing.overlay import (
+    FAINT,
+    GOAL,
+    INK,
+    WARM,
+    Line,
+    belief_lines,
+    habit_lines,
+    map_room,
+    page,
+    words,
+)
 from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.perception.places.target_places import INSIDE
 
 if TYPE_CHECKING:
     from ucon.search.searcher import Searcher
 
+#: Most pixels of a 0.25 m cell.
 _MOST_CELL_PX = 10
 
 
 def draw_search(searcher: Searcher, height: int = 384, width: int = 384, *, also: str = "") -> Image:
-    """Draw the search as it stands: (height, width, 3) uint8.
+    """Draw the current state of a search.
 
-    Above the agent's own map: the warmer a thing, the greater its part of what is left of the belief; a ring is where
-    it goes. Below what it believes most, and the habits that speak most for the thing it goes to (or believes most),
-    with how strongly each does, from 0 to 100 %. ``also`` is a last line, of whoever has more to say.
+    Above is the agent's own map: the redder a thing, the larger its part of the remaining mass; a ring marks the goal.
+    Below are the most probable places, and the habits that support the goal (or the most probable place) most, with
+    their support from 0 to 100 %.
+
+    Args:
+        searcher: the search.
+        height: of the picture, pixels.
+        width: of the picture, pixels.
+        also: a last line of text, for agents with more to show.
+
+    Returns:
+        (height, width, 3) uint8.
     """
     mass = _mass_left(searcher)
     lines = _lines(searcher, searcher.map, mass, width) + ([Line(also, FAINT)] if also else [])
@@ -33,14 +54,15 @@ def draw_search(searcher: Searcher, height: int = 384, width: int = 384, *, also
 
 
 def _mass_left(searcher: Searcher) -> NDArray[np.float64]:
-    """(T, 4) expected mass of every track and relation that was not looked at in vain."""
+    """(T, 4) expected mass of tracks and relations that was not looked at in vain."""
     expected, places, n = searcher.expected, searcher.places, searcher.map.n_tracks
     if expected is None or len(expected.mass) != n:
         return np.zeros((n, len(RELATIONS)))
-    return places.left(expected.mass)
+    return places.remaining_mass(expected.mass)
 
 
 def _map(searcher: Searcher, mass: NDArray[np.float64], height: int, width: int) -> Image:
+    """The map with the remaining mass (T, 4) and the goal."""
     known = searcher.map
     i0, i1, j0, j1 = known.extent()
     cell_px = int(np.clip(min(width / (i1 - i0), height / (j1 - j0)), 1, _MOST_CELL_PX))
@@ -56,28 +78,29 @@ def _map(searcher: Searcher, mass: NDArray[np.float64], height: int, width: int)
 
 
 def _tint(image: Image, px: Pixels, box: NDArray[np.float64], share: float) -> None:
-    """Colour the box of a thing."""
+    """Colour the box of a thing; ``share`` from 0 to 1 is the strength."""
     (x0, y0), (x1, y1) = px(box[0], box[4]), px(box[3], box[1])
     part = image[max(y0, 0) : max(y1, y0 + 2), max(x0, 0) : max(x1, x0 + 2)]
     part[:] = ((1 - 0.85 * share) * part + 0.85 * share * np.array(WARM)).astype(np.uint8)
 
 
 def _lines(searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64], width: int) -> list[Line]:
-    """What is written below the map."""
+    """The text below the map."""
     found, going = searcher.expecting.locations, Line(_going(searcher, known, mass), GOAL)
     if found is None:
         return [going._replace(color=INK)]
     best = np.argsort(-found.p, axis=None, kind="stable")[:3]
     places = [(found.names[k // len(RELATIONS)], RELATIONS[k % len(RELATIONS)], float(found.p.flat[k])) for k in best]
-    lines = [*believes(places, width), going]
+    lines = [*belief_lines(places, width), going]
     for thing in (_near_goal(searcher, known, mass), places[0][0]):
         support = found.support(thing) if thing and found.support is not None else ()
-        if speaks := speaking(zip(found.habits, map(float, support), strict=False), width):
+        if speaks := habit_lines(zip(found.habits, map(float, support), strict=False), width):
             return lines + speaks
     return lines
 
 
 def _going(searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64]) -> str:
+    """The goal as text."""
     if searcher.taking:
         return f"goes to: the {words(searcher.target)}, which it sees"
     if searcher.choice is None:
@@ -88,7 +111,7 @@ def _going(searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64]) ->
 
 
 def _near_goal(searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64]) -> str:
-    """Category of the thing with most mass within two metres of where it goes; "" where there is none to speak of."""
+    """Category of the thing with most mass within 2 m of the goal; "" where its mass is below a tenth of the gain."""
     if searcher.choice is None or not len(mass):
         return ""
     near = np.array([known.seen(t) and known.gap_m(t, searcher.choice.view.xy) < 2.0 for t in range(len(mass))])

@@ -1,7 +1,7 @@
-"""A search decision as arrays: what the habit policy sees. Candidate views, things, frontiers, and the state.
+"""A search decision as arrays, the input of the habit policy: tokens of views, things and frontiers, and the state.
 
-Everything is relative to where the agent stands and looks. Only what the agent itself knows goes in: its map, what it
-expects by the habits it was given, and what looking and walking would cost.
+Positions are relative to the agent's position and heading. Only what the agent itself knows goes in: its map, the
+expected mass by the habits it was given, and gains and costs of views.
 """
 
 from __future__ import annotations
@@ -20,23 +20,32 @@ from ucon.perception.places.target_places import INSIDE, affordance, sight_range
 from ucon.perception.views.candidates import frontiers
 from ucon.perception.views.pick_kernels import picked_views
 from ucon.perception.views.view_kernels import PITCHES_DEG
-from ucon.perception.views.viewpoints import Choice, Valued
+from ucon.perception.views.viewpoints import Choice, ViewValues
 from ucon.search.searcher import SearchDecision, Searcher
 from ucon.search.text_tokens import category_rows
-from ucon.search.view_tokens import N_VIEW, ViewSurroundings, ego, lg, view_rows
+from ucon.search.view_tokens import N_VIEW, ViewSurroundings, log_scale, to_agent_frame, view_rows
 
 F32 = NDArray[np.float32]
 THING_KINDS: Final = ("fixed_furniture", "movable_furniture", "fixture", "wall", "ceiling", "movable", "structure")
+#: Columns of a thing token.
 N_THING: Final = 14 + len(THING_KINDS)
-#: Columns of metres ahead and to the left, in units of 5 m.
+#: Columns of a thing's position ahead and to the left, in units of 5 m.
 THING_AHEAD: Final = slice(4, 6)
+#: Columns of a frontier token.
 N_FRONTIER: Final = 6
+#: Length of the state vector.
 N_EGO: Final = 18 + len(PITCHES_DEG)
 
 
 @dataclass(frozen=True)
 class Sizes:
-    """Rows of each kind of token."""
+    """Rows of each kind of token.
+
+    Attributes:
+        views: V, the views that are candidates.
+        things: T, the things with most mass.
+        frontiers: F, the cheapest frontiers.
+    """
 
     views: int = 32
     things: int = 32
@@ -45,15 +54,23 @@ class Sizes:
 
 @dataclass(frozen=True, eq=False)
 class Tokens(Shared):
-    """One decision."""
+    """The arrays of one decision.
+
+    Attributes:
+        arrays: see below; rows past what there is are zero.
+        choices: the choice behind each row of ``views`` whose mask is 1.
+
+    Keys of ``arrays``:
+
+    - ``views`` (V, N_VIEW), ``things`` (T, N_THING), ``frontiers`` (F, N_FRONTIER), ``ego`` (N_EGO,): float32.
+    - ``thing_rows`` (T,) int32: rows of the things in the catalogue, -1 for none.
+    - ``prior`` (V,) float32: logarithm of each view's gain over cost.
+    - ``unexplored`` (V,) float32: the share of that gain that is in unexplored space.
+    - ``action_mask`` (V,), ``things_mask`` (T,), ``frontiers_mask`` (F,): int8, 1 for rows that are there.
+    """
 
     arrays: Mapping[str, NDArray[Any]]
-    """``views`` (V, N_VIEW), ``things`` (T, N_THING), ``frontiers`` (F, N_FRONTIER), ``ego`` (N_EGO,) float32;
-    ``thing_rows`` (T,) int32 rows of the catalogue, -1 for none; ``prior`` (V,) float32, the logarithm of each view's
-    gain over cost; ``unexplored`` (V,) float32, the part of that gain in space not explored; ``action_mask`` (of the
-    views), ``things_mask``, ``frontiers_mask`` int8. Rows past what there is are zero."""
     choices: tuple[Choice, ...]
-    """The choice behind each row of ``views`` whose mask is 1."""
 
 
 class TokenReader(PartlyShared):
@@ -62,7 +79,13 @@ class TokenReader(PartlyShared):
     _shared: ClassVar[frozenset[str]] = frozenset({"sizes", "_fixed"})
 
     def __init__(self, searcher: Searcher, info: Mapping[str, Any], sizes: Sizes | None = None) -> None:
-        """``info``: of the reset."""
+        """Start an episode.
+
+        Args:
+            searcher: the search.
+            info: the info at the reset.
+            sizes: rows of each kind of token; defaults where None.
+        """
         self._searcher, self.sizes = searcher, sizes or Sizes()
         book, target = catalogue(), searcher.target
         size = sorted(book[target].size) if target in book else [0.1, 0.1, 0.1]
@@ -71,9 +94,12 @@ class TokenReader(PartlyShared):
         self._fixed.append(float(info.get("habit_level") == "gt"))
 
     def read(self, decision: SearchDecision) -> Tokens:
-        """The arrays of a decision that is due. Where no view promises anything there is one row, or none."""
+        """The arrays of a decision that is due.
+
+        Where no view has any gain, ``views`` has one row (or none, where there is nowhere to go).
+        """
         places = self._searcher.places
-        weight, mass = places.weights(decision.expected.mass), places.left(decision.expected.mass)
+        weight, mass = places.weights(decision.expected.mass), places.remaining_mass(decision.expected.mass)
         rows, prior, space, choices = self._views(decision, weight)
         things, numbers = self._things(mass)
         edges = self._frontiers(decision)
@@ -93,7 +119,7 @@ class TokenReader(PartlyShared):
         return Tokens(arrays, choices)
 
     def _views(self, decision: SearchDecision, weight: NDArray[np.float64]) -> tuple[F32, F32, F32, tuple[Choice, ...]]:
-        """Rows, logarithm of gain over cost, share of space, and choices of the views worth considering."""
+        """The selected n views: rows (n, N_VIEW), log of gain over cost (n,), unexplored share (n,), choices."""
         valued, known = decision.valued, self._searcher.map
         if valued is None:
             only = () if decision.best is None else (decision.best,)
@@ -108,8 +134,8 @@ class TokenReader(PartlyShared):
         around = ViewSurroundings(known, self._searcher.places.xyz, weight)
         return view_rows(valued, at, choices, known, around), prior, space, choices
 
-    def _picked(self, valued: Valued) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-        """Node, heading and pitch numbers; the view that is looked from already is left out."""
+    def _picked(self, valued: ViewValues) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+        """Node, heading and pitch numbers (n,) of the selected views. The current pose is left out."""
         pitch = valued.score.argmax(2)[..., None]
         score = np.take_along_axis(valued.score, pitch, 2)[..., 0]
         gain = np.take_along_axis(valued.looks + valued.opens, pitch, 2)[..., 0]
@@ -124,7 +150,7 @@ class TokenReader(PartlyShared):
         return picked >> 2, picked & 3, pitch[picked >> 2, picked & 3, 0]
 
     def _things(self, mass: NDArray[np.float64]) -> tuple[F32, NDArray[np.int64]]:
-        """The things with the most mass left, and their rows in the catalogue."""
+        """Rows (n, N_THING) of the things with most mass (T, 4) left, and their rows in the catalogue (n,)."""
         known, places = self._searcher.map, self._searcher.places
         total = mass.sum(1)
         tracks = np.argsort(-total, kind="stable")[: self.sizes.things]
@@ -132,9 +158,9 @@ class TokenReader(PartlyShared):
         box, shut = known.box[tracks], np.zeros(known.n_tracks, bool)
         shut[self._searcher.openable_now()] = True
         rows = np.zeros((len(tracks), N_THING), np.float32)
-        rows[:, :4] = lg(mass[tracks])
+        rows[:, :4] = log_scale(mass[tracks])
         xy = 0.5 * (box[:, :2] + box[:, 3:5])
-        rows[:, THING_AHEAD] = ego(xy - np.array(known.view.xy), known.view) / 5.0
+        rows[:, THING_AHEAD] = to_agent_frame(xy - np.array(known.view.xy), known.view) / 5.0
         rows[:, 6] = 0.5 * (box[:, 2] + box[:, 5])
         rows[:, 7:10] = box[:, 3:] - box[:, :3]
         rows[:, 10], rows[:, 11] = shut[tracks], known.opened[tracks]
@@ -147,38 +173,42 @@ class TokenReader(PartlyShared):
         return rows, np.array([category_rows().get(name, -1) for name in names], np.int64)
 
     def _frontiers(self, decision: SearchDecision) -> F32:
+        """Rows (n, N_FRONTIER) of the cheapest frontiers."""
         known, planner = self._searcher.map, self._searcher.planner
         found = frontiers(known, planner)[: self.sizes.frontiers]
         interest = decision.expected.interest
         rows = np.zeros((len(found), N_FRONTIER), np.float32)
         for row, edge in zip(rows, found, strict=True):
             xy = np.array(edge.view.xy) - np.array(known.view.xy)
-            row[:2] = ego(xy[None], known.view)[0] / 5.0
+            row[:2] = to_agent_frame(xy[None], known.view)[0] / 5.0
             row[2], row[3] = np.sqrt(edge.cost / 40.0), np.log10(edge.cells)
             row[4] = 1.0 if interest is None else interest[edge.view.i, edge.view.j]
             row[5] = np.hypot(*edge.view.xy) / 5.0
         return rows
 
     def _ego(self, decision: SearchDecision, mass: NDArray[np.float64]) -> F32:
+        """The state vector (N_EGO,): target, habits, step, explored area, remaining mass, best score, current pitch."""
         known, expected, best = self._searcher.map, decision.expected, decision.best
         shut = self._searcher.openable_now()
         area = float(np.count_nonzero(known.floor)) * CELL_M**2
         left_m2 = max(25.0, 130.0 - area)
-        chosen = (0.0, 0.0) if best is None else (lg(best.score), lg(best.gain))
+        chosen = (0.0, 0.0) if best is None else (log_scale(best.score), log_scale(best.gain))
         left = (mass.sum(), mass[shut, INSIDE].sum(), mass.max(initial=0.0), expected.unknown_per_m2 * left_m2)
         out = [
             *self._fixed, known.step / 300.0, np.sqrt(known.step / 300.0), area / 100.0, known.n_tracks / 100.0,
-            *map(lg, left), len(shut) / 20.0, *chosen, float(decision.valued is None),
+            *map(log_scale, left), len(shut) / 20.0, *chosen, float(decision.valued is None),
         ]  # fmt: skip
         turned = [float(known.view.pitch_deg == pitch) for pitch in PITCHES_DEG]
         return np.array([*out, *turned], np.float32)
 
 
 def _padded(rows: NDArray[Any], most: int, width: int) -> F32:
+    """The rows with zeros below, (most, width) float32."""
     out = np.zeros((most, width), np.float32)
     out[: len(rows)] = rows
     return out
 
 
 def _mask(n: int, most: int) -> NDArray[np.int8]:
+    """(most,) int8, 1 in the first n entries."""
     return (np.arange(most) < n).astype(np.int8)

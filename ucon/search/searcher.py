@@ -1,8 +1,8 @@
-"""Carries out a search by views: maps what it sees, values every view, goes to the chosen one, opens on its way.
+"""Search by gain over cost: maps each frame, values every view, walks to the chosen one, opens containers on the way.
 
-``frontier``, ``belief`` and the habit policy share it, so that they differ in what they expect and in choosing alone.
-Like :class:`~ucon.search.explorer.Explorer` it asks for a choice whenever one is due; unlike there, a choice
-is due again every few steps, what is worth it is opened on the way, and nobody turns around unless that was chosen.
+``frontier``, ``belief`` and the habit policy share it, so that they differ in the expected mass and in choosing alone.
+Unlike :class:`~ucon.search.explorer.Explorer`, it asks for a new choice every few steps, opens containers on the way,
+and looks around only where a view was chosen for it.
 """
 
 from __future__ import annotations
@@ -24,50 +24,69 @@ from ucon.perception.mapping.semantic_map import SemanticMap, frame_depth
 from ucon.perception.places.containers import Containers, open_reach_m
 from ucon.perception.places.target_places import INSIDE, Places, sight_range_m
 from ucon.perception.views.homing import Homing
-from ucon.perception.views.viewpoints import Choice, Costs, Expectation, Valued, Viewpoints
+from ucon.perception.views.viewpoints import Choice, Costs, Expectation, Viewpoints, ViewValues
 from ucon.task.actions import Action
 
 Info = Mapping[str, Any]
-#: A container that did not open this often is let be.
+#: A container that Open failed on so often is not tried again.
 MOST_REFUSALS = 3
-#: The view on its way stays chosen unless another one is better by this factor.
+#: The view that the agent is on its way to stays chosen unless another one is better by this factor.
 LOYALTY = 1.25
-#: A frame that shows a place from within sight range still misses the target with this probability.
+#: Probability that a frame that shows a place from within sight range misses a target there.
 MISS = 0.1
 
 
 @dataclass(frozen=True, eq=False)
 class SearchDecision(Shared):
-    """A choice that is due."""
+    """A choice among views that is due."""
 
     number: int
-    """Of the episode, from 0."""
+    """Number of the decision in its episode, from 0."""
     step: int
+    """Step of the newest frame, from 0."""
     best: Choice | None
-    """What gain over cost chooses; None where there is nothing to go to."""
-    valued: Valued | None
-    """All views; None where nothing promises anything any more, and ``best`` merely is somewhere else."""
+    """The choice by gain over cost; None where there is nowhere to go."""
+    valued: ViewValues | None
+    """All views; None where none has any gain, so that ``best`` is merely an unvisited node."""
     expected: Expectation
+    """Expected mass of tracks, relations and space."""
     closed: NDArray[np.int64]
-    """Tracks of the containers that may be opened."""
+    """(c,) tracks of the containers that may be opened."""
 
 
 class Searcher(PartlyShared):
-    """One search in one home for one target."""
+    """One search by gain over cost for one target, in one episode.
+
+    Each step, :meth:`look` takes in the frame. It returns an action, or None where a choice is due; then
+    :meth:`decision` gives the views and :meth:`choose` returns the action.
+
+    Attributes:
+        target: its category.
+        map: the agent's map.
+        planner: paths on it.
+        places: sample points on it.
+        viewpoints: values views.
+        expecting: gives the expected mass.
+        expected: the current expected mass; None before the first frame.
+        choice: the view that the agent is on its way to, or None.
+        refused: by track, how often Open failed.
+        taking: whether the target was found and the agent is walking up to it.
+        decisions: how many choices were made.
+    """
 
     _flat: ClassVar[frozenset[str]] = frozenset({"refused", "_plan"})
 
     REPLAN_STEPS = 5
 
     def __init__(self, info: Info, expecting: Expecting, costs: Costs | None = None, miss: float = MISS) -> None:
-        """Begin a search.
+        """Start an episode.
 
         Args:
-            info: of the reset.
-            expecting: this episode's own.
-            costs: of moves, turns and looks.
-            miss: chance that a frame which shows a place from within sight range misses the target there; at 1
-                nothing is learned from what was found empty.
+            info: the info at the reset.
+            expecting: gives the expected mass; a new object, used for this episode only.
+            costs: of moves, rotations and looks; defaults where None.
+            miss: probability that a frame that shows a place from within sight range misses a target there. At 1
+                nothing is learned from looking in vain.
         """
         self.target = str(info["target"])
         book = catalogue()
@@ -90,7 +109,15 @@ class Searcher(PartlyShared):
         self._age = 0
 
     def look(self, observation: Mapping[str, Any], info: Info) -> Action | None:
-        """Take in a frame; the next action, or None where a choice is due (:meth:`decision`, :meth:`choose`)."""
+        """Take in a frame.
+
+        Args:
+            observation: of the frame.
+            info: of the frame.
+
+        Returns:
+            The next action, or None where a choice is due.
+        """
         self.observe(observation, info)
         blocked = bool(observation["collision"])
         if blocked:
@@ -104,7 +131,12 @@ class Searcher(PartlyShared):
         return self._open_here(self.expected) or self._go_on(self.expected)
 
     def observe(self, observation: Mapping[str, Any], info: Info) -> None:
-        """Map a frame, and what it shows empty, without going on."""
+        """Add a frame to the map and to what was looked at in vain; no action is computed.
+
+        Args:
+            observation: of the frame.
+            info: of the frame.
+        """
         self._decision = None
         known = self.map
         known.update(observation, info)
@@ -115,11 +147,14 @@ class Searcher(PartlyShared):
         self.places.look(known, frame_depth(observation, info), active, reach, self.miss)
 
     def expect(self) -> None:
-        """Expect the target by what is known now."""
+        """Compute ``expected`` from the current map."""
         self.expected = self.expecting.expect(self.map, self.places)
 
     def decision(self) -> SearchDecision:
-        """What may be chosen now."""
+        """The choice that is due, computed once a frame. Only where :meth:`look` returned None.
+
+        At habit level ``context`` the habits are read again first, if their list changed.
+        """
         if self._decision is None:
             assert self.expected is not None
             if self.expecting.reread(self.map, self.places):
@@ -128,7 +163,14 @@ class Searcher(PartlyShared):
         return self._decision
 
     def choose(self, choice: Choice | None) -> Action:
-        """Go where ``choice`` says (None: turn left); the first action towards it."""
+        """Make the choice that is due.
+
+        Args:
+            choice: the view to go to; None turns left.
+
+        Returns:
+            The first action towards it.
+        """
         self.choice, self._age = choice, 1
         self.decisions += 1
         self._decision = None
@@ -136,15 +178,16 @@ class Searcher(PartlyShared):
         return self._plan.popleft() if self._plan else Action.ROTATE_LEFT
 
     def closed(self) -> NDArray[np.int64]:
-        """Tracks of containers that are closed and may still open."""
+        """Tracks of containers that were not opened yet, (c,) int64."""
         return self.containers.closed(self.map)
 
     def _target_track(self) -> int | None:
+        """The first track of the target that was seen, or None."""
         tracks = self.map.instances.get(self.target, ())
         return next((t for t in tracks if self.map.seen(t)), None)
 
     def _open_here(self, expected: Expectation) -> Action | None:
-        """Open what is closed, in view and in reach, where that is worth a step."""
+        """Open, if a closed container is in view and within reach and the mass inside is worth a step; else None."""
         tracks = self.containers.in_reach(self.map)
         worth = 0.0
         for track in tracks:
@@ -159,10 +202,11 @@ class Searcher(PartlyShared):
         return Action.OPEN
 
     def _go_on(self, expected: Expectation) -> Action | None:
+        """The next action of the walk; None where a choice is due."""
         arrived = self.choice is not None and self.map.view == self.choice.view
         if arrived:
             self._closed_after_all()
-            self.viewpoints.disappoint(self.map, self.places, expected, self.openable_now())
+            self.viewpoints.lower_expectations(self.map, self.places, expected, self.openable_now())
             self.choice = None
         if self.choice is None or not self._plan or self._age >= self.REPLAN_STEPS:
             return None
@@ -170,41 +214,45 @@ class Searcher(PartlyShared):
         return self._plan.popleft()
 
     def _closed_after_all(self) -> None:
-        """Lose faith in opening what this view was chosen to open and does not show."""
+        """On arrival at a view that was chosen for opening: count the containers within reach as failed."""
         if self.choice is not None and self.choice.opens:
             for track in self.closed():
                 if self.map.gap_m(int(track), self.map.view.xy) <= open_reach_m(self.map):
                     self.refused[int(track)] = self.refused.get(int(track), 0) + 1
 
     def openable_now(self) -> NDArray[np.int64]:
-        """Closed containers that were not tried in vain too often."""
+        """Tracks of closed containers on which Open failed fewer than ``MOST_REFUSALS`` times, (c,) int64."""
         return np.array([t for t in self.closed() if self.refused.get(int(t), 0) < MOST_REFUSALS], np.int64)
 
     def _decide(self, expected: Expectation) -> SearchDecision:
+        """Value all views.
+
+        Where the best one is the current pose, its expectations are lowered and the views are valued again.
+        """
         self.planner.update(self.map)
         keep = self.choice.view if self.choice is not None else None
         known, places, closed = self.map, self.places, self.openable_now()
         valued, best = None, None
         for _ in range(4):
             valued = self.viewpoints.value(known, self.planner, places, expected, closed, keep)
-            best = None if valued is None else _loyal(valued)
+            best = None if valued is None else _best_or_kept(valued)
             if best is None or best.view != known.view:
                 break
-            self.viewpoints.disappoint(known, places, expected, closed)
+            self.viewpoints.lower_expectations(known, places, expected, closed)
         if best is None or best.gain <= 1e-9:
             self._second_look()
-            valued, best = None, self.viewpoints.elsewhere(known, self.planner)
+            valued, best = None, self.viewpoints.nearest_unvisited(known, self.planner)
         return SearchDecision(self.decisions, known.step, best, valued, expected, closed)
 
     def _second_look(self) -> None:
-        """Everything was looked at: believe that some looks missed it, and go round again from nearer."""
+        """Start the search over, where no view has any gain: restore part of ``unseen``, and look from nearer."""
         self.places.unseen[:] = np.maximum(self.places.unseen, 0.3)
         self.viewpoints.stale[:] = 1.0
         self.viewpoints.reach_m = max(1.2, 0.7 * self.viewpoints.reach_m)
         self.refused.clear()
 
 
-def _loyal(valued: Valued) -> Choice:
-    """The best view, or the one on its way if that is nearly as good."""
+def _best_or_kept(valued: ViewValues) -> Choice:
+    """The best view, or the one that the agent is on its way to if that is nearly as good (``LOYALTY``)."""
     best, kept = valued.best, valued.kept
     return kept if kept is not None and kept.score * LOYALTY >= best.score and kept.gain > 0.0 else best

@@ -1,4 +1,4 @@
-"""Homes that can be lived in: PyBullet worlds, compiled houses, placement, shortest paths.
+"""The simulator: PyBullet worlds, compiled homes, placement, renderers, shortest paths.
 
 Names are imported when they are first used (:mod:`ucon.core.lazy`). Importing this
 package does not import PyBullet; building a home or placing an object does.

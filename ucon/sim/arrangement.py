@@ -1,4 +1,4 @@
-"""What an episode changes in a compiled home: instances taken away, objects added, nodes they block."""
+"""The difference between a compiled home and an episode in it: removed items, added objects, blocked nodes."""
 
 from __future__ import annotations
 
@@ -15,8 +15,18 @@ Quat = tuple[float, float, float, float]
 class PlacedObject:
     """One object that the episode adds, at its settled pose.
 
-    Its instance number is ``house.n_instances`` plus its index in the arrangement. ``position`` is the model
-    origin (centre of the footprint, bottom) in the world with all joints closed.
+    Its instance number is ``house.n_instances`` plus its index in the arrangement.
+
+    Attributes:
+        category: of the catalogue.
+        position: model origin (centre of the footprint, bottom) in the world with all joints closed, metres.
+        quat_xyzw: unit quaternion.
+        room: number of its room.
+        relation: to the anchor; ``imported`` for an anchor that was added.
+        anchor: instance it is placed by; for ``imported``, the instance it stands on or hangs at.
+        tint: colour variant.
+        holder: instance whose joint carries it (drawer) or whose doors hide it (cabinet); -1 for none.
+        compartment: compartment of the holder's model that it is in; -1 for none.
     """
 
     category: str
@@ -25,12 +35,9 @@ class PlacedObject:
     room: int
     relation: Relation | Literal["imported"]
     anchor: int
-    """Instance that it is placed by; its support where it was imported."""
     tint: int = 0
     holder: int = -1
-    """Instance whose joint carries it (content of a drawer) or hides it (content of a cabinet); -1: none."""
     compartment: int = -1
-    """Compartment of the holder's model that it is in; -1: none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +45,8 @@ class Arrangement(Shared):
     """The difference between a home and one episode in it."""
 
     removed: tuple[int, ...] = ()
-    """Base items taken away (the scene's own instances of the sampled categories)."""
+    """Instances of the home that are removed: its own instances of the sampled categories."""
     objects: tuple[PlacedObject, ...] = ()
+    """Objects that are added."""
     blocked: tuple[tuple[int, int], ...] = field(default=())
-    """Nodes that objects on the floor take from the navigation grid."""
+    """Nodes of the navigation grid that objects on the floor block."""

@@ -1,4 +1,4 @@
-"""PyBullet bodies from collision solids. Visual shapes are never built: pictures come from the renderer."""
+"""PyBullet bodies from collision solids. They have no visual shapes: images come from the renderer."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ NO_TURN = (0.0, 0.0, 0.0, 1.0)
 class BodyFactory:
     """Creates bodies in one PyBullet client and reuses the collision shapes of equal models.
 
-    Bodies without joints use maximal coordinates: plain rigid bodies, whose steps cost less than half.
+    Bodies without joints use maximal coordinates (plain rigid bodies), whose steps cost less than half.
     """
 
     def __init__(self, client: int) -> None:
@@ -33,7 +33,16 @@ class BodyFactory:
         self._shapes: dict[tuple[int, int], tuple[Solid, list[int]]] = {}
 
     def furniture(self, shape: Solid, position: Array | Vec3, quat_xyzw: Sequence[float] = NO_TURN) -> list[int]:
-        """Fixed bodies of one instance: the first carries the joints, further ones what one compound cannot hold."""
+        """Fixed bodies of one instance: the first has the joints, further ones the primitives beyond PyBullet's limit.
+
+        Args:
+            shape: collision primitives.
+            position: of the model origin, world metres.
+            quat_xyzw: unit quaternion.
+
+        Returns:
+            PyBullet body numbers.
+        """
         p = self._bullet
         base = self._link_shapes(shape, -1)
         joints = shape.model.joints if (shape.link >= 0).any() else ()
@@ -61,7 +70,7 @@ class BodyFactory:
         return [first, *rest]
 
     def separate(self, shape: Solid) -> list[int]:
-        """One fixed body a primitive, for walls and floors: a compound's box would cover the whole room."""
+        """One fixed body for each primitive, for walls and floors: one compound's box would cover the whole room."""
         indices = range(len(shape.kind))
         return [
             self._bullet.createMultiBody(
@@ -71,7 +80,18 @@ class BodyFactory:
         ]
 
     def dynamic(self, shape: Solid, mass_kg: float, centre: Array, position: Vec3, quat_xyzw: Sequence[float]) -> int:
-        """A body that falls, its origin at ``centre`` (3,) of the object frame, which is its centre of mass."""
+        """A falling body.
+
+        Args:
+            shape: collision primitives.
+            mass_kg: mass.
+            centre: (3,) centre of mass in the object frame; the body's origin.
+            position: of that origin, world metres.
+            quat_xyzw: unit quaternion.
+
+        Returns:
+            PyBullet body number.
+        """
         p = self._bullet
         index = self._compound(shape, list(range(len(shape.kind)))[:_COMPOUND_LIMIT], origin=centre)[0]
         return int(
@@ -86,7 +106,17 @@ class BodyFactory:
         )
 
     def primitive(self, kind: int, half: Array, position: Array, turn: Array) -> int:
-        """One fixed primitive at a world pose."""
+        """One fixed primitive.
+
+        Args:
+            kind: BOX, CYLINDER or SPHERE.
+            half: (3,) half extents, metres.
+            position: (3,) world metres.
+            turn: (3, 3) rotation.
+
+        Returns:
+            PyBullet body number.
+        """
         p = self._bullet
         if kind == BOX:
             index = p.createCollisionShape(p.GEOM_BOX, halfExtents=tuple(half), physicsClientId=self._client)

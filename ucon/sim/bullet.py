@@ -1,4 +1,4 @@
-"""The only door to PyBullet: imported when first needed, its greeting kept off the output."""
+"""The only place where PyBullet is imported: at first use, with its greeting suppressed."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def bullet() -> ModuleType:
 
 
 class _Quiet:
-    """PyBullet greets on the C level's output, where the ``--json`` of a command must be alone."""
+    """Suppresses output on the C level: PyBullet's greeting would spoil a command's ``--json`` output."""
 
     def __enter__(self) -> None:
         sys.stdout.flush()

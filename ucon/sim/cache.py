@@ -1,7 +1,7 @@
 """``load_house``: a compiled home by name, from memory, the package, a pack, the user's cache, or built.
 
-The cache key holds the home's name, the file format and a fingerprint of the code and data that homes are made
-from, so a changed layout rule never meets an old home.
+The cache key holds the home's name, the file format and a fingerprint of the code and data that homes are made from, so
+that homes of older code are never used.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ IN_PACK = "homes"
 PACKED = Path(ucon.__file__).parent / "scenes" / "data" / "homes"
 _SOURCES = ("core/geometry.py", "core/rng.py", "objects", "scenes", "sim")
 _IN_MEMORY = 32
-#: Of a file in the cache; the largest named home takes 19 KB.
+#: Largest file in the cache; the largest named home takes 19 KB.
 _MAX_FILE = 16 * 2**20
 
 
@@ -40,15 +40,16 @@ _LOADED: WeakValueDictionary[str, House] = WeakValueDictionary()
 
 @lru_cache(maxsize=_IN_MEMORY)
 def load_house(name: str) -> House:
-    """The compiled home ``name``: ``Rs_int``, ``Rs_int~3`` or ``procedural:house:17``.
+    """The compiled home of a name: ``Rs_int``, ``Rs_int~3`` or ``procedural:house:17``.
 
-    Looks in memory, among the homes shipped with the package, in the folder that ``UCON_PACK`` names, in the user's
-    cache, and builds it with PyBullet as the last resort. A damaged cache file is built again, with one line of
-    warning; a damaged shipped or packed file is an error.
+    Looked for in memory, in the package, in the folder that ``UCON_PACK`` names and in the user's cache; as a last
+    resort it is built with PyBullet. A damaged cache file is built again, with one line of warning; a damaged shipped
+    or packed file is an error.
 
     Raises:
-        ConfigError: no such home, or no such folder. SceneError: it cannot be built. DataError: a shipped or packed
-            home is damaged, or it is in none of these places and PyBullet is missing.
+        ConfigError: no such home, or no such folder.
+        SceneError: it cannot be built.
+        DataError: a shipped or packed home is damaged, or it is in none of these places and PyBullet is missing.
     """
     _LOADED[name] = house = _load(name)
     return house
@@ -69,7 +70,7 @@ def _load(name: str) -> House:
 
 
 def loaded_by_name(house: House) -> bool:
-    """Whether :func:`load_house` gives this home by the name of its specification."""
+    """Whether :func:`load_house` returns this very home for its name, so that pickles may name it."""
     return _LOADED.get(house.spec.name) is house
 
 
@@ -84,7 +85,11 @@ copyreg.pickle(House, _pickled)
 
 
 def the_house(name: str, spec_hash: str) -> House:
-    """The home of a name where it is the one of this hash: a pickle named it.
+    """The home of a name, for unpickling.
+
+    Args:
+        name: of the home.
+        spec_hash: hash of its specification when it was pickled.
 
     Raises:
         DataError: it is another version here, and as for :func:`load_house`.
@@ -125,7 +130,7 @@ def _require_bullet(name: str) -> None:
     try:
         bullet()
     except UconError:
-        home_spec(name)  # a name that is none is told first
+        home_spec(name)  # an unknown name is reported first
         pack = user_pack()
         places = "the package and the cache" if pack is None else f"the package, {pack} and the cache"
         raise DataError(
@@ -135,7 +140,11 @@ def _require_bullet(name: str) -> None:
 
 
 def build_house(name: str) -> House:
-    """Build and check a home now, past every cache; needs PyBullet."""
+    """Build and check a home now, without caches; needs PyBullet.
+
+    Raises:
+        SceneError: it cannot be built.
+    """
     from ucon.scenes import home_spec
     from ucon.sim.compile import compile_mended
 
@@ -143,7 +152,16 @@ def build_house(name: str) -> House:
 
 
 def pack_homes(names: Iterable[str], folder: Path, *, fresh: bool = True) -> list[Path]:
-    """Write homes, with a SHA-256 manifest, as the package ships them; ``fresh``: built anew, whatever was kept."""
+    """Write compiled homes and a SHA-256 manifest, as the package ships them.
+
+    Args:
+        names: of the homes.
+        folder: where to.
+        fresh: build them again, whatever is cached.
+
+    Returns:
+        The written files.
+    """
     paths = []
     for name in names:
         path = folder / file_name(name)
@@ -154,12 +172,12 @@ def pack_homes(names: Iterable[str], folder: Path, *, fresh: bool = True) -> lis
 
 
 def file_name(name: str) -> str:
-    """File name of a home; characters that file systems dislike become ``-``, a short hash keeps names apart."""
+    """File name of a home: its name with unusual characters replaced by ``-``, and a short hash."""
     return f"{re.sub(r'[^A-Za-z0-9_.]', '-', name)[:80]}-{sha256_bytes(name.encode())[:8]}{SUFFIX}"
 
 
 def cache_folder() -> Path:
-    """Folder of compiled homes for this code: ``UCON_CACHE``, else the platform's cache folder for the user."""
+    """Folder of compiled homes in the user's cache, for this version of the code."""
     return user_cache() / "homes" / f"{FORMAT}-{fingerprint()[:16]}"
 
 

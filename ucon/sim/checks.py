@@ -1,4 +1,4 @@
-"""What must hold in every home before anybody may use it: no overlaps, joints that swing freely, insides that show."""
+"""Checks of every home: no overlaps, joints that move freely, compartments that can be seen into."""
 
 from __future__ import annotations
 
@@ -13,26 +13,31 @@ from ucon.sim.shapes import Array, item_box, item_solid, item_turn
 from ucon.sim.world import World
 
 MAX_PENETRATION_M = 0.005
+#: Height of the agent's camera, and reach of Open, metres.
 EYE_M = 1.25
 REACH_M = 1.0
+#: Fractions of the travel at which a joint is tested.
 SWEEP = (0.5, 1.0)
 IN_WALL = frozenset({"door", "window", "gate", "garage_door", "sliding_door", "elevator_door"})
-"""Categories that sit in an opening or a wall by nature."""
+"""Categories that are set into a wall or an opening, and may penetrate it."""
 
 
 @dataclass(frozen=True)
 class HomeProblem:
-    """One thing that is wrong with a home."""
+    """One fault of a home."""
 
     kind: str
     """``overlap``, ``sweep`` or ``hidden``."""
     instance: int
+    """The instance with the fault."""
     other: int
+    """The instance it meets; -1 for none."""
     text: str
+    """The fault as text."""
 
 
 def overlaps(world: World) -> list[HomeProblem]:
-    """Pairs that penetrate by more than 5 mm, items among themselves and with walls, floors and ceilings."""
+    """Pairs that penetrate by more than 5 mm: items with items, and items with structure."""
     spec, problems = world.spec, []
     for instance in range(len(spec.items)):
         for other, distance in world.contacts(instance, 0.0).items():
@@ -44,7 +49,7 @@ def overlaps(world: World) -> list[HomeProblem]:
 
 
 def sweeps(world: World) -> list[HomeProblem]:
-    """Joints that hit something on their way to fully open."""
+    """Joints that hit something while they open."""
     spec, problems = world.spec, []
     for instance in openables(spec):
         for fraction in SWEEP:
@@ -61,7 +66,7 @@ def sweeps(world: World) -> list[HomeProblem]:
 
 
 def hidden(world: World, grid: NavGrid) -> list[HomeProblem]:
-    """Openables with a compartment that no standing node sees into when everything on them is open."""
+    """Openables with a compartment that cannot be seen into from any free node within reach, with everything open."""
     problems = []
     for instance in openables(world.spec):
         item = world.spec.items[instance]
@@ -77,12 +82,21 @@ def hidden(world: World, grid: NavGrid) -> list[HomeProblem]:
 
 
 def openables(spec: HomeSpec) -> list[int]:
-    """Items with joints."""
+    """Numbers of the items with joints."""
     return [number for number, item in enumerate(spec.items) if item_solid(item).model.openable]
 
 
 def near_nodes(grid: NavGrid, box: Array, within_m: float) -> NDArray[np.int64]:
-    """Free nodes (n, 2) within a horizontal distance of a box, nearest first."""
+    """Free nodes near a box, the nearest first.
+
+    Args:
+        grid: the home's grid.
+        box: (6,) metres.
+        within_m: greatest horizontal distance.
+
+    Returns:
+        (n, 2) int64.
+    """
     nodes = np.argwhere(grid.free)
     xy = grid.xy(nodes)
     gap = np.maximum(np.maximum(box[:2] - xy, xy - box[3:5]), 0.0)
@@ -92,7 +106,7 @@ def near_nodes(grid: NavGrid, box: Array, within_m: float) -> NDArray[np.int64]:
 
 
 def label(spec: HomeSpec, instance: int) -> str:
-    """Name of an instance for messages: category, number, room."""
+    """An instance as text: category, number, room."""
     if instance < len(spec.items):
         item = spec.items[instance]
         return f"{item.category} #{instance} in {spec.rooms[item.room].name}"
@@ -115,7 +129,7 @@ def _moving_contacts(world: World, instance: int) -> dict[int, float]:
 
 
 def _seen(world: World, instance: int, compartment: int, xy: Array) -> bool:
-    """Whether a ray from a node's eye reaches a point inside the open compartment."""
+    """Whether a ray from the camera at a node reaches a point inside the open compartment."""
     item = world.spec.items[instance]
     model = item_solid(item).model
     space = model.compartments[compartment]
@@ -133,7 +147,7 @@ def _seen(world: World, instance: int, compartment: int, xy: Array) -> bool:
 
 
 def _inner_points(box: Array) -> Array:
-    """Points low inside a box, (6, 3): where things would stand, nearer the front."""
+    """Six points (6, 3) low inside a box, near its front, where things would stand."""
     x = box[0] + (box[3] - box[0]) * np.array([0.85, 0.6])
     y = box[1] + (box[4] - box[1]) * np.array([0.25, 0.5, 0.75])
     z = box[2] + min(0.05, 0.5 * (box[5] - box[2]))

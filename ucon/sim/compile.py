@@ -1,4 +1,4 @@
-"""From the specification of a home to a compiled :class:`House`: PyBullet builds it once and checks it."""
+"""Compiles the specification of a home into a :class:`House`: PyBullet builds it once and checks it."""
 
 from __future__ import annotations
 
@@ -16,15 +16,20 @@ from ucon.sim.shapes import Array, enclosing, item_box, primitive_boxes, solid_o
 from ucon.sim.structure import structure_parts
 from ucon.sim.world import World
 
+#: Most rounds in which :func:`compile_mended` removes things.
 MENDING_ROUNDS = 4
 
 
 def compile_house(spec: HomeSpec, *, check: bool = True) -> House:
     """Build a home in PyBullet, check it and return what episodes need.
 
+    Args:
+        spec: the home.
+        check: False skips the checks for faults.
+
     Raises:
-        SceneError: items overlap by more than 5 mm, a joint hits something, the inside of an openable cannot be
-            seen, or the free floor falls into pieces. The message names the items.
+        SceneError: items overlap by more than 5 mm, a joint hits something, an openable cannot be seen into, or the
+            free floor is not in one piece. The message names the items.
     """
     house, problems = _build(spec, check)
     if problems:
@@ -33,13 +38,13 @@ def compile_house(spec: HomeSpec, *, check: bool = True) -> House:
 
 
 def compile_mended(spec: HomeSpec) -> House:
-    """Like :func:`compile_house`, but movable things that PyBullet refuses are taken out of the home.
+    """As :func:`compile_house`, but movable things with faults are removed from the home.
 
-    Homes are generated without limit, by rules that look at boxes alone; where PyBullet finds that a microwave's
-    door meets a bowl, the bowl goes. The 22 named scenes need none of it (tested).
+    Generated homes are made by rules that look at boxes alone. Where PyBullet finds that a microwave's door hits a
+    bowl, the bowl is removed. The 22 named scenes need no removal (tested).
 
     Raises:
-        SceneError: something is wrong with furniture, or still after a few rounds.
+        SceneError: furniture has a fault, or faults remain after a few rounds.
     """
     for _ in range(MENDING_ROUNDS):
         house, problems = _build(spec, check=True)
@@ -52,11 +57,6 @@ def compile_mended(spec: HomeSpec) -> House:
         items = tuple(item for k, item in enumerate(spec.items) if k not in refused)
         spec = replace(spec, items=items)
     return compile_house(spec)
-
-
-def inspect_home(spec: HomeSpec) -> list[HomeProblem]:
-    """Everything that :func:`compile_house` would refuse, as a list; free floor in pieces still raises."""
-    return _build(spec, check=True)[1]
 
 
 def _build(spec: HomeSpec, check: bool) -> tuple[House, list[HomeProblem]]:
@@ -80,7 +80,11 @@ def _stands_on(spec: HomeSpec, above: int, below: int) -> bool:
 
 
 def all_boxes(spec: HomeSpec) -> Array:
-    """World boxes (n, 6) of all instances with joints closed; zeros for structure that has no part."""
+    """Boxes of all instances with joints closed.
+
+    Returns:
+        (n, 6) x0 y0 z0 x1 y1 z1 in world metres; zeros for structure that has no part.
+    """
     boxes = np.zeros((len(spec.items) + 3 * len(spec.rooms), 6))
     for number, item in enumerate(spec.items):
         boxes[number] = item_box(item)

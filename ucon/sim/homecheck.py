@@ -1,4 +1,4 @@
-"""What a compiled home must be, whoever made its file: known things of known sizes in rooms that exist."""
+"""Checks of a compiled home read from a file: known categories, plausible sizes, rooms that exist."""
 
 from __future__ import annotations
 
@@ -12,15 +12,19 @@ from ucon.scenes.spec import HomeSpec, Item, Opening, Room
 from ucon.sim.house import House
 from ucon.sim.rooms import room_grid
 
-#: Nodes each way, a quarter of a metre apart; the largest named home has 116.
+#: Most nodes along each axis; the largest named home has 116.
 MOST_NODES: Final = 2000
 
 
 def require_usable(house: House, told: object) -> None:
-    """Refuse a home that is none, or is not the one whose hash was ``told``.
+    """Refuse a home with implausible content, or with another hash than the file says.
+
+    Args:
+        house: the home.
+        told: the hash in the file.
 
     Raises:
-        ValueError: saying in a few words what is wrong, without a place.
+        ValueError: saying what is wrong, without naming the file.
     """
     _require_spec(house.spec)
     if house.spec.hash != told:

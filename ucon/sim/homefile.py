@@ -1,7 +1,7 @@
 """A compiled home as bytes: specification, free nodes, rooms and boxes, compressed, with a checksum. No pickle.
 
-Layout: one line ``UCON-HOME <version> <sha256 of the rest>``, then zlib of (length of the JSON as 4 bytes, JSON,
-bits of the free nodes, rooms as int16, boxes as float64). The polygons are made again on loading.
+Layout: one line ``UCON-HOME <version> <sha256 of the rest>``, then zlib of (length of the JSON as 4 bytes, JSON, bits
+of the free nodes, rooms as int16, boxes as float64). Polygons are computed again on loading.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ from ucon.sim.house import House, NavGrid
 FORMAT = 1
 REMEDY = "delete it and it is built again"
 _MAGIC = b"UCON-HOME"
-#: Unpacked; the largest named home takes 82 KB.
+#: Largest unpacked home; the largest named one takes 82 KB.
 _MAX_BYTES = 16 * 2**20
 _verified: set[str] = set()
-"""Checksums of the files that this process has found to hold what they say."""
+"""Checksums of the files whose content this process has checked."""
 
 
 def house_to_bytes(house: House) -> bytes:
-    """Serialise; equal houses give equal bytes."""
+    """Serialise a home; equal homes give equal bytes."""
     spec, grid = house.spec, house.grid
     header = {
         "hash": spec.hash,
@@ -59,14 +59,18 @@ def house_to_bytes(house: House) -> bytes:
 
 
 def house_from_bytes(data: bytes, where: str) -> House:
-    """Read back what :func:`house_to_bytes` wrote.
+    """Read a home that :func:`house_to_bytes` wrote.
 
-    The home's hash and its map of rooms are made from its specification and must be those of the file: once in a
-    process for the same bytes (9 ms of the largest home). What PyBullet found, free nodes and boxes, is under the
-    checksum alone.
+    The hash and the map of rooms are computed from the specification and compared with the file's, once a process for
+    the same bytes (9 ms for the largest home). What PyBullet found, free nodes and boxes, is protected by the checksum
+    alone.
+
+    Args:
+        data: the bytes.
+        where: names the file in errors.
 
     Raises:
-        DataError: another format, bytes that were cut or altered, or content that is no home; ``where`` names the file.
+        DataError: another format, bytes that were cut or altered, or content that is no home.
     """
     line, _, packed = data.partition(b"\n")
     words = line.split(b" ")
@@ -85,7 +89,7 @@ def house_from_bytes(data: bytes, where: str) -> House:
             _verified.add(checksum)
     except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
         raise DataError(f"{where}: not a home ({brief(str(error))}); {REMEDY}") from None
-    house.spec.__dict__["hash"] = told  # found to be right, and not computed again at every loading
+    house.spec.__dict__["hash"] = told  # checked above; saves computing it at every loading
     return house
 
 

@@ -1,8 +1,8 @@
-"""The live state of an episode: the same facts as :class:`SceneState`, asked of a running PyBullet client.
+"""The state of an episode in a running PyBullet client; the same interface as :class:`SceneState`.
 
-Slower by orders of magnitude; it is the oracle that proves the compiled state right (``world=live``). Both follow one
-rule for the floor: the home's own nodes, less those within the agent's radius of a placed object's box. What a
-removed item stood on is not given back, and nobody walks under a placed thing.
+It is slower by orders of magnitude, and the reference that the compiled state is tested against (``world=live``). Both
+follow one rule for the floor: the home's own nodes, without those within the agent's radius of a placed object's box.
+Nodes under removed items stay unfree, and nobody walks under a placed thing.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ class LiveState:
         self.open = np.zeros(len(self.categories), bool)
 
     def set_open(self, instance: int, is_open: bool = True) -> None:
-        """Move the joints of an instance and what its drawers hold."""
+        """Move the joints of an instance, and what its drawers hold, to open or closed."""
         self._world.set_open(instance, 1.0 if is_open else 0.0)
         self.open[instance] = self._world.openness(instance) > 0.5
 
     def __reduce__(self) -> Any:
-        """It holds a PyBullet client, which cannot be copied."""
+        """Refuse copies: it holds a PyBullet client."""
         raise SceneError("world=live: an environment with a PyBullet client can be neither copied nor pickled")
 
     def close(self) -> None:
@@ -51,7 +51,7 @@ class LiveState:
         self._world.close()
 
     def _placed_boxes(self) -> Array:
-        """Boxes (n, 6) at PyBullet's poses, from the parts: PyBullet's own box of a tilted compound is too large."""
+        """Boxes (n, 6) of the parts at PyBullet's poses; PyBullet's own box of a tilted compound is too large."""
         poses, boxes = self._world.poses(), []
         for number, placed in enumerate(self.arrangement.objects):
             position, quat = poses[self.house.n_instances + number]
@@ -60,7 +60,7 @@ class LiveState:
         return np.array(boxes)
 
     def _take_nodes(self, boxes: Array) -> None:
-        """Close the nodes where the agent's cylinder would touch a box (6,) of ``boxes``."""
+        """Block the nodes where the agent's cylinder would touch one of the boxes (n, 6)."""
         x, y = (self.house.grid.xy(np.array([[k, k] for k in range(n)]))[:, a] for a, n in enumerate(self.free.shape))
         for box in boxes:
             if box[5] <= AGENT_BOTTOM_M or box[2] >= AGENT_TOP_M:

@@ -1,4 +1,4 @@
-"""The navigation grid of a home, from PyBullet overlap tests with an upright cylinder that stands for the agent."""
+"""The navigation grid of a home, from PyBullet overlap tests with an upright cylinder in place of the agent."""
 
 from __future__ import annotations
 
@@ -20,7 +20,16 @@ MAIN_COMPONENT_SHARE = 0.99
 
 
 def free_cells(world: World, origin: tuple[float, float], rooms: NDArray[np.int16]) -> NDArray[np.bool_]:
-    """Cells of rooms where the agent's cylinder touches nothing, (nx, ny) bool."""
+    """Cells of rooms where the agent's cylinder touches nothing.
+
+    Args:
+        world: the home in PyBullet, everything closed.
+        origin: corner of cell (0, 0), world metres.
+        rooms: (nx, ny) room of each cell, -1 outside.
+
+    Returns:
+        (nx, ny) bool.
+    """
     p, client = world.bullet, world.client
     height = AGENT_TOP_M - AGENT_BOTTOM_M
     shape = p.createCollisionShape(p.GEOM_CYLINDER, radius=AGENT_RADIUS_M, height=height, physicsClientId=client)
@@ -44,9 +53,15 @@ def free_cells(world: World, origin: tuple[float, float], rooms: NDArray[np.int1
 
 
 def main_component(free: NDArray[np.bool_], name: str, enclosed: NDArray[np.bool_] | None = None) -> NDArray[np.bool_]:
-    """The largest component of the free nodes.
+    """The largest connected component of the free nodes.
 
-    ``enclosed`` nodes (inside a shower stall, under a slide) are no floor: they may lie apart without being counted.
+    Args:
+        free: (nx, ny) bool.
+        name: of the home, for errors.
+        enclosed: (nx, ny) bool, nodes inside a shower stall or under a slide; they need not be connected.
+
+    Returns:
+        (nx, ny) bool.
 
     Raises:
         SceneError: there is no free node, or the largest component holds less than 99 % of them.
@@ -67,7 +82,11 @@ def main_component(free: NDArray[np.bool_], name: str, enclosed: NDArray[np.bool
 
 
 def enclosed_cells(spec: HomeSpec, origin: tuple[float, float], shape: tuple[int, int]) -> NDArray[np.bool_]:
-    """Nodes (nx, ny) within 0.18 m of an item's whole box: the inside of hollow things, not floor to walk to."""
+    """Nodes within 0.18 m of an item's box, such as the inside of hollow things: not floor to walk to.
+
+    Returns:
+        (nx, ny) bool.
+    """
     x = origin[0] + (np.arange(shape[0]) + 0.5) * GRID_M
     y = origin[1] + (np.arange(shape[1]) + 0.5) * GRID_M
     found = np.zeros(shape, bool)
@@ -85,7 +104,11 @@ def enclosed_cells(spec: HomeSpec, origin: tuple[float, float], shape: tuple[int
 
 
 def nav_grid(world: World) -> NavGrid:
-    """Build the grid of a world with everything closed."""
+    """Compute the grid of a world with everything closed.
+
+    Raises:
+        SceneError: the free floor is not in one piece.
+    """
     origin, rooms = room_grid(world.spec)
     free = free_cells(world, origin, rooms)
     enclosed = enclosed_cells(world.spec, origin, (rooms.shape[0], rooms.shape[1]))

@@ -1,4 +1,4 @@
-"""Shortest paths on the navigation grid: breadth first, 4-connected, one step is 0.25 m."""
+"""Shortest paths on the navigation grid: breadth-first, 4-connected, one move is 0.25 m."""
 
 from __future__ import annotations
 
@@ -17,12 +17,15 @@ def distances(
     sources: NDArray[np.integer] | list[tuple[int, int]],
     start_costs: NDArray[np.integer] | None = None,
 ) -> NDArray[np.int32]:
-    """Steps from the nearest source to every node, (nx, ny) int32; -1 where there is no way.
+    """Moves from the nearest source to every node.
 
     Args:
         free: (nx, ny) bool, nodes that may be entered.
         sources: (n, 2) nodes; those that are not free or outside are ignored.
-        start_costs: (n,) steps already spent at each source, at least 0; default 0.
+        start_costs: (n,) moves already spent at each source, at least 0; default 0.
+
+    Returns:
+        (nx, ny) int32; -1 where there is no path.
     """
     cells = np.asarray(sources, np.int64).reshape(-1, 2)
     costs = np.zeros(len(cells), np.int64) if start_costs is None else np.asarray(start_costs, np.int64)
@@ -31,12 +34,19 @@ def distances(
 
 
 def metres(steps: int | np.integer) -> float:
-    """Length of a path of ``steps`` moves."""
+    """Length of a path of ``steps`` moves, in metres."""
     return float(steps) * GRID_M
 
 
 def path(dist: NDArray[np.int32], start: tuple[int, int]) -> list[tuple[int, int]]:
-    """Nodes from ``start`` down to a source of ``dist``, both included; ties go to +x, +y, -x, -y in this order.
+    """A shortest path to a source.
+
+    Args:
+        dist: (nx, ny) of :func:`distances`.
+        start: node to start from.
+
+    Returns:
+        Nodes from ``start`` to the source, both included; ties go to +x, +y, -x, -y in this order.
 
     Raises:
         EpisodeError: no source can be reached from ``start``.
@@ -53,7 +63,7 @@ def _flood(free: NDArray[np.bool_], cells: NDArray[np.int64], costs: NDArray[np.
     queue = np.empty((nx * ny, 2), np.int32)
     head, tail, source, n = 0, 0, 0, len(cells)
     while head < tail or source < n:
-        # Sources come sorted by cost. One enters once every node nearer than its cost has been entered, so the
+        # Sources are sorted by cost. A source enters after every node nearer than its cost has entered, so the
         # queue stays in order of distance and no node is entered twice.
         if source < n and (head == tail or costs[source] <= dist[queue[head, 0], queue[head, 1]]):
             i, j, d = cells[source, 0], cells[source, 1], costs[source]
@@ -95,7 +105,11 @@ def _descend(dist: NDArray[np.int32], i: int, j: int) -> list[tuple[int, int]]:
 
 @jit
 def components(free: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """Component number of every free node, (nx, ny) int32 from 0; -1 where not free."""
+    """Connected components of the free nodes.
+
+    Returns:
+        (nx, ny) int32, component number from 0; -1 where not free.
+    """
     nx, ny = free.shape
     label = np.full((nx, ny), -1, np.int32)
     stack = np.empty((nx * ny, 2), np.int32)

@@ -1,4 +1,4 @@
-"""Which room every node of a home's grid lies in, by the rooms' rectangles."""
+"""Which room every node of a home's grid is in, by the rooms' rectangles."""
 
 from __future__ import annotations
 
@@ -9,7 +9,11 @@ from ucon.scenes.spec import GRID_M, HomeSpec
 
 
 def room_grid(spec: HomeSpec) -> tuple[tuple[float, float], NDArray[np.int16]]:
-    """Origin and room number of every cell, (nx, ny) int16; -1 outside all rooms."""
+    """Origin of the grid and room of every cell.
+
+    Returns:
+        Corner of cell (0, 0) in world metres, and (nx, ny) int16 room numbers, -1 outside all rooms.
+    """
     rects = np.array([room.rect for room in spec.rooms])
     origin = (float(rects[:, 0].min()), float(rects[:, 1].min()))
     nx, ny = np.rint((rects[:, 2:].max(axis=0) - origin) / GRID_M).astype(int)

@@ -1,7 +1,7 @@
-"""Collision shapes as plain arrays: what PyBullet bodies, boxes and placement all read. No PyBullet here.
+"""Collision shapes as plain arrays, for PyBullet bodies, boxes and placement. PyBullet is not needed here.
 
-A :class:`Solid` is the collision side of one (category, size): box, cylinder and sphere primitives in the
-object frame with joints closed. Tapered cylinders collide as full ones, wedges and uneven spheres as boxes.
+A :class:`Solid` has the collision primitives of one (category, size): boxes, cylinders and spheres in the object frame
+with joints closed. Tapered cylinders collide as full ones, wedges and uneven spheres as boxes.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from ucon.sim.arrangement import PlacedObject
 
 BOX, CYLINDER, SPHERE = 0, 1, 2
 _UNEVEN = 0.02
-"""Relative difference of extents from which a round part collides as a box."""
+"""Round parts whose extents differ by more than this fraction collide as boxes."""
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """Collision primitives of one model, k of them."""
+    """The k collision primitives of one model."""
 
     model: ObjectModel
     kind: NDArray[np.int8]  # (k,) BOX, CYLINDER or SPHERE
@@ -36,22 +36,27 @@ class Solid:
     turn: Array  # (k, 3, 3)
     link: NDArray[np.int16]  # (k,) joint that carries the primitive, -1 for the base
     bounds: Array
-    """(6,) object-frame box."""
+    """(6,) box in the object frame, metres."""
 
     @property
     def extent(self) -> Array:
-        """(3,) full size of the object-frame box."""
+        """(3,) size of the object-frame box, metres."""
         return self.bounds[3:] - self.bounds[:3]
 
 
 @lru_cache(maxsize=4096)
 def solid(category: str, size: Vec3 | None = None) -> Solid:
-    """The collision side of a category at a size (None: the catalogue's)."""
+    """The collision primitives of a category.
+
+    Args:
+        category: of the catalogue.
+        size: metres; None: the catalogue's.
+    """
     return solid_of_model(build_model(category, size))
 
 
 def solid_of_model(model: ObjectModel) -> Solid:
-    """Collision primitives of any model; one box of its outer size where it says ``simple_collision``."""
+    """The collision primitives of a model; one box of its outer size if it has ``simple_collision``."""
     result = _from_parts(model, model.parts)
     if not model.simple_collision:
         return result
@@ -68,7 +73,7 @@ def solid_of_model(model: ObjectModel) -> Solid:
 
 
 def solid_of_parts(parts: tuple[Part, ...]) -> Solid:
-    """Collision primitives of loose parts (walls, floors), in the frame that they are given in."""
+    """The collision primitives of loose parts (walls, floors), in the frame of the parts."""
     return _from_parts(ObjectModel("parts", (0.0, 0.0, 0.0), parts), parts)
 
 
@@ -115,7 +120,16 @@ def _boxes(kind: NDArray[np.int8], half: Array, center: Array, turn: Array) -> A
 
 
 def primitive_boxes(shape: Solid, position: Array | Vec3, turn: Array) -> Array:
-    """World axis-aligned boxes (k, 6) of the primitives of a solid that stands at ``position`` turned by (3, 3)."""
+    """World boxes of the primitives of a solid.
+
+    Args:
+        shape: the solid.
+        position: (3,) of the model origin, world metres.
+        turn: (3, 3) rotation.
+
+    Returns:
+        (k, 6) x0 y0 z0 x1 y1 z1 in metres.
+    """
     center = shape.center @ turn.T + np.asarray(position, float)
     return _boxes(shape.kind, shape.half, center, turn @ shape.turn)
 
@@ -126,7 +140,7 @@ def enclosing(boxes: Array) -> Array:
 
 
 def item_solid(item: Item) -> Solid:
-    """The collision side of an item of a home."""
+    """The collision primitives of an item of a home."""
     return solid(item.category, item.size)
 
 
@@ -136,7 +150,7 @@ def item_turn(item: Item) -> Array:
 
 
 def object_solid(placed: PlacedObject) -> Solid:
-    """The collision side of an object that an episode adds."""
+    """The collision primitives of an object that an episode adds."""
     return solid(placed.category)
 
 
@@ -146,23 +160,23 @@ def object_turn(placed: PlacedObject) -> Array:
 
 
 def item_box(item: Item) -> Array:
-    """World box (6,) of an item with its joints closed."""
+    """World box (6,) of an item with its joints closed, metres."""
     return enclosing(primitive_boxes(item_solid(item), item.position, item_turn(item)))
 
 
 def object_box(placed: PlacedObject) -> Array:
-    """World box (6,) of a placed object with all joints closed."""
+    """World box (6,) of a placed object with all joints closed, metres."""
     return enclosing(primitive_boxes(object_solid(placed), placed.position, object_turn(placed)))
 
 
 def quat_of_matrix(turn: Array) -> tuple[float, float, float, float]:
-    """Unit quaternion ``xyzw`` of a rotation matrix (3, 3), largest component positive."""
+    """Unit quaternion ``xyzw`` of a rotation matrix (3, 3), with the largest component positive."""
     return _quat_of(np.ascontiguousarray(turn, float).tobytes())
 
 
 @lru_cache(maxsize=4096)
 def _quat_of(matrix: bytes) -> tuple[float, float, float, float]:
-    """Remembered by the matrix's bytes: a home has thousands of parts and a few dozen turns."""
+    """As :func:`quat_of_matrix`, cached by the matrix's bytes: a home has thousands of parts but few rotations."""
     m = np.frombuffer(matrix).reshape(3, 3)
     trace = np.array([m[0, 0] - m[1, 1] - m[2, 2], m[1, 1] - m[0, 0] - m[2, 2], m[2, 2] - m[0, 0] - m[1, 1]])
     squares = np.append(trace, m[0, 0] + m[1, 1] + m[2, 2])

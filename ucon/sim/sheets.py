@@ -1,4 +1,4 @@
-"""Contact sheets: every object in a small studio, every home as a plan with views from inside. Made to be looked at."""
+"""Contact sheets for looking at: every object in a small studio, every home as a plan with views from inside."""
 
 from __future__ import annotations
 
@@ -28,14 +28,29 @@ _EYE_M = 1.25
 
 
 def catalogue_sheet(names: Sequence[str], path: Path, columns: int = 12) -> None:
-    """Draw labelled thumbnails of categories, openable ones a second time with their joints open."""
+    """Draw labelled thumbnails of categories; openable ones a second time with their joints open.
+
+    Args:
+        names: of the categories.
+        path: image file to write.
+        columns: of the sheet.
+    """
     tiles = [(name, object_picture(name)) for name in names]
     tiles += [(f"{name} (open)", object_picture(name, 1.0)) for name in names if build_model(name).joints]
     _save(_grid(tiles, columns), path)
 
 
 def object_picture(category: str, fraction: float = 0.0, size_px: int = THUMB_PX) -> Picture:
-    """One object alone, seen from the front left above, (size, size, 3) uint8."""
+    """Image of one object alone, seen from its front left and above.
+
+    Args:
+        category: of the catalogue.
+        fraction: of the travel of its joints.
+        size_px: side of the image.
+
+    Returns:
+        (size_px, size_px, 3) uint8.
+    """
     model = build_model(category)
     item = Item(category, model.size, (STUDIO_M / 2, STUDIO_M / 2, 0.0), 0, 0)
     house = _studio(item)
@@ -46,7 +61,7 @@ def object_picture(category: str, fraction: float = 0.0, size_px: int = THUMB_PX
     reach = 0.5 * float(np.linalg.norm(model.size))
     distance = max(2.9 * reach * (1.35 if fraction else 1.0), 0.12)
     center = np.array([STUDIO_M / 2, STUDIO_M / 2, model.size[2] / 2])
-    # Seen from the front (+x) and its left; a heading of 2.33 quarter turns looks back at it.
+    # The camera is in front (+x) and to the left; a heading of 2.33 quarter turns looks back at the object.
     heading, pitch = 2.33, -18.0
     yaw, tilt = heading * np.pi / 2, np.radians(pitch)
     ahead = np.array([np.cos(yaw) * np.cos(tilt), np.sin(yaw) * np.cos(tilt), np.sin(tilt)])
@@ -57,7 +72,13 @@ def object_picture(category: str, fraction: float = 0.0, size_px: int = THUMB_PX
 
 
 def scene_sheet(names: Sequence[str], path: Path, views: int = 4) -> None:
-    """Draw each home as a row: its plan, then first-person views from several rooms."""
+    """Draw each home as a row: its plan, then first-person views of several rooms.
+
+    Args:
+        names: of the homes.
+        path: image file to write.
+        views: number of rooms.
+    """
     _save(np.concatenate([_scene_row(name, views) for name in names]), path)
 
 
@@ -71,7 +92,16 @@ def _scene_row(name: str, views: int) -> Picture:
 
 
 def room_views(house: House, count: int, size_px: int = VIEW_PX) -> list[Picture]:
-    """Views from the largest rooms, each from the free node and heading that show most of the room's things."""
+    """Views of the largest rooms, each from the free node and heading that show most of the room's things.
+
+    Args:
+        house: the home.
+        count: number of rooms.
+        size_px: side of the images.
+
+    Returns:
+        (size_px, size_px, 3) uint8 each.
+    """
     renderer = RasterRenderer(size_px, size_px, 90.0)
     renderer.load(house)
     area = [(r.rect[2] - r.rect[0]) * (r.rect[3] - r.rect[1]) for r in house.spec.rooms]

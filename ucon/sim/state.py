@@ -1,4 +1,4 @@
-"""The compiled state of an episode: what :class:`World` would say, from arrays alone and without PyBullet."""
+"""The compiled state of an episode: the same answers as :class:`World`, from arrays and without PyBullet."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ _openable_items: WeakKeyDictionary[House, NDArray[np.bool_]] = WeakKeyDictionary
 
 
 class SceneState(PartlyShared):
-    """A home with one arrangement: who is there, where, what is open, which nodes are free.
+    """A home with one arrangement: which instances are there, where, what is open, which nodes are free.
 
-    Instances are numbered as in :class:`House`, objects of the arrangement last. Arrays have one row each.
+    Instances are numbered as in :class:`House`, objects of the arrangement last. Arrays have one row an instance.
 
     Attributes:
-        house: The compiled home, shared and read-only.
-        arrangement: What the episode changed.
-        categories: Category of every instance.
-        boxes: (n, 6) closed world boxes in metres.
+        house: the compiled home, shared and read-only.
+        arrangement: what the episode changed.
+        categories: category of every instance.
+        boxes: (n, 6) closed boxes in world metres.
         room: (n,) int16.
-        removed: (n,) bool, base items that were taken away.
+        removed: (n,) bool, instances of the home that were removed.
         openable: (n,) bool, present instances with joints.
-        open: (n,) bool, the only thing that changes during an episode.
-        free: (nx, ny) bool, the grid's free nodes without those that objects on the floor take.
+        open: (n,) bool; the only attribute that changes during an episode.
+        free: (nx, ny) bool, the grid's free nodes without those that objects on the floor block.
     """
 
     _shared: ClassVar[frozenset[str]] = frozenset(
@@ -61,40 +61,40 @@ class SceneState(PartlyShared):
 
     @property
     def n_instances(self) -> int:
-        """Number of instances, those taken away included."""
+        """Number of instances, removed ones included."""
         return len(self.categories)
-
-    def is_removed(self, instance: int) -> bool:
-        """Whether the arrangement takes this instance away."""
-        return bool(self.removed[instance])
 
     def set_open(self, instance: int, is_open: bool = True) -> None:
         """Open or close an instance.
 
         Raises:
-            EpisodeError: it has no joint, or is not there.
+            EpisodeError: it has no joint, or was removed.
         """
         if not self.openable[instance]:
             raise EpisodeError(f"instance {instance} ({self.categories[instance]}) cannot be opened")
         self.open[instance] = is_open
 
-    def close_all(self) -> None:
-        """Close everything, as at the start of an episode."""
-        self.open[:] = False
-
     def instances_of(self, category: str) -> list[int]:
-        """Present instances of a category."""
+        """Present instances of a category, ascending."""
         return [i for i, name in enumerate(self.categories) if name == category and not self.removed[i]]
 
     def horizontal_distance(self, x: float, y: float) -> NDArray[np.float64]:
-        """Distance in metres (n,) from a point to the nearest point of every box, seen from above."""
+        """Horizontal distance from a point to every box.
+
+        Args:
+            x: world metres.
+            y: world metres.
+
+        Returns:
+            (n,) metres.
+        """
         gx = np.maximum(np.maximum(self.boxes[:, 0] - x, x - self.boxes[:, 3]), 0.0)
         gy = np.maximum(np.maximum(self.boxes[:, 1] - y, y - self.boxes[:, 4]), 0.0)
         return np.hypot(gx, gy)
 
 
 def arrangement_boxes(house: House, arrangement: Arrangement) -> NDArray[np.float64]:
-    """Closed world boxes (n, 6) of all instances of a home and the objects of an arrangement."""
+    """Closed boxes (n, 6) of all instances of a home and the objects of an arrangement, world metres."""
     if not arrangement.objects:
         return house.boxes.copy()
     return np.concatenate([house.boxes, np.array([placed_box(placed) for placed in arrangement.objects])])
@@ -102,7 +102,7 @@ def arrangement_boxes(house: House, arrangement: Arrangement) -> NDArray[np.floa
 
 @lru_cache(maxsize=65536)
 def placed_box(placed: PlacedObject) -> tuple[float, ...]:
-    """Closed world box of a placed object as a tuple, remembered: episodes are replayed many times."""
+    """Closed box of a placed object as a tuple of 6, world metres; cached, since episodes are replayed many times."""
     return tuple(object_box(placed).tolist())
 
 

@@ -1,8 +1,8 @@
-"""Floors, walls, ceilings and hedges of a home as parts. PyBullet bodies and polygons are both made from them.
+"""Floors, walls, ceilings and hedges of a home as parts, for PyBullet bodies and for polygons.
 
-Each side of a wall belongs to the room it faces: a box of half the wall's thickness on that room's side of the
-grid line, in that room's colour. So all geometry of a room lies inside its rectangle, which is what portal
-culling relies on, and the jambs of an opening are simply the ends of the wall boxes.
+Each side of a wall belongs to the room it faces: a box of half the wall's thickness on that room's side of the grid
+line, in that room's colour. So all geometry of a room is inside its rectangle, which portal culling needs, and the
+jambs of an opening are simply the ends of the wall boxes.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ _LEAST_M = 1e-6
 def structure_parts(spec: HomeSpec) -> list[tuple[int, Kind, tuple[Part, ...]]]:
     """Parts in the world frame as ``(room, kind, parts)``, three entries a room in the order of the instances.
 
-    The top of a floor is z = 0, the underside of a ceiling is the wall height. A floor is seen from above only and
-    a ceiling from below only, although both are thin slabs. Outdoor rooms have hedges for walls and no ceiling.
+    The top of a floor is z = 0, the underside of a ceiling is the wall height. A floor is seen from above only and a
+    ceiling from below only, although both are thin slabs. Outdoor rooms have hedges for walls and no ceiling.
     """
     structure: list[tuple[int, Kind, tuple[Part, ...]]] = []
     for number, room in enumerate(spec.rooms):

@@ -1,4 +1,4 @@
-"""The live world: one PyBullet client that holds a home. The truth behind every compiled state."""
+"""The live world: one PyBullet client that holds a home. Compiled states are tested against it."""
 
 from __future__ import annotations
 
@@ -62,11 +62,11 @@ class World:
 
     @property
     def instances(self) -> tuple[int, ...]:
-        """Instances that are present."""
+        """Instances that are present, ascending."""
         return tuple(sorted(self._bodies))
 
     def apply(self, arrangement: Arrangement) -> None:
-        """Make the world hold this arrangement, with everything closed."""
+        """Bring the world to this arrangement, with everything closed."""
         for instance in list(self._open):
             self.set_open(instance, 0.0)
         for instance in [i for i in self._bodies if i >= self.n_base]:
@@ -81,15 +81,16 @@ class World:
             self._register(self.n_base + index, bodies)
 
     def bodies(self, instance: int) -> tuple[int, ...]:
-        """PyBullet bodies of an instance; empty where it was taken away."""
+        """PyBullet bodies of an instance; empty if it was removed."""
         return tuple(self._bodies.get(instance, ()))
 
-    def instance_of(self, body: int) -> int:
-        """Instance that owns a PyBullet body."""
-        return self._owner[body]
-
     def set_open(self, instance: int, fraction: float) -> None:
-        """Set every joint of an instance to a fraction of its travel and carry what its drawers hold."""
+        """Open all joints of an instance, with what its drawers hold.
+
+        Args:
+            instance: its number.
+            fraction: of the travel, 0 to 1.
+        """
         joints = self._joints(instance)
         body = self._bodies[instance][0]
         for number, joint in enumerate(joints):
@@ -100,7 +101,7 @@ class World:
                 self._carry(index, placed, fraction)
 
     def openness(self, instance: int) -> float:
-        """Fraction of the travel that the joints of an instance stand at, read back from PyBullet."""
+        """Fraction of the travel of an instance's first joint, read back from PyBullet; 0 without joints."""
         joints = self._joints(instance)
         if not joints:
             return 0.0
@@ -108,7 +109,11 @@ class World:
         return float(state[0]) / joints[0].travel
 
     def boxes(self) -> Array:
-        """Boxes (n, 6) of all instances as they stand, from PyBullet; zeros for those that are absent."""
+        """Current boxes of all instances, from PyBullet.
+
+        Returns:
+            (n, 6) world metres; zeros for absent ones.
+        """
         result = np.zeros((self.n_base + len(self.arrangement.objects), 6))
         for instance, bodies in self._bodies.items():
             low, high = np.full(3, np.inf), np.full(3, -np.inf)
@@ -124,7 +129,15 @@ class World:
         return {i: get(bodies[0], physicsClientId=self.client) for i, bodies in sorted(self._bodies.items())}
 
     def contacts(self, instance: int, within_m: float = 0.004) -> dict[int, float]:
-        """Instances nearer than ``within_m`` and their distance in metres; negative is penetration depth."""
+        """Instances near an instance.
+
+        Args:
+            instance: its number.
+            within_m: greatest distance.
+
+        Returns:
+            Distance in metres by instance; negative is penetration depth.
+        """
         found: dict[int, float] = {}
         for body, link in self._links(self._bodies[instance]):
             low, high = self.bullet.getAABB(body, link, physicsClientId=self.client)
@@ -134,7 +147,18 @@ class World:
         return found
 
     def near(self, body: int, link: int, low: Array, high: Array, within_m: float) -> dict[int, float]:
-        """Distances from one link to all instances whose boxes meet the box ``low``..``high`` grown by ``within_m``."""
+        """Instances near one link of a body.
+
+        Args:
+            body: PyBullet body.
+            link: of the body, -1 for its base.
+            low: (3,) lower corner of the link's box.
+            high: (3,) upper corner.
+            within_m: greatest distance.
+
+        Returns:
+            Distance in metres by instance.
+        """
         p, client = self.bullet, self.client
         found: dict[int, float] = {}
         hits = p.getOverlappingObjects(tuple(low - within_m), tuple(high + within_m), physicsClientId=client) or ()
@@ -184,7 +208,17 @@ class World:
 def carried_pose(
     spec: HomeSpec, arrangement: Arrangement, placed: PlacedObject, fraction: float
 ) -> tuple[Array, Array]:
-    """Rotation (3, 3) and position (3,) of a placed object when its holder is open to ``fraction``."""
+    """Pose of a placed object while its holder is open.
+
+    Args:
+        spec: the home.
+        arrangement: the episode's changes.
+        placed: the object.
+        fraction: of the holder's travel, 0 to 1.
+
+    Returns:
+        Rotation (3, 3) and position (3,) in world metres.
+    """
     turn, position = matrix_from_quat(np.array(placed.quat_xyzw)), np.array(placed.position)
     base = len(spec.items) + 3 * len(spec.rooms)
     if placed.holder < 0 or placed.compartment < 0:

@@ -1,1 +1,1 @@
-"""The task: an episode, its actions, what is visible, what success is. Knows a habit level by name only."""
+"""The task: episodes, actions, what counts as visible and near, success, rewards and metrics (paper, section III)."""

@@ -24,5 +24,5 @@ class Action(IntEnum):
     """End the episode; success if the target is visible and near."""
 
 
-#: (dx, dy) in nodes of one step ahead at headings 0, 90, 180, 270 degrees.
+#: (di, dj) in nodes of a MoveAhead at headings 0, 90, 180, 270 degrees.
 AHEAD = ((1, 0), (0, 1), (-1, 0), (0, -1))

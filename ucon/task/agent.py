@@ -1,4 +1,4 @@
-"""What an agent is: batches of observations in, one action for each environment out.
+"""The interface of agents: a batch of observations in, one action for each environment out.
 
 A slot is one environment of the batch. ``reset`` starts an episode in some slots, ``act`` answers for some slots; both
 default to slots 0..n-1, so a single environment needs no slot numbers. Batches let language models and networks answer
@@ -16,17 +16,34 @@ Info = Mapping[str, Any]
 
 @runtime_checkable
 class Agent(Protocol):
-    """Chooses among the seven actions from observations and the non-privileged part of ``info``."""
+    """Chooses among the seven actions from observations and the non-privileged part of ``info``.
+
+    An agent whose ``uses_habits`` is False plays the same at every habit level, and is evaluated once.
+    """
 
     name: str
-    """In tables. An agent whose ``uses_habits`` is False plays every habit level alike, and is evaluated once."""
+    """Name in tables."""
 
     def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
-        """Start an episode in each of ``slots``; ``infos`` are the environments' infos at reset."""
+        """Start an episode in some slots.
+
+        Args:
+            infos: the environments' infos at reset, one a slot.
+            slots: their numbers; 0..n-1 by default.
+        """
         ...
 
     def act(
         self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
     ) -> list[int]:
-        """One action (0..6) for each of ``slots``."""
+        """Choose one action for each slot.
+
+        Args:
+            observations: the environments' last observations, one a slot.
+            infos: their last infos.
+            slots: their numbers; 0..n-1 by default.
+
+        Returns:
+            Actions from 0 to 6, in the order of the slots.
+        """
         ...

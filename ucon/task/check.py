@@ -1,4 +1,4 @@
-"""What makes an episode usable in the home that it names."""
+"""Checks that an episode fits the home that it names."""
 
 from __future__ import annotations
 
@@ -10,10 +10,14 @@ from ucon.task.episode import Episode
 
 
 def check_home(episode: Episode, house: House) -> None:
-    """Refuse an episode that does not fit the compiled home it names.
+    """Refuse an episode that does not fit its home.
+
+    Args:
+        episode: the episode.
+        house: the compiled home of its ``scene``.
 
     Raises:
-        EpisodeError: made for another version of the home, or a node or instance that the home does not have.
+        EpisodeError: it was made for another version of the home, or names a node or instance that the home lacks.
     """
     where = f"episode {episode.id}"
     if house.spec.hash != episode.home_hash:
@@ -41,6 +45,7 @@ def check_home(episode: Episode, house: House) -> None:
 
 
 def _compartments(episode: Episode, house: House, instance: int) -> int:
+    """Number of compartments of an instance."""
     if 0 <= instance < house.n_items:
         return len(item_solid(house.spec.items[instance]).model.compartments)
     if instance >= house.n_instances:

@@ -1,6 +1,6 @@
-"""What makes an episode usable by itself, whatever its home.
+"""Checks of an episode's data that do not depend on its home.
 
-Files are checked against SHA-256 where they have a manifest; these checks are for what people write themselves.
+Shipped files are checked against SHA-256; these checks are for episodes that people write themselves.
 """
 
 from __future__ import annotations
@@ -19,12 +19,14 @@ _TEXTS = ("id", "scene", "home_hash", "habits", "habits_hash", "task", "split", 
 
 
 def check_data(episode: Any, where: str) -> None:
-    """Refuse an episode whose data cannot be right in any home; ``where`` names file and line.
+    """Refuse an episode whose data cannot be right in any home.
 
-    ``episode`` is an :class:`ucon.task.episode.Episode`, whose module reads files by this one.
+    Args:
+        episode: an :class:`ucon.task.episode.Episode`, whose module calls this one.
+        where: names file and line in the error.
 
     Raises:
-        EpisodeError: naming the first field that is wrong and what was expected.
+        EpisodeError: naming the first wrong field and what was expected.
     """
     for name in _TEXTS:
         value = getattr(episode, name)
@@ -59,6 +61,7 @@ def check_data(episode: Any, where: str) -> None:
 
 
 def _check_object(placed: PlacedObject, where: str) -> None:
+    """Check one placed object."""
     if placed.category not in catalogue():
         try:
             catalogue()[placed.category]
@@ -77,7 +80,18 @@ def _check_object(placed: PlacedObject, where: str) -> None:
 
 
 def expect(right: bool, where: str, what: str, found: Any, expected: str) -> None:
-    """Raise :class:`EpisodeError` where something of an episode is not right."""
+    """Check one property of an episode.
+
+    Args:
+        right: whether it holds.
+        where: names file and line, or the episode.
+        what: the field.
+        found: its value.
+        expected: what it should be.
+
+    Raises:
+        EpisodeError: where ``right`` is False.
+    """
     if not right:
         raise EpisodeError(
             f"{where}: {what} {brief(repr(found))}, expected {expected}; restore or make the episodes anew"

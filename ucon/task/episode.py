@@ -1,4 +1,4 @@
-"""An episode: plain data, made once, checked once, stored, and replayed by everybody."""
+"""An episode: plain data that is made once, checked once, stored, and replayed."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ from ucon.habits.contexts import Context
 from ucon.sim.arrangement import Arrangement, PlacedObject
 from ucon.task.check_data import check_data
 
+#: Version of the stored form.
 FORMAT = 2
 
 
 @dataclass(frozen=True)
 class Start:
-    """Where the agent stands at first: node (i, j) of the home's grid, heading in quarter turns, pitch 0."""
+    """The agent's first pose: node (i, j) of the home's grid, heading in quarter turns, pitch 0."""
 
     i: int
     j: int
@@ -27,53 +28,62 @@ class Start:
 
 @dataclass(frozen=True)
 class Episode(Shared):
-    """One search: a home, what was moved in it, what its people are known to do, and what is to be found.
+    """One search: a home, what was placed in it, the household's habits, and the target.
 
-    ``target`` indexes ``arrangement.objects``. ``solution`` holds the actions of a shortest solution as digits;
-    it, the arrangement and the entries' placements are privileged.
+    Privileged are the arrangement, the entries' placements and ``solution``, the actions of a shortest solution as
+    digits.
     """
 
     id: str
     scene: str
+    """Name of the home."""
     home_hash: str
+    """Hash of the home's specification."""
     habits: str
     """Name of the habit dataset."""
     habits_hash: str
+    """SHA-256 of the habit dataset."""
     task: str
-    """Rule set under which it was checked."""
+    """Rule set under which it is solvable."""
     seed: int
     split: str
+    """Label of its part of a set."""
     arrangement: Arrangement
+    """What was removed from the home and what was placed in it."""
     target: int
+    """Index of the target in ``arrangement.objects``."""
     placed_by: tuple[tuple[str, int], ...]
-    """(entry id, index of its placement) behind every object of the arrangement; ("", -1) where it was imported."""
+    """By object: (entry id, index of the placement) that put it there; ("", -1) for anchors that were added."""
     entries: tuple[str, ...]
-    """Ids of the entries whose habits make the knowledge base: all that this home has of the sampled categories."""
+    """Ids of the entries whose habits are the knowledge base: all of the household for the sampled categories."""
     task_entries: tuple[str, ...]
     """One entry a category, that of the drawn placement: the knowledge base of mode ``task``."""
     start: Start
+    """The agent's first pose."""
     shortest_path_m: float
+    """Length of the shortest solution, metres; l of the SPL."""
     solution: str
+    """Actions of a shortest solution, as digits."""
     context: Context | None = None
-    """When it takes place and who asks, where the episode states it; placements then follow it."""
+    """Time and asker, where the episode states them; placements then follow it."""
 
     @property
     def target_object(self) -> PlacedObject:
-        """The object to be found."""
+        """The target as it was placed. Privileged."""
         return self.arrangement.objects[self.target]
 
     @property
     def target_category(self) -> str:
-        """Category to be found, for example ``coffee_cup``."""
+        """Category of the target, for example ``coffee_cup``."""
         return self.target_object.category
 
     @cached_property
     def hash(self) -> str:
-        """SHA-256 of the canonical JSON."""
+        """SHA-256 of the canonical JSON, in hexadecimal."""
         return sha256_bytes(canonical_json(self.to_json()).encode())
 
     def to_json(self) -> dict[str, Any]:
-        """JSON-ready dictionary, compact: placed objects are lists in field order."""
+        """The episode as JSON data; placed objects are lists in the order of their fields."""
         data = asdict(self) | {"format": FORMAT}
         data["arrangement"] = {
             "removed": list(self.arrangement.removed),
@@ -86,10 +96,14 @@ class Episode(Shared):
 
     @classmethod
     def from_json(cls, data: dict[str, Any], *, where: str = "episode") -> Episode:
-        """Rebuild an episode; ``where`` names the file and line in errors.
+        """Read an episode from JSON data.
+
+        Args:
+            data: what :meth:`to_json` returns.
+            where: names file and line in errors.
 
         Raises:
-            EpisodeError: a field is missing, of the wrong type, or the format is another one.
+            EpisodeError: a field is missing or of the wrong type, or the format is another one.
         """
         try:
             if data.get("format") != FORMAT:
@@ -121,10 +135,12 @@ class Episode(Shared):
 
 
 def _plain(value: Any) -> Any:
+    """JSON data of a value; floats are rounded to 6 decimals."""
     if isinstance(value, float):
         return round(value, 6) + 0.0
     return [_plain(v) for v in value] if isinstance(value, tuple) else value
 
 
 def _frozen(value: Any) -> Any:
+    """The value with its lists turned into tuples."""
     return tuple(_frozen(v) for v in value) if isinstance(value, list) else value

@@ -1,9 +1,9 @@
-"""The privileged expert: the best next action from any pose, whatever was opened on the way. For trainers only.
+"""The privileged expert: the best next action from any pose, whatever was opened before. For trainers only.
 
-An episode stores one shortest solution from its start. A policy that learns by playing strays from it, and has to be
-told what to do from there. The expert goes by the same yardstick, fewest moves, and among those takes the fewest steps:
-it knows every view in which Done succeeds and every view in which Open opens the target's container, and how far each
-node, heading and view is from the best of them.
+An episode stores one shortest solution from its start. A policy in training leaves that path and needs a label from
+where it is. Of all ways to success the expert prefers the fewest moves, and among those the fewest steps. It knows
+every view in which Done succeeds and every view in which Open opens the target's container, and the distances of all
+nodes, headings and views from them.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ from ucon.task.rules import task_rules
 from ucon.task.search import Pose, Search
 from ucon.task.solve import MAX_OPEN_SETS, Solver
 
-#: Doors that opened farther from the target than this cannot stand between it and an agent in its reach.
+#: Open doors farther from the target than this cannot hide it from an agent within reach. Metres.
 _IN_THE_WAY_M = 2.5
 _NEVER = np.int32(1 << 29)
-#: What is preferred among actions that are as good.
+#: Order of preference among equally good actions.
 _ORDER = (Action.MOVE_AHEAD, Action.ROTATE_RIGHT, Action.ROTATE_LEFT, Action.LOOK_UP, Action.LOOK_DOWN)
 #: Node, heading and view (index of height and pitch, from the lowest up).
 _At: TypeAlias = tuple[int, int, int, int]
@@ -38,7 +38,7 @@ _At: TypeAlias = tuple[int, int, int, int]
 
 @dataclass(frozen=True)
 class _Ends:
-    """Where an action other than moving, turning and looking is worth taking, and what is left to do from there."""
+    """Poses at which one kind of last action (Done, or Open) works, and what remains from there."""
 
     moves: NDArray[np.int32]
     """(nx, ny, 4, V) moves still needed after it."""
@@ -47,30 +47,32 @@ class _Ends:
 
     @classmethod
     def none(cls, shape: tuple[int, ...]) -> _Ends:
+        """No such pose."""
         return cls(np.full(shape, _NEVER), np.full(shape, _NEVER))
 
 
 @dataclass(frozen=True)
 class _Plan:
-    """What every pose is worth while the same containers are open."""
+    """Moves and steps to success from every pose, for one set of open containers."""
 
     moves: NDArray[np.int32]
-    """(nx, ny) fewest moves to success; -1 where there is no way."""
+    """(nx, ny) fewest moves to success; -1 where there is no path."""
     steps: NDArray[np.int32]
-    """(nx, ny, 4, V) fewest steps among ways of the fewest moves."""
+    """(nx, ny, 4, V) fewest steps among paths with the fewest moves."""
     done: _Ends
     opening: _Ends
 
 
 class Expert:
-    """Knows the best next action from every pose of one episode.
-
-    Args:
-        episode: to be solved under its own rules.
-        eyes: a renderer to look with; it is loaded with the episode's home, so none that somebody else uses.
-    """
+    """Knows the best next action from every pose of one episode."""
 
     def __init__(self, episode: Episode, eyes: RasterRenderer | None = None) -> None:
+        """Load the episode's home.
+
+        Args:
+            episode: to be solved under its own rules.
+            eyes: a renderer; the episode's home is loaded into it, so it must not be in use elsewhere.
+        """
         house = load_house(episode.scene)
         self.rules = task_rules(episode.task)
         self._eyes = eyes or RasterRenderer()
@@ -82,7 +84,14 @@ class Expert:
         self._plans: dict[frozenset[int], _Plan] = {}
 
     def action(self, search: Search) -> Action | None:
-        """The best next action in a search of this episode; None where no way leads to success any more."""
+        """The best next action.
+
+        Args:
+            search: a search of this episode, in any state.
+
+        Returns:
+            None where success cannot be reached any more.
+        """
         plan, here = self._plan(frozenset(np.flatnonzero(search.opened).tolist())), self._at(search.pose)
         moves, steps = plan.moves[here[:2]], plan.steps[here]
         if moves < 0 or steps >= _NEVER:
@@ -93,13 +102,20 @@ class Expert:
         return next(action for action in _ORDER if self._leads(plan, here, action))
 
     def to_go(self, search: Search) -> tuple[int, int] | None:
-        """Moves and steps still needed, Done included; None where no way leads to success any more."""
+        """Moves and steps that are still needed, Done included.
+
+        Args:
+            search: a search of this episode, in any state.
+
+        Returns:
+            None where success cannot be reached any more.
+        """
         plan, here = self._plan(frozenset(np.flatnonzero(search.opened).tolist())), self._at(search.pose)
         moves, steps = plan.moves[here[:2]], plan.steps[here]
         return None if moves < 0 or steps >= _NEVER else (int(moves), int(steps))
 
     def _leads(self, plan: _Plan, here: _At, action: Action) -> bool:
-        """Whether an action brings success one step nearer without taking it a move farther."""
+        """Whether an action leaves one step less to go, and no more moves."""
         i, j, heading, view = here
         moves, steps = plan.moves[i, j], plan.steps[here] - 1
         if action == Action.MOVE_AHEAD:
@@ -113,28 +129,31 @@ class Expert:
         return 0 <= view < len(self._views) and bool(plan.steps[i, j, heading, view] == steps)
 
     def _at(self, pose: Pose) -> _At:
+        """Array indices of a pose."""
         return pose.i, pose.j, pose.heading, self._views.index((pose.height, pose.pitch_deg))
 
     @cached_property
     def _holder(self) -> int:
-        """The container with doors that the target is in; -1 for none."""
+        """The closed container that the target is in; -1 for none."""
         holder = self._world.arrangement.objects[self._target - self._world.house.n_instances].holder
         return holder if holder >= 0 and self._world.openable[holder] else -1
 
     @cached_property
     def _near(self) -> frozenset[int]:
-        """Containers whose doors may hide the target once they are open."""
+        """Containers whose open doors may hide the target."""
         boxes, target = self._world.boxes, self._world.boxes[self._target]
         gaps = np.maximum(np.maximum(boxes[:, :2] - target[3:5], target[:2] - boxes[:, 3:5]), 0.0)  # (n, 2)
         return frozenset(np.flatnonzero(self._world.openable & (np.hypot(*gaps.T) <= _IN_THE_WAY_M)).tolist())
 
     def _plan(self, opened: frozenset[int]) -> _Plan:
+        """The plan for a set of open containers; computed once."""
         matter = opened & (self._near | {self._holder})
         if matter not in self._plans:
-            self._plans[matter] = self._made(matter)
+            self._plans[matter] = self._compute_plan(matter)
         return self._plans[matter]
 
-    def _made(self, opened: frozenset[int]) -> _Plan:
+    def _compute_plan(self, opened: frozenset[int]) -> _Plan:
+        """Distances from all poses at which Done succeeds, or Open opens the target's container."""
         shape = (*self._world.free.shape, 4, len(self._views))
         done = _Ends.none(shape)
         for at in self._successes(opened):
@@ -175,7 +194,7 @@ class Expert:
         return sorted(sets.items(), key=lambda item: (len(item[0]), -len(item[1]), sorted(item[0])))[:MAX_OPEN_SETS]
 
     def _opening_poses(self, node: tuple[int, int]) -> Iterator[Pose]:
-        """Poses at a node from which Open may work on the target's container: any at all where it needs no sight."""
+        """Poses at a node from which Open may work on the target's container: all, where Open needs no sight."""
         if self.rules.open_needs_sight:
             yield from self._solver.facing(node, self._holder)
         else:
@@ -190,18 +209,22 @@ class Expert:
         return found
 
     def _show(self, opened: frozenset[int], fraction: float) -> None:
+        """Show containers open (1.0) or closed (0.0)."""
         for instance in sorted(opened):
             self._eyes.set_open(instance, fraction)
 
 
 @jit
 def _fewest_steps(moves: I32, order: I32, last: I32) -> I32:
-    """Steps from every pose along ways of the fewest moves, (nx, ny, 4, V).
+    """Steps from every pose along paths with the fewest moves.
 
     Args:
-        moves: (nx, ny) fewest moves, -1 for none.
-        order: (n, 2) the nodes with a way, by ``moves``.
-        last: (nx, ny, 4, V) steps where a way may end at that pose.
+        moves: (nx, ny) int32, fewest moves, -1 for none.
+        order: (n, 2) int32, the nodes with a path, by ``moves``.
+        last: (nx, ny, 4, V) int32, steps where a path may end at that pose.
+
+    Returns:
+        (nx, ny, 4, V) int32.
     """
     nx, ny, _, n_views = last.shape
     steps = last.copy()
@@ -214,7 +237,7 @@ def _fewest_steps(moves: I32, order: I32, last: I32) -> I32:
                 for view in range(n_views):
                     steps[i, j, heading, view] = min(steps[i, j, heading, view], steps[a, b, heading, view] + 1)
         changed = True
-        while changed:  # turns and looks at the node
+        while changed:  # rotations and looks at the node
             changed = False
             for heading in range(4):
                 for view in range(n_views):

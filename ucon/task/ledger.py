@@ -1,4 +1,4 @@
-"""What is counted while an episode runs, and the potential that a progress reward is made of."""
+"""The running metrics of an episode, and the distance that a progress reward is made of."""
 
 from __future__ import annotations
 
@@ -17,12 +17,32 @@ from ucon.task.search import Search, StepOutcome
 
 
 class Ledger(PartlyShared):
-    """The running figures of one episode."""
+    """The running metrics of one episode.
+
+    Attributes:
+        episode: the episode.
+        search: its running search.
+        steps: actions so far.
+        moves: MoveAhead actions that were not blocked.
+        opens: Open actions.
+        collisions: blocked MoveAhead actions.
+        first_seen_step: step after which the target was first visible; -1: never yet.
+        in_reach: whether Done would have succeeded at some step.
+        stopped: whether Done was called.
+        success: whether it succeeded.
+        path_xy: nodes of the path, metres in the world frame.
+    """
 
     _shared: ClassVar[frozenset[str]] = frozenset({"episode"})
     _flat: ClassVar[frozenset[str]] = frozenset({"path_xy", "_fields"})
 
     def __init__(self, episode: Episode, search: Search) -> None:
+        """Start counting.
+
+        Args:
+            episode: the episode.
+            search: its search, before the first step.
+        """
         self.episode, self.search = episode, search
         self.steps = self.moves = self.opens = self.collisions = 0
         self.first_seen_step = -1
@@ -33,7 +53,12 @@ class Ledger(PartlyShared):
         self._note_target()
 
     def note(self, action: int, outcome: StepOutcome) -> None:
-        """Count one step that the search has just taken."""
+        """Count a step that the search has just taken.
+
+        Args:
+            action: what was done.
+            outcome: what the search answered.
+        """
         self.steps += 1
         self.collisions += outcome.collision
         self.opens += action == Action.OPEN
@@ -44,7 +69,10 @@ class Ledger(PartlyShared):
         self._note_target()
 
     def to_goal_m(self) -> float:
-        """Metres to go along the stored solution's stations: where its container is opened, then its end."""
+        """Path length in metres to the node of the stored solution's Open and on to its last node.
+
+        Once the target's container is open (or without one), to the last node alone.
+        """
         here = (self.search.pose.i, self.search.pose.j)
         holder = self.episode.target_object.holder
         if self._opening is None or self.search.opened[holder]:
@@ -52,7 +80,7 @@ class Ledger(PartlyShared):
         return float(self._field(self._opening)[here] + self._field(self._end)[self._opening]) * GRID_M
 
     def outcome(self) -> EpisodeOutcome:
-        """The figures so far."""
+        """The metrics so far."""
         target, start = self.episode.target_object, self.episode.start
         contained = target.holder >= 0 and bool(self.search.world.openable[target.holder])
         field = self._field(self._end)
@@ -74,19 +102,25 @@ class Ledger(PartlyShared):
         )
 
     def _note_target(self) -> None:
+        """Note whether the target is visible and within reach now."""
         if self.search.target_visible():
             if self.first_seen_step < 0:
                 self.first_seen_step = self.steps
             self.in_reach = self.in_reach or self.search.target_in_reach()
 
     def _field(self, node: tuple[int, int]) -> NDArray[np.int32]:
+        """Moves from every node to a node, (nx, ny) int32; computed once."""
         if node not in self._fields:
             self._fields[node] = distances(self.search.world.free, [node])
         return self._fields[node]
 
 
 def solution_nodes(episode: Episode) -> tuple[tuple[int, int] | None, tuple[int, int]]:
-    """Node of the Open in the stored solution (None without one) and its last node."""
+    """Nodes of an episode's stored solution.
+
+    Returns:
+        The node of its Open (None without one), and its last node.
+    """
     i, j, heading = episode.start.i, episode.start.j, episode.start.heading
     opening = None
     for digit in map(int, episode.solution):

@@ -1,4 +1,4 @@
-"""Reward of one step. The paper's release returns 0; this is ours, and every weight is a parameter."""
+"""The reward of a step. The paper's release returns 0; this one is UcON's own, and every weight is a parameter."""
 
 from __future__ import annotations
 
@@ -9,8 +9,13 @@ from dataclasses import dataclass
 class Reward:
     """Weights of a step's reward.
 
-    ``progress`` pays for every metre by which the agent comes closer to the next goal of the stored solution (the
-    node where its container is opened, then the node where Done succeeds); it is a difference of potentials.
+    Attributes:
+        success: for a successful Done.
+        failed_done: for another Done.
+        step: for every step.
+        collision: for a blocked move.
+        progress: for every metre nearer to the next goal of the stored solution (the node where its container is
+            opened, then the node where Done succeeds); a difference of potentials.
     """
 
     success: float = 10.0
@@ -20,6 +25,13 @@ class Reward:
     progress: float = 0.0
 
     def __call__(self, *, success: bool, done: bool, collision: bool, closer_m: float) -> float:
-        """Reward of one step."""
+        """The reward of one step.
+
+        Args:
+            success: whether Done succeeded.
+            done: whether Done was called.
+            collision: whether a move was blocked.
+            closer_m: metres nearer to the next goal.
+        """
         ending = (self.success if success else self.failed_done) if done else 0.0
         return ending + self.step + self.collision * collision + self.progress * closer_m

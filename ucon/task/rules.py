@@ -1,8 +1,8 @@
-"""The two rule sets: ``paper`` (default) and ``released_code``, which keeps the released environment's differences.
+"""The two rule sets: ``paper`` (default) and ``released_code``, with the differences of the released environment.
 
-Where the released environment differs from the paper: LookUp and LookDown move the camera (0.5 / 1.0 / 1.5 m)
-and never pitch it, near is a rectangle of 0.7 m around the box, Open asks for no sight, and Done asks for one
-pixel of the target's category anywhere in view.
+Where the released environment differs from the paper: LookUp and LookDown move the camera (0.5 / 1.0 / 1.5 m) and never
+pitch it; near is a rectangle of 0.7 m around the box; Open needs no sight; Done needs one pixel of the target's
+category anywhere in view.
 """
 
 from __future__ import annotations
@@ -23,22 +23,39 @@ class TaskRules(Shared):
 
     name: str
     max_steps: int = 300
+    """An episode is truncated after so many steps."""
     near_m: float = 1.0
+    """Reach of Open and Done, metres."""
     near_is_rectangle: bool = False
-    """Near is the box grown by ``near_m`` in x and y; else the horizontal distance to its nearest point."""
+    """Near means inside the box grown by ``near_m`` in x and y; else the horizontal distance to its nearest point."""
     open_needs_sight: bool = True
+    """Whether Open acts only on what is visible."""
     done_min_pixels: int = 4
-    """Pixels of the target in the canonical view: 128 x 128, 90 degrees."""
+    """Least pixels of the target in the canonical view: 128 x 128, 90 degrees."""
     done_by_category: bool = False
+    """Whether pixels of any thing of the target's category count."""
     open_min_pixels: int = 4
+    """Least pixels of a container in the canonical view."""
     look_moves_camera: bool = False
+    """Whether LookUp and LookDown change the camera's height instead of its pitch."""
     camera_heights_m: tuple[float, ...] = (1.25,)
+    """Heights of the camera above the floor."""
     start_height: int = 0
+    """Index of the first height."""
     max_pitch_deg: int = 60
     pitch_step_deg: int = 30
+    """Pitch of a LookUp or LookDown, degrees."""
 
     def near(self, xy: NDArray[np.float64], boxes: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Which boxes (n, 6) are within reach of a robot at ``xy`` (2,), height ignored; (n,) bool."""
+        """Which boxes are within reach of the agent; heights do not count.
+
+        Args:
+            xy: (2,) the agent's position, metres.
+            boxes: (n, 6) x0 y0 z0 x1 y1 z1, metres.
+
+        Returns:
+            (n,) bool.
+        """
         gap_x = np.maximum(np.maximum(boxes[:, 0] - xy[0], xy[0] - boxes[:, 3]), 0.0)
         gap_y = np.maximum(np.maximum(boxes[:, 1] - xy[1], xy[1] - boxes[:, 4]), 0.0)
         if self.near_is_rectangle:
@@ -46,7 +63,7 @@ class TaskRules(Shared):
         return gap_x * gap_x + gap_y * gap_y <= self.near_m * self.near_m + 1e-9
 
     def actions(self) -> list[dict[str, str]]:
-        """Name and effect of the seven actions, in their order, in words."""
+        """Name and effect of the seven actions as text, in their order."""
         near = f"within {self.near_m:g} m"
         if self.look_moves_camera:
             look = f"the camera goes to the next height of {', '.join(f'{h:g}' for h in self.camera_heights_m)} m"
@@ -64,7 +81,7 @@ class TaskRules(Shared):
 
     @property
     def views(self) -> tuple[tuple[int, int], ...]:
-        """All (height index, pitch in degrees) the camera can take, the level ones first."""
+        """All (height index, pitch in degrees) that the camera can take, the level ones first."""
         if self.look_moves_camera:
             return tuple((h, 0) for h in range(len(self.camera_heights_m)))
         steps = range(0, self.max_pitch_deg + 1, self.pitch_step_deg)
@@ -87,7 +104,11 @@ RULES = {rules.name: rules for rules in (PAPER, RELEASED_CODE)}
 
 
 def task_rules(name: str) -> TaskRules:
-    """The rule set of a name; raises :class:`ConfigError` for an unknown one."""
+    """The rule set of a name.
+
+    Raises:
+        ConfigError: there is no such rule set.
+    """
     if name not in RULES:
         raise ConfigError(unknown_name("task", name, RULES))
     return RULES[name]

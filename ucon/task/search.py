@@ -1,7 +1,7 @@
-"""One running search: the agent's pose, what was opened, and what a step does.
+"""The state of a running search: the agent's pose, what was opened, and the effect of a step.
 
-It moves an agent on the grid of a :class:`SceneWorld` (compiled arrays or the live PyBullet client) and asks a
-renderer what is visible. The environments put observations around it; the sampler and the oracle use it as it is.
+It moves an agent on the grid of a :class:`SceneWorld` (compiled arrays or the live PyBullet client) and asks a renderer
+what is visible. The environments add observations; the sampler and the oracle use it directly.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from ucon.task.rules import PAPER, TaskRules
 
 
 class SceneWorld(Protocol):
-    """What a search needs to know of the world; the truth behind it is PyBullet's or compiled from it."""
+    """What a search needs of the world: compiled arrays, or PyBullet."""
 
     house: House
     arrangement: Arrangement
     boxes: NDArray[np.float64]
-    """(n, 6) world boxes with joints closed."""
+    """(n, 6) boxes in the world frame with joints closed, x0 y0 z0 x1 y1 z1 in metres."""
     openable: NDArray[np.bool_]
     """(n,) instances that Open acts on."""
     free: NDArray[np.bool_]
@@ -36,18 +36,29 @@ class SceneWorld(Protocol):
 
 
 class Eyes(Protocol):
-    """The renderer's part that the rules need."""
+    """What the rules need of a renderer."""
 
     def set_open(self, instance: int, fraction: float) -> None:
-        """Show an instance opened."""
+        """Show an instance opened by a fraction from 0 to 1."""
 
     def visible(self, x: float, y: float, z: float, heading: int, pitch_deg: int) -> NDArray[np.int32]:
-        """Pixels of every instance in the canonical view, (n,)."""
+        """Pixels of every instance in the canonical view.
+
+        Args:
+            x: of the camera, metres in the world frame.
+            y: of the camera.
+            z: of the camera.
+            heading: quarter turns.
+            pitch_deg: degrees, up positive.
+
+        Returns:
+            (n,) int32.
+        """
 
 
 @dataclass(frozen=True, slots=True)
 class Pose(Shared):
-    """Where the agent is: node, heading in quarter turns, camera height index, pitch in degrees (up positive)."""
+    """The agent's pose: node, heading in quarter turns, camera height index, pitch in degrees (up positive)."""
 
     i: int
     j: int
@@ -58,7 +69,14 @@ class Pose(Shared):
 
 @dataclass(slots=True)
 class StepOutcome:
-    """What one action did."""
+    """The effect of one action.
+
+    Attributes:
+        collision: a move was blocked.
+        opened: instances that Open opened.
+        done: Done was called.
+        success: it succeeded.
+    """
 
     collision: bool = False
     opened: tuple[int, ...] = ()
@@ -67,11 +85,29 @@ class StepOutcome:
 
 
 class Search(PartlyShared):
-    """A search in progress."""
+    """A running search.
+
+    Attributes:
+        world: the home and what was placed in it.
+        eyes: the renderer.
+        target: instance of the target.
+        rules: the rule set.
+        pose: the agent's pose.
+        opened: (n,) bool, instances that were opened.
+    """
 
     _shared: ClassVar[frozenset[str]] = frozenset({"rules", "pose", "_alike", "_free", "_near_boxes", "_counts"})
 
     def __init__(self, world: SceneWorld, eyes: Eyes, target: int, start: Pose, rules: TaskRules = PAPER) -> None:
+        """Start a search.
+
+        Args:
+            world: the home and what was placed in it.
+            eyes: the renderer, loaded with it.
+            target: instance of the target.
+            start: the agent's first pose.
+            rules: the rule set.
+        """
         self.world, self.eyes, self.target, self.rules = world, eyes, target, rules
         self.pose = start
         self.opened = np.zeros(len(world.boxes), bool)
@@ -85,29 +121,33 @@ class Search(PartlyShared):
 
     @property
     def camera(self) -> tuple[float, float, float, int, int]:
-        """x, y, z (metres), heading, pitch in degrees: the renderer's arguments."""
+        """x, y, z (metres, world frame), heading, pitch in degrees: the renderer's arguments."""
         x, y = self.xy
         return x, y, self.rules.camera_heights_m[self.pose.height], self.pose.heading, self.pose.pitch_deg
 
     @property
     def xy(self) -> tuple[float, float]:
-        """World position of the agent."""
+        """Position of the agent, metres in the world frame."""
         origin = self.world.house.grid.origin_xy
         return origin[0] + (self.pose.i + 0.5) * 0.25, origin[1] + (self.pose.j + 0.5) * 0.25
 
     @property
     def counts(self) -> NDArray[np.int32]:
-        """Pixels of every instance in the canonical view from here, computed once a step."""
+        """(n,) pixels of every instance in the canonical view from the current pose; computed once a step."""
         if self._counts is None:
             self._counts = self.eyes.visible(*self.camera)
         return self._counts
 
     def saw(self, counts: NDArray[np.int32]) -> None:
-        """Take the canonical pixel counts of this pose from a frame that was rendered anyway."""
+        """Set the canonical pixel counts (n,) of the current pose, from a frame that was rendered anyway."""
         self._counts = counts
 
     def step(self, action: int) -> StepOutcome:
-        """Carry out one action."""
+        """Carry out one action.
+
+        Raises:
+            ValueError: not an action.
+        """
         outcome = StepOutcome()
         if action == Action.MOVE_AHEAD:
             outcome.collision = not self._move()
@@ -125,16 +165,16 @@ class Search(PartlyShared):
         return outcome
 
     def target_visible(self) -> bool:
-        """Whether enough pixels of the target are in the canonical view."""
+        """Whether the canonical view has enough pixels of the target."""
         return bool(max(self.counts[k] for k in self._alike) >= self.rules.done_min_pixels)
 
     def target_in_reach(self) -> bool:
-        """Whether Done would succeed here."""
+        """Whether Done would succeed now."""
         near = self.rules.near(np.asarray(self.xy), self._near_boxes[self.target : self.target + 1])
         return bool(near[0]) and self.target_visible()
 
     def would_open(self) -> tuple[int, ...]:
-        """The instances that Open would open here."""
+        """The instances that Open would open now, ascending."""
         candidates = np.flatnonzero(self.world.openable & ~self.opened)
         near = self.rules.near(np.asarray(self.xy), self._near_boxes[candidates])
         candidates = candidates[near]
@@ -143,6 +183,7 @@ class Search(PartlyShared):
         return tuple(int(k) for k in candidates)
 
     def _open(self) -> tuple[int, ...]:
+        """Open what can be opened; the instances."""
         instances = self.would_open()
         for instance in instances:
             self.opened[instance] = True
@@ -153,6 +194,7 @@ class Search(PartlyShared):
         return instances
 
     def _move(self) -> bool:
+        """Move ahead; whether that was possible."""
         di, dj = AHEAD[self.pose.heading]
         i, j = self.pose.i + di, self.pose.j + dj
         nx, ny = self._free.shape
@@ -162,6 +204,7 @@ class Search(PartlyShared):
         return True
 
     def _look(self, direction: int) -> None:
+        """Raise (1) or lower (-1) the camera's pitch or height."""
         rules, pose = self.rules, self.pose
         if rules.look_moves_camera:
             height = min(max(pose.height + direction, 0), len(rules.camera_heights_m) - 1)
@@ -178,6 +221,7 @@ class Search(PartlyShared):
         height: int | None = None,
         pitch_deg: int | None = None,
     ) -> None:
+        """Change some fields of the pose."""
         old = self.pose
         self.pose = Pose(
             old.i if i is None else i,

@@ -1,7 +1,8 @@
 """Episode sets: compressed JSON lines, one episode a line, verified against a SHA-256 manifest.
 
-A named set has one file a rule set, since shortest paths hold under the rules by which they were found: ``mini`` is the
-paper's, ``mini.released_code`` the released environment's, ``mini.context`` that of episodes which state their context.
+A named set has one file for each rule set, since shortest paths hold under the rules by which they were found: ``mini``
+is the paper's, ``mini.released_code`` the released environment's, and ``mini.context`` has episodes that state their
+context.
 """
 
 from __future__ import annotations
@@ -24,20 +25,28 @@ SUFFIX = ".jsonl.xz"
 CONTEXT = "context"
 #: Folder of episode sets in a pack, see :func:`pack_sets`.
 IN_PACK = "episodes"
-#: Of one set, unpacked: some thirty thousand episodes.
+#: Largest set when unpacked, bytes: some thirty thousand episodes.
 _MAX_BYTES = 256 * 2**20
 _PACKAGE = Path(__file__).parent / "data"
 _CLONE = Path(ucon.__file__).parents[1] / "episodes"
 
 
 def set_name(name: str, task: str = PAPER.name, *, context: bool = False) -> str:
-    """Name of a set made under a rule set: ``mini``, ``mini.released_code``, ``mini.context``."""
+    """Full name of a version of a set: ``mini``, ``mini.released_code``, ``mini.context``.
+
+    Args:
+        name: of the set.
+        task: rule set under which it was made.
+        context: whether its episodes state their context.
+    """
     rules = task_rules(task)
     return name + (f".{rules.name}" if rules != PAPER else "") + (f".{CONTEXT}" if context else "")
 
 
 def episode_sets() -> dict[str, Path]:
-    """Named sets that are here: of ``mini`` in the package, others in ``episodes/`` of a clone, further ones in a pack.
+    """The named sets on this machine and their files.
+
+    ``mini`` is in the package, others are in ``episodes/`` of a clone, further ones in a pack.
 
     Raises:
         ConfigError: ``UCON_PACK`` names no folder.
@@ -51,16 +60,16 @@ def episode_sets() -> dict[str, Path]:
 
 
 def set_path(name: str) -> Path:
-    """Where a named set is kept: those of ``mini`` in the package, the others in ``episodes/`` of the clone."""
+    """Where a named set is stored: ``mini`` in the package, the others in ``episodes/`` of the clone."""
     return (_PACKAGE if name.split(".")[0] == "mini" else _CLONE) / f"{name}{SUFFIX}"
 
 
 def load_episodes(name_or_path: str | Path, task: str = PAPER.name, *, context: bool = False) -> tuple[Episode, ...]:
-    """Episodes of a named set, in the version made under the rules ``task``, or of a file as it is.
+    """Load the episodes of a named set or a file.
 
     Args:
         name_or_path: ``mini``, ``val``, ``test``, or a file.
-        task: rule set under which they were made.
+        task: rule set; of a named set the version made under it is loaded.
         context: the version whose episodes state their context.
 
     Raises:
@@ -84,19 +93,20 @@ def load_episodes(name_or_path: str | Path, task: str = PAPER.name, *, context: 
 
 
 def _base_names(sets: Iterable[str]) -> set[str]:
-    """Names of sets less their versions: ``episodes=`` and ``task=`` are given separately."""
+    """Names of sets without their versions: ``episodes=`` and ``task=`` are separate options."""
     versions = {*RULES, CONTEXT}
     return {name.split(".")[0] for name in sets if versions.issuperset(name.split(".")[1:])}
 
 
 def _made_under(wanted: str, name: str, sets: Iterable[str]) -> list[str]:
-    """What to give as ``episodes=`` for the version that is ``wanted`` of the set ``name``."""
+    """Values of ``episodes=`` for which the version of ``wanted`` exists."""
     names, version = set(sets), wanted.removeprefix(name)
     return [f"episodes={base}" for base in sorted(_base_names(names)) if f"{base}{version}" in names]
 
 
 @lru_cache(maxsize=8)
 def _load(path: Path, _mtime: int) -> tuple[Episode, ...]:
+    """The episodes of a file; ``_mtime`` makes the cache notice changes."""
     try:
         raw = read_verified(path) if _in_manifest(path) else read_bounded(path, _MAX_BYTES)
         text = unpack_xz(raw, _MAX_BYTES).decode("utf-8-sig")
@@ -117,7 +127,11 @@ def _load(path: Path, _mtime: int) -> tuple[Episode, ...]:
 
 
 def save_episodes(episodes: Sequence[Episode], path: Path) -> None:
-    """Write a set and bring its folder's manifest up to date; the same episodes give the same bytes."""
+    """Write a set and update its folder's manifest; the same episodes give the same bytes.
+
+    Raises:
+        EpisodeError: the file's name does not end in ``.jsonl.xz``.
+    """
     if not path.name.endswith(SUFFIX):
         raise EpisodeError(f"{path}: expected a name ending in {SUFFIX}")
     text = "".join(canonical_json(episode.to_json()) + "\n" for episode in episodes)
@@ -126,7 +140,15 @@ def save_episodes(episodes: Sequence[Episode], path: Path) -> None:
 
 
 def pack_sets(names: Iterable[str], folder: Path) -> list[Path]:
-    """Copy the files of sets, given by name or path, with a manifest; of a named set all versions."""
+    """Copy sets into a folder, with a manifest.
+
+    Args:
+        names: named sets (all their versions are copied) or files.
+        folder: where to.
+
+    Returns:
+        The copied files.
+    """
     sets, paths = episode_sets(), []
     for name in names:
         versions = [path for known, path in sets.items() if known == name or known.startswith(f"{name}.")]
@@ -140,6 +162,7 @@ def pack_sets(names: Iterable[str], folder: Path) -> list[Path]:
 
 
 def _in_manifest(path: Path) -> bool:
+    """Whether the file's folder has a manifest that lists it."""
     try:
         return path.name in listed_files(path.parent)
     except FileNotFoundError:

@@ -1,8 +1,8 @@
 """The shortest legal solution of a search, by rendering every pose from which it could succeed.
 
-Shortest path l: metres of moves that reach, for a target behind a closed door, a node where
-Open works on its container, and then a node, heading and view with a successful Done. What else the same Open
-would open is opened too, so the solution is legal to the letter and the oracle walks it as it stands.
+The shortest path l counts the metres of moves. For a target behind a closed door these lead to a node where Open works
+on its container, and then to a node, heading and view where Done succeeds. Whatever else the same Open would open is
+opened too, so that the solution is legal and the oracle can walk it as it is.
 """
 
 from __future__ import annotations
@@ -20,25 +20,30 @@ from ucon.task.actions import AHEAD, Action
 from ucon.task.rules import TaskRules
 from ucon.task.search import Eyes, Pose, SceneWorld
 
-#: Distinct sets of containers that one Open can open, tried from the smallest.
+#: Most sets of containers that one Open can open that are tried, the smallest first.
 MAX_OPEN_SETS = 6
 
 
 @dataclass(frozen=True)
 class Solution:
-    """A shortest legal action sequence ending in Done."""
+    """A shortest legal action sequence that ends in Done.
+
+    Attributes:
+        actions: numbers from 0 to 6.
+        moves: MoveAhead actions among them.
+    """
 
     actions: tuple[int, ...]
     moves: int
 
     @property
     def path_m(self) -> float:
-        """Length of its moves in metres."""
+        """Path length in metres."""
         return self.moves * GRID_M
 
     @property
     def digits(self) -> str:
-        """The actions as digits."""
+        """The actions as a string of digits."""
         return "".join(map(str, self.actions))
 
 
@@ -46,16 +51,27 @@ class Solver:
     """Goal poses of one target in one arrangement, and shortest solutions from any start."""
 
     def __init__(self, world: SceneWorld, eyes: Eyes, target: int, rules: TaskRules) -> None:
+        """Set the search up; nothing is rendered yet.
+
+        Args:
+            world: the home and what was placed in it.
+            eyes: a renderer loaded with it.
+            target: instance of the target.
+            rules: the rule set.
+        """
         self.world, self.eyes, self.target, self.rules = world, eyes, target, rules
 
     @cached_property
     def direct(self) -> dict[tuple[int, int], Pose]:
-        """Successful poses by node with every container closed."""
+        """By node, a pose at which Done succeeds with every container closed."""
         return self._done_poses(())
 
     @cached_property
     def opened(self) -> list[tuple[dict[tuple[int, int], Pose], dict[tuple[int, int], Pose]]]:
-        """For sets of containers that one Open opens: the poses where it does, and those that succeed after it."""
+        """For each set of containers that one Open opens, two dictionaries from node to pose.
+
+        The first has the poses where Open opens this set, the second those where Done then succeeds.
+        """
         holder = self._holder()
         if holder < 0:
             return []
@@ -64,7 +80,7 @@ class Solver:
 
     @property
     def findable(self) -> bool:
-        """Whether any pose shows the target in reach, its container open if it is in one; looks for the first only."""
+        """Whether the target is visible and within reach from any pose, with its container open; stops at the first."""
         holder = self._holder()
         opened = (holder,) if holder >= 0 else ()
         self._set_open(opened, 1.0)
@@ -74,11 +90,15 @@ class Solver:
 
     @property
     def solvable(self) -> bool:
-        """Whether any pose succeeds."""
+        """Whether Done can succeed at all."""
         return bool(self.direct or self.opened)
 
     def field(self) -> NDArray[np.int32]:
-        """Moves needed from every node, (nx, ny); -1 where it cannot be reached."""
+        """Moves needed from every node.
+
+        Returns:
+            (nx, ny) int32; -1 where success cannot be reached.
+        """
         fields = [distances(self.world.free, *_sources(self.direct))] if self.direct else []
         for opening, done in self.opened:
             after = distances(self.world.free, *_sources(done))
@@ -93,7 +113,7 @@ class Solver:
         return best
 
     def solve(self, start: Pose) -> Solution | None:
-        """A shortest solution from ``start``; among equals the one with the fewest steps that was found."""
+        """A shortest solution from a pose, or None; among equals the one with the fewest steps that was found."""
         best: Solution | None = None
         for solution in self._solutions(start):
             if best is None or (solution.moves, len(solution.actions)) < (best.moves, len(best.actions)):
@@ -101,6 +121,7 @@ class Solver:
         return best
 
     def _solutions(self, start: Pose) -> Iterator[Solution]:
+        """A solution without Open, and one for each set of containers."""
         free = self.world.free
         here = (start.i, start.j)
         if self.direct:
@@ -126,16 +147,18 @@ class Solver:
     def _finish(
         self, at: Pose, field: NDArray[np.int32], done: dict[tuple[int, int], Pose], actions: list[int], moves: int
     ) -> Solution:
+        """Append the way from a pose to a successful Done."""
         more, pose, walked = _walk(field, at, stop=lambda c: c in done)
         end = _aim(pose, done[pose.i, pose.j], self.rules)
         return Solution(tuple(actions + more + end + [int(Action.DONE)]), moves + walked)
 
     def _holder(self) -> int:
+        """The closed container that the target is in; -1 for none."""
         holder = self.world.arrangement.objects[self.target - self.world.house.n_instances].holder
         return holder if holder >= 0 and self.world.openable[holder] else -1
 
     def near_nodes(self, instance: int) -> list[tuple[int, int]]:
-        """Free nodes within reach of an instance's box, nearest first."""
+        """Free nodes within reach of an instance's box, the nearest to its centre first."""
         grid, box = self.world.house.grid, self.world.boxes[instance : instance + 1]
         reach = self.rules.near_m + GRID_M
         low = grid.cell((box[0, 0] - reach, box[0, 1] - reach))
@@ -150,7 +173,7 @@ class Solver:
         return [(i, j) for _, i, j in sorted(found)]
 
     def facing(self, node: tuple[int, int], instance: int) -> Iterator[Pose]:
-        """Poses at a node whose 90 degree view can contain part of the instance's box, the level ones first."""
+        """Poses at a node whose 90 degree view can contain part of an instance's box, the level ones first."""
         x, y = self.world.house.grid.xy(node)
         box = self.world.boxes[instance]
         xs, ys, zs = (box[0] - x, box[3] - x), (box[1] - y, box[4] - y), (box[2], box[5])
@@ -162,20 +185,20 @@ class Solver:
                     yield Pose(*node, heading, height, pitch)
 
     def counts(self, pose: Pose) -> NDArray[np.int32]:
-        """Pixels of every instance in the canonical view of a pose, (n,)."""
+        """(n,) pixels of every instance in the canonical view of a pose."""
         x, y = self.world.house.grid.xy((pose.i, pose.j))
         z = self.rules.camera_heights_m[pose.height]
         return self.eyes.visible(float(x), float(y), z, pose.heading, pose.pitch_deg)
 
     def _done_poses(self, opened: tuple[int, ...]) -> dict[tuple[int, int], Pose]:
-        """One successful pose a node, with the given containers open."""
+        """By node, a pose at which Done succeeds with the given containers open."""
         self._set_open(opened, 1.0)
         poses = {(pose.i, pose.j): pose for pose in self._successes()}
         self._set_open(opened, 0.0)
         return poses
 
     def _successes(self) -> Iterator[Pose]:
-        """One successful pose a node as things stand, the nearest nodes first."""
+        """One successful pose for each node in the current state, the nearest nodes first."""
         for node in self.near_nodes(self.target):
             for pose in self.facing(node, self.target):
                 if self.counts(pose)[self.target] >= self.rules.done_min_pixels:
@@ -198,12 +221,13 @@ class Solver:
         return ranked[:MAX_OPEN_SETS]
 
     def _opening_poses(self, node: tuple[int, int], holder: int) -> Iterator[Pose]:
-        """Poses at a node from which Open may work on a container: any at all where it needs no sight."""
+        """Poses at a node from which Open may work on a container; where Open needs no sight, one pose is enough."""
         yield from self.facing(node, holder)
         if not self.rules.open_needs_sight:
             yield Pose(*node, heading=0)
 
     def _set_open(self, instances: tuple[int, ...], fraction: float) -> None:
+        """Show containers opened by a fraction."""
         for instance in instances:
             self.eyes.set_open(instance, fraction)
 
@@ -225,15 +249,17 @@ def _box_in_view(
 
 
 def _cells(poses: dict[tuple[int, int], Pose]) -> NDArray[np.int64]:
+    """The nodes of the poses, (n, 2)."""
     return np.array(list(poses), np.int64).reshape(-1, 2)
 
 
 def _sources(poses: dict[tuple[int, int], Pose]) -> tuple[NDArray[np.int64], None]:
+    """The arguments of :func:`distances` for poses without costs."""
     return _cells(poses), None
 
 
 def _walk(field: NDArray[np.int32], start: Pose, stop) -> tuple[list[int], Pose, int]:  # type: ignore[no-untyped-def]
-    """Turn and move down a distance field, straight on where that is as short, until ``stop(cell)``."""
+    """Actions down a distance field until ``stop(cell)``, the pose there and the moves; straight on where possible."""
     actions: list[int] = []
     i, j, heading, moves = start.i, start.j, start.heading, 0
     nx, ny = field.shape
@@ -251,13 +277,14 @@ def _walk(field: NDArray[np.int32], start: Pose, stop) -> tuple[list[int], Pose,
 
 
 def _turns(turn: int) -> list[int]:
+    """Rotations for a number of quarter turns counter-clockwise."""
     if turn == 3:
         return [int(Action.ROTATE_RIGHT)]
     return [int(Action.ROTATE_LEFT)] * turn
 
 
 def _aim(at: Pose, goal: Pose, rules: TaskRules) -> list[int]:
-    """Turns and looks that bring the view of ``at`` to that of ``goal`` at the same node."""
+    """Rotations and looks from one view to another at the same node."""
     if rules.look_moves_camera:
         looks = goal.height - at.height
     else:

@@ -1,4 +1,4 @@
-"""Where a thing is kept, as people say it: ``in the fridge``, ``on the dining table``, ``beside the laptop``."""
+"""Places in English: ``in the fridge``, ``on the dining table``, ``beside the laptop``."""
 
 from __future__ import annotations
 
@@ -12,12 +12,17 @@ _STRUCTURE: Final = {"floors": "floor", "walls": "wall", "ceilings": "ceiling"}
 
 
 def spoken_place(relation: str, anchor: str) -> str:
-    """A relation to a thing of the category ``anchor``."""
+    """A placement in English.
+
+    Args:
+        relation: one of the four relations, or ``imported``.
+        anchor: category of the anchor.
+    """
     return f"{_WORDS[relation]} the {_STRUCTURE.get(anchor, anchor).replace('_', ' ')}"
 
 
 def target_place(episode: Episode) -> str:
-    """Where the target of an episode is kept.
+    """Where the target of an episode is kept, in English.
 
     Raises:
         UconError: its home cannot be loaded.

@@ -13,7 +13,7 @@ from models.nets.end_to_end.ego_view import CELL_M
 from models.nets.end_to_end.floor_memory import CHANNELS, HALF, REACH, SIZE
 from models.nets.end_to_end.reasons import Reasons
 from ucon.perception.drawing.map_picture import FLOOR_COLOUR, OPENED, PATH, TALL, TARGET, UNKNOWN, Image, draw_agent
-from ucon.perception.drawing.overlay import FAINT, GOAL, WARM, Line, believes, map_room, page, speaking, words
+from ucon.perception.drawing.overlay import FAINT, GOAL, WARM, Line, belief_lines, habit_lines, map_room, page, words
 from ucon.task.actions import Action
 
 _MOST_CELL_PX: Final = 10
@@ -52,7 +52,7 @@ def draw_reasons(
     """
     places = [(anchor, relation, p) for anchor, relation, p in why.belief[:3]]
     layers = dict(zip(CHANNELS, cells.view(-1, SIZE, SIZE).cpu().numpy(), strict=True))
-    lines = [*believes(places, width), *_intention_lines(why, target, layers), *speaking(why.habits, width)]
+    lines = [*belief_lines(places, width), *_intention_lines(why, target, layers), *habit_lines(why.habits, width)]
     return page(_map(why, layers, pose, *map_room(height, width)), lines, height, width)
 
 

@@ -12,7 +12,7 @@ from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.objects.catalogue import catalogue
 from ucon.perception.detectors import Frame, vocabulary
-from ucon.perception.detectors.confusion import confusion, mistaken
+from ucon.perception.detectors.confusion import confusion, wrong_name
 from ucon.perception.detectors.noisy import EXACT, NoisyDetector, Rates
 from ucon.perception.mapping.detections import STRUCTURE_KINDS
 
@@ -181,12 +181,12 @@ def test_errors_do_not_depend_on_the_target() -> None:
     likely = [names[k] for k in np.argsort(-row)[:20]]
     volume = lambda name: float(np.prod(catalogue()[name].size))  # noqa: E731
     assert all(0.1 < volume(name) / volume("mug") < 10 for name in likely)
-    assert mistaken("mug", 0.0) in names
-    assert mistaken("mug", 0.999999) in names
-    drawn = Counter(mistaken("mug", draw) for draw in np.linspace(0, 1, 4000, endpoint=False))
+    assert wrong_name("mug", 0.0) in names
+    assert wrong_name("mug", 0.999999) in names
+    drawn = Counter(wrong_name("mug", draw) for draw in np.linspace(0, 1, 4000, endpoint=False))
     assert drawn["mug"] == 0
     assert drawn[likely[0]] / 4000 == pytest.approx(row.max(), abs=0.002)
-    assert mistaken("something else", 0.5) in names
+    assert wrong_name("something else", 0.5) in names
 
 
 @pytest.mark.parametrize(

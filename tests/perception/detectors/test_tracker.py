@@ -7,7 +7,7 @@ from ucon.envs.ucon_env import UcONEnv
 from ucon.perception.detectors import Frame
 from ucon.perception.detectors.boxes import Boxes, overlap
 from ucon.perception.detectors.noisy import EXACT, NoisyDetector
-from ucon.perception.detectors.owners import Owners
+from ucon.perception.detectors.owners import TrackInstances
 from ucon.perception.detectors.tracker import STRUCTURE, Tracker
 from ucon.perception.mapping import map_kernels
 from ucon.perception.mapping.body import Body
@@ -198,7 +198,7 @@ def test_maps_of_a_home_agree_on_what_blocks() -> None:
 
 def test_opened_tracks_are_those_whose_pixels_lie_on_what_was_opened() -> None:
     frame, owner = room(ROUND[0], [thing(2.5, -0.5), thing(2.5, 0.5)])
-    tracker, owners = Tracker(), Owners()
+    tracker, owners = Tracker(), TrackInstances()
     names = ["fridge", "fridge"]
     found = tracker.follow(boxes_of(owner, names), frame)
     owners.note(found, frame, len(STRUCTURE))
@@ -234,8 +234,8 @@ def test_exact_boxes_tell_which_container_an_agent_opened() -> None:
 def test_doubles_of_one_name_are_one_and_others_stay() -> None:
     xyxy = np.array([[0, 0, 10, 10], [1, 0, 11, 10], [0, 0, 10, 10], [30, 30, 40, 40]], np.float32)
     boxes = Boxes(["mug", "mug", "cup", "mug"], np.array([0.5, 0.9, 0.4, 0.3], np.float32), xyxy)
-    kept = boxes.without_doubles(0.5, 10)
+    kept = boxes.non_maximum_suppression(0.5, 10)
     assert kept.label == ["mug", "cup", "mug"]
     assert kept.score.tolist() == pytest.approx([0.9, 0.4, 0.3])
-    assert boxes.without_doubles(0.5, 2).label == ["mug", "cup"]
+    assert boxes.non_maximum_suppression(0.5, 2).label == ["mug", "cup"]
     assert overlap(xyxy[0], xyxy).tolist() == pytest.approx([1.0, 9 / 11, 1.0, 0.0])

@@ -1,4 +1,4 @@
-"""How far something long has come, on standard error: a bar at a terminal, elsewhere a plain line now and then."""
+"""Progress on standard error: a bar in a terminal, otherwise a plain line now and then."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from contextvars import ContextVar, Token
 from types import TracebackType
 from typing import Any, Final, TypeVar
 
-#: Seconds between two plain lines: at least, however fast it goes, and at most, however slowly.
+#: Least and greatest time between two plain lines, seconds.
 LEAST_S: Final = 5.0
 MOST_S: Final = 30.0
-#: A plain line is due when this share more is done.
+#: A plain line is due after this share of the work, within those times.
 SHARE: Final = 0.1
 
 Tick = Callable[[int], None]
@@ -22,38 +22,49 @@ T = TypeVar("T")
 
 
 class Progress:
-    """Progress of one task, shown while it is entered.
-
-    Args:
-        label: what is being done.
-        total: how much there is to do.
-        unit: what is counted, in the plural.
-        done: how much was done before; it does not count for the rate.
-        note: further figures, at the end of the line.
-        visible: False shows nothing.
-    """
+    """Progress of one task, used as a context."""
 
     def __init__(
         self, label: str, total: int, *, unit: str = "", done: int = 0, note: str = "", visible: bool = True
     ) -> None:
+        """Describe the task.
+
+        Args:
+            label: what is being done.
+            total: amount of work.
+            unit: of the work, in the plural.
+            done: amount done before; it does not count for the rate.
+            note: further text at the end of the line.
+            visible: False shows nothing.
+        """
         shown = _Nothing if not visible else _Bar if _at_a_terminal() else _Lines
         self._shown: _Nothing | _Bar | _Lines = shown(label, total, unit, done, note)
         self._token: Token[Progress | None] | None = None
 
     def update(self, done: int, note: str | None = None) -> None:
-        """So much is done."""
+        """Report the amount of work done so far.
+
+        Args:
+            done: amount.
+            note: replaces the note, unless None.
+        """
         self._shown.update(done, note)
 
     def start_part(self, label: str, total: int | None) -> None:
-        """A long part begins."""
+        """Begin a long part of a step.
+
+        Args:
+            label: what is being done.
+            total: amount of work; None where it is not counted.
+        """
         self._shown.start_part(label, total)
 
     def update_part(self, done: int) -> None:
-        """So much of it is done."""
+        """Report the amount done of the current part."""
         self._shown.update_part(done)
 
     def end_part(self) -> None:
-        """It is over."""
+        """End the current part."""
         self._shown.end_part()
 
     def __enter__(self) -> Progress:
@@ -74,14 +85,14 @@ _CURRENT: ContextVar[Progress | None] = ContextVar("progress", default=None)
 
 @contextmanager
 def part(label: str, total: int | None = None) -> Iterator[Tick]:
-    """A long part of a step, shown below whatever progress is being shown; without one nothing is.
+    """Context for a long part of a step, shown below the current progress; without one nothing is shown.
 
     Args:
         label: what is being done.
-        total: how much there is to do; None: only that it goes on, and how long it took the last time.
+        total: amount of work; None shows only that it goes on, and how long it took last time.
 
     Yields:
-        What is to be called with how much is done.
+        A function to call with the amount done.
     """
     shown = _CURRENT.get()
     if shown is None:
@@ -95,7 +106,7 @@ def part(label: str, total: int | None = None) -> Iterator[Tick]:
 
 
 def ticked(label: str, items: Sequence[T]) -> Iterator[T]:
-    """Items one by one, shown as a :func:`part`."""
+    """The items one by one, with progress shown as a :func:`part`."""
     with part(label, len(items)) as tick:
         for number, item in enumerate(items, 1):
             yield item
@@ -103,7 +114,7 @@ def ticked(label: str, items: Sequence[T]) -> Iterator[T]:
 
 
 def duration(seconds: float) -> str:
-    """Seconds in words."""
+    """Seconds as text: ``42 s``, ``3 min``, ``1 h 05 min``."""
     if seconds < 90:
         return f"{seconds:.0f} s"
     minutes = round(seconds / 60)
@@ -245,7 +256,7 @@ class _Lines:
         sys.stderr.flush()
 
     def _speed(self) -> list[str]:
-        """How fast it goes, and the time left; of what is over, the time that it took."""
+        """Rate and remaining time as text; for finished work, the time it took."""
         new, seconds = self._done - self._first, self._clock() - self._began
         if new <= 0 or seconds <= 0.0:
             return []

@@ -1,1 +1,1 @@
-"""Reading what others wrote: types checked, sizes limited, nothing run."""
+"""Reading files of others: types checked, sizes limited, nothing executed."""

@@ -1,4 +1,4 @@
-"""Reading files of others: no more than they may hold, and nothing that is no file."""
+"""Reading regular files of limited size: no folders, pipes or devices."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from ucon.core.errors import DataError
 
 
 def read_plain(path: Path, most: int) -> bytes:
-    """Bytes of a file, which a link may name: of no folder, no pipe (which would be waited for) and no device.
+    """Read a regular file (or a link to one).
 
     Args:
         path: the file.
-        most: bytes that it may have.
+        most: largest size in bytes.
 
     Raises:
-        FileNotFoundError: there is none.
-        DataError: it is something else, too large, or cannot be read.
+        FileNotFoundError: there is no such file.
+        DataError: it is a folder, a pipe (which would block) or a device, too large, or cannot be read.
     """
     try:
         with _opened(path) as file:
@@ -37,10 +37,14 @@ def read_plain(path: Path, most: int) -> bytes:
 
 
 def read_bounded(path: Path, most: int) -> bytes:
-    """As :func:`read_plain`, but of a larger file the first ``most`` + 1 bytes, for readers with messages of their own.
+    """As :func:`read_plain`, for callers with error messages of their own.
+
+    Args:
+        path: the file.
+        most: of a larger file, the first ``most`` + 1 bytes are read.
 
     Raises:
-        OSError: it cannot be read, or is no file; ``strerror`` says what else it is.
+        OSError: it cannot be read or is not a regular file; ``strerror`` says why.
     """
     with _opened(path) as file:
         return file.read(most + 1)

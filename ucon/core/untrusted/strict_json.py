@@ -1,7 +1,7 @@
-"""The one reader of JSON that others wrote: of bounded size, depth and numbers, with every key once.
+"""The reader for JSON of others: limited size, depth and numbers, and no duplicate keys.
 
-Python's own reader takes NaN, whole numbers of a thousand digits, a key that stands twice, and lists nested until the
-interpreter's stack is full. Whatever reads such values has to guard against each of them; here they are refused once.
+Python's own reader accepts NaN, whole numbers of a thousand digits, duplicate keys, and lists nested until the
+interpreter's stack overflows. Here they are refused, once for all callers.
 """
 
 from __future__ import annotations
@@ -16,16 +16,19 @@ from typing import Any, Final
 from ucon.core.errors import DataError, brief
 from ucon.core.untrusted.plain_file import read_bounded
 
-#: Of one text. Files that may be larger say so.
+#: Largest text by default, and deepest nesting.
 MAX_BYTES: Final = 64 * 2**20
 MAX_DEPTH: Final = 64
-#: Whole numbers are those of 64 bits with a sign, as arrays hold them.
+#: Largest whole number: those of 64 bits, as arrays hold them.
 MAX_INT: Final = 2**63 - 1
 _SURROGATE: Final = re.compile(r"\\u[dD][89a-fA-F]")
 
 
 class JsonError(ValueError):
-    """A text that is not read; the message says why in a few words, ``at`` where: ``:3`` or ``:3:14``, or nothing."""
+    """A JSON text that is refused.
+
+    The message says why in a few words. ``at`` is the position: ``:3``, ``:3:14`` or "".
+    """
 
     def __init__(self, message: str, at: str = "") -> None:
         super().__init__(message)
@@ -35,16 +38,16 @@ class JsonError(ValueError):
 def parse_json(
     text: str | bytes, *, max_bytes: int = MAX_BYTES, twice: list[str] | None = None, surrogates: bool = False
 ) -> Any:
-    """The value of a JSON text; bytes are UTF-8, with or without a byte-order mark.
+    """The value of a JSON text.
 
     Args:
-        text: one value with nothing but blanks around it.
-        max_bytes: of bytes, or characters of a text.
-        twice: where keys that one object has twice are noted, and the last value counts; None refuses them.
-        surrogates: whether texts may hold halves of characters, which no file can be written with.
+        text: one value, with nothing but white space around it; bytes are UTF-8, with or without a byte-order mark.
+        max_bytes: largest size in bytes, or characters of a str.
+        twice: duplicate keys are added to this list, and the last value counts; None refuses them.
+        surrogates: whether texts may contain lone surrogates, which cannot be written to a file.
 
     Raises:
-        JsonError: it is none, too large, nested too deeply, or holds what is refused.
+        JsonError: not JSON, too large, nested too deeply, or contains something that is refused.
     """
     if len(text) > max_bytes:
         raise JsonError(f"{len(text):,} bytes, expected at most {max_bytes:,}")
@@ -70,10 +73,15 @@ def parse_json(
 
 
 def read_json(path: Path, remedy: str, *, max_bytes: int = MAX_BYTES) -> Any:
-    """The value of a JSON file; ``remedy`` ends the message where it cannot be had.
+    """The value of a JSON file.
+
+    Args:
+        path: the file.
+        remedy: end of the error message.
+        max_bytes: largest size.
 
     Raises:
-        DataError: the file cannot be read, or :func:`parse_json` refuses it; names the file.
+        DataError: the file cannot be read, or :func:`parse_json` refuses it.
     """
     try:
         return parse_json(read_bounded(path, max_bytes), max_bytes=max_bytes)
@@ -84,7 +92,7 @@ def read_json(path: Path, remedy: str, *, max_bytes: int = MAX_BYTES) -> Any:
 
 
 def parse_first(text: str) -> tuple[Any, int]:
-    """The JSON value that a text begins with, and its length; of keys that stand twice the last value counts.
+    """The JSON value at the start of a text, and its length; of duplicate keys the last value counts.
 
     Raises:
         JsonError: as :func:`parse_json`.

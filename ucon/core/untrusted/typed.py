@@ -1,6 +1,6 @@
-"""JSON read into dataclasses by their annotations: every field there, none beside, each of its exact type.
+"""Reads JSON into dataclasses by their annotations: exactly the declared fields, each of its exact type.
 
-Nothing is converted: ``true`` is no number, ``1`` no float, ``"no"`` no truth value; NaN and infinity are no numbers.
+Nothing is converted: ``true`` is no number, ``1`` no float, ``"no"`` no boolean; NaN and infinity are refused.
 """
 
 from __future__ import annotations
@@ -16,16 +16,21 @@ from ucon.core.errors import DataError, brief
 from ucon.core.untrusted.strict_json import JsonError, parse_json
 
 T = TypeVar("T")
-#: Whole numbers beyond this are exact in no float, and count nothing.
+#: Largest whole number, the largest that floats hold exactly.
 _LARGEST = 1 << 53
 _ALTERED = "the file is altered, evaluate again"
 
 
 def parse_line(raw: bytes | str, where: str, remedy: str = _ALTERED) -> Any:
-    """The value of a JSON text, such as a line of records; see :func:`ucon.core.untrusted.strict_json.parse_json`.
+    """The value of a JSON text, such as a line of records.
+
+    Args:
+        raw: see :func:`ucon.core.untrusted.strict_json.parse_json`.
+        where: file and line, for errors.
+        remedy: end of the error message.
 
     Raises:
-        DataError: it is none.
+        DataError: it is not JSON, or is refused.
     """
     try:
         return parse_json(raw)
@@ -34,12 +39,19 @@ def parse_line(raw: bytes | str, where: str, remedy: str = _ALTERED) -> Any:
 
 
 def read_as(cls: type[T], data: Any, where: str, what: str, *, without: tuple[str, ...] = ()) -> T:
-    """An instance of a dataclass, ``what`` in words, from an object with all its fields but ``without``, and no others.
+    """An instance of a dataclass from a JSON object with exactly its fields.
 
     Fields may be ``str``, ``bool``, ``int``, ``float``, one of these or None, or a tuple of them.
 
+    Args:
+        cls: the dataclass.
+        data: the JSON value.
+        where: file and line, for errors.
+        what: the class in words, for errors.
+        without: fields that the object does not have.
+
     Raises:
-        DataError: a field is missing, unknown, or of another type; names it.
+        DataError: naming a field that is missing, unknown, or of another type.
     """
     readers = _readers(cls)  # type: ignore[arg-type]  # mypy takes no class for hashable
     names = readers.keys() - set(without)

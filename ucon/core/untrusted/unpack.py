@@ -1,7 +1,7 @@
-"""Unpacking what others packed: never more than a limit that is known beforehand, whatever the file claims.
+"""Unpacking compressed files of others, never beyond a given limit, whatever the file claims.
 
-A few hundred kilobytes of xz or zlib hold gigabytes, and the header of an array may claim any number of elements. So
-data are unpacked piece by piece until the limit, and arrays are made only where their bytes are there.
+A few hundred kilobytes of xz or zlib can hold gigabytes, and the header of an array may claim any number of elements.
+So data are unpacked piece by piece up to the limit, and arrays are made only if their bytes are there.
 """
 
 from __future__ import annotations
@@ -20,23 +20,27 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import brief
 
-#: Of the arrays of one file, where nothing else is known about it.
+#: Default limit for the arrays of one file.
 MAX_BYTES: Final = 256 * 2**20
 _PIECE: Final = 1 << 20
-#: For the dictionary of one xz stream; those of the highest preset take 65 MB.
+#: Memory limit of one xz stream; the highest preset needs 65 MB.
 _XZ_MEMORY: Final = 128 * 2**20
 _NPY_VERSIONS: Final = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
 
 
 class UnpackError(ValueError):
-    """Packed data that are not whole, or larger than allowed; the message says why in a few words, without a place."""
+    """Packed data that are incomplete or larger than allowed; the message says why, without naming the file."""
 
 
 def unpack_xz(raw: bytes, max_bytes: int) -> bytes:
-    """The content of one xz stream or several in a row.
+    """The content of one or several concatenated xz streams.
+
+    Args:
+        raw: the packed data.
+        max_bytes: largest content.
 
     Raises:
-        UnpackError: it is none, cut off, followed by something else, or holds more than ``max_bytes``.
+        UnpackError: not xz, cut off, followed by something else, or larger than ``max_bytes``.
     """
     pieces: list[bytes] = []
     size, left = 0, raw
@@ -58,8 +62,12 @@ def unpack_xz(raw: bytes, max_bytes: int) -> bytes:
 def unpack_zlib(raw: bytes, max_bytes: int) -> bytes:
     """The content of zlib data.
 
+    Args:
+        raw: the packed data.
+        max_bytes: largest content.
+
     Raises:
-        UnpackError: they are none, cut off, followed by something else, or hold more than ``max_bytes``.
+        UnpackError: not zlib, cut off, followed by something else, or larger than ``max_bytes``.
     """
     stream = zlib.decompressobj()
     try:
@@ -75,10 +83,14 @@ def unpack_zlib(raw: bytes, max_bytes: int) -> bytes:
 
 
 def read_arrays(raw: bytes, max_bytes: int) -> dict[str, NDArray]:
-    """The arrays of an ``.npz`` file by name; objects, which would be pickles, are refused.
+    """The arrays of an ``.npz`` file, by name; arrays of objects (pickles) are refused.
+
+    Args:
+        raw: bytes of the file.
+        max_bytes: largest size of all arrays.
 
     Raises:
-        UnpackError: it is none, not whole, or its arrays take more than ``max_bytes``.
+        UnpackError: not an ``.npz`` file, incomplete, or larger than ``max_bytes``.
     """
     found: dict[str, NDArray] = {}
     left = max_bytes
@@ -100,7 +112,7 @@ def read_arrays(raw: bytes, max_bytes: int) -> dict[str, NDArray]:
     return found
 
 
-#: What ``zipfile`` raises for altered archives, beside its own error.
+#: Exceptions that ``zipfile`` raises for altered archives.
 _ZIP_ERRORS: Final = (
     *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, OSError, ValueError, OverflowError),
     *(NotImplementedError, RuntimeError, LookupError, AttributeError, TypeError),
@@ -108,10 +120,10 @@ _ZIP_ERRORS: Final = (
 
 
 def read_array(raw: bytes) -> NDArray:
-    """The array of an ``.npy`` file, whose bytes must be there to the last.
+    """The array of an ``.npy`` file.
 
     Raises:
-        UnpackError: it is none, of objects, or its header claims another size than it has.
+        UnpackError: not an array, one of objects, or its header claims another size than there is.
     """
     file = io.BytesIO(raw)
     try:

@@ -1,7 +1,7 @@
-"""Files of a model's weights on this machine: where they are, and a fingerprint of them that reads a few megabytes.
+"""Files of a model's weights on this machine, and a fingerprint that reads only a few megabytes of them.
 
-The name of a folder says little: weights may be exchanged under it, and a run that goes on would mix two models. Times
-of files say nothing either, since copies have others.
+A folder's name says little: its weights may be exchanged, and a resumed run would mix two models. File times say
+nothing either, since copies have others.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from typing import Final
 
 from ucon.core.files import sha256_bytes
 
-#: What a model in Hugging Face layout is made of.
+#: Files of a model in Hugging Face layout.
 PATTERNS: Final = ("*.json", "*.safetensors", "*.bin", "*.txt", "*.model", "*.jinja")
-#: What is fetched: weights are on the hub as safetensors, often as copies in older formats besides.
+#: Files that are downloaded: of the weights only safetensors, since the hub often has copies in older formats.
 FETCHED: Final = tuple(pattern for pattern in PATTERNS if pattern != "*.bin")
 _WEIGHTS: Final = (".safetensors", ".bin")
 _WHOLE_BYTES: Final = 4 << 20
@@ -22,9 +22,14 @@ _PIECES, _PIECE_BYTES = 64, 16 << 10
 
 
 def local_folder(name: str, *, download: bool = False) -> Path | None:
-    """Folder of a model by path or by its name in the Hugging Face cache; None where there is none.
+    """Folder of a model.
 
-    ``download`` gets a name from the hub that is not in the cache.
+    Args:
+        name: a path, or a name in the Hugging Face cache.
+        download: fetch a name that is not in the cache from the hub.
+
+    Returns:
+        None where there is none.
     """
     folder = Path(name).expanduser()
     if folder.is_dir():
@@ -38,7 +43,7 @@ def local_folder(name: str, *, download: bool = False) -> Path | None:
 
 
 def missing_parts(folder: Path) -> list[str]:
-    """What a model in Hugging Face layout needs and ``folder`` lacks."""
+    """The parts that a model in Hugging Face layout needs and ``folder`` lacks."""
     missing = [] if (folder / "config.json").is_file() else ["config.json"]
     if not any(path.suffix in _WEIGHTS for path in folder.iterdir()):
         missing.append("weights (*.safetensors)")
@@ -46,10 +51,10 @@ def missing_parts(folder: Path) -> list[str]:
 
 
 def fingerprint(path: Path) -> str:
-    """SHA-256 of a weights file, or of a model's files in a folder: names, sizes and samples of what is in them.
+    """SHA-256 of a weights file, or of a model's files in a folder, over names, sizes and samples of the content.
 
-    Small files count whole, such as a configuration or the index of the weights; of large ones the header (where there
-    is one) and pieces spread evenly, which two sets of weights of one shape do not share.
+    Small files, such as a configuration or the index of the weights, count whole. Of large ones the header (where there
+    is one) and evenly spread pieces count, which differ between two sets of weights of one shape.
     """
     kinds = {pattern.removeprefix("*") for pattern in PATTERNS}
     files = [path] if path.is_file() else sorted(p for p in path.iterdir() if p.is_file() and p.suffix in kinds)

@@ -1,4 +1,4 @@
-"""YAML of a folder that somebody else made."""
+"""Checks of YAML that somebody else wrote."""
 
 from __future__ import annotations
 
@@ -6,16 +6,18 @@ from typing import Final
 
 import yaml
 
-#: A run's configuration has some kilobytes.
+#: Largest text, characters; a run's configuration has some thousands.
 MOST_BYTES: Final = 1 << 20
 
 
 def without_aliases(text: str) -> str:
-    """``text``, if it is of a bearable size and names no node twice: ten lines of aliases describe gigabytes.
+    """The text itself, after checking its size and that it has no aliases.
+
+    Ten lines of aliases can expand to gigabytes.
 
     Raises:
         ValueError: it is too long, or has aliases.
-        yaml.YAMLError: it is no YAML.
+        yaml.YAMLError: it is not YAML.
     """
     if len(text) > MOST_BYTES:
         raise ValueError(f"{len(text)} letters, expected at most {MOST_BYTES}")

@@ -1,4 +1,4 @@
-"""What environments of choices promise beside: which rows may be chosen, and what another one costs."""
+"""Checks of the action masks: which actions may be chosen, and what choosing another one costs."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ from ucon.envs.checking.subject import Subject, choice, core, reset, step
 
 
 def masks(subject: Subject) -> Finding:
-    """``action_mask`` is 1 for rows that are choices and for no others, and ``action_masks()`` says the same."""
+    """``action_mask`` is 1 for rows that can be chosen and 0 for others, and ``action_masks()`` says the same.
+
+    Any other row takes one step and sets ``info["invalid"]``. For environments whose action is a view.
+    """
     expected = "1 for the rows that may be chosen, as action_masks() says, and one step for any other"
     env = subject.make()
     for episode in (0, 1):
@@ -38,7 +41,7 @@ def masks(subject: Subject) -> Finding:
 
 
 def all_actions(subject: Subject) -> Finding:
-    """The seven actions may always be chosen: what they will do nobody is told."""
+    """``action_masks()`` allows all seven actions, since masks must not tell what an action would do."""
     env = subject.make()
     reset(env, 0)
     asked = np.asarray(env.get_wrapper_attr("action_masks")())

@@ -1,4 +1,8 @@
-"""What every environment promises to whoever trains on it: spaces, seeds, copies, ends, frames for people."""
+"""Checks that hold for every environment: spaces, seeds, copies, ends of episodes, rendered frames.
+
+Each takes a :class:`~ucon.envs.checking.subject.Subject` and returns one
+:class:`~ucon.envs.checking.findings.Finding`.
+"""
 
 from __future__ import annotations
 
@@ -17,12 +21,23 @@ from ucon.envs.checking.subject import Env, Step, Subject, choice, core, reset, 
 from ucon.task.actions import Action
 from ucon.task.episode import Episode
 
-#: Walks, turns, looks and opens, which ends nothing.
+#: Actions of all kinds except Done.
 WALK: Final = (0, 0, 1, 0, 2, 3, 5, 4, 4, 0, 0, 1, 5, 0, 3, 0, 0, 2, 0, 0)
 
 
 def played(subject: Subject, env: Env, first: Step, actions: int = len(WALK), start: int = 0) -> list[Step]:
-    """Some steps after ``first``, the same in every run, at most until the episode is over."""
+    """Play some steps; the same actions in every run.
+
+    Args:
+        subject: decides whether actions are choices.
+        env: the environment, after its reset.
+        first: the answer of the reset, or of the last step.
+        actions: most steps; the end of the episode ends it earlier.
+        start: number of the first action.
+
+    Returns:
+        The answers of the steps, without ``first``.
+    """
     seen = [first]
     for number in range(start, start + actions):
         if seen[-1].over:
@@ -32,12 +47,16 @@ def played(subject: Subject, env: Env, first: Step, actions: int = len(WALK), st
 
 
 def _begun(subject: Subject, env: Env) -> list[Step]:
+    """A reset with a fixed seed and some steps."""
     first = reset(env, seed=3)
     return [first, *played(subject, env, first)]
 
 
 def spaces(subject: Subject) -> Finding:
-    """Observations lie in their space, rewards are finite numbers, ends are truth values."""
+    """Observations lie in their space, rewards are finite, ``terminated`` and ``truncated`` are booleans.
+
+    Two episodes, at the reset and up to twenty steps.
+    """
     env, wrong = subject.make(), []
     for episode in (0, 1):
         first = reset(env, episode)
@@ -58,7 +77,10 @@ def spaces(subject: Subject) -> Finding:
 
 
 def seeds(subject: Subject) -> Finding:
-    """The same seed gives the same bytes, and others other episodes."""
+    """The same seed gives the same bytes, and other seeds give other episodes.
+
+    Two environments with one seed, one of them twice; then eight seeds, which must give at least two episodes.
+    """
     envs = [subject.make() for _ in range(2)]
     runs = [_begun(subject, env) for env in (*envs, envs[0])]
     for run in runs[1:]:
@@ -72,7 +94,7 @@ def seeds(subject: Subject) -> Finding:
 
 
 def episodes(subject: Subject) -> Finding:
-    """``options["episode"]`` is honoured, as an index, as an id and as an episode."""
+    """``options["episode"]`` of ``reset`` selects the episode: by index, by id, or an episode itself."""
     env, known = subject.make(), subject.episodes()
     numbers = [0, len(known) - 1, len(known) // 2]
     asked = [numbers[0], known[numbers[1]].id, known[numbers[2]]]
@@ -82,14 +104,18 @@ def episodes(subject: Subject) -> Finding:
 
 
 def copies(subject: Subject) -> Finding:
-    """A deep copy goes on from the same place to the same bytes, and changes nothing in the other."""
+    """A deep copy continues from the same state with the same bytes, and does not affect the original.
+
+    One copy plays other actions; the original and a second copy must then play like an environment that was never
+    copied.
+    """
     env, alone = subject.make(), subject.make()
     half = 2 if subject.chooses else len(WALK) // 2
     first = reset(env, 0)
     played(subject, env, first, half)
     last = ([first, *played(subject, alone, reset(alone, 0), half)])[-1]
     twin = copy.deepcopy(env)
-    for number in range(half):  # the copy turns another way
+    for number in range(half):  # the first copy plays other actions
         if step(twin, 0 if subject.chooses else int((Action.ROTATE_LEFT, Action.MOVE_AHEAD)[number % 2])).over:
             break
     again = copy.deepcopy(env)
@@ -103,7 +129,7 @@ def copies(subject: Subject) -> Finding:
 
 
 def actions(subject: Subject) -> Finding:
-    """What is no action is refused, and nothing was done."""
+    """Invalid actions are refused and change nothing: out of range, not whole, NaN, text, None."""
     env, alone = subject.make(), subject.make()
     first, _ = reset(env, 0), reset(alone, 0)
     none = (-1, int(env.action_space.n), 1.5, float("nan"), "0", None)  # type: ignore[attr-defined]
@@ -115,7 +141,7 @@ def actions(subject: Subject) -> Finding:
 
 
 def after_the_end(subject: Subject) -> Finding:
-    """An episode that is over takes no step, however it ended, and figures stay."""
+    """After the end of an episode ``step`` raises, and ``episode_metrics`` stay as they are."""
     env, wrong = subject.make(), []
     for episode in (0, 1):
         last = to_the_end(subject, env, reset(env, episode))
@@ -133,7 +159,10 @@ def after_the_end(subject: Subject) -> Finding:
 
 
 def last_step(subject: Subject) -> Finding:
-    """An episode that nobody ends is truncated at its last step, not before, not after."""
+    """An episode without Done is truncated exactly at the last step of the rules.
+
+    The target is moved far below the floor, so that no choice can end the episode.
+    """
     env, most = subject.make(), core(subject.make()).rules.max_steps
     seen, taken = reset(env, without_target(subject.episodes()[0])), 0
     while not seen.over and taken <= most + 5:
@@ -145,7 +174,10 @@ def last_step(subject: Subject) -> Finding:
 
 
 def frames(subject: Subject) -> Finding:
-    """``render`` gives pictures that change as the agent moves."""
+    """``render`` returns frames that change as the agent moves.
+
+    Expected are uint8 arrays (H, W, 3) that are not of one colour.
+    """
     env = subject.make(render_mode="rgb_array")
     first = reset(env, 0)
     one: Any = env.render()
@@ -159,14 +191,23 @@ def frames(subject: Subject) -> Finding:
 
 
 def without_target(episode: Episode) -> Episode:
-    """The episode with its target far below the floor."""
+    """The same episode with its target 50 m below the floor, where nothing can see or reach it."""
     objects = list(episode.arrangement.objects)
     objects[episode.target] = replace(objects[episode.target], position=(0.0, 0.0, -50.0))
     return replace(episode, arrangement=replace(episode.arrangement, objects=tuple(objects)))
 
 
 def to_the_end(subject: Subject, env: Env, first: Step) -> Step:
-    """Play until the episode is over: choices, or three turns and Done."""
+    """Play until the episode is over: choices, or three rotations and Done.
+
+    Args:
+        subject: decides whether actions are choices.
+        env: the environment, after its reset.
+        first: the answer of the reset.
+
+    Returns:
+        The answer of the last step.
+    """
     seen, number = first, 0
     while not seen.over and number < 400:
         action = choice(seen, number) if subject.chooses else int(Action.DONE if number == 3 else Action.ROTATE_LEFT)
@@ -175,7 +216,7 @@ def to_the_end(subject: Subject, env: Env, first: Step) -> Step:
 
 
 def _fits(obs: Any, space: Any) -> bool:
-    """Whether an observation lies in its space and has its types: Gymnasium takes lists for arrays."""
+    """Whether an observation lies in its space with the right dtype; Gymnasium itself accepts lists for arrays."""
     if isinstance(space, spaces_of.Dict):
         return obs.keys() == space.keys() and all(_fits(obs[name], space[name]) for name in space)
     typed = not isinstance(space, spaces_of.Box) or getattr(obs, "dtype", None) == space.dtype
@@ -183,7 +224,7 @@ def _fits(obs: Any, space: Any) -> bool:
 
 
 def _refused(call: Callable[[], Any]) -> bool:
-    """Whether an environment says no: by an error of ours, or as Gymnasium's own wrappers do."""
+    """Whether a call raises an error that refuses: one of UcON's, or those of Gymnasium's own wrappers."""
     try:
         call()
     except (UconError, AssertionError, ValueError, TypeError):

@@ -1,4 +1,4 @@
-"""What a check says, and when two answers of an environment are the same."""
+"""The result of one check, and the comparison of observations and infos to the byte."""
 
 from __future__ import annotations
 
@@ -11,7 +11,14 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Finding:
-    """One check: what the task promises, what was found, whether that keeps the promise."""
+    """The result of one check.
+
+    Attributes:
+        check: its name.
+        ok: whether the promise is kept.
+        expected: what the task promises.
+        found: what the environment did.
+    """
 
     check: str
     ok: bool
@@ -19,12 +26,15 @@ class Finding:
     found: str
 
     def line(self) -> str:
-        """As it is printed."""
+        """The result as one printed line."""
         return f"{'pass' if self.ok else 'FAIL'}  {self.check}: expected {self.expected}; found {self.found}"
 
 
 def same(a: Any, b: Any) -> bool:
-    """Whether two observations, infos or parts of them are equal to the byte."""
+    """Whether two observations, infos or parts of them are equal, arrays in dtype, shape and bytes.
+
+    Objects without an equality of their own always count as equal.
+    """
     if isinstance(a, Mapping) and isinstance(b, Mapping):
         return a.keys() == b.keys() and all(same(a[k], b[k]) for k in a)
     if isinstance(a, np.ndarray):
@@ -35,12 +45,12 @@ def same(a: Any, b: Any) -> bool:
         return isinstance(a, int | float | np.generic) and isinstance(b, int | float | np.generic) and bool(a == b)
     if is_dataclass(a) and not isinstance(a, type):
         return all(same(getattr(a, f.name), getattr(b, f.name)) for f in fields(a))
-    if hasattr(a, "rows") and hasattr(a, "texts"):  # a list of habits that follows what is seen
+    if hasattr(a, "rows") and hasattr(a, "texts"):  # the re-ranked habits of level ``context``
         return same(tuple(a.texts), tuple(b.texts))
     return type(a).__eq__ is object.__eq__ or bool(a == b)
 
 
 def difference(a: Mapping[str, Any], b: Mapping[str, Any]) -> str:
-    """Names of the entries in which two mappings differ."""
+    """Names of the keys in which two mappings differ, as text; "nothing" where they are equal."""
     names = sorted(name for name in {*a, *b} if name not in a or name not in b or not same(a[name], b[name]))
     return ", ".join(names) or "nothing"

@@ -1,4 +1,4 @@
-"""What an agent is told: the habits of its level, and nothing that decides success."""
+"""Checks of what an agent is given: the habits of its level, the target, and nothing privileged."""
 
 from __future__ import annotations
 
@@ -14,12 +14,15 @@ from ucon.envs.checking.findings import Finding, difference, same
 from ucon.envs.checking.subject import Subject, choice, core, reset, step
 
 _LEVELS: Final = ("none", "gt", "retrieval", "full")
-#: Names under which privileged facts would be told.
+#: Keys under which privileged facts would be found.
 _NAMES: Final = ("privileged", "solution", "scene", "target_instance", "arrangement", "locations", "placed_by")
 
 
 def habits(subject: Subject) -> Finding:
-    """Those of the habit level and no others, in observation and info."""
+    """The habits given are those of the habit level, in observation and info.
+
+    Compared at four levels with the environment without a wrapper. ``habits_mask`` must be 1 where a row stands.
+    """
     expected, counts = "the habits of the level and no others, padded with -1, the mask 1 where one stands", []
     for level in _LEVELS:
         env, ours = subject.make(habit_level=level), core(subject.reference(habit_level=level))
@@ -42,7 +45,7 @@ def habits(subject: Subject) -> Finding:
 
 
 def target(subject: Subject) -> Finding:
-    """What is to be found is what the episode says, in observation and info."""
+    """The target given is the episode's, its category in info and its embedding in the observation."""
     env, ours = subject.make(), subject.reference()
     for episode in (0, 1, 2):
         told, right = reset(env, episode), reset(ours, episode)
@@ -53,7 +56,10 @@ def target(subject: Subject) -> Finding:
 
 
 def no_secrets(subject: Subject) -> Finding:
-    """No privileged fact by name or value: scene, solution, the target's instance, pose or position."""
+    """Observation and info hold no privileged fact: scene, solution, instance or position of the target.
+
+    Looked for by key and by value, in two episodes and up to four steps.
+    """
     expected = "neither scene, solution, instance nor position of the target"
     env = subject.make()
     for episode in (0, 1):
@@ -79,7 +85,10 @@ def no_secrets(subject: Subject) -> Finding:
 
 
 def unseen_target(subject: Subject) -> Finding:
-    """With the target far below the floor, all is the same until it would have been seen."""
+    """With the target moved far below the floor, everything is the same until the target would have been seen.
+
+    Otherwise an observation, reward or info depends on a target that the agent cannot see.
+    """
     expected, compared = "the same observations, rewards and infos until the target is seen", 0
     envs = [subject.make() for _ in range(2)]
     known = subject.episodes()
@@ -100,9 +109,9 @@ def unseen_target(subject: Subject) -> Finding:
 
 
 def _shown_since_now(env: Any) -> Callable[[], bool]:
-    """Tells whether the target has had a pixel in any frame since now, also between two choices.
+    """A function that tells whether the target had a pixel in any frame since now, frames between two choices included.
 
-    One is enough to hide something of what is behind it, though not for a look to count as seeing it.
+    One pixel is enough to hide something behind the target, though too few for the target to count as seen.
     """
     inner = core(env)
     search, saw = inner.search, inner.search.saw
@@ -117,12 +126,13 @@ def _shown_since_now(env: Any) -> Callable[[], bool]:
 
 
 def _was_seen(inner: Any) -> bool:
+    """Whether the target counted as seen at any step."""
     ledger: Any = inner._ledger
     return ledger is not None and ledger.first_seen_step >= 0
 
 
 def _parts(value: Any, where: str) -> Iterator[tuple[str, Any]]:
-    """Every leaf with its name."""
+    """Every leaf of nested data, with its path of keys."""
     if isinstance(value, Mapping):
         for name, part in value.items():
             yield from _parts(part, f"{where}.{name}")
@@ -139,7 +149,7 @@ def _parts(value: Any, where: str) -> Iterator[tuple[str, Any]]:
 
 
 def _is_place(value: Any, places: list[Any], ours: Any) -> bool:
-    """Whether two or three numbers are where the target is, in the world or from the start."""
+    """Whether a value is two or three numbers that are the target's position, in the world or in the start frame."""
     if isinstance(value, str) or np.ndim(value) != 1 or len(value) not in (2, 3):
         return False
     try:

@@ -1,4 +1,4 @@
-"""How episodes end: Done, success, rewards, and figures that say what was done."""
+"""Checks of how episodes end: Done, success, rewards, and the episode's metrics."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ from ucon.task.actions import Action
 
 
 def done(subject: Subject) -> Finding:
-    """Done ends the episode: with success where the target is in view and in reach, without elsewhere."""
+    """Done ends the episode: with success where the target is in view and within reach, else without.
+
+    Played in three episodes: Done at the start, and the stored solution.
+    """
     expected = "Done to end it: success at the end of the stored solution, none at the start"
     env, known = subject.make(), subject.episodes()
     for episode in (0, 1, 2):
@@ -26,7 +29,7 @@ def done(subject: Subject) -> Finding:
 
 
 def rewards(subject: Subject) -> Finding:
-    """Success pays more than anything else, and a Done elsewhere no more than any step."""
+    """Success has the highest reward, and a failed Done no more than an ordinary step."""
     expected = "success to pay most, a Done elsewhere no more than a step"
     env, known = subject.make(), subject.episodes()
     reset(env, 0)
@@ -38,7 +41,10 @@ def rewards(subject: Subject) -> Finding:
 
 
 def figures(subject: Subject) -> Finding:
-    """``episode_metrics`` and ``is_success`` at the end, and only there, say what was done."""
+    """``episode_metrics`` and ``is_success`` come at the end only and are those of the steps taken.
+
+    Compared with the environment without a wrapper, over four action sequences.
+    """
     expected = "steps, moves, opens, collisions and success as they were, SPL by its formula, at the end alone"
     env, ours, known = subject.make(), subject.reference(), subject.episodes()
     plans = [known[1].solution, "2206", "0" * 20 + "3540" + "6", "00100200050000026"]
@@ -59,7 +65,7 @@ def figures(subject: Subject) -> Finding:
 
 
 def figures_of_choices(subject: Subject) -> Finding:
-    """Figures of an episode of choices are those of its steps."""
+    """``episode_metrics`` of an episode of choices are those of its primitive steps."""
     expected = "steps, path and success of what was done, SPL by its formula, at the end alone"
     env = subject.make()
     for episode in (0, 1):
@@ -79,7 +85,7 @@ def figures_of_choices(subject: Subject) -> Finding:
 
 
 def image_goal(subject: Subject) -> Finding:
-    """Done at the goal succeeds, elsewhere it does not, and pays so."""
+    """Done away from the goal of an image-goal episode ends it without success."""
     expected = "Done away from the goal to end it without success"
     env = subject.make()
     early = to_the_end(subject, env, reset(env, 0))
@@ -88,6 +94,7 @@ def image_goal(subject: Subject) -> Finding:
 
 
 def _solved(env: Env, seen: Step, solution: str) -> Step:
+    """Play a solution (digits) to its end; the last answer."""
     for digit in solution:
         if seen.over:
             break
@@ -96,4 +103,5 @@ def _solved(env: Env, seen: Step, solution: str) -> Step:
 
 
 def _success(seen: Step) -> bool:
+    """Whether the last answer says that the episode succeeded, in metrics and ``is_success``."""
     return bool(seen.info.get("episode_metrics", {}).get("success")) and seen.info.get("is_success") is not False

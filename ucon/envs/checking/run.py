@@ -1,4 +1,4 @@
-"""Runs the checks of a subject, one after the other."""
+"""Which checks apply to which environment, and running them one after the other."""
 
 from __future__ import annotations
 
@@ -20,20 +20,27 @@ _SEVEN: Final[tuple[Check, ...]] = (senses.frame, senses.touch, senses.memory, s
 _OF: Final[dict[str, Sequence[Check]]] = {
     "UcON-v0": (*_ALL, knowledge.unseen_target, *_SEVEN, outcomes.done, outcomes.rewards, outcomes.figures),
     "UcONSearch-v0": (*_ALL, knowledge.unseen_target, choices.masks, outcomes.figures_of_choices),
-    # Its goal is another one: the episode's target means nothing there, and may be in the image.
+    # Its goal is an image: the episode's target has no meaning there, and may be in the image.
     "UcONImageGoal-v0": (*_ALL, *_SEVEN, outcomes.image_goal),
 }
 
 
 def check(subject: Subject) -> Iterator[Finding]:
-    """Every check of a subject; one that breaks off is a finding too."""
+    """Run every check that applies to a subject.
+
+    An exception inside a check is a failed finding.
+
+    Yields:
+        One finding a check.
+    """
     for one in _OF[subject.ours]:
         try:
             yield one(subject)
-        except Exception as error:  # whatever a stranger's environment raises is a finding
+        except Exception as error:  # any exception of a user's environment is a finding
             name, said = one.__name__.replace("_", " "), f"{type(error).__name__}: {brief(str(error))}"
             yield Finding(name, False, _first_line(one), said)
 
 
 def _first_line(check: Check) -> str:
+    """What a check expects: the first line of its docstring."""
     return (check.__doc__ or "").split("\n")[0].rstrip(".")

@@ -1,4 +1,4 @@
-"""What the agent senses: where it is, what it bumped into, what it did, what its camera shows."""
+"""Checks of what the agent senses: pose, collisions, its last action, and the camera's images."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from ucon.envs.checking.findings import Finding
 from ucon.envs.checking.subject import Step, Subject, core, reset, step
 from ucon.task.actions import Action
 
-#: Turns through all headings, moves until something is in the way, looks up and down.
+#: Actions through all headings and pitches, with blocked moves.
 _TOUR: Final = (0, 0, 2, 0, 0, 3, 0, 2, 0, 4, 4, 0, 2, 0, 0, 1, 0, *(0,) * 12, 2, *(0,) * 12)
-#: Of what a picture may differ from ours in the mean, in metres and in colours: other sizes sample other points.
+#: Largest mean difference from the reference image, in metres and in colour levels: other sizes sample other points.
 _DEPTH_M, _COLOUR = 0.15, 12.0
 
 
 def _walked(subject: Subject) -> Iterator[tuple[int, Step, Step, Any]]:
-    """Action by action: what the subject says, what ours says, and the truth."""
+    """By action: number, the subject's answer, the reference's answer, and the environment that knows the truth."""
     for episode in (0, 1):
         env, ours = subject.make(), subject.reference()
         truth = core(ours)
@@ -30,7 +30,7 @@ def _walked(subject: Subject) -> Iterator[tuple[int, Step, Step, Any]]:
 
 
 def frame(subject: Subject) -> Finding:
-    """The pose is relative to the start: x ahead, y to the left, yaw to the left, pitch up, metres and radians."""
+    """``pose`` is relative to the start: x ahead, y left, yaw to the left, pitch up, in metres and radians."""
     x = y = yaw = pitch = 0.0
     expected = "(x ahead, y left, yaw left, pitch up) of the start, in metres and radians"
     for number, (action, seen, reference, truth) in enumerate(_walked(subject)):
@@ -53,7 +53,7 @@ def frame(subject: Subject) -> Finding:
 
 
 def touch(subject: Subject) -> Finding:
-    """``collision`` says whether the last move was blocked."""
+    """``collision`` is 1 exactly where the last move was blocked."""
     blocked, expected = 0, "1 where the last move was blocked, else 0"
     for number, (_, seen, reference, _truth) in enumerate(_walked(subject)):
         blocked += int(reference.obs["collision"])
@@ -64,7 +64,7 @@ def touch(subject: Subject) -> Finding:
 
 
 def memory(subject: Subject) -> Finding:
-    """``last_action`` and ``step`` are those of the step that was just taken."""
+    """``last_action`` and ``step`` belong to the step that was just taken; 7 and 0 at the reset."""
     taken, expected = 0, "the action and the number of the step just taken, 7 and 0 at reset"
     for action, seen, _, _truth in _walked(subject):
         taken = 0 if action < 0 else taken + 1
@@ -76,7 +76,7 @@ def memory(subject: Subject) -> Finding:
 
 
 def camera(subject: Subject) -> Finding:
-    """Depth in metres along the optical axis, colours as they are, both of the frame of now."""
+    """``depth`` is in metres along the optical axis and ``rgb`` in its true colours, both of the current frame."""
     expected = "depth in metres and colours of the frame of now"
     looked = 0
     for number, (_, seen, reference, _truth) in enumerate(_walked(subject)):

@@ -1,4 +1,4 @@
-"""What is checked: an environment made by its Gymnasium id, a wrapper around one, or what a callable makes."""
+"""The subject of a check: an environment by its Gymnasium id, a wrapper around one, or what a callable makes."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from ucon.envs.ucon_env import UcONEnv
 from ucon.task.episode import Episode
 
 Env = gym.Env[Any, Any]
+#: The environments of UcON, by Gymnasium id.
 OURS: dict[str, Any] = {
     "UcON-v0": UcONEnv,
     "UcONSearch-v0": UcONSearchEnv,
@@ -25,7 +26,7 @@ OURS: dict[str, Any] = {
 
 
 class Step(NamedTuple):
-    """What a reset or a step answered; a reset pays nothing."""
+    """The answer of a reset (with reward 0) or a step."""
 
     obs: Any
     reward: float
@@ -35,67 +36,87 @@ class Step(NamedTuple):
 
     @property
     def over(self) -> bool:
-        """Whether the episode ended with it."""
+        """Whether the episode ended with this step."""
         return bool(self.terminated or self.truncated)
 
 
 @dataclass(frozen=True)
 class Subject:
-    """What is checked, and what it is measured by: the environment of ours that it wraps, by itself."""
+    """What is checked, and the environment of UcON inside it, which is the reference.
+
+    Attributes:
+        name: as given on the command line.
+        make: makes the environment by keyword options.
+        ours: Gymnasium id of the environment inside.
+    """
 
     name: str
     make: Callable[..., Env]
     ours: str
-    """Gymnasium id of the environment that it wraps."""
 
     @property
     def chooses(self) -> bool:
-        """Whether a step is a choice, not one of the seven actions."""
+        """Whether an action is a choice among views instead of one of the seven actions."""
         return self.ours == "UcONSearch-v0"
 
     def reference(self, **options: Any) -> Env:
-        """The environment of ours with nothing around it."""
+        """Make the environment inside, without wrappers.
+
+        Args:
+            **options: of the environment.
+        """
         made: Env = OURS[self.ours](**options)
         return made
 
     def episodes(self) -> tuple[Episode, ...]:
-        """Those of the environment inside."""
+        """The episodes of the environment inside."""
         return core(self.make()).episodes
 
 
 def core(env: Env) -> UcONEnv:
-    """The seven-action environment inside, which knows the truth."""
+    """The seven-action environment inside an environment; it knows the privileged facts."""
     inner: Any = env.unwrapped
     return inner if isinstance(inner, UcONEnv) else inner.env.unwrapped
 
 
 def reset(env: Env, episode: Any = None, seed: int | None = None) -> Step:
-    """Begin an episode: an index, an id, or an episode; None draws one by the seed."""
+    """Reset an environment.
+
+    Args:
+        env: the environment.
+        episode: an index, an id, or an episode; None draws one by the seed.
+        seed: of the reset.
+    """
     obs, info = env.reset(seed=seed, options=None if episode is None else {"episode": episode})
     return Step(obs, 0.0, False, False, info)
 
 
 def step(env: Env, action: int) -> Step:
-    """Take a step."""
+    """Take a step; the reward as float, ends as bool."""
     obs, reward, terminated, truncated, info = env.step(action)
     return Step(obs, float(reward), bool(terminated), bool(truncated), info)
 
 
 def choice(seen: Step, number: int) -> int:
-    """A row that may be chosen: another one each time, the same in every run."""
+    """A row that may be chosen: a different one for each number, the same in every run.
+
+    Args:
+        seen: the last answer; its ``action_mask`` is read.
+        number: of the choice in the episode.
+    """
     rows = np.flatnonzero(seen.obs["action_mask"])
     return int(rows[number * 7 % len(rows)])
 
 
 def subject_of(word: str, around: str = "UcON-v0") -> Subject:
-    """What a word of the command line names.
+    """The subject that a word of the command line names.
 
     Args:
         word: a Gymnasium id; or ``MODULE:NAME``, a wrapper class, or a callable that makes an environment by options.
         around: id of the environment that a wrapper class is put around.
 
     Raises:
-        ConfigError: there is no such thing, or it is not made of an environment of ours.
+        ConfigError: there is no such thing, or no environment of UcON is inside it.
     """
     if word in OURS or ":" not in word:
         make: Callable[..., Env] = _Registered(word)
@@ -114,12 +135,14 @@ def subject_of(word: str, around: str = "UcON-v0") -> Subject:
 
 
 def wrapped(subject: Subject, wrapper: Callable[[Env], Env]) -> Subject:
-    """A subject with something around it."""
+    """The subject with a further wrapper around it."""
     return replace(subject, make=_Around(wrapper, subject.make))
 
 
 @dataclass(frozen=True)
 class _Registered:
+    """Makes an environment by its Gymnasium id."""
+
     id: str
 
     def __call__(self, **options: Any) -> Env:
@@ -129,6 +152,8 @@ class _Registered:
 
 @dataclass(frozen=True)
 class _Around:
+    """Makes an environment and puts a wrapper around it."""
+
     wrapper: Callable[[Env], Env]
     make: Callable[..., Env]
 
@@ -137,6 +162,7 @@ class _Around:
 
 
 def _named(word: str, around: str) -> Callable[..., Env]:
+    """The maker that ``MODULE:NAME`` names."""
     module, _, name = word.partition(":")
     try:
         found = getattr(importlib.import_module(module), name)

@@ -1,4 +1,4 @@
-"""How far views are from where the episode would succeed: a privileged label for training, never shown to an agent."""
+"""Distances of views from the episode's goal: a privileged label for training, never shown to an agent."""
 
 from __future__ import annotations
 
@@ -15,16 +15,27 @@ from ucon.task.ledger import solution_nodes
 
 
 class DistanceToGoal:
-    """Of the episode that an environment plays."""
+    """Moves from any view to where Done succeeds, in the episode that an environment plays."""
 
     def __init__(self, env: UcONEnv) -> None:
-        """``env``: after its reset."""
+        """Compute the distances of all nodes.
+
+        Args:
+            env: the environment, after its reset.
+        """
         self._frame = StartFrame(env.episode.start)
         _, end = solution_nodes(env.episode)
         self._field = distances(env.search.world.free, [end])
 
     def __call__(self, views: Sequence[View]) -> NDArray[np.float32]:
-        """(n,) moves by the true floor from each view to where Done succeeds; -1 where there is no way."""
+        """Moves from each view to the last node of the stored solution, on the true floor.
+
+        Args:
+            views: n views on the agent's map.
+
+        Returns:
+            (n,) float32; -1 where there is no path.
+        """
         ahead, left = np.array([(view.i - HALF, view.j - HALF) for view in views], np.int64).reshape(-1, 2).T
         i, j = self._frame.nodes(ahead, left)
         there = (i >= 0) & (i < self._field.shape[0]) & (j >= 0) & (j < self._field.shape[1])

@@ -1,4 +1,4 @@
-"""``UcONSearch-v0``: choose which view to go for next, by tokens; what the habit policy is trained on."""
+"""``UcONSearch-v0``: choose the next view to go to, by tokens. The habit policy is trained on it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ucon.core.errors import ConfigError
 from ucon.core.fingerprint import fingerprint_of
 from ucon.core.sharing import PartlyShared
 from ucon.envs.knowledge import HabitSource
-from ucon.envs.options import checked_action, told, with_texts
+from ucon.envs.options import checked_action, returned_info, with_texts
 from ucon.envs.search.course import RENDER_MODES, Course
 from ucon.envs.search.distance_to_goal import DistanceToGoal
 from ucon.envs.ucon_env import Obs, UcONEnv
@@ -22,29 +22,37 @@ from ucon.objects.catalogue import catalogue
 from ucon.perception.belief.from_habits import Locate, ReadHabits, expecting
 from ucon.search.search_tokens import N_EGO, N_FRONTIER, N_THING, Sizes, TokenReader, Tokens
 from ucon.search.searcher import MISS, Searcher
-from ucon.search.text_tokens import SaidTokens, TextTokens
+from ucon.search.text_tokens import EpisodeTextTokens, TextTokens
 from ucon.search.view_tokens import N_VIEW
 from ucon.sim.paths import UNREACHABLE
 from ucon.task.actions import Action
 
-#: What only the map needs of a frame.
+#: Keys of info that only the map needs; left out of what is returned.
 _FRAME = ("detections", "tracks", "opened", "depth")
+#: Bound of the observation space's float entries.
 _MOST = 1e4
 
 
 @dataclass(frozen=True)
 class Returns:
-    """What an episode is worth in the end, for trainers."""
+    """Weights of an episode's return, paid at its end."""
 
     spl: float = 1.0
+    """Weight of the SPL."""
     success: float = 0.0
+    """For a success."""
     speed: float = 0.5
-    """Of a success at once; falls to 0 at the last step."""
+    """For a success at step 0; falls linearly to 0 at the last step."""
     contained: float = 0.0
-    """Of finding what is kept behind doors, beside the rest."""
+    """Added for a success with a target that was behind closed doors."""
 
     def __call__(self, metrics: dict[str, Any], max_steps: int) -> float:
-        """The worth of an episode with these ``episode_metrics``."""
+        """The return of an episode; 0 without success.
+
+        Args:
+            metrics: its ``episode_metrics``.
+            max_steps: of the rules.
+        """
         if not metrics["success"]:
             return 0.0
         worth = self.spl * float(metrics["spl"]) + self.success + self.speed * (1.0 - int(metrics["steps"]) / max_steps)
@@ -54,28 +62,27 @@ class Returns:
 class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
     """Search a home by choosing among views.
 
-    ### Description
-    Wraps ``UcON-v0``: a step chooses a view; the planner goes towards it and asks again after five actions, opens on
-    its way what is closed and worth it, and as soon as the target is in view walks up to it and says Done. The habits
-    are read once, at level ``context`` whenever their list changes; what was looked at in vain lowers the belief by
-    arithmetic. Where there is nothing to choose, it is
-    not asked. Every primitive action costs one of the 300 steps.
+    ### Description Wraps ``UcON-v0``. A step chooses a view. The planner goes towards it and asks again after five
+    actions. On the way it opens closed containers that are worth a step. As soon as the target is in view it walks up
+    to it and calls Done. The habits are read once, at level ``context`` whenever their list changes; what was looked at
+    in vain lowers the belief. Where there is at most one view to choose, the environment does not ask. Every primitive
+    action costs one of the 300 steps.
 
     ### Action space
-    ``Discrete(V)``: the row of a view. Rows whose ``action_mask`` is 0 are no views; choosing one turns the agent
-    left, which costs a step, and sets ``info["invalid"]``.
+    ``Discrete(V)``: the row of a view. Rows whose ``action_mask`` is 0 are no views; choosing one turns the agent left,
+    which costs a step, and sets ``info["invalid"]``.
 
     ### Observation space
     ``views``, ``prior``, ``unexplored``, ``things``, ``thing_rows``, ``things_mask``, ``frontiers``,
     ``frontiers_mask``, ``ego``: see :class:`ucon.search.search_tokens.Tokens`; ``target``, ``habits``,
-    ``habits_relevance``, ``habits_mask``: see :meth:`ucon.search.text_tokens.TextTokens.read`; ``action_mask``
-    int8 (V,), 1 where a view stands.
+    ``habits_relevance``, ``habits_mask``: see :meth:`ucon.search.text_tokens.TextTokens.read`; ``action_mask`` int8
+    (V,), 1 for rows that are views.
 
     For trainers: with ``distance_to_goal=True``, ``distance_to_goal`` float32 (V + 1,), moves from each view, and last
-    from here, to where the episode would succeed, -1 where there is no view or no way.
+    from the current node, to where Done succeeds; -1 where there is no view or no path.
 
     ### Rewards
-    0, and at the end what ``returns`` says of the episode.
+    0, and at the end the return of :class:`Returns`.
 
     ### Termination
     That of ``UcON-v0``.
@@ -87,7 +94,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
     )
 
     options_of = UcONEnv
-    """Whose options it takes beside its own."""
+    """The environment whose options it accepts besides its own."""
 
     def __init__(
         self,
@@ -105,20 +112,20 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         render_mode: str | None = None,
         **options: Any,
     ) -> None:
-        """Describe the environment.
+        """Make the environment; homes and weights are loaded at the first reset.
 
         Args:
             episodes: see ``UcON-v0``.
-            locate: says where the target may be; by default it is read from the habits.
-            miss: chance that a look at a place misses the target there.
+            locate: from an info to the distribution over the target's place; by default read from the habits.
+            miss: probability that a frame that shows a place misses a target there.
             sizes: rows of the tokens.
             text: embeds names and habits.
-            returns: what an episode is worth.
-            distance_to_goal: add ``distance_to_goal`` to observations: what only a trainer may know.
+            returns: weights of an episode's return.
+            distance_to_goal: add the privileged ``distance_to_goal`` to observations, for trainers.
             observe: see ``UcON-v0``.
-            detector: what is mapped; see ``UcON-v0``.
+            detector: its output is mapped; see ``UcON-v0``.
             texts: see ``UcON-v0``.
-            render_mode: ``rgb_array``, or ``rgb_array_list``: all frames since the last call, between choices too.
+            render_mode: ``rgb_array``, or ``rgb_array_list``: all frames since the last call, also between choices.
             **options: of ``UcON-v0``.
 
         Raises:
@@ -139,11 +146,15 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
 
     @property
     def source(self) -> HabitSource:
-        """Gives every episode its habits."""
+        """The habits of the episodes."""
         return self.env.source
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Obs, dict[str, Any]]:
-        """Start an episode, as ``UcON-v0`` does, and play until there is something to choose."""
+        """Start an episode, see ``UcON-v0``, and play until there are two views to choose from.
+
+        Returns:
+            Observation and info.
+        """
         super().reset(seed=seed)
         self._course.close()  # a reset that fails leaves nothing to go on with
         obs, info = self.env.reset(seed=seed, options=options)
@@ -151,16 +162,24 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         believing = expecting(info, self._locate, locations=locations)
         self._searcher = Searcher(info, believing, miss=self._miss)
         self._reader = TokenReader(self._searcher, info, self._sizes)
-        self._said = SaidTokens(self._text, str(info["target"]), believing)
+        self._said = EpisodeTextTokens(self._text, str(info["target"]), believing)
         self._distance = DistanceToGoal(self.env) if self._tells_distance else None
         self._last, self._over = (obs, info), (False, False)
         self._tokens: Tokens | None = None
         self._course.begin(self.env)
         self._until_due(None)
-        return self._observed(), told({**_kept(info), **_kept(self._last[1]), "invalid": False}, texts=self._texts)
+        return self._observed(), returned_info(
+            {**_kept(info), **_kept(self._last[1]), "invalid": False}, texts=self._texts
+        )
 
     def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
-        """Choose a view, and play until there is something to choose again or the episode ends.
+        """Choose a view, and play until there are two views to choose from again or the episode ends.
+
+        Args:
+            action: row of the view.
+
+        Returns:
+            Observation, reward, terminated, truncated, info (with ``invalid``).
 
         Raises:
             EpisodeError: before the first reset, or after the end of an episode.
@@ -176,9 +195,14 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
             self._until_due(self._searcher.choose(choice))
         info = self._last[1]
         rules = cast(UcONEnv, self.env.unwrapped).rules
-        self._course.told(over=any(self._over))
+        self._course.note_over(over=any(self._over))
         reward = self._returns(info["episode_metrics"], rules.max_steps) if any(self._over) else 0.0
-        return self._observed(), reward, *self._over, told(_kept(info) | {"invalid": invalid}, texts=self._texts)
+        return (
+            self._observed(),
+            reward,
+            *self._over,
+            returned_info(_kept(info) | {"invalid": invalid}, texts=self._texts),
+        )
 
     def _until_due(self, action: Action | None) -> None:
         """Play ``action`` and what follows until a choice among two views or more is due, or the episode ends."""
@@ -199,7 +223,8 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
                 action = self._searcher.choose(next(iter(self._tokens.choices), None))
 
     def _observed(self) -> Obs:
-        if self._tokens is None:  # the end: nothing is due
+        """The observation of the choice that is due; zeros at the end of the episode."""
+        if self._tokens is None:  # the episode is over
             blank = {name: np.zeros(space.shape, space.dtype) for name, space in self.observation_space.items()}  # type: ignore[attr-defined]
             blank["action_mask"][0] = 1
             if self._distance is not None:
@@ -208,7 +233,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         return {**self._tokens.arrays, **self._text_arrays(), **self._way()}
 
     def _way(self) -> Obs:
-        """How far it is from the views, and from here."""
+        """``distance_to_goal`` of the observation, where it is asked for."""
         if self._distance is None or self._searcher is None or self._tokens is None:
             return {}
         views = [choice.view for choice in self._tokens.choices]
@@ -218,11 +243,14 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         return {"distance_to_goal": out}
 
     def _text_arrays(self) -> Obs:
-        """Copies: whoever keeps an observation owns it."""
+        """The text arrays of the observation. Copies: the caller may change them."""
         return {name: array.copy() for name, array in self._said().items()}
 
     def action_masks(self) -> NDArray[np.bool_]:
-        """(V,) rows that may be chosen, as MaskablePPO asks: ``action_mask`` of the last observation.
+        """Rows that may be chosen, for MaskablePPO: ``action_mask`` of the last observation.
+
+        Returns:
+            (V,) bool.
 
         Raises:
             EpisodeError: before the first reset.
@@ -232,21 +260,34 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         return np.arange(self._sizes.views) < max(1, offered)
 
     def render(self) -> NDArray[np.uint8] | list[Any] | None:
-        """A frame as in ``UcON-v0``, or with ``rgb_array_list`` those of all primitive steps since the last call."""
+        """The current frame, or with ``rgb_array_list`` those of all primitive steps since the last call.
+
+        Returns:
+            (384, 768, 3) uint8 each; None without a render mode.
+        """
         return self._course.render(self.env)
 
     def close(self) -> None:
-        """See ``UcON-v0``."""
+        """Release what the environment holds; a reset makes it again."""
         self._course.close()
         self.env.close()
 
     def fingerprint(self) -> str:
-        """Which trained reader says where the target may be, see :mod:`ucon.evaluation.playing.needed_weights`."""
+        """Checksum of the trained reader's weights, "" where there are none.
+
+        It goes into the run's record (:mod:`ucon.evaluation.playing.needed_weights`).
+        """
         return str(fingerprint_of(self._locate))
 
 
 def observation_space(sizes: Sizes, text: TextTokens, *, distance_to_goal: bool = False) -> spaces.Dict:
-    """The space of what a policy over tokens is given; ``distance_to_goal``: and its trainer."""
+    """The observation space of :class:`UcONSearchEnv`.
+
+    Args:
+        sizes: rows of the tokens.
+        text: its embedding's length and number of habits.
+        distance_to_goal: with ``distance_to_goal``, for trainers.
+    """
 
     def box(*shape: int) -> spaces.Box:
         return spaces.Box(-_MOST, _MOST, shape, np.float32)
@@ -274,4 +315,5 @@ def observation_space(sizes: Sizes, text: TextTokens, *, distance_to_goal: bool 
 
 
 def _kept(info: dict[str, Any]) -> dict[str, Any]:
+    """The info without the keys that only the map needs."""
     return {name: value for name, value in info.items() if name not in _FRAME}

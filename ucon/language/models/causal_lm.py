@@ -1,6 +1,6 @@
-"""``causal_lm``: a chat model on this machine that reads words, see :mod:`ucon.language.models.likelihood`.
+"""``causal_lm``: a text chat model on this machine, scored by :mod:`ucon.language.models.likelihood`.
 
-The system part is the same in all questions of an episode, so its keys and values are kept; those of a question are
+The system part is the same in all questions of an episode, so its keys and values are kept. Those of a question are
 computed once and shared by its options.
 """
 
@@ -22,14 +22,14 @@ from ucon.language.models.likelihood import Ids, LikelihoodModel, Ready
 from ucon.language.models.reading import Past, PrefixReader
 from ucon.language.models.weights import LocalWeights
 
-#: Two users' texts that begin differently: what their conversations share is the system's part.
+#: Two user messages that begin differently: the common prefix of their conversations is the system part.
 _USERS: Final = ("A", "?")
 
 
 @dataclass(frozen=True, eq=False)
 class _Ready(Ready):
     shared: Ids
-    """The beginning of the prompt that other questions of its system have too."""
+    """The beginning of the prompt, which all questions with this system message share."""
     answers: tuple[Ids, ...]
 
 
@@ -52,17 +52,17 @@ class CausalModel(LikelihoodModel[_Ready]):
         download: bool = False,
         template: Mapping[str, Any] | None = None,
     ) -> None:
-        """Nothing is read before it is needed.
+        """Choose model and options; nothing is read yet.
 
         Args:
             path: folder in Hugging Face layout, or a name in the Hugging Face cache.
             device: ``cpu``, ``cuda``, ``auto``.
             dtype: ``float32``, ``bfloat16``, ``float16``, ``int8``.
-            batch_size: rows that go through the network together: questions, then options of any of them.
-            prefixes: system parts whose keys and values are kept; one an episode played side by side.
+            batch_size: rows in one pass through the network.
+            prefixes: system parts whose keys and values are kept; one for each episode played in parallel.
             normalise: mean log-probability of the answer's tokens instead of their sum.
-            window: longest prompt and answer in tokens; by default what the model can hold.
-            download: get a name that is not in the cache from the hub.
+            window: longest prompt and answer in tokens; by default the model's.
+            download: fetch a name that is not in the cache from the hub.
             template: options of the chat template, such as ``enable_thinking: false``.
 
         Raises:
@@ -114,7 +114,8 @@ class CausalModel(LikelihoodModel[_Ready]):
 
         out: list[list[float]] = [[] for _ in group]
         with torch.inference_mode():
-            # All but the last token of each prompt; the last says what an answer begins with, and is read with each.
+            # All but the last token of each prompt: the last one predicts the answer's first token, so it is read again
+            # with each answer.
             started = self._started([one.shared for one in group])
             pasts = self._reader.after(started, [one.prompt[len(one.shared) : -1] for one in group])
             for part in self._parts([one.answers for one in group]):
@@ -125,7 +126,7 @@ class CausalModel(LikelihoodModel[_Ready]):
         return [np.array(scores) for scores in out]
 
     def _started(self, shared: Sequence[Ids]) -> list[Past]:
-        """The pasts after system parts: kept for the last few, those that are not are read together."""
+        """The pasts after system parts; those that are not kept from before are computed in one batch."""
         new = [ids for ids in dict.fromkeys(shared) if ids not in self._prefixes]
         nothing = self._reader.nothing()
         found = {**self._prefixes, **dict(zip(new, self._reader.after([nothing] * len(new), new), strict=True))}

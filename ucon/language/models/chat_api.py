@@ -1,7 +1,7 @@
 """``chat_api``: any model behind an OpenAI-compatible server, asked to name one of the options.
 
-Whatever the server does, a question ends: within ``timeout_s x (retries + 1)`` of wall time, with one of the options or
-with none and the reason why. Only what the user can mend, a key that is missing or refused from the start, is an error.
+Whatever the server does, a question ends within ``timeout_s x (retries + 1)`` seconds, with one of the options or with
+none and the reason. Only a key that is missing or refused from the start is an error.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ _REFUSED: Final = (401, 403)
 
 
 class ChatModel:
-    """Asks a server; answers are kept on disk by the client."""
+    """Asks a server; the client keeps answers on disk."""
 
     gives_scores = False
     sees_images = True
 
     def __init__(self, client: ChatClient, *, retries: int = 3, parallel: int = 4) -> None:
-        """Nothing is sent before the first question.
+        """Take over the client; nothing is sent yet.
 
         Args:
             client: server, model, timeout and sampling; its own number of attempts is not used.
-            retries: new tries after a fault or an unusable answer, each with another seed.
-            parallel: questions of a batch that are asked side by side.
+            retries: further requests after a fault or an unusable answer, each with another seed.
+            parallel: questions of a batch that are asked at the same time.
 
         Raises:
             ConfigError: a number out of range.
@@ -51,11 +51,11 @@ class ChatModel:
         return f"chat ({self._client.model})"
 
     def check(self) -> None:
-        """See :meth:`ucon.language.choice.LanguageModel.check`: one small request."""
+        """Send one small request; see :meth:`ucon.language.choice.LanguageModel.check`."""
         self._client.check()
 
     def answer(self, questions: Sequence[Question]) -> list[Answer]:
-        """See :class:`ucon.language.choice.LanguageModel`.
+        """Answer questions; see :meth:`ucon.language.choice.LanguageModel.answer`.
 
         Raises:
             ConfigError: the key is missing, or refused before anything was answered.
@@ -99,9 +99,9 @@ class ChatModel:
 
 
 def messages_of(question: Question) -> list[Message]:
-    """The conversation: system, and the user's text after the images.
+    """A question as messages: system, and the user's text after the images.
 
-    The form of the answer is told in words too: some servers ignore the schema without a word.
+    The form of the answer is described in words too, since some servers ignore the schema silently.
     """
     names = ", ".join(f'"{option.name}"' for option in question.options)
     form = f'Answer with one JSON object: {{"reason": a few words, "choice": one of {names}}}.'
@@ -124,7 +124,7 @@ def schema_of(names: Sequence[str]) -> dict[str, Any]:
 
 
 def data_url(image: Image) -> str:
-    """An image (H, W, 3) as the address of a PNG that carries its own data."""
+    """An image (H, W, 3) uint8 as a data URL with a PNG."""
     from PIL import Image as Picture
 
     buffer = io.BytesIO()

@@ -1,4 +1,4 @@
-"""Questions as conversations: through a model's own chat template, cut to its window by whole habits."""
+"""Questions as chat prompts: rendered by a model's own template, cut to its window by whole habits."""
 
 from __future__ import annotations
 
@@ -12,25 +12,30 @@ _PROBE: Final = ("probe of the system", "probe of the user")
 
 
 class ChatTemplate:
-    """Renders (system, user) as the prompt of an answer.
+    """Renders a system and a user message as the prompt of an answer.
 
-    Templates differ: some take the system's text as a string, some as a list of parts, and some know no system at all
-    (or none beside images); then its text goes before the user's. Which one it is, is tried once.
+    Templates differ: some take the system message as a string, some as a list of parts, and some allow none (or none
+    beside images); then its text goes before the user's. Which one it is, is tried once.
     """
 
     def __init__(self, owner: Any, where: str, options: Mapping[str, Any] | None = None) -> None:
-        """Describe the template.
+        """Take over the template; it is tried at first use.
 
         Args:
             owner: tokenizer or processor with ``apply_chat_template``.
-            where: the model, for errors.
+            where: names the model in errors.
             options: passed to the template, such as ``{"enable_thinking": False}``.
         """
         self._owner, self._where, self._options = owner, where, dict(options or {})
         self._style: dict[bool, str] = {}
 
     def render(self, system: str, user: str, images: int = 0) -> str:
-        """The conversation up to where the answer begins; ``images`` placeholders go before the user's text.
+        """The conversation as text, up to where the answer begins.
+
+        Args:
+            system: message.
+            user: message.
+            images: number of placeholders before the user's text.
 
         Raises:
             DataError: the model has no chat template, or one that cannot render this.
@@ -70,7 +75,15 @@ class ChatTemplate:
 
 
 def most_habits(system: str, fits: Callable[[str], bool]) -> tuple[str, int] | None:
-    """The system's text with as many habits as fit, and how many were dropped at the end; None if none helps."""
+    """Cut the habits of a system message to the largest number that fits.
+
+    Args:
+        system: message with a habit block.
+        fits: whether a system message fits into the window.
+
+    Returns:
+        The message, and how many habits were dropped at its end; None if it does not fit without habits either.
+    """
     if fits(system):
         return system, 0
     n = habits_in(system)
@@ -84,7 +97,7 @@ def most_habits(system: str, fits: Callable[[str], bool]) -> tuple[str, int] | N
 
 
 def end_tokens(model: Any, tokenizer: Any) -> list[int]:
-    """Tokens by which an answer ends: those of the generation settings and the tokenizer's own.
+    """Tokens that end an answer: those of the generation settings and the tokenizer's own.
 
     Raises:
         DataError: there is none.
@@ -99,12 +112,12 @@ def end_tokens(model: Any, tokenizer: Any) -> list[int]:
 
 
 def window_of(model: Any) -> int:
-    """Positions of a model, as its configuration says; practically unlimited where it says nothing."""
+    """Longest input of a model in tokens, by its configuration; practically unlimited where it has none."""
     config = model.config.get_text_config()
     found = getattr(config, "max_position_embeddings", None)
     return int(found) if found else 1 << 30
 
 
 def common_prefix(a: Sequence[int], b: Sequence[int]) -> int:
-    """How many numbers two sequences share at their start."""
+    """Length of the common beginning of two sequences."""
     return next((i for i, (x, y) in enumerate(zip(a, b, strict=False)) if x != y), min(len(a), len(b)))

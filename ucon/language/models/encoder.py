@@ -1,11 +1,11 @@
-"""``encoder``: which option is most like what the habits say, by the embedded sentence encoder. The default model.
+"""``encoder``: scores options by sentence vectors of habits and labels. The default language model.
 
-Nothing is downloaded and, for catalogue names and the habit book, nothing is encoded: the vectors are shipped. The
-relevance of a label l is ``(1 - beta) cos(l, target) + beta S(l)``, where S(l) is a soft maximum over habits h of
-``cos(l, h)``, each habit weighed by how much it is about the target: ``softmax(cos(h, target) / tau_habit)``. Without
-habits it is ``cos(l, target)``. The labels of an option are pooled as alternatives are: their odds add up.
+Nothing is downloaded, and the vectors of catalogue names and the habit book are shipped. The relevance of a label l is
+``(1 - beta) cos(l, target) + beta S(l)``, where S(l) is a soft maximum over habits h of ``cos(l, h)``. Each habit is
+weighted by how much it is about the target: ``softmax(cos(h, target) / tau_habit)``. Without habits it is
+``cos(l, target)``. The odds of an option's labels are added up.
 
-Questions that tell the things of a place ask for something else: see :mod:`ucon.language.models.keeping`.
+Questions with :attr:`~ucon.language.choice.Question.things` are answered by :mod:`ucon.language.models.keeping`.
 """
 
 from __future__ import annotations
@@ -20,42 +20,42 @@ from numpy.typing import NDArray
 
 from ucon.language.choice import Answer, Option, Question, from_scores
 from ucon.language.encoder import minilm_folder
-from ucon.language.models.keeping import Keeping, LocationWeights
+from ucon.language.models.keeping import LocationScores, LocationWeights
 from ucon.language.store import StoredEncoder, default_encoder
 from ucon.objects.catalogue import catalogue
 
 Vector = NDArray[np.float64]
 
-#: Episodes whose relevances are kept: more than one worker plays side by side.
+#: Episodes whose relevances are kept, since several are played in parallel.
 _EPISODES = 64
-#: Log odds of the target itself: where it stands in view no likeness is asked. The fit never has it among the labels.
+#: Log odds of the target itself among the labels, instead of a similarity. The fit never has it among the labels.
 FOUND = 30.0
 
 
 @dataclass(frozen=True)
 class EncoderWeights:
-    """Five temperatures and mixing weights, and two constants, one set for all habit levels.
+    """Fitted temperatures and mixing weights, the same at all habit levels.
 
-    Fitted on the ``val`` episodes by ``python -m ucon data fit-language-encoder``, which says how; raw cosines are too
-    flat to decide anything. Nats of the true category among those of the home, ``none`` / ``full`` / ``gt`` /
+    Fitted on the ``val`` episodes by ``python -m ucon data fit-language-encoder``, which describes the fit; raw cosines
+    are too flat to decide anything. Nats of the true category among those of the home, ``none`` / ``full`` / ``gt`` /
     ``retrieval``, and of a uniform guess: val 4.270 / 3.793 / 3.639 / 3.706 (4.303), test 4.248 / 3.893 / 3.722 / 3.795
-    (4.292). Odds that add up beat the largest label (val, four options that share out a home: 1.341 against 1.399,
-    uniform 1.386).
+    (4.292). Adding up the odds of an option's labels is better than taking the largest (val, four options that share a
+    home: 1.341 against 1.399, uniform 1.386).
     """
 
     beta: float = 1.886
-    """Weight of the habits. Above 1: likeness to the target itself then counts against a label, since the things that
-    are called alike are rarely those that one is kept in."""
+    """Weight of the habits. Above 1, similarity to the target itself counts against a label: things with similar names
+    are rarely kept in each other."""
     tau: float = 0.103
-    """Relevance that makes a label e times as probable, where there are habits."""
+    """Increase of relevance that makes a label e times as probable, with habits."""
     tau_none: float = 0.3689
     """The same without habits."""
     tau_habit: float = 0.0779
-    """Likeness to the target that makes a habit count e times as much."""
+    """Increase of similarity to the target that makes a habit count e times as much."""
     sigma: float = 0.1055
     """Softness of the maximum over habits."""
     empty: float = 0.286
-    """Relevance of an option without labels, where there are habits."""
+    """Relevance of an option without labels, with habits."""
     empty_none: float = 0.793
     """The same without habits."""
 
@@ -97,26 +97,30 @@ class EncoderModel:
         encoder: StoredEncoder | None = None,
         keeping: LocationWeights | None = None,
     ) -> None:
-        """Nothing is read before it is needed.
+        """Choose weights and encoder; nothing is read yet.
 
         Args:
-            weights: fitted figures.
-            encoder: makes vectors; the shipped table with MiniLM behind it by default.
-            keeping: fitted figures of questions that tell the things of a place.
+            weights: fitted numbers.
+            encoder: makes vectors; by default the shipped table with MiniLM behind it.
+            keeping: fitted numbers for questions with ``things``.
         """
         self._weights = weights or EncoderWeights()
         self._encoder = encoder
         self._vectors: dict[str, Vector] = {}
         self._readings: OrderedDict[tuple[str, tuple[str, ...]], _Reading] = OrderedDict()
-        self._keeping = Keeping(self._encode, keeping)
+        self._keeping = LocationScores(self._encode, keeping)
 
     def check(self) -> None:
-        """Whether the weights are installed: texts beyond the shipped table need them."""
+        """Check that MiniLM is installed, which texts outside the shipped table need.
+
+        Raises:
+            DataError: it is not.
+        """
         if self._encoder is None:
             minilm_folder()
 
     def answer(self, questions: Sequence[Question]) -> list[Answer]:
-        """See :class:`ucon.language.choice.LanguageModel`."""
+        """Answer questions; see :meth:`ucon.language.choice.LanguageModel.answer`."""
         return [self._answer(question) for question in questions]
 
     def _answer(self, question: Question) -> Answer:
@@ -170,5 +174,5 @@ def _catalogue_name(name: str) -> tuple[str, ...]:
 
 
 def _clean(text: str) -> str:
-    """Lone surrogates cannot be hashed as UTF-8; everything else goes to the encoder as it is."""
+    """The text with lone surrogates replaced, which cannot be hashed as UTF-8."""
     return text.encode("utf-8", "replace").decode()

@@ -1,13 +1,13 @@
-"""Which of some labels is kept where some things stand, by sentence vectors: the embedded model's answer for L3MVN.
+"""Which of some labels is kept at a place with some things, by sentence vectors: the encoder's answer for L3MVN.
 
-The log odds of a label l where things o stand are ``weight * log((doubt + S) / (doubt + N))``. N is the number of
+The log odds of a label l at a place with things o are ``weight * log((doubt + S) / (doubt + N))``. N is the number of
 habits about the label: each habit h counts by its share ``softmax(cos(h, l) / about)`` among the labels and one more
-answer, "about none of them", whose likeness is ``named``. S sums the same shares, each times how much better the habit
-fits the place than furniture at large: the mean of ``exp((cos(h, o) - other * cos(l, o)) / sigma)`` over the things
-divided by that over all furniture of the catalogue. The part with ``other`` takes out what the habit shares with a
-thing by naming its own label: words about a pot fit every other pot. So a habit raises the label that it is about
-where its words fit what stands there, lowers it where they do not, and leaves the others alone; a label that no habit
-is about keeps 0. Without habits the log odds are ``like`` times the mean of ``cos(l, o)`` above that over furniture.
+answer, "about none of them", whose similarity is ``named``. S sums the same shares, each times how much better the
+habit fits the place than furniture in general: the mean of ``exp((cos(h, o) - other * cos(l, o)) / sigma)`` over the
+things divided by that over all furniture of the catalogue. The part with ``other`` removes what the habit shares with a
+thing by naming its own label: a sentence about a pot is similar to every other pot. So a habit raises the label that it
+is about where it fits the things there, lowers it where it does not, and does not affect others; a label that no habit
+is about has 0. Without habits the log odds are ``like`` times the mean of ``cos(l, o)`` above that over furniture.
 """
 
 from __future__ import annotations
@@ -26,48 +26,60 @@ from ucon.objects.catalogue import catalogue
 
 Vectors = NDArray[np.float64]
 
-#: Episodes whose terms are kept: more than one worker plays side by side.
+#: Episodes whose terms are kept, since several are played in parallel.
 _EPISODES = 64
 
 
 @dataclass(frozen=True)
 class LocationWeights:
-    """Seven figures, one set for all habit levels.
+    """Fitted numbers, the same at all habit levels.
 
-    Fitted on the ``val`` episodes by ``python -m ucon data fit-location-model``, which says how. Share of homes where
-    the true one of four places is the most probable, and its nats, ``none`` / ``full`` / ``gt`` / ``retrieval``: val
-    0.325 / 0.395 / 0.400 / 0.395 (chance 0.25), 1.374 / 1.309 / 1.281 / 1.279 (uniform 1.386); test 0.315 / 0.397 /
-    0.426 / 0.425, 1.372 / 1.322 / 1.277 / 1.283.
+    Fitted on the ``val`` episodes by ``python -m ucon data fit-location-model``, which describes the fit. Share of
+    homes where the true one of four places is the most probable, and its nats, ``none`` / ``full`` / ``gt`` /
+    ``retrieval``: val 0.325 / 0.395 / 0.400 / 0.395 (chance 0.25), 1.374 / 1.309 / 1.281 / 1.279 (uniform 1.386); test
+    0.315 / 0.397 / 0.426 / 0.425, 1.372 / 1.322 / 1.277 / 1.283.
     """
 
     like: float = 8.81
-    """Weight of the likeness of label and things, without habits."""
+    """Weight of the similarity of label and things, without habits."""
     other: float = 0.56
-    """How much of the likeness of label and thing is taken from that of habit and thing."""
+    """Share of the similarity of label and thing that is subtracted from that of habit and thing."""
     about: float = 0.0138
-    """Likeness to a label that makes a habit e times as likely to be about it."""
+    """Increase of similarity to a label that makes a habit e times as likely to be about it."""
     named: float = 0.503
-    """Likeness below which a habit is rather about none of the labels."""
+    """Similarity below which a habit is more likely about none of the labels."""
     sigma: float = 0.0408
-    """Likeness to a thing that makes a habit fit it e times as well."""
+    """Increase of similarity to a thing that makes a habit fit it e times as well."""
     weight: float = 0.7594
     """Weight of the habits."""
     doubt: float = 0.2904
-    """Number of habits about a label that count as much as knowing nothing."""
+    """Weight of the prior, as a number of habits."""
 
 
-class Keeping:
-    """Answers questions that tell the things of a place; what an episode's habits say is computed once."""
+class LocationScores:
+    """Answers questions with ``things``; the terms of an episode's habits are computed once."""
 
     def __init__(self, encode: Callable[[Sequence[str]], Vectors], weights: LocationWeights | None = None) -> None:
-        """``encode``: unit vectors (n, D) of n texts."""
+        """Choose encoder and weights.
+
+        Args:
+            encode: from n texts to unit vectors (n, D) float64.
+            weights: fitted numbers; defaults where None.
+        """
         self._encode = encode
         self._weights = weights or LocationWeights()
         self._furniture: Vectors | None = None
         self._readings: OrderedDict[tuple[tuple[str, ...], tuple[str, ...]], _Reading] = OrderedDict()
 
     def logits(self, question: Question) -> Vectors:
-        """Log odds (n,) of the options. An option without labels is its own label; the odds of several add up."""
+        """Log odds of the options; the odds of an option's labels are added up.
+
+        Args:
+            question: has ``things``. An option without labels is its own label.
+
+        Returns:
+            (n,) float64.
+        """
         named = [option.labels or (phrase(option.name),) for option in question.options]
         labels = tuple(dict.fromkeys(label for names in named for label in names))
         reading = self._reading(labels, question.habits)
@@ -135,6 +147,6 @@ class _Reading:
 
 @cache
 def furniture_names() -> tuple[str, ...]:
-    """Names, with spaces, of all furniture and fixtures of the catalogue: what places are made of."""
+    """Names, with spaces, of all furniture and fixtures of the catalogue."""
     book = catalogue()
     return tuple(phrase(name) for name in book.names if book[name].role not in ("movable", "structure"))

@@ -1,13 +1,12 @@
-"""Chat models of this machine: the score of an option is the log-probability that it is the answer.
+"""Chat models on this machine: the score of an option is the log-probability that it is the answer.
 
-The answer is the option's name and then the end of the turn. Without the end, ``sofa`` would be at least as probable
-as ``sofa bed``, which begins with it. Log-probabilities are summed over tokens: that of the whole answer is what the
-model says, and over the closed set they add up after division. ``normalise`` takes the mean instead, for models that
-give long names too little.
+The answer is the option's name and the end of the turn. Without the end, ``sofa`` would be at least as probable as
+``sofa bed``, which begins with it. Log-probabilities are summed over tokens: the sum is the probability of the whole
+answer. ``normalise`` takes the mean instead, for models that underrate long names.
 
-A row of the network is one option of one question; rows of several questions go through it together. What stands
-beside a row changes its scores by rounding only; ``batch_size=1`` reads each row alone, for scores that do not depend
-on it at all.
+A row of the network is one option of one question; rows of several questions go through it together. Other rows change
+a row's scores by rounding only; with ``batch_size=1`` each row is read alone, and scores do not depend on others at
+all.
 """
 
 from __future__ import annotations
@@ -36,18 +35,19 @@ class Ready:
     """A question as tokens, cut to the window by whole habits."""
 
     prompt: Ids
+    """Tokens of the prompt."""
     dropped: int
-    """Habits that were left out."""
+    """Number of habits that were left out."""
 
 
 R = TypeVar("R", bound=Ready)
 
 
 class LikelihoodModel(LocalModel, Generic[R]):
-    """A subclass makes questions ready, and scores the options of several of them at once."""
+    """A model that scores options by log-probability; subclasses tokenise questions and score batches of them."""
 
     auto = ""
-    """Class of transformers that loads the weights."""
+    """Name of the transformers class that loads the weights."""
 
     def __init__(
         self,
@@ -58,16 +58,16 @@ class LikelihoodModel(LocalModel, Generic[R]):
         window: int | None,
         template: Mapping[str, Any] | None,
     ) -> None:
-        """Arguments and errors as in :class:`.causal_lm.CausalModel`."""
+        """See :class:`.causal_lm.CausalModel` for arguments and errors."""
         if batch_size < 1 or (window is not None and window < 2):
             raise ConfigError(f"batch_size={batch_size}, window={window}: expected at least 1 and 2")
         super().__init__(weights)
         self._batch, self._normalise, self._limit, self._options = batch_size, normalise, window, template
 
     def answer(self, questions: Sequence[Question]) -> list[Answer]:
-        """See :class:`ucon.language.choice.LanguageModel`.
+        """Answer questions; see :meth:`ucon.language.choice.LanguageModel.answer`.
 
-        A question's seconds are those of its own making ready, and an equal share of its group's in the network.
+        An answer's seconds are those of tokenising its question, and an equal share of its group's time in the network.
         """
         out: dict[int, Answer] = {}
         ready: dict[int, R] = {}
@@ -103,9 +103,9 @@ class LikelihoodModel(LocalModel, Generic[R]):
         return [rows[i : i + self._batch] for i in range(0, len(rows), self._batch)]
 
     def _log_prob(self, said: Any, answer: Sequence[int]) -> float:
-        """Log-probability of an answer and the end of the turn; ``said`` (len(answer) + 1 or more, V) is the model's.
+        """Log-probability of an answer and the end of the turn.
 
-        ``said[0]`` is about the answer's first token.
+        ``said`` (len(answer) + 1 or more, V) are the model's log-probabilities; ``said[0]`` predicts the first token.
         """
         tokens = said[range(len(answer)), list(answer)].double().sum()
         end = said[len(answer), self._ends].double().logsumexp(0)
@@ -113,7 +113,7 @@ class LikelihoodModel(LocalModel, Generic[R]):
 
     @abstractmethod
     def _ready(self, question: Question) -> R | None:
-        """A question made ready; None where it exceeds the window even without habits."""
+        """A question as tokens; None where it exceeds the window even without habits."""
 
     @abstractmethod
     def _scores(self, group: Sequence[R]) -> list[NDArray[np.float64]]:

@@ -1,4 +1,4 @@
-"""What models of this machine have in common: a name by their weights, and checks of these."""
+"""The common part of language models whose weights are on this machine."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ from ucon.language.models.weights import LocalWeights
 
 
 class LocalModel(ABC):
-    """A model whose weights are files here. It gives scores."""
+    """A language model with weights on this machine; its answers have scores."""
 
     gives_scores = True
     kind = "local"
-    """Before the weights in the name."""
+    """First part of the name."""
     from_command_line = ("download",)
-    """The network: a stored configuration does not decide that it is used."""
+    """A stored configuration may not switch downloads on; only the command line may."""
 
     def __init__(self, weights: LocalWeights) -> None:
+        """Take over the weights; nothing is read yet."""
         self._weights = weights
 
     @property
@@ -27,13 +28,19 @@ class LocalModel(ABC):
         return f"{self.kind} ({self._weights.short})"
 
     def check(self) -> None:
-        """See :meth:`ucon.language.choice.LanguageModel.check`."""
+        """Check that files, device and number format are there.
+
+        See :meth:`ucon.language.choice.LanguageModel.check` for the errors.
+        """
         self._weights.check()
 
     def fingerprint(self) -> str | None:
-        """See :mod:`ucon.evaluation.playing.needed_weights`."""
+        """Checksum of the weights' files, None where there are none.
+
+        It goes into the run's record (:mod:`ucon.evaluation.playing.needed_weights`).
+        """
         return self._weights.fingerprint()
 
     @abstractmethod
     def answer(self, questions: Sequence[Question]) -> list[Answer]:
-        """See :class:`ucon.language.choice.LanguageModel`."""
+        """Answer questions; see :meth:`ucon.language.choice.LanguageModel.answer`."""

@@ -1,8 +1,8 @@
 """``masked_lm``: a masked language model (RoBERTa) fills the gap of a sentence, by pseudo-log-likelihood.
 
-The text is the habits, as many whole ones as fit, and the question's cloze with an option's name. Only the name's own
-tokens are masked, one at a time, with all others in sight; an option's score is the mean log-probability of these
-(Salazar et al., 2020). The mean, since names differ in length, and the rest of the sentence is the same for all.
+The text is as many whole habits as fit, and the question's cloze with an option's name. Only the name's own tokens are
+masked, one at a time, with all others visible. An option's score is the mean log-probability of these (Salazar et al.,
+2020). It is the mean since names differ in length, and the rest of the sentence is the same for all.
 """
 
 from __future__ import annotations
@@ -41,15 +41,15 @@ class MaskedModel(LocalModel):
         dtype: str = "float32",
         download: bool = False,
     ) -> None:
-        """Nothing is read before it is needed.
+        """Choose model and options; nothing is read yet.
 
         Args:
             path: folder in Hugging Face layout, or a name in the Hugging Face cache.
-            budget_tokens: tokens of all habits together at most.
-            batch_size: masked copies that go through the network together.
+            budget_tokens: most tokens of all habits together.
+            batch_size: masked copies in one pass through the network.
             device: ``cpu``, ``cuda``, ``auto``.
-            dtype: numbers of the weights.
-            download: get a name that is not in the cache from the hub.
+            dtype: of the weights.
+            download: fetch a name that is not in the cache from the hub.
 
         Raises:
             ConfigError: a number out of range, an unknown dtype.
@@ -62,7 +62,7 @@ class MaskedModel(LocalModel):
         self._lengths: dict[str, int] = {}
 
     def answer(self, questions: Sequence[Question]) -> list[Answer]:
-        """See :class:`ucon.language.choice.LanguageModel`; one question at a time."""
+        """Answer questions one at a time; see :meth:`ucon.language.choice.LanguageModel.answer`."""
         return [self._answer(question) for question in questions]
 
     def _answer(self, question: Question) -> Answer:
@@ -151,7 +151,7 @@ class MaskedModel(LocalModel):
 
 
 def made_cloze(question: Question) -> str:
-    """A cloze for a question without one: it names the options, then leaves the gap at the end.
+    """A cloze for a question without one: it lists the options and ends with the gap.
 
     Such as ``Of sofa, desk and shelf, the wallet is most likely at the {}.``
     """

@@ -1,8 +1,8 @@
-"""Rows of tokens through a causal network, each after a past of its own: kept keys and values of what stands before.
+"""Rows of tokens through a causal network, each after its own past (kept keys and values of the tokens before).
 
-Pasts of different lengths stand side by side with their ends aligned: what pads them is on the left, and masked. New
-tokens are padded on the right, where no token that counts can see them. So a row's own keys are one stretch, which is
-cut out again for what is read next, and its tokens have the positions that they would have alone.
+Pasts of different lengths are aligned at their ends; padding on the left is masked. New tokens are padded on the right,
+where no real token can see them. So a row's own keys are one contiguous stretch, which is cut out again for the next
+tokens, and its tokens have the positions that they would have alone.
 """
 
 from __future__ import annotations
@@ -20,10 +20,19 @@ _LENGTH_DEPENDENT: Final = ("dynamic", "longrope")
 
 
 class PrefixReader:
-    """Reads rows of tokens after pasts; no past is changed by it."""
+    """Reads rows of tokens after pasts; pasts are never changed.
+
+    Attributes:
+        together: whether pasts of different lengths may be batched.
+    """
 
     def __init__(self, model: Any, pad: int) -> None:
-        """``pad`` is any token; no score depends on it."""
+        """Take over a model.
+
+        Args:
+            model: a causal model of transformers.
+            pad: any token; no score depends on it.
+        """
         self._model, self._pad = model, pad
         self.together = reads_together(model)
 
@@ -34,7 +43,12 @@ class PrefixReader:
         return DynamicCache(config=self._model.config)
 
     def after(self, pasts: Sequence[Past], rows: Sequence[Sequence[int]]) -> list[Past]:
-        """The pasts after rows of tokens, which may be empty. Several only where ``together``."""
+        """The pasts after further tokens.
+
+        Args:
+            pasts: n pasts; several only where ``together``.
+            rows: n rows of tokens; rows may be empty.
+        """
         if not any(rows):
             return list(pasts)
         _, cache = self._read(pasts, rows, last=1)
@@ -46,11 +60,19 @@ class PrefixReader:
         return [self._cut(cache, i, longest - held[i], ends[i]) for i in range(len(rows))]
 
     def logits(self, pasts: Sequence[Past], rows: Sequence[Sequence[int]]) -> Any:
-        """Logits (n, T, V) float32 after each token of rows of up to T. Several pasts only where ``together``."""
+        """Logits after each token of the rows.
+
+        Args:
+            pasts: n pasts; several only where ``together``.
+            rows: n rows of up to T tokens.
+
+        Returns:
+            (n, T, V) float32.
+        """
         return self._read(pasts, rows, last=max(map(len, rows)))[0]
 
     def _read(self, pasts: Sequence[Past], rows: Sequence[Sequence[int]], *, last: int) -> tuple[Any, Past]:
-        """Logits (n, last, V) and what is then held of all rows, with their padding."""
+        """Logits (n, last, V) and the new cache of all rows, with their padding."""
         import torch
 
         width = max(map(len, rows))
@@ -109,10 +131,11 @@ class PrefixReader:
 
 
 def reads_together(model: Any) -> bool:
-    """Whether rows with pasts of different lengths may stand side by side.
+    """Whether rows with pasts of different lengths may be batched.
 
-    Every layer must keep all keys and values, nothing else. A sliding window keeps the last ones of the padded row, a
-    recurrent state has seen the padding, and a shared layer keeps none. And the model must be told positions and mask.
+    Every layer must keep all keys and values and nothing else. A sliding window keeps the last ones of the padded row,
+    a recurrent state includes the padding, and a shared layer keeps none. The model must also accept positions and
+    mask.
     """
     from transformers import DynamicCache
     from transformers.cache_utils import DynamicLayer
@@ -123,7 +146,10 @@ def reads_together(model: Any) -> bool:
 
 
 def rows_are_independent(model: Any) -> bool:
-    """Whether a row's positions mean the same beside longer rows: not where the longest one sets the frequencies."""
+    """Whether a row's positions mean the same beside longer rows.
+
+    They do not where the longest row sets the frequencies of the rotary embedding.
+    """
     found = getattr(model.config.get_text_config(decoder=True), "rope_parameters", None) or {}
     # One set of parameters, or one for each type of layer.
     sets = [found, *(value for value in found.values() if isinstance(value, dict))]

@@ -1,7 +1,7 @@
-"""``vision_lm``: a chat model on this machine that sees, see :mod:`ucon.language.models.likelihood`.
+"""``vision_lm``: a vision chat model on this machine, scored by :mod:`ucon.language.models.likelihood`.
 
-Every option goes through model and processor with the whole prompt: how images enter (cross-attention, patches among
-the tokens, places in three dimensions) differs between models, and what each processor makes is right for its own.
+Every option goes through processor and model with the whole prompt. How images enter (cross-attention, patches among
+the tokens, positions in three dimensions) differs between models, and each processor's output is right for its own.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ucon.language.models.weights import LocalWeights
 @dataclass(frozen=True, eq=False)
 class _Ready(Ready):
     text: str
-    """The prompt, without what the processor puts where the images are."""
+    """The prompt before the processor inserts image tokens."""
     names: tuple[str, ...]
     images: tuple[Image, ...]
 
@@ -49,7 +49,10 @@ class VisionModel(LikelihoodModel[_Ready]):
         download: bool = False,
         template: Mapping[str, Any] | None = None,
     ) -> None:
-        """Nothing is read before it is needed. Arguments and errors as in :class:`.causal_lm.CausalModel`."""
+        """Choose model and options; nothing is read yet.
+
+        See :class:`.causal_lm.CausalModel` for arguments and errors.
+        """
         weights = LocalWeights(path, device=device, dtype=dtype, download=download)
         super().__init__(weights, batch_size=batch_size, normalise=normalise, window=window, template=template)
 
@@ -81,7 +84,7 @@ class VisionModel(LikelihoodModel[_Ready]):
             for part in parts
         ]
         rows = [_rows(inputs) for inputs in batches]
-        # Where a name's first letters change how the prompt's end is cut into tokens, all scores start before them.
+        # A name's first letters may change how the end of the prompt is tokenised; then scores start before that token.
         first = [len(one.prompt) for one in group]
         for part, own in zip(parts, rows, strict=True):
             for (k, _), row in zip(part, own, strict=True):
@@ -97,7 +100,7 @@ class VisionModel(LikelihoodModel[_Ready]):
         """Log-probability of each row's tokens from number ``first`` on, and of the end of the turn."""
         import torch
 
-        # Logits of a large vocabulary are many: only where some row's answer stands.
+        # The vocabulary is large, so logits are computed only at the positions of answers.
         places = sorted({place for row, start in zip(rows, first, strict=True) for place in range(start - 1, len(row))})
         with torch.inference_mode():
             moved = {name: self._moved(value) for name, value in inputs.items()}

@@ -1,4 +1,4 @@
-"""Weights of Hugging Face models on this machine: found, checked and loaded with errors of one line."""
+"""Weights of Hugging Face models on this machine: found, checked and loaded, with one-line errors."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ DTYPES: Final = ("float32", "bfloat16", "float16", "int8")
 
 
 class LocalWeights:
-    """One model by folder or name, where it runs and in which numbers. Nothing is read before it is asked for."""
+    """One model by folder or name, with device and number format. Nothing is read before it is needed."""
 
     def __init__(self, path: str, *, device: str = "cpu", dtype: str = "float32", download: bool = False) -> None:
-        """Describe the weights.
+        """Choose the weights.
 
         Args:
             path: folder in Hugging Face layout, or a name in the Hugging Face cache.
             device: ``cpu``, ``cuda``, ``cuda:1``; ``auto`` is a GPU if there is one.
             dtype: ``float32``, ``bfloat16``, ``float16``, or ``int8`` (bitsandbytes, on a GPU).
-            download: get a name that is not in the cache from the hub.
+            download: fetch a name that is not in the cache from the hub.
 
         Raises:
             ConfigError: no path, or an unknown dtype.
@@ -44,7 +44,7 @@ class LocalWeights:
 
     @property
     def device(self) -> str:
-        """Where the model runs.
+        """The device, as torch names it.
 
         Raises:
             ConfigError: there is no such device here.
@@ -52,11 +52,11 @@ class LocalWeights:
         return torch_device(self._device, "language.device")
 
     def check(self) -> None:
-        """Whether files, device and number format are there; reads no weights.
+        """Check that files, device and number format are there; reads no weights.
 
         Raises:
             DataError: no such model here, or files are missing in its folder.
-            ConfigError: a device or number format that this machine has not.
+            ConfigError: a device or number format that this machine lacks.
         """
         self.folder()
         device = self.device
@@ -67,12 +67,16 @@ class LocalWeights:
             )
 
     def fingerprint(self) -> str | None:
-        """Which files lie here, see :func:`ucon.core.untrusted.weight_files.fingerprint`; None where there are none."""
+        """Checksum of the files (:func:`ucon.core.untrusted.weight_files.fingerprint`); None where there are none."""
         folder = local_folder(self.path)
         return None if folder is None else fingerprint(folder)
 
     def folder(self) -> Path:
-        """Folder of the files; raises :class:`DataError` where they are not all there."""
+        """Folder of the files.
+
+        Raises:
+            DataError: they are not all there.
+        """
         found = Path(self.path).expanduser()
         if not found.is_dir():
             found = self._from_hub()
@@ -82,7 +86,15 @@ class LocalWeights:
         return found
 
     def load(self, kind: str) -> Any:
-        """The model, ready to be asked; ``kind`` is the class of transformers, such as ``AutoModelForCausalLM``."""
+        """Load the model in evaluation mode.
+
+        Args:
+            kind: name of the transformers class, such as ``AutoModelForCausalLM``.
+
+        Raises:
+            DataError: the files are missing or damaged.
+            ConfigError: a device or number format that this machine lacks.
+        """
         self.check()
         import torch
         import transformers
@@ -95,9 +107,13 @@ class LocalWeights:
         return (model if self.dtype == "int8" else model.to(self.device)).eval()
 
     def read(self, build: Callable[..., Any]) -> Any:
-        """What ``build`` makes of the folder, told to run no code of it and to stay off the network.
+        """Call ``build`` on the folder, with options that run none of its code and keep off the network.
 
-        A damaged file can fail in any way, and is one :class:`DataError`.
+        Args:
+            build: such as ``AutoTokenizer.from_pretrained``.
+
+        Raises:
+            DataError: whatever error a damaged file causes.
         """
         import transformers
 

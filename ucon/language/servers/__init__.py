@@ -1,1 +1,1 @@
-"""Language models behind an HTTP server, and their answers kept on disk."""
+"""Language models behind an HTTP server, and a cache of their answers on disk."""

@@ -1,4 +1,4 @@
-"""Answers of language models on disk, by the hash of what was asked: a rerun is free and says the same."""
+"""Answers of language models on disk, by the hash of the request: a rerun costs nothing and gives the same."""
 
 from __future__ import annotations
 
@@ -11,25 +11,32 @@ from typing import Any
 from ucon.core.files import canonical_json, sha256_bytes, user_cache, write_atomic
 from ucon.core.untrusted.plain_file import read_bounded
 from ucon.core.untrusted.strict_json import MAX_BYTES, parse_json
-from ucon.language.servers.answers import MOST_TOKENS, Said
+from ucon.language.servers.answers import MOST_TOKENS, Completion
 
 
 class AnswerCache:
     """One file an answer. A damaged file is noticed by its checksum, and its question is asked again."""
 
     def __init__(self, folder: Path | None = None) -> None:
-        """``folder`` defaults to ``chat`` in the user's cache folder."""
+        """``folder``: by default ``chat`` in the user's cache folder."""
         self._folder = folder or user_cache() / "chat"
         self._warned = False
 
-    def get(self, key: str) -> tuple[Said, float] | None:
-        """The answer to a request and the seconds that it took; None where it is not kept."""
+    def get(self, key: str) -> tuple[Completion, float] | None:
+        """The kept answer to a request.
+
+        Args:
+            key: hash of the request.
+
+        Returns:
+            The answer and the seconds it took; None where it is not kept, or damaged.
+        """
         path = self._path(key)
         try:
             kept: dict[str, Any] = parse_json(read_bounded(path, MAX_BYTES), surrogates=True)
             if kept.pop("sha256") != sha256_bytes(canonical_json(kept).encode()) or kept.pop("request") != key:
                 raise ValueError("checksum")
-            seconds, said = float(kept.pop("seconds")), Said(**kept)
+            seconds, said = float(kept.pop("seconds")), Completion(**kept)
             _require_usable(said, seconds)
             return said, seconds
         except OSError:
@@ -38,8 +45,14 @@ class AnswerCache:
             self._warn(f"warning: {path} is damaged; its question is asked again")
             return None
 
-    def put(self, key: str, said: Said, seconds: float) -> None:
-        """Keep an answer; where the folder cannot be written, say so once and go on."""
+    def put(self, key: str, said: Completion, seconds: float) -> None:
+        """Keep an answer; where the folder cannot be written, warn once and go on.
+
+        Args:
+            key: hash of the request.
+            said: the answer.
+            seconds: wall time it took.
+        """
         kept: dict[str, Any] = {
             "request": key,
             "text": said.text,
@@ -63,7 +76,7 @@ class AnswerCache:
         print(text, file=sys.stderr)  # noqa: T201
 
 
-def _require_usable(said: Said, seconds: float) -> None:
+def _require_usable(said: Completion, seconds: float) -> None:
     counts = (said.prompt_tokens, said.completion_tokens)
     right = isinstance(said.text, str) and type(said.cut_off) is bool and math.isfinite(seconds) and seconds >= 0
     if not (right and all(type(count) is int and 0 <= count <= MOST_TOKENS for count in counts)):

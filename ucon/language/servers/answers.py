@@ -1,4 +1,4 @@
-"""What a language model said and what it cost: the answer of a chat server, and the JSON object inside its text."""
+"""Answers of chat servers: text and cost, and the JSON object inside the text."""
 
 from __future__ import annotations
 
@@ -12,46 +12,53 @@ from ucon.core.untrusted.strict_json import JsonError, parse_first, parse_json
 _THOUGHT = re.compile(r"<(think|thinking|reasoning)>.*?</\1>", re.DOTALL)
 _FENCED = re.compile(r"\s*```\w*\s*\n(.*?)\n?\s*```\s*", re.DOTALL)
 _MOST_BRACES: Final = 200
-#: Of one answer or question: more than any model reads.
+#: Largest credible number of tokens of an answer or a prompt.
 MOST_TOKENS: Final = 10**9
 CUT_OFF: Final = " that was cut off at max_tokens (raise it)"
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
-    """The text of an answer and what it cost. A server that does not count tokens costs 0."""
+class Completion:
+    """The text of a completion and its tokens; 0 where the server does not count them."""
 
     text: str
     prompt_tokens: int
     completion_tokens: int
     cut_off: bool
-    """Whether it ended at ``max_tokens`` and not by itself."""
+    """Whether it was cut off at ``max_tokens``."""
 
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """An answer and what it cost when it was given."""
+    """An answer and its cost."""
 
     text: str
     data: dict[str, Any] | None
     """The JSON object in it, where one was asked for."""
     cut_off: bool
-    """Whether it ended at ``max_tokens`` and not by itself."""
+    """Whether it was cut off at ``max_tokens``."""
     prompt_tokens: int
     completion_tokens: int
     seconds: float
     attempts: int
-    """Requests that were sent for it; 0 if it was kept from an earlier run and cost nothing now."""
+    """Requests sent for it; 0 if it came from the cache."""
 
     @classmethod
-    def of(cls, said: Said, data: dict[str, Any] | None, seconds: float, attempts: int) -> Reply:
-        """The reply that says this."""
+    def of(cls, said: Completion, data: dict[str, Any] | None, seconds: float, attempts: int) -> Reply:
+        """The reply for a completion.
+
+        Args:
+            said: the completion.
+            data: the JSON object in it, or None.
+            seconds: wall time.
+            attempts: requests sent.
+        """
         return cls(said.text, data, said.cut_off, said.prompt_tokens, said.completion_tokens, seconds, attempts)
 
 
 @dataclass(frozen=True, slots=True)
 class Usage:
-    """What a client did so far. Tokens and seconds are those really spent, cached answers cost none."""
+    """What a client did and spent so far; cached answers cost nothing."""
 
     calls: int = 0
     cached: int = 0
@@ -61,11 +68,11 @@ class Usage:
     seconds: float = 0.0
 
 
-def read_answer(body: bytes) -> Said:
-    """The first choice of a chat completion; what says nothing is an empty text, since it has a price too.
+def read_answer(body: bytes) -> Completion:
+    """The first choice of a chat completion; a choice without text is "", since it has a cost too.
 
     Raises:
-        ValueError: the body is no UTF-8, no JSON, or no chat completion.
+        ValueError: the body is not UTF-8, not JSON, or no chat completion.
     """
     try:
         answer = parse_json(body, surrogates=True)
@@ -80,11 +87,19 @@ def read_answer(body: bytes) -> Said:
     text = text.strip() and text if isinstance(text, str) else ""
     used = answer.get("usage")
     used = used if isinstance(used, dict) else {}
-    return Said(text, _count(used.get("prompt_tokens")), _count(used.get("completion_tokens")), cut_off)
+    return Completion(text, _count(used.get("prompt_tokens")), _count(used.get("completion_tokens")), cut_off)
 
 
 def refusal(body: bytes, key: str) -> str:
-    """What a server says about its refusal, in a few plain words in brackets, without the key; empty if nothing."""
+    """A server's own message about a refusal, in brackets.
+
+    Args:
+        body: of the response.
+        key: secret that is replaced in the message.
+
+    Returns:
+        At most 200 characters; "" if the body is empty.
+    """
     text = body[:4000].decode("utf-8", "replace")
     try:
         error = parse_json(text)
@@ -98,15 +113,19 @@ def refusal(body: bytes, key: str) -> str:
 
 
 def without_thoughts(text: str) -> str:
-    """A text without the parts that a model marks as thinking aloud."""
+    """The text without the parts that a model marks as reasoning."""
     return _THOUGHT.sub("", text).strip()
 
 
 def json_object(text: str, required: tuple[str, ...] = ()) -> dict[str, Any] | None:
-    """The JSON object in a model's text, whatever stands around it; None where there is none.
+    """The JSON object in a model's text; None where there is none.
 
-    A text that is one object, fenced or not, is taken as it is. Out of prose only an object with all ``required``
-    keys is taken: of an object that was cut off, the inner ones that are whole must not pass for it.
+    A text that is one object, fenced or not, is taken as it is. In prose, only an object with all ``required`` keys is
+    taken, so that an inner part of an object that was cut off does not pass for the whole.
+
+    Args:
+        text: the model's text.
+        required: keys.
     """
     bare = without_thoughts(text)
     fenced = _FENCED.fullmatch(bare)

@@ -1,8 +1,8 @@
-"""Language models behind an OpenAI-compatible server: ``POST {base_url}/chat/completions``.
+"""Client of OpenAI-compatible servers: ``POST {base_url}/chat/completions``.
 
-An answer that was once good is kept on disk by the hash of its request. What fails for a while is asked again, waiting
-longer each time; what fails for good ends in one typed error. The key is read from the environment when a request is
-sent, and is in no file, no message and no cache.
+Usable answers are kept on disk by the hash of their request. Temporary failures are retried with growing waits;
+permanent ones end in one typed error. The key is read from the environment when a request is sent, and is in no file,
+no message and no cache.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class ChatClient:
     """Asks one model of one server. Threads may share it."""
 
     from_command_line = ("base_url", "api_key_env")
-    """Where habits are sent, and which secret with them: a stored configuration does not decide that."""
+    """The server that habits and a secret are sent to: only the command line may name it, no stored configuration."""
 
     def __init__(
         self,
@@ -48,24 +48,24 @@ class ChatClient:
         cache: AnswerCache | None = None,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
-        """Describe server and model; nothing is sent yet.
+        """Choose server and model; nothing is sent yet.
 
         Args:
             base_url: such as ``http://127.0.0.1:8000/v1``.
             model: name of the model as the server knows it.
-            api_key_env: environment variable that holds the key; empty for servers without one.
-            timeout_s: wall time of one attempt.
+            api_key_env: environment variable that holds the key; "" for servers without one.
+            timeout_s: seconds of one attempt.
             temperature: of the sampling.
             seed: of the sampling and of the waits.
             max_tokens: longest answer.
-            attempts: how often one question is sent at most.
-            backoff_s: first wait; it doubles up to ``max_wait_s``, which caps ``Retry-After`` as well.
+            attempts: most requests for one question.
+            backoff_s: first wait; it doubles up to ``max_wait_s``, which also limits ``Retry-After``.
             max_wait_s: longest wait.
-            cache: answers on disk; default in the user's cache folder.
+            cache: answers on disk; by default in the user's cache folder.
             sleep: how to wait.
 
         Raises:
-            ConfigError: a ``base_url`` that is none or carries a name or a key; a number out of range.
+            ConfigError: ``base_url`` is no address or contains a name or a key; a number out of range.
         """
         self.base_url = checked_url(base_url)
         if not model or attempts < 1 or min(timeout_s, max_tokens) <= 0 or min(backoff_s, max_wait_s, temperature) < 0:
@@ -85,7 +85,7 @@ class ChatClient:
         self.cache = cache or AnswerCache()
         self.sleep = sleep
         self.schemas = True
-        """Whether the server is still believed to know ``response_format``."""
+        """Whether the server accepts ``response_format``, as far as is known."""
         self._usage = Usage()
         self._lock = threading.Lock()
 
@@ -95,7 +95,7 @@ class ChatClient:
         return self._usage
 
     def check(self) -> None:
-        """Ask the server for the list of its models: is it there, and does it take the key?
+        """Ask the server for the list of its models, to see that it is there and accepts the key.
 
         Raises:
             ConfigError: the variable of the key is not set, or the server refuses the key.
@@ -113,7 +113,7 @@ class ChatClient:
             )
 
     def refused(self, status: int | None) -> ConfigError:
-        """The error of a key that the server does not take."""
+        """The error for a key that the server refuses with this HTTP status."""
         how = f"'{self.api_key_env}'" if self.api_key_env else "that api_key_env names"
         what = f"{self.base_url} (model '{self.model}'): HTTP {status}, the key is refused"
         return ConfigError(f"{what}; put the right one into the environment variable {how}")
@@ -127,19 +127,19 @@ class ChatClient:
         usable: Callable[[str], bool] | None = None,
         limits: AskLimits | None = None,
     ) -> Reply:
-        """Answer to a conversation.
+        """The answer to a conversation, from the cache or the server.
 
         Args:
-            messages: the conversation so far, the last one the user's.
-            schema: JSON schema of an object; the answer's ``data`` is then an object, which the server may not have
-                held to the schema: validate it.
+            messages: the conversation so far; the last one is the user's.
+            schema: JSON schema of an object. ``data`` of the reply is then an object, but the server may have ignored
+                the schema: validate it.
             seed: added to the client's, for another answer to the same question.
-            usable: what makes a text an answer; instead of being JSON of ``schema``, so ``data`` may be None.
-            limits: of attempts and of wall time; by default the client's attempts, each with its timeout.
+            usable: decides whether a text is an answer, instead of being JSON of ``schema``; ``data`` may then be None.
+            limits: of attempts and wall time; by default the client's attempts, each with its timeout.
 
         Raises:
             ConfigError: the variable of the key is not set.
-            AnswerError: the server answers, but never with what can be used.
+            AnswerError: the server answers, but never with something usable.
             ServerError: it cannot be reached, refuses, or gave no answer in time.
         """
         payload: dict[str, Any] = {
@@ -158,18 +158,26 @@ class ChatClient:
         return ChatRequest(self, payload, schema, key, usable, limits or AskLimits(self.attempts)).answered()
 
     def count(self, more: Usage) -> None:
-        """Add to :attr:`usage`."""
+        """Add to :attr:`usage`; safe between threads."""
         with self._lock:
             names = Usage.__dataclass_fields__
             self._usage = Usage(**{name: getattr(self._usage, name) + getattr(more, name) for name in names})
 
     def headers(self) -> dict[str, str]:
-        """What goes with every request; raises :class:`ConfigError` where the key is not set."""
+        """Headers of a request, with the key.
+
+        Raises:
+            ConfigError: the variable of the key is not set.
+        """
         key = self.key()
         return {"Authorization": f"Bearer {key}"} if key else {}
 
     def key(self) -> str:
-        """The key, empty for servers without one; raises :class:`ConfigError` where it is not set."""
+        """The key; "" for servers without one.
+
+        Raises:
+            ConfigError: the variable is not set, or holds no printable ASCII.
+        """
         if not self.api_key_env:
             return ""
         key = os.environ.get(self.api_key_env, "").strip()

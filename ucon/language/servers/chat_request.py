@@ -1,4 +1,4 @@
-"""One question to a chat server on its way to an answer: sent until there is a usable one, within a deadline."""
+"""One question to a chat server: requests until there is a usable answer, within a deadline."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from ucon.core.errors import AnswerError, ServerError
 from ucon.core.files import canonical_json
 from ucon.core.rng import stream
 from ucon.language.servers.answer_cache import AnswerCache
-from ucon.language.servers.answers import CUT_OFF, Reply, Said, Usage, json_object, read_answer, refusal
+from ucon.language.servers.answers import CUT_OFF, Completion, Reply, Usage, json_object, read_answer, refusal
 from ucon.language.servers.post import Outcome, post_json
 
 Usable = Callable[[str], bool]
 """Whether a text can be used as an answer."""
 
-#: With less wall time than this left, another attempt is not begun.
+#: No further attempt begins with less time than this left, seconds.
 _LEAST_S: Final = 0.005
 
 _PASSING: Final = frozenset({408, 409, 425, 429})
-"""Refusals (beside 5xx) that may be gone a moment later."""
+"""HTTP statuses (besides 5xx) of temporary failures."""
 _NO_SCHEMA: Final = frozenset({400, 404, 415, 422, 501})
-"""How servers refuse a ``response_format`` that they do not know."""
+"""HTTP statuses by which servers refuse ``response_format``."""
 _REMEDY: Final = {
     401: "check the key in the environment variable that api_key_env names",
     403: "check the key in the environment variable that api_key_env names",
@@ -34,15 +34,19 @@ _REMEDY: Final = {
 
 @dataclass(frozen=True, slots=True)
 class AskLimits:
-    """How long one question is asked at most."""
+    """Limits of one question.
+
+    Attributes:
+        attempts: most requests.
+        wall_s: seconds of all attempts and waits together; None: unlimited.
+    """
 
     attempts: int
     wall_s: float | None = None
-    """All attempts and waits together; None: as long as the attempts take."""
 
 
 class Connection(Protocol):
-    """What a request needs to know of its client (:class:`ucon.language.servers.chat.ChatClient`)."""
+    """What a request needs of its client (:class:`ucon.language.servers.chat.ChatClient`)."""
 
     base_url: str
     model: str
@@ -51,7 +55,7 @@ class Connection(Protocol):
     backoff_s: float
     max_wait_s: float
     schemas: bool
-    """Whether the server knows ``response_format``."""
+    """Whether the server accepts ``response_format``."""
     cache: AnswerCache
     sleep: Callable[[float], None]
 
@@ -60,11 +64,11 @@ class Connection(Protocol):
         ...
 
     def key(self) -> str:
-        """The secret that no message may show."""
+        """The key; no message may contain it."""
         ...
 
     def count(self, more: Usage) -> None:
-        """Add up what was spent."""
+        """Add what was spent."""
         ...
 
 
@@ -80,7 +84,16 @@ class ChatRequest:
         usable: Usable | None,
         limits: AskLimits,
     ) -> None:
-        """``key`` is what the answer is kept by; the rest as in :meth:`ucon.language.servers.chat.ChatClient.ask`."""
+        """Prepare a request; nothing is sent yet.
+
+        Args:
+            client: server, timeouts and cache.
+            payload: of the request.
+            schema: see :meth:`ucon.language.servers.chat.ChatClient.ask`.
+            key: the cache key of the answer.
+            usable: see :meth:`ucon.language.servers.chat.ChatClient.ask`.
+            limits: of attempts and wall time.
+        """
         self._client = client
         self._payload = payload
         self._schema = schema
@@ -94,7 +107,13 @@ class ChatRequest:
         self._spent = Usage()
 
     def answered(self) -> Reply:
-        """Send it until there is a usable answer; raises what ``ask`` says."""
+        """Send requests until there is a usable answer.
+
+        Raises:
+            ConfigError: the variable of the key is not set.
+            AnswerError: the server answers, but never with something usable.
+            ServerError: it cannot be reached, refuses, or gave no answer in time.
+        """
         start = time.monotonic()
         try:
             return self._until_good(start)
@@ -137,8 +156,8 @@ class ChatRequest:
         seconds = max(min(client.timeout_s, self._deadline - time.monotonic()), _LEAST_S)
         return post_json(f"{client.base_url}/chat/completions", payload, headers, seconds)
 
-    def _usable(self, outcome: Outcome) -> tuple[Said, dict[str, Any] | None] | str:
-        """What an answer says, with the object that was asked for; or what is wrong with it."""
+    def _usable(self, outcome: Outcome) -> tuple[Completion, dict[str, Any] | None] | str:
+        """The completion and the object that was asked for, or the fault as text."""
         try:
             said = read_answer(outcome.body)
             spent = self._spent
@@ -197,7 +216,16 @@ class ChatRequest:
 def usable_data(
     text: str, schema: Mapping[str, Any] | None, usable: Usable | None
 ) -> tuple[dict[str, Any] | None] | None:
-    """The object in a text, or None for an answer without one, in a tuple; None where the text is no answer."""
+    """Whether a text is an answer, and the JSON object in it.
+
+    Args:
+        text: of the completion.
+        schema: of the object, or None.
+        usable: replaces the test for an object.
+
+    Returns:
+        A tuple with the object (or None, for an answer without one); None where the text is no answer.
+    """
     data = None if schema is None else json_object(text, _required(schema))
     good = (schema is None or data is not None) if usable is None else usable(text)
     return (data,) if good else None

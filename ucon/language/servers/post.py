@@ -1,4 +1,4 @@
-"""One POST of JSON to a server: a bounded, typed outcome whatever the other side does."""
+"""One HTTP request to a server, with a typed result within a time limit."""
 
 from __future__ import annotations
 
@@ -25,30 +25,30 @@ _LOOPBACK: Final = frozenset({"127.0.0.1", "::1", "localhost"})
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What came of a request. Without a body, ``problem`` says why there is none."""
+    """The result of a request; without a body, ``problem`` says why."""
 
     status: int | None
-    """HTTP status; None where no answer came."""
+    """HTTP status; None where there was no response."""
     body: bytes = b""
     problem: str = ""
     retry_after_s: float | None = None
-    """How long the server asks to be left alone."""
+    """Seconds the server asks to wait (Retry-After)."""
     hopeless: bool = False
-    """Whether asking again is no use although no answer came."""
+    """Whether a retry is pointless although there was no response."""
 
 
 class _NoRedirect(urllib.request.HTTPRedirectHandler):
-    """Redirects are answers: following one would hand the key to another host."""
+    """Does not follow redirects: that would send the key to another host."""
 
     def redirect_request(self, *_: Any, **__: Any) -> None:
         return None
 
 
 def checked_url(base_url: str) -> str:
-    """An http address without the slash at its end.
+    """A server's address, without the slash at its end.
 
     Raises:
-        ConfigError: it is none, or carries a name, a key or a query, which would end up in messages.
+        ConfigError: not an http address, or one with a name, a key or a query, which would appear in messages.
     """
     try:
         parts = urllib.parse.urlsplit(base_url)
@@ -66,10 +66,16 @@ def checked_url(base_url: str) -> str:
 
 
 def post_json(url: str, payload: dict[str, Any], headers: dict[str, str], timeout_s: float) -> Outcome:
-    """POST a JSON payload and read the whole answer within ``timeout_s`` of wall time, whatever the server does.
+    """POST a JSON payload and read the whole response within a time limit.
 
-    A socket's timeout bounds each read and no name look-up, so the exchange has a thread of its own, which is left
-    to itself when time is up.
+    A socket's timeout limits each read but no name look-up. So the exchange has a thread of its own, which is abandoned
+    when the time is up.
+
+    Args:
+        url: the address.
+        payload: the body.
+        headers: of the request.
+        timeout_s: seconds of wall time.
     """
     data = json.dumps(payload).encode()
     request = urllib.request.Request(url, data, {"Content-Type": "application/json", **headers}, method="POST")
@@ -77,7 +83,16 @@ def post_json(url: str, payload: dict[str, Any], headers: dict[str, str], timeou
 
 
 def get_status(url: str, headers: dict[str, str], timeout_s: float) -> tuple[int | None, str]:
-    """HTTP status of a GET, None where no answer came; and what was wrong then."""
+    """HTTP status of a GET.
+
+    Args:
+        url: the address.
+        headers: of the request.
+        timeout_s: seconds of wall time.
+
+    Returns:
+        The status (None without a response), and what was wrong.
+    """
     outcome = _exchanged(urllib.request.Request(url, headers=headers), timeout_s)
     return outcome.status, outcome.problem
 

@@ -14,7 +14,7 @@ from typing import Final
 from ucon.core.errors import DataError
 from ucon.core.rng import derived_seed
 from ucon.habits.knowledge import MODES, KnowledgeBase, Mode
-from ucon.habits.splits import Split, dealt_pairs, entry_parts
+from ucon.habits.splits import Split, entry_parts, scene_category_folds
 from ucon.habits.types import Entry, HabitDataset
 from ucon.readers.anchor_prior import scene_anchors
 from ucon.readers.sampled_homes import part_kb, sampled_kb
@@ -101,5 +101,5 @@ def pair_folds(dataset: HabitDataset, count: int) -> list[tuple[frozenset[Pair],
     """
     parts = entry_parts(dataset)
     taught = [e for e in dataset.entries if parts[e.id] == "train"]
-    folds = dealt_pairs(taught, count, dataset.name)
+    folds = scene_category_folds(taught, count, dataset.name)
     return [(fold, [e for e in taught if (e.scene or "", e.category) not in fold]) for fold in folds]

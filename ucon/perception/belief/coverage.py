@@ -1,4 +1,7 @@
-"""What coverage expects: the target anywhere that has room for it, without regard to what it is."""
+"""Expected target mass by coverage alone: every place that has room for the target, whatever the target is.
+
+The agent ``frontier`` searches by this; ``belief`` falls back to it.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,11 @@ from ucon.perception.views.viewpoints import Expectation
 
 
 class PlaceWeights(NamedTuple):
-    """Mass of one thing's top, inside behind doors, inside otherwise, space below and surroundings."""
+    """Weight of each relation to one thing, by the kind of the thing.
+
+    Unit of all five: the weight of the top of a piece of fixed furniture is 1. ``inside_closed`` is for things with
+    doors, ``inside_open`` for things that are open as they stand.
+    """
 
     ontop: float
     inside_closed: float
@@ -25,6 +32,7 @@ class PlaceWeights(NamedTuple):
 
 
 def _by_kind() -> dict[Kind, PlaceWeights]:
+    """The fitted weights, by kind of thing; see :class:`CoverageWeights` for the fit."""
     return {
         "fixed_furniture": PlaceWeights(1.0, 5.0, 0.3, 0.6, 0.9),
         "movable_furniture": PlaceWeights(3.0, 5.0, 0.75, 0.6, 1.1),
@@ -38,48 +46,66 @@ def _by_kind() -> dict[Kind, PlaceWeights]:
 
 @dataclass(frozen=True)
 class CoverageWeights(Shared):
-    """How often targets are where, without regard to what they are; the top of a fixed piece of furniture is 1.
+    """How often targets are in which kind of place, without regard to what the target is.
 
-    The weights of things are maximum likelihood estimates (a target is by one of the things of its home, in proportion
-    to their weights) from the 400 episodes of the validation set, where a home's things come to 3.4 a square metre.
+    Unit of all weights: the top of a piece of fixed furniture is 1. ``things`` are maximum likelihood estimates from
+    the 400 episodes of the validation set. The model of that fit: the target is at one of the things of its home,
+    chosen in proportion to their weights. All things of a home together weigh 3.4 per square metre of its floor.
     """
 
     things: Mapping[Kind, PlaceWeights] = field(default_factory=_by_kind)
     unknown: float = 3.4
-    """A square metre not explored yet."""
+    """Weight of a square metre of floor that was not explored yet."""
     near: float = 0.3
-    """A square metre seen from too far to have shown the target."""
+    """Weight of a square metre that was seen, but from too far away to have shown the target."""
 
 
 class Coverage(PartlyShared):
-    """Expects the target anywhere that has room for it."""
+    """Expected target mass without habits: anywhere that has room for the target.
+
+    Implements :class:`ucon.perception.belief.protocol.Expecting`.
+    """
 
     _shared: ClassVar[frozenset[str]] = frozenset({"_mass"})
 
-    #: It reads nothing.
+    #: No habits are read, so there is no distribution over anchors.
     locations = None
 
     def __init__(self, target: str, weights: CoverageWeights) -> None:
+        """Start with an empty map.
+
+        Args:
+            target: category of the target, for its size.
+            weights: weight of every kind of place.
+        """
         self._target, self._weights = target, weights
         self._mass = np.zeros((0, 4))
-        self._named = 0
 
     def expect(self, known: SemanticMap, places: Places) -> Expectation:
-        """See :class:`ucon.perception.belief.protocol.Expecting`."""
+        """Expected mass of everything on the map, in units of :class:`CoverageWeights`.
+
+        Args:
+            known: the map, with T tracks.
+            places: not used; what was looked at is taken into account by whoever values views.
+
+        Returns:
+            ``mass`` (T, 4) float64 by track and relation, and the weights per square metre of unexplored and far space.
+        """
         n = known.n_tracks
         if n > len(self._mass):
             grown = np.zeros((n, 4))
             grown[: len(self._mass)] = self._mass
             for track in range(len(self._mass), n):
-                grown[track] = self._of(known.category[track])
+                grown[track] = self._relation_weights(known.category[track])
             self._mass = grown
         return Expectation(self._mass, self._weights.unknown, self._weights.near)
 
     def reread(self, known: SemanticMap, places: Places) -> bool:
-        """It reads nothing."""
+        """Always False: coverage reads no habits."""
         return False
 
-    def _of(self, category: str) -> tuple[float, float, float, float]:
+    def _relation_weights(self, category: str) -> tuple[float, float, float, float]:
+        """Weight of one thing's relations (ontop, inside, under, nextto); 0 where it has no room for the target."""
         if category in ("", "floors", "walls", "ceilings"):
             return 0.0, 0.0, 0.0, 0.0
         has = affordance(category)

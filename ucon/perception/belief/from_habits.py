@@ -1,4 +1,7 @@
-"""From the habits that an agent is given to what it expects, once an episode or again as the list of habits changes."""
+"""From the habits an agent is given to its belief about the target's place.
+
+Habits are read once at the reset. At habit level ``context`` they are read again whenever the list of habits changes.
+"""
 
 from __future__ import annotations
 
@@ -17,23 +20,40 @@ from ucon.readers.anchor_reader import default_reader
 from ucon.readers.protocol import Reader
 
 Info = Mapping[str, Any]
-#: Says where the target of an episode may be, from the info at its reset.
+#: A function from the info at an episode's reset to the distribution over the target's anchor and relation.
 Locate = Callable[[Info], Locations]
 
 
 class ReadHabits(Shared):
-    """Locations by a reader: common sense, and what the given habits say."""
+    """Reads habits into a distribution over anchors and relations; a prior of common places fills the gaps.
+
+    Calls itself :data:`Locate`. Configurations name it as ``locate``.
+    """
 
     def __init__(self, reader: Reader | None = None) -> None:
-        """``reader``: by default the fitted one that is shipped."""
+        """Choose the reader.
+
+        Args:
+            reader: what scores anchors from sentences. By default the fitted reader that is shipped, loaded at first
+                use.
+        """
         self._reader = reader
 
     def fingerprint(self) -> str:
-        """Which trained reader reads, see :mod:`ucon.evaluation.playing.needed_weights`; "" for the fitted one."""
+        """Checksum of the reader's trained weights, "" for the fitted reader that is shipped.
+
+        It goes into the run's record (:mod:`ucon.evaluation.playing.needed_weights`).
+        """
         return str(fingerprint_of(self._reader))
 
     def __call__(self, info: Info) -> Locations:
-        """Read ``info["habits"]`` about ``info["target"]``; at level ``gt`` all of them are about it."""
+        """Read ``info["habits"]`` about ``info["target"]``.
+
+        At habit level ``gt`` the reader is told that all habits are about the target.
+
+        Returns:
+            Joint probability (A, 4) of anchor and relation, with the H habits, their relevance and their support.
+        """
         if self._reader is None:
             self._reader = default_reader()
         target, texts = str(info["target"]), tuple(info["habits"])
@@ -50,28 +70,46 @@ def expecting(
     weights: BeliefWeights | None = None,
     locations: Locations | None = None,
 ) -> TargetBelief:
-    """What to expect in the episode whose info at reset is given; at level ``context`` it reads again as it goes.
+    """Make the belief of one episode.
 
-    ``locations``: what ``locate`` says of ``info``, where that is known already.
+    Args:
+        info: the info at the reset. With the key ``reranking`` (habit level ``context``) the belief reads again as the
+            list of habits changes.
+        locate: reads the habits of an info.
+        coverage: weights of the part of the belief that follows coverage; defaults where None.
+        weights: how the distribution is spread over the map; defaults where None.
+        locations: what ``locate`` says of ``info``, where that was computed already.
+
+    Returns:
+        A belief that implements :class:`ucon.perception.belief.protocol.Expecting`.
     """
-    indifferent = Coverage(str(info["target"]), coverage or CoverageWeights())
-    arguments = (locations or locate(info), indifferent, weights or BeliefWeights())
+    by_coverage = Coverage(str(info["target"]), coverage or CoverageWeights())
+    arguments = (locations or locate(info), by_coverage, weights or BeliefWeights())
     return ContextBelief(*arguments, info, locate) if "reranking" in info else TargetBelief(*arguments)
 
 
 class ContextBelief(TargetBelief):
-    """At habit level ``context``: says what it saw, and reads the list that comes of it."""
+    """The belief at habit level ``context``: reports what was seen, and reads the re-ranked list of habits."""
 
     _shared: ClassVar[frozenset[str]] = TargetBelief._shared | {"_locate"}
 
     def __init__(
         self, locations: Locations, coverage: Coverage, weights: BeliefWeights, info: Info, locate: Locate
     ) -> None:
+        """As :class:`TargetBelief`, and besides ``info`` of the reset (its ``reranking``) and the reader ``locate``."""
         super().__init__(locations, coverage, weights)
         self._info, self._locate = dict(info), locate
 
     def reread(self, known: SemanticMap, places: Places) -> bool:
-        """See :class:`ucon.perception.belief.protocol.Expecting`."""
+        """Report the anchors seen and found empty to the re-ranking; read the list if it changed.
+
+        Args:
+            known: the map so far.
+            places: what was looked at.
+
+        Returns:
+            Whether the distribution over anchors changed.
+        """
         ranking = self._info["reranking"]
         if not ranking.update(known.instances.keys() & self._row.keys(), self._emptied(known, places)):
             return False
@@ -79,7 +117,10 @@ class ContextBelief(TargetBelief):
         return True
 
     def _emptied(self, known: SemanticMap, places: Places) -> dict[str, float]:
-        """Share of each category's belief that was looked at in vain, in tenths: less makes no new list."""
+        """Share of each anchor category's mass that was looked at without finding the target, above 0.
+
+        Rounded to tenths, so that small changes make no new list of habits.
+        """
         n = known.n_tracks
         left = np.bincount(places.track, places.weights(self._mass), n)
         whole = np.bincount(places.track, self._mass[places.track, places.relation] * places.share, n)

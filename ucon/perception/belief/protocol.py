@@ -1,4 +1,4 @@
-"""Who says where the target may be, given what was seen: what coverage and belief have in common."""
+"""The interface that coverage and belief share: where is the target, given what was seen?"""
 
 from __future__ import annotations
 
@@ -13,17 +13,29 @@ if TYPE_CHECKING:
 
 
 class Expecting(Protocol):
-    """Says where the target may be, given what was seen."""
+    """Expected target mass on the map of one episode, updated as the map grows."""
 
     @property
     def locations(self) -> Locations | None:
-        """What the habits were read to say; None for who reads nothing."""
+        """The distribution over anchor and relation that was read from the habits; None for models that read none."""
         ...
 
     def expect(self, known: SemanticMap, places: Places) -> Expectation:
-        """Mass of tracks, unexplored space and space seen from afar."""
+        """Expected mass, given the map so far.
+
+        Args:
+            known: the map, with T tracks.
+            places: sample points on the map, with what was seen of each.
+
+        Returns:
+            Mass (T, 4) of tracks and relations, of unexplored space, and of space seen from too far away.
+        """
         ...
 
     def reread(self, known: SemanticMap, places: Places) -> bool:
-        """Called before a view is chosen: read anew what depends on what was seen; True if that changed anything."""
+        """Update what depends on what was seen; called before a view is chosen.
+
+        Returns:
+            Whether anything changed, so that :meth:`expect` must be called again.
+        """
         ...

@@ -1,8 +1,9 @@
-"""What a reader of habits expects: belief over places, spread over the things seen and what is unexplored.
+"""The belief about the target's place: a distribution over anchors, spread over the things seen and unexplored space.
 
-An anchor's share goes to its instances seen so far, the rest waits in unexplored space. What a frame shows empty is
-lowered by the chance that it would have shown the target (:mod:`ucon.perception.places.target_places`); a flat tail
-makes the search fall back to coverage once the habits are spent.
+The probability of an anchor category goes to its instances seen so far; the rest waits in unexplored space. A frame
+that shows a place empty lowers it by the chance that the frame would have shown the target
+(:mod:`ucon.perception.places.target_places`). A flat tail follows coverage, so that the search goes on once every place
+that the habits name was searched.
 """
 
 from __future__ import annotations
@@ -21,54 +22,68 @@ from ucon.perception.places.neighbourhood import interest
 from ucon.perception.places.target_places import Places, with_fallback
 from ucon.perception.views.viewpoints import Expectation
 
-#: Mass of a whole home in the units of :class:`Coverage`: what its weights come to in a home of common size.
+#: Sum of the coverage weights over a home of common size; divides them into probabilities.
 _COVERAGE_UNITS = 450.0
 
 
 @dataclass(frozen=True)
 class Locations(Shared):
-    """A distribution over (anchor category, relation)."""
+    """A joint distribution over anchor category and relation for one target."""
 
     names: tuple[str, ...]
+    """The A anchor categories."""
     p: NDArray[np.float64]
-    """(A, 4) joint probability of anchor and relation (ontop, inside, under, nextto); the rest is anywhere."""
+    """(A, 4) joint probability of anchor and relation (ontop, inside, under, nextto). Sums to 1 or less; the remainder
+    is the probability of a place that is none of these."""
     habits: tuple[str, ...] = ()
     """The H habits that were read."""
     relevance: NDArray[np.float64] | None = None
-    """(H,) how much each habit that was read is taken to say where the target is; None where none was read."""
+    """(H,) in [0, 1], how much each habit says about where the target is; None where no habit was read."""
     support: Callable[[str], NDArray[np.float64]] | None = None
-    """(H,) how strongly each of them speaks for the target being by an anchor; None where none was read."""
+    """From an anchor category to (H,) in [0, 1], how strongly each habit supports that anchor; None where no habit
+    was read."""
 
 
 @dataclass(frozen=True)
 class BeliefWeights(Shared):
-    """How belief is turned into expected mass."""
+    """How a distribution over anchors is spread over the map."""
 
     tail: float = 0.1
     """Part of the belief that follows coverage instead of habits. On the validation set the likelihood of the true
     place is best near 0.1 at every habit level (nats a target at 0.1 / 0.3 / 1: none 4.48 / 4.56 / 5.27, retrieval
     3.94 / 3.99 / 5.27, gt 3.60 / 3.68 / 5.27)."""
     hidden: float = 0.5
-    """Share of a category's belief kept, at first, for instances not seen yet."""
+    """Share of an anchor category's probability that waits for further instances, while nothing is explored yet."""
     exists: float = 0.5
-    """Chance that a home has an anchor that was not seen yet at all."""
+    """Probability that the home has an anchor category of which no instance was seen yet."""
     home_m2: float = 130.0
-    """Floor that a home is expected to have; unexplored belief is spread over what is left of it."""
+    """Expected floor of a home in square metres; unexplored mass is spread over the part not explored yet."""
     least_m2: float = 25.0
+    """The unexplored part is taken to be at least so many square metres."""
     least_share: float = 0.25
-    """What is left is at least so much floor, and this share of what was explored."""
+    """The unexplored part is taken to be at least this share of the explored part."""
 
 
-#: Of a home that is known: nothing is left unexplored, and what was not met is not there.
+#: Weights for a home that was toured before the search: nothing is unexplored, and anchors not seen do not exist.
 KNOWN_HOME: Final = BeliefWeights(hidden=0.0, exists=0.0, home_m2=0.0, least_m2=0.01, least_share=0.0)
 
 
 class TargetBelief(PartlyShared):
-    """Expects the target where the habits say, and a little everywhere."""
+    """Expected mass by the habits' distribution, with a flat tail by coverage.
+
+    Implements :class:`ucon.perception.belief.protocol.Expecting`.
+    """
 
     _shared: ClassVar[frozenset[str]] = frozenset({"_mass", "_interest", "_row"})
 
     def __init__(self, locations: Locations, coverage: Coverage, weights: BeliefWeights) -> None:
+        """Start with an empty map.
+
+        Args:
+            locations: the distribution over anchors and relations.
+            coverage: expected mass without habits, for the tail.
+            weights: how the distribution is spread over the map.
+        """
         self._coverage, self._weights = coverage, weights
         self.locations = locations
         self._mass = np.zeros((0, 4))
@@ -77,18 +92,27 @@ class TargetBelief(PartlyShared):
         self.believe(locations)
 
     def believe(self, locations: Locations) -> None:
-        """Expect by ``locations`` from now on."""
+        """Replace the distribution over anchors and relations; the next :meth:`expect` uses it."""
         self._row = {name: k for k, name in enumerate(locations.names)}
         self.locations = locations
         self._anywhere = max(0.0, 1.0 - float(locations.p.sum()))
         self._seen = (-1, 0)
 
     def reread(self, known: SemanticMap, places: Places) -> bool:
-        """See :class:`ucon.perception.belief.protocol.Expecting`: habits read once stay as they were read."""
+        """Always False: habits are read once. :class:`ucon.perception.belief.from_habits.ContextBelief` reads again."""
         return False
 
     def expect(self, known: SemanticMap, places: Places) -> Expectation:
-        """See :class:`ucon.perception.belief.protocol.Expecting`."""
+        """Expected mass, given the map so far; see :meth:`ucon.perception.belief.protocol.Expecting.expect`.
+
+        The unit is probability: all mass of a home of common size comes to about 1. What was seen of the places is not
+        yet taken off (:meth:`ucon.perception.places.target_places.Places.weights` does that).
+
+        Returns:
+            ``mass`` (T, 4), mass per square metre of unexplored and of far space, and ``interest`` (257, 257) float32
+                factors
+            of unexplored cells.
+        """
         flat = self._coverage.expect(known, places)
         explored_m2 = float(np.count_nonzero(known.floor)) * CELL_M**2
         trust = 1.0 - self._weights.tail
@@ -103,7 +127,13 @@ class TargetBelief(PartlyShared):
         return Expectation(trust * self._mass + tail * flat.mass, unknown, tail * flat.near_per_m2, self._interest)
 
     def _spread(self, known: SemanticMap, explored_m2: float) -> dict[str, float]:
-        """Divide every category's belief among its instances and the unexplored rest of the home; returns the rest."""
+        """Divide each category's probability among its instances and the unexplored part of the home.
+
+        Writes ``_mass`` (T, 4) and ``_unseen_per_m2``.
+
+        Returns:
+            By category, the probability that waits in unexplored space (not normalised).
+        """
         w, p = self._weights, self.locations.p
         left_m2 = max(w.least_m2, w.home_m2 - explored_m2, w.least_share * explored_m2)
         share_left = left_m2 / (left_m2 + explored_m2)

@@ -1,7 +1,7 @@
-"""What a detector is shown, and what it must offer.
+"""The input of a detector (:class:`Frame`), its interface (:class:`Detector`), and the names it looks for.
 
-The vocabulary of every detector is the catalogue: never the categories of one home or episode, which would tell what
-is there.
+Every detector looks for all categories of the catalogue. The categories of one home or episode would tell the agent
+what is there.
 """
 
 from __future__ import annotations
@@ -20,12 +20,15 @@ from ucon.perception.mapping.detections import STRUCTURE_KINDS, Detections
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """One look of the agent. The last two fields are the simulator's truth, which no real detector may read."""
+    """What the agent sees at one step.
+
+    ``instance`` and ``counts`` are the simulator's truth: no real detector may read them.
+    """
 
     depth: NDArray[np.float32]
-    """(H, W) metres along the optical axis."""
+    """(H, W) metres along the optical axis, 0 where there is none."""
     rgb: NDArray[np.uint8] | None
-    """(H, W, 3), only for detectors that need it."""
+    """(H, W, 3); None unless the detector's ``needs_rgb`` is True."""
     pose: NDArray[np.float32]
     """(4,) x, y in metres, yaw, pitch (up positive) in radians, in the agent's start frame."""
     camera_m: float
@@ -33,13 +36,17 @@ class Frame:
     fov_deg: float
     """Horizontal angle of view; pixels are square."""
     instance: NDArray[np.int16]
-    """(H, W) instance of every pixel, -1 where there is none."""
+    """(H, W) the simulator's instance of every pixel, -1 where there is none."""
     counts: NDArray[np.int32]
-    """(n_instances,) pixels of each in the canonical 128 x 128 view from the same pose."""
+    """(n_instances,) pixels of each instance in the canonical 128 x 128 view of 90 degrees from the same pose."""
 
     @property
     def camera(self) -> NDArray[np.float64]:
-        """The map kernels' camera (8,); headings are quarter turns, so their cosines are exact."""
+        """(8,) float64, the camera as the map kernels take it.
+
+        x, y, z in metres in the agent's start frame, cos yaw, sin yaw, cos pitch, sin pitch, focal length in pixels.
+        Headings are quarter turns, so that cos and sin of the yaw are exact.
+        """
         x, y, yaw, pitch = (float(v) for v in self.pose)
         quarter = round(yaw / (np.pi / 2))
         focal_px = 0.5 * self.depth.shape[1] / np.tan(np.deg2rad(self.fov_deg) / 2)
@@ -50,7 +57,8 @@ class Frame:
 class Detector(Protocol):
     """Finds things in frames and follows them through one episode.
 
-    One with weights has ``check()`` and ``fingerprint()`` besides, see :mod:`ucon.evaluation.playing.needed_weights`.
+    A detector with weights also has ``check()`` and ``fingerprint()``, see
+    :mod:`ucon.evaluation.playing.needed_weights`.
     """
 
     name: str
@@ -58,19 +66,37 @@ class Detector(Protocol):
     """Whether :attr:`Frame.rgb` must be there."""
 
     def reset(self, episode: str, categories: tuple[str, ...]) -> None:
-        """Forget everything. ``episode`` keys random draws; ``categories`` of all instances are for simulated ones."""
+        """Start an episode: forget all tracks.
+
+        Args:
+            episode: id of the episode; the key of random draws.
+            categories: category of every instance of the simulator, for simulated detectors only.
+        """
 
     def detect(self, frame: Frame) -> Detections:
-        """What is seen in the next frame of the episode."""
+        """Find and track the things in the next frame of the episode.
+
+        Returns:
+            One row for each track in view, and the track of every pixel.
+
+        Raises:
+            DetectorError: a detector with weights cannot be loaded or run.
+        """
 
     def tracks_of(self, instances: tuple[int, ...]) -> tuple[int, ...]:
-        """Tracks that stand for instances (those that an Open opened); unseen ones are left out."""
+        """Tracks that stand for some of the simulator's instances (those that an Open opened).
+
+        The environment's bookkeeping: instances that were never seen are left out.
+        """
 
     def close(self) -> None:
-        """Release what the detector holds."""
+        """Release what the detector holds (models, processes)."""
 
 
 @lru_cache(maxsize=1)
 def vocabulary() -> tuple[str, ...]:
-    """Names that detectors are asked for: the catalogue without pieces of the building, which geometry tells."""
+    """The names that detectors look for: all categories of the catalogue, in its order.
+
+    Floors, walls and ceilings are left out: they are told by geometry.
+    """
     return tuple(name for name in catalogue().names if name not in STRUCTURE_KINDS)

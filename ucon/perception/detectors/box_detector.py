@@ -1,4 +1,4 @@
-"""What all detectors share that find labelled boxes: one looks for boxes, the tracker follows them."""
+"""The common part of detectors that find labelled boxes: a subclass finds boxes, the tracker follows them."""
 
 from __future__ import annotations
 
@@ -7,39 +7,58 @@ from abc import ABC, abstractmethod
 from ucon.core.sharing import PartlyShared
 from ucon.perception.detectors.base import Frame
 from ucon.perception.detectors.boxes import Boxes
-from ucon.perception.detectors.owners import Owners
+from ucon.perception.detectors.owners import TrackInstances
 from ucon.perception.detectors.tracker import GATE_M, STRUCTURE, Tracker
 from ucon.perception.mapping.detections import Detections
 
 
 class BoxDetector(PartlyShared, ABC):
-    """A detector by :meth:`find`. ``gate_m`` is the tracker's."""
+    """A detector whose subclasses find boxes in single frames (:meth:`find`).
+
+    Implements :class:`ucon.perception.detectors.base.Detector`.
+    """
 
     name = ""
     needs_rgb = True
 
     def __init__(self, gate_m: float = GATE_M) -> None:
+        """Make the tracker.
+
+        Args:
+            gate_m: boxes of one category farther apart than this, in metres, are two things.
+        """
         self._tracker = Tracker(gate_m)
-        self._owners = Owners()
+        self._owners = TrackInstances()
 
     @abstractmethod
     def find(self, frame: Frame) -> Boxes:
-        """Boxes in one frame."""
+        """Find labelled boxes in one frame, without regard to earlier frames.
+
+        Returns:
+            n boxes in the frame's pixels.
+        """
 
     def reset(self, episode: str, categories: tuple[str, ...]) -> None:
-        """Start an episode."""
+        """Start an episode: forget all tracks. ``episode`` and ``categories`` are not used here."""
         self._tracker.reset()
-        self._owners = Owners()
+        self._owners = TrackInstances()
 
     def detect(self, frame: Frame) -> Detections:
-        """Boxes of the next frame, followed."""
+        """Find boxes in the next frame and assign them to tracks.
+
+        Returns:
+            Tracks in view: structure first (floors, walls, ceilings, obstacles), then things.
+        """
         found = self._tracker.follow(self.find(frame), frame)
         self._owners.note(found, frame, len(STRUCTURE))
         return found
 
     def tracks_of(self, instances: tuple[int, ...]) -> tuple[int, ...]:
-        """Tracks most of whose pixels lay on one of the instances when they were last seen."""
+        """Tracks that stand for some of the simulator's instances.
+
+        A track stands for an instance if most of its pixels lay on it in the last frame that showed the track.
+        """
         return self._owners.of(instances)
 
     def close(self) -> None:
-        """Release what the detector holds."""
+        """Nothing to release; subclasses with a process end it."""

@@ -1,4 +1,4 @@
-"""What a detector finds in one picture, before it is followed: labelled, scored pixel boxes."""
+"""The boxes that a detector finds in one image, before they are tracked."""
 
 from __future__ import annotations
 
@@ -11,30 +11,42 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, slots=True)
 class Boxes:
-    """n boxes in one frame."""
+    """n labelled, scored boxes in one frame."""
 
     label: Sequence[str]
     """n catalogue names."""
     score: NDArray[np.float32]
-    """(n,) from 0 to 1."""
+    """(n,) confidence from 0 to 1."""
     xyxy: NDArray[np.float32]
-    """(n, 4) pixels: left, top, right, bottom; the last two lie just outside."""
+    """(n, 4) left, top, right, bottom in pixels; right and bottom are exclusive."""
     mask: NDArray[np.bool_] | None = None
-    """(n, H, W) pixels of each, from detectors that segment."""
+    """(n, H, W) pixels of each box's thing; None from detectors that do not segment."""
 
     @classmethod
     def none(cls) -> Boxes:
-        """No box at all."""
+        """No boxes: n is 0."""
         return cls((), np.zeros(0, np.float32), np.zeros((0, 4), np.float32))
 
     def keep(self, rows: Sequence[int] | NDArray[np.intp]) -> Boxes:
-        """Only these rows, in this order."""
+        """A selection of the boxes.
+
+        Args:
+            rows: row numbers; the result has them in this order.
+        """
         chosen = np.asarray(rows, np.intp)
         mask = None if self.mask is None else self.mask[chosen]
         return Boxes([self.label[k] for k in chosen], self.score[chosen], self.xyxy[chosen], mask)
 
-    def without_doubles(self, iou: float, most: int) -> Boxes:
-        """Best first: of boxes of one label that overlap by more than ``iou`` the best stays; ``most`` in all."""
+    def non_maximum_suppression(self, iou: float, most: int) -> Boxes:
+        """Non-maximum suppression within each label.
+
+        Args:
+            iou: of boxes of one label that overlap by more than this, the one with the highest score stays.
+            most: at most so many boxes are kept.
+
+        Returns:
+            The kept boxes, by falling score.
+        """
         order = np.argsort(-self.score, kind="stable")
         label = np.array(self.label)
         kept: list[int] = []
@@ -46,7 +58,15 @@ class Boxes:
 
 
 def overlap(box: NDArray[np.float32], others: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Intersection over union of one box (4,) with others (n, 4)."""
+    """Intersection over union of one box with others.
+
+    Args:
+        box: (4,) left, top, right, bottom.
+        others: (n, 4).
+
+    Returns:
+        (n,) float32 in [0, 1].
+    """
     low, high = np.maximum(box[:2], others[:, :2]), np.minimum(box[2:], others[:, 2:])
     shared = np.prod(np.maximum(high - low, 0.0), axis=1)
     area = np.prod(np.maximum(box[2:] - box[:2], 0.0))

@@ -1,6 +1,6 @@
-"""Which name a detector mistakes for which: of similar size and shape, and found in the same rooms.
+"""Which category a simulated detector confuses with which: similar size and shape, found in the same rooms.
 
-Read off the catalogue: nothing here was measured on a detector, whose own confusions go by looks and by wording.
+Computed from the catalogue. It was not measured on a detector; real detectors confuse by looks and wording.
 """
 
 from __future__ import annotations
@@ -16,7 +16,11 @@ from ucon.perception.detectors.base import vocabulary
 
 @lru_cache(maxsize=1)
 def _features() -> tuple[dict[str, int], NDArray[np.float64], NDArray[np.str_], NDArray[np.str_], NDArray[np.float64]]:
-    """Row of every name; sorted log sizes (n, 3); shapes (n,); groups (n,); rooms (n, r), each row of length 1."""
+    """Catalogue features of the n names of the vocabulary.
+
+    Returns:
+        Row of each name; sorted log sizes (n, 3); shapes (n,); semantic groups (n,); rooms (n, r), rows of length 1.
+    """
     names, book = vocabulary(), catalogue()
     rows = [book[name] for name in names]
     types = sorted({room for row in rows for room in row.rooms})
@@ -29,10 +33,13 @@ def _features() -> tuple[dict[str, int], NDArray[np.float64], NDArray[np.str_], 
 
 @lru_cache(maxsize=4096)
 def confusion(name: str) -> NDArray[np.float64]:
-    """Probability (n,) of every name of the vocabulary when ``name`` is called something else; its own is 0.
+    """Probability of every name of the vocabulary, given that ``name`` is called by a wrong one.
 
-    Sizes count by a Gaussian over their mean squared log ratio (a factor 1.5 is one standard deviation), one
-    archetype makes it six times as likely, one semantic group three times, shared rooms up to three times.
+    Sizes count by a Gaussian over their mean squared log ratio (a factor 1.5 is one standard deviation). The same
+    archetype counts six times, the same semantic group three times, shared rooms up to three times.
+
+    Returns:
+        (n,) float64 that sums to 1; 0 for ``name`` itself. Uniform where ``name`` is not in the vocabulary.
     """
     row, size, shape, group, rooms = _features()
     if name not in row:
@@ -48,8 +55,13 @@ def confusion(name: str) -> NDArray[np.float64]:
     return result
 
 
-def mistaken(name: str, draw: float) -> str:
-    """The wrong name for ``name`` that a number drawn from [0, 1) stands for."""
+def wrong_name(name: str, draw: float) -> str:
+    """The wrong name that a uniform random number stands for.
+
+    Args:
+        name: the true category.
+        draw: a number from [0, 1).
+    """
     names = vocabulary()
     k = int(np.searchsorted(np.cumsum(confusion(name)), draw, side="right"))
     return names[min(k, len(names) - 1)]

@@ -1,8 +1,8 @@
-"""Grounding DINO: finds the phrases of a prompt in an image.
+"""Grounding DINO: finds the phrases of a text prompt in an image.
 
-Its text window holds some sixty names, so the vocabulary takes a dozen prompts, each a pass through the whole model:
-text and image are fused, so nothing but the tokens can be kept. What it finds are spans of the prompt, which are
-turned back into names.
+Its text window holds about sixty names, so the vocabulary takes a dozen prompts. Each prompt is a pass through the
+whole model, because text and image features are fused; only the tokens are kept between frames. The model reports spans
+of the prompt, which are mapped back to catalogue names.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ucon.perception.detectors.tracker import GATE_M
 
 
 class GroundingDinoDetector(OpenVocabularyDetector):
-    """Boxes by Grounding DINO. ``text_threshold`` is the score from which a word belongs to what was found."""
+    """Boxes by Grounding DINO."""
 
     name = "grounding_dino"
 
@@ -33,6 +33,20 @@ class GroundingDinoDetector(OpenVocabularyDetector):
         names: Sequence[str] | None = None,
         gate_m: float = GATE_M,
     ) -> None:
+        """Set the model's options; nothing is loaded yet.
+
+        Args:
+            weights: which model, device and dtype.
+            threshold: least score of a box.
+            text_threshold: least score of a token that belongs to a box's phrase.
+            nms_iou: of boxes of one name that overlap by more, the best stays.
+            most_boxes: of one frame.
+            names: the vocabulary, by default all names of the catalogue.
+            gate_m: of the tracker, metres.
+
+        Raises:
+            ConfigError: a number is out of its range.
+        """
         super().__init__(
             weights, threshold=threshold, nms_iou=nms_iou, most_boxes=most_boxes, names=names, gate_m=gate_m
         )
@@ -42,11 +56,18 @@ class GroundingDinoDetector(OpenVocabularyDetector):
 
     @property
     def unmatched(self) -> int:
-        """Phrases found so far that are no name, such as half of one; their boxes were dropped."""
+        """How many phrases so far were not a name of the vocabulary, such as half of one; their boxes were dropped."""
         return self._meant.unmatched
 
     def prompts(self, loaded: Loaded) -> list[str]:
-        """The vocabulary as prompts that fit the model's text window."""
+        """The vocabulary as prompts that fit the model's text window; computed once.
+
+        Args:
+            loaded: the model, for its tokenizer and window.
+
+        Returns:
+            Texts of the form "first name. second name."
+        """
         if self._prompts is None:
             tokenizer = loaded.processor.tokenizer
             # Two tokens mark the beginning and the end.
@@ -56,6 +77,7 @@ class GroundingDinoDetector(OpenVocabularyDetector):
         return self._prompts
 
     def _raw(self, loaded: Loaded, rgb: np.ndarray) -> Boxes:
+        """Boxes of all prompts, in pixels of ``rgb`` (H, W, 3) uint8."""
         import torch
 
         labels: list[str] = []

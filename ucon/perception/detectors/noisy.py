@@ -1,9 +1,9 @@
-"""The ``noisy`` detector: instances in view with the errors of an open-vocabulary detector, without running one.
+"""The ``noisy`` detector: the instances in view with the errors of an open-vocabulary detector, without running one.
 
-It misses things, the smaller the more; calls things by the name of something similar; sees things where nothing is;
-and its boxes are inexact. Errors last, as a real detector's do: all of them depend on the thing (or the spot), on
-which of eight sides it is seen from and on its distance to a factor of two, never on the frame. So a second look
-from the same pose shows the same, and walking round a thing may mend an error.
+It misses things (small ones more often), confuses similar categories, reports things where there are none, and its
+boxes are inexact. Errors persist, as a real detector's do: they depend on the thing (or the spot), on which of eight
+sides it is seen from, and on its distance to a factor of two, but never on the frame. A second look from the same pose
+shows the same; walking round a thing may correct an error.
 
 Where the rates come from. *Published* figures, then what was *estimated* from them:
 
@@ -38,25 +38,25 @@ from ucon.perception.detectors import noisy_kernels as kernels
 from ucon.perception.detectors.base import Frame, vocabulary
 from ucon.perception.detectors.box_detector import BoxDetector
 from ucon.perception.detectors.boxes import Boxes
-from ucon.perception.detectors.confusion import mistaken
+from ucon.perception.detectors.confusion import wrong_name
 from ucon.perception.detectors.tracker import GATE_M
 from ucon.perception.mapping.detections import MIN_PIXELS, STRUCTURE_KINDS
 
-#: False detections are looked for at this many pixels across and down.
+#: False positives may appear at the pixels of a GRID x GRID raster.
 GRID = 8
 
 
 @dataclass(frozen=True, slots=True)
 class Rates(Shared):
-    """How often what goes wrong.
+    """How often each error occurs.
 
     Attributes:
-        recall: chance that a thing is found at each of ``recall_px`` pixels of the 128 x 128 view; between them it
-            follows the logarithm of the pixels, beyond them it stays.
-        recall_px: ascending.
-        false_labels: chance that a found thing gets a wrong name.
-        false_positives: expected boxes on nothing in a frame that shows surfaces everywhere.
-        jitter: standard deviation of each edge of a box, in sides of the box.
+        recall: probability that a thing is found, at each of ``recall_px`` pixels. Interpolated linearly in the
+            logarithm of the pixels, constant beyond the ends.
+        recall_px: sizes in pixels of the canonical 128 x 128 view, ascending.
+        false_labels: probability that a found thing gets a wrong name.
+        false_positives: expected boxes on nothing in a frame whose every pixel shows a surface.
+        jitter: standard deviation of each edge of a box, as a fraction of the box's side.
     """
 
     recall: Sequence[float] = (0.2, 0.4, 0.66, 0.8)
@@ -78,17 +78,24 @@ class Rates(Shared):
             )
 
     def found(self, pixels: float) -> float:
-        """Chance that a thing of so many pixels is found."""
+        """Probability that a thing of this size is found.
+
+        Args:
+            pixels: its size in the canonical 128 x 128 view.
+        """
         return float(np.interp(np.log(max(pixels, 1e-9)), np.log(self.recall_px), self.recall))
 
 
-#: A detector that makes no error: for tests, and to tell what the boxes alone cost.
+#: Rates of a detector without errors: for tests, and to measure what boxes instead of pixels cost.
 EXACT = Rates(recall=(1.0,), recall_px=(1.0,), false_labels=0.0, false_positives=0.0, jitter=0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class _Look(Shared):
-    """What was drawn for one thing or spot from one side and distance: numbers from [0, 1) and normal edges."""
+    """Random numbers for one thing (or spot) from one side and distance.
+
+    ``found``, ``wrong``, ``name`` and ``score`` are uniform in [0, 1); ``edges`` (4,) are standard normal.
+    """
 
     found: float
     wrong: float
@@ -98,7 +105,10 @@ class _Look(Shared):
 
 
 class NoisyDetector(BoxDetector):
-    """Boxes of the instances with at least ``min_pixels`` canonical pixels, with errors at ``rates``."""
+    """Boxes of the instances in view, with errors at given rates.
+
+    Simulated from the frame's ground truth; needs no colour image.
+    """
 
     _shared: ClassVar[frozenset[str]] = frozenset({"_rates", "_categories", "_thing"})
     _flat: ClassVar[frozenset[str]] = frozenset({"_looks"})
@@ -109,19 +119,36 @@ class NoisyDetector(BoxDetector):
     def __init__(
         self, rates: Rates | None = None, *, min_pixels: int = MIN_PIXELS, seed: int = 0, gate_m: float = GATE_M
     ) -> None:
+        """Set the errors.
+
+        Args:
+            rates: how often each error occurs; the published estimates by default.
+            min_pixels: instances with fewer pixels in the canonical 128 x 128 view are never found.
+            seed: of the random errors.
+            gate_m: of the tracker, metres.
+        """
         super().__init__(gate_m)
         self._rates, self._min_pixels, self._seed = rates or Rates(), min_pixels, seed
         self.reset("", ())
 
     def reset(self, episode: str, categories: tuple[str, ...]) -> None:
-        """Start an episode: draws are keyed by its id, things by their instance."""
+        """Start an episode.
+
+        Args:
+            episode: id of the episode; with the seed and the instance it is the key of the random draws.
+            categories: category of every instance.
+        """
         super().reset(episode, categories)
         self._episode, self._categories = episode, categories
         self._thing = np.array([name not in STRUCTURE_KINDS for name in categories], bool)
         self._looks: dict[tuple[str | int, ...], _Look] = {}
 
     def find(self, frame: Frame) -> Boxes:
-        """Boxes of things, by instance, then false ones."""
+        """Boxes of the things in view by instance number, then false positives.
+
+        Returns:
+            Boxes in the frame's pixels; edges may lie outside the frame.
+        """
         labels: list[str] = []
         scores: list[float] = []
         boxes: list[NDArray[np.float64]] = []
@@ -134,6 +161,7 @@ class NoisyDetector(BoxDetector):
         return Boxes(labels, np.array(scores, np.float32), np.array(boxes, np.float32))
 
     def _things(self, frame: Frame) -> list[tuple[str, float, NDArray[np.float64]]]:
+        """Label, score and box (4,) of every instance that is found in this frame."""
         n = len(frame.counts)
         box, middle, count = np.empty((n, 4), np.int32), np.empty((n, 3)), np.empty(n, np.int32)
         kernels.outline(frame.depth, frame.instance, frame.camera, box, middle, count)
@@ -147,13 +175,16 @@ class NoisyDetector(BoxDetector):
                 continue
             wrong = look.wrong < self._rates.false_labels
             name = self._categories[k]
-            # A detector is less sure of what is small and of what it takes for something else (estimated).
+            # Scores are lower for small things and for wrong names (estimated).
             score = (0.3 if wrong else 0.3 + 0.4 * sure) + 0.2 * look.score
-            found.append((mistaken(name, look.name) if wrong else name, score, self._shaken(box[k], look)))
+            found.append((wrong_name(name, look.name) if wrong else name, score, self._shaken(box[k], look)))
         return found
 
     def _ghosts(self, frame: Frame) -> list[tuple[str, float, NDArray[np.float64]]]:
-        """False boxes: each grid pixel has the same chance, which those that show one spot from one side share."""
+        """False positives: label, score and box (4,).
+
+        Every raster pixel has the same chance. Pixels that show one spot from one side share one draw.
+        """
         spot, pixel = np.empty((GRID * GRID, 4), np.int32), np.empty((GRID * GRID, 2), np.int32)
         chance = self._rates.false_positives / (GRID * GRID)
         if chance == 0.0:
@@ -175,7 +206,7 @@ class NoisyDetector(BoxDetector):
         return found
 
     def _look(self, *key: str | int) -> _Look:
-        """What is drawn for a key, once an episode."""
+        """The random numbers of a key, drawn once an episode."""
         look = self._looks.get(key)
         if look is None:
             rng = stream(self._seed, "noisy", self._episode, *key)
@@ -184,5 +215,6 @@ class NoisyDetector(BoxDetector):
         return look
 
     def _shaken(self, box: NDArray[np.int32], look: _Look) -> NDArray[np.float64]:
+        """The box (4,) with jittered edges."""
         side = np.tile(box[2:] - box[:2], 2)
         return box + self._rates.jitter * side * look.edges

@@ -1,4 +1,7 @@
-"""Hot loops of the noisy detector: where the instances of a frame are, and which spots of its surfaces show."""
+"""Kernels of the noisy detector: pixel boxes of the instances of a frame, and the spots of space that it shows.
+
+The camera is that of :mod:`ucon.perception.mapping.map_kernels`.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +10,22 @@ import numpy as np
 from ucon.core.jit import F32, F64, I16, I32, jit
 from ucon.perception.mapping.map_kernels import FAR_M
 
-#: False detections sit on spots of this size.
+#: False positives are drawn for cubes of this side, in metres.
 SPOT_M = 0.5
 
 
 @jit
 def outline(depth: F32, instance: I16, camera: F64, box: I32, middle: F64, count: I32) -> None:
-    """Pixel box (n, 4), mean point (n, 3) in metres and pixels (n,) of every instance; all written, boxes half open."""
+    """Pixel box, mean point and pixel count of every instance.
+
+    Args:
+        depth: (H, W) float32, metres along the optical axis.
+        instance: (H, W) int16, -1 where there is none.
+        camera: (8,) float64.
+        box: (n, 4) int32, written: left, top, right, bottom; right and bottom exclusive.
+        middle: (n, 3) float64, written: mean of the visible points, metres in the start frame.
+        count: (n,) int32, written: visible pixels.
+    """
     rows, columns = depth.shape
     x, y, cam_z, c, s, cp, sp, focal_px = camera
     box[:, 0], box[:, 1], box[:, 2:] = columns, rows, 0
@@ -39,9 +51,17 @@ def outline(depth: F32, instance: I16, camera: F64, box: I32, middle: F64, count
 
 @jit
 def spots(depth: F32, camera: F64, grid: int, spot: I32, pixel: I32) -> int:
-    """The spots of 0.5 m that the pixels of a grid x grid raster lie in; returns how many pixels show anything.
+    """The 0.5 m cubes that the pixels of a grid x grid raster of the frame show.
 
-    spot (grid * grid, 4) written: cell x, y, z, and from which of eight sides it is seen; pixel (grid * grid, 2) u, v.
+    Args:
+        depth: (H, W) float32, metres along the optical axis.
+        camera: (8,) float64.
+        grid: raster pixels across and down.
+        spot: (grid * grid, 4) int32, written: cube x, y, z, and from which of eight sides it is seen.
+        pixel: (grid * grid, 2) int32, written: column u and row v.
+
+    Returns:
+        How many raster pixels show a surface; only so many rows are written.
     """
     rows, columns = depth.shape
     x, y, cam_z, c, s, cp, sp, focal_px = camera

@@ -1,7 +1,7 @@
-"""Models of the transformers library that find whatever is named: loading them, and what their detectors share.
+"""The common part of detectors that run open-vocabulary models of the transformers library.
 
-Weights are read from a folder or from the Hugging Face cache; only with ``download`` are they fetched. Detectors of
-one process that name the same weights share one model.
+Weights are read from a folder or from the Hugging Face cache; they are fetched only with ``download``. Detectors of one
+process that name the same weights share one model.
 """
 
 from __future__ import annotations
@@ -29,15 +29,20 @@ _DTYPES = ("float32", "float16", "bfloat16")
 
 @dataclass(frozen=True, slots=True)
 class DetectorWeights:
-    """Which model, and how it runs."""
+    """Which model a detector runs, on which device and in which precision.
+
+    Raises:
+        ConfigError: at construction, for an unknown dtype.
+    """
 
     from_command_line: ClassVar = ("download",)
-    """The network: a stored configuration does not decide that it is used."""
+    """A stored configuration may not switch downloads on; only the command line may."""
     model: str
     """A folder, or a name on the Hugging Face hub."""
     device: str = "cpu"
+    """As torch names it."""
     dtype: str = "float32"
-    """float32, float16 or bfloat16; halves are meant for GPUs."""
+    """float32, float16 or bfloat16; the 16-bit types are meant for GPUs."""
     download: bool = False
     """Whether weights that are not in the cache are fetched."""
 
@@ -48,7 +53,7 @@ class DetectorWeights:
 
 @dataclass(frozen=True, slots=True)
 class Loaded:
-    """A model in evaluation mode and its processor."""
+    """A transformers model in evaluation mode and its processor."""
 
     model: Any
     processor: Any
@@ -56,10 +61,13 @@ class Loaded:
 
 @lru_cache(maxsize=2)
 def load(weights: DetectorWeights) -> Loaded:
-    """The model and processor of some weights.
+    """Load a model and its processor; the last two are kept.
+
+    Args:
+        weights: which model, device and dtype.
 
     Raises:
-        DetectorError: they are not there, or are no model that finds what is named.
+        DetectorError: the weights are not there, or are not a zero-shot object detection model.
     """
     import torch
     from transformers import AutoModelForZeroShotObjectDetection, AutoProcessor
@@ -80,7 +88,7 @@ def load(weights: DetectorWeights) -> Loaded:
 
 
 class OpenVocabularyDetector(BoxDetector):
-    """Boxes of whatever of the vocabulary a model finds in the colour image, above a threshold, without doubles.
+    """A detector that finds the names of its vocabulary in the colour image.
 
     Weights are loaded at the first frame, so that an environment can be described without them.
     """
@@ -95,7 +103,19 @@ class OpenVocabularyDetector(BoxDetector):
         names: Sequence[str] | None = None,
         gate_m: float = GATE_M,
     ) -> None:
-        """``names`` is the vocabulary, by default that of the catalogue; ``nms_iou`` is the overlap of doubles."""
+        """Set the options; nothing is loaded yet.
+
+        Args:
+            weights: which model, device and dtype.
+            threshold: least score of a box, from 0 to below 1.
+            nms_iou: of boxes of one name that overlap by more, the best stays.
+            most_boxes: of one frame.
+            names: the vocabulary, by default all names of the catalogue.
+            gate_m: of the tracker, metres.
+
+        Raises:
+            ConfigError: a number is out of its range.
+        """
         super().__init__(gate_m)
         if not 0.0 <= threshold < 1.0 or not 0.0 <= nms_iou <= 1.0 or most_boxes < 1:
             raise ConfigError(
@@ -107,10 +127,10 @@ class OpenVocabularyDetector(BoxDetector):
         self._names = vocabulary() if names is None else tuple(names)
 
     def check(self) -> None:
-        """Whether the weights are there; nothing is loaded.
+        """Check that the weights' files are there; nothing is loaded.
 
         Raises:
-            DetectorError: no such folder, no model of that name here, or files are missing in it.
+            DetectorError: there is no such folder and no cached model of that name, or files are missing in it.
         """
         weights = self._weights
         folder = local_folder(weights.model, download=weights.download)
@@ -122,12 +142,19 @@ class OpenVocabularyDetector(BoxDetector):
             )
 
     def fingerprint(self) -> str | None:
-        """Which weights lie here; None where there are none."""
+        """Checksum of the weights on this machine; None where there are none."""
         folder = local_folder(self._weights.model)
         return None if folder is None else fingerprint(folder)
 
     def find(self, frame: Frame) -> Boxes:
-        """Boxes of one frame, in its pixels."""
+        """Boxes of the vocabulary's names in one frame, after non-maximum suppression.
+
+        Returns:
+            Boxes in the frame's pixels, clipped to it, by falling score.
+
+        Raises:
+            DetectorError: the frame has no colour image, or the weights cannot be loaded.
+        """
         import torch
 
         if frame.rgb is None:
@@ -137,12 +164,15 @@ class OpenVocabularyDetector(BoxDetector):
         height, width = frame.depth.shape
         xyxy = np.clip(found.xyxy, 0, np.array([width, height, width, height], np.float32))
         inside = np.flatnonzero(((xyxy[:, 2:] - xyxy[:, :2]) > 0.5).all(1))
-        return Boxes(found.label, found.score, xyxy).keep(inside).without_doubles(self._nms_iou, self._most_boxes)
+        return (
+            Boxes(found.label, found.score, xyxy).keep(inside).non_maximum_suppression(self._nms_iou, self._most_boxes)
+        )
 
     @abstractmethod
     def _raw(self, loaded: Loaded, rgb: np.ndarray) -> Boxes:
         """All boxes above the threshold in an image (H, W, 3) uint8, in its pixels."""
 
     def _result(self, label: Sequence[str], score: torch.Tensor, xyxy: torch.Tensor) -> Boxes:
+        """Boxes from a model's tensors: ``score`` (n,), ``xyxy`` (n, 4) pixels."""
         numbers = [np.asarray(t.float().cpu().numpy(), np.float32) for t in (score, xyxy)]
         return Boxes(list(label), numbers[0], numbers[1].reshape(-1, 4))

@@ -1,4 +1,4 @@
-"""OWLv2: compares every patch of an image with every name. The names are embedded once, whatever their number."""
+"""OWLv2: compares every patch of an image with every name. Names are embedded once, whatever their number."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from ucon.perception.detectors.tracker import GATE_M
 if TYPE_CHECKING:
     import torch
 
-#: The wording that the model was evaluated with.
+#: The prompt that the model's authors evaluated with.
 TEMPLATE = "a photo of a {}"
 
 
 class Owlv2Detector(OpenVocabularyDetector):
-    """Boxes by OWLv2. ``batch`` names are embedded at a time."""
+    """Boxes by OWLv2."""
 
     name = "owlv2"
 
@@ -36,6 +36,20 @@ class Owlv2Detector(OpenVocabularyDetector):
         gate_m: float = GATE_M,
         batch: int = 64,
     ) -> None:
+        """Set the model's options; nothing is loaded yet.
+
+        Args:
+            weights: which model, device and dtype.
+            threshold: least score of a box.
+            nms_iou: of boxes of one name that overlap by more, the best stays.
+            most_boxes: of one frame.
+            names: the vocabulary, by default all names of the catalogue.
+            gate_m: of the tracker, metres.
+            batch: names that are embedded at a time.
+
+        Raises:
+            ConfigError: a number is out of its range.
+        """
         super().__init__(
             weights, threshold=threshold, nms_iou=nms_iou, most_boxes=most_boxes, names=names, gate_m=gate_m
         )
@@ -43,7 +57,14 @@ class Owlv2Detector(OpenVocabularyDetector):
         self._queries: torch.Tensor | None = None
 
     def queries(self, loaded: Loaded) -> torch.Tensor:
-        """Embeddings of the names, (n, D), made once."""
+        """Text embeddings of the n names, computed once.
+
+        Args:
+            loaded: the model.
+
+        Returns:
+            (n, D) tensor on the model's device, rows of length 1.
+        """
         import torch
 
         if self._queries is None:
@@ -58,6 +79,7 @@ class Owlv2Detector(OpenVocabularyDetector):
         return self._queries
 
     def _raw(self, loaded: Loaded, rgb: np.ndarray) -> Boxes:
+        """Boxes of all names, in pixels of ``rgb`` (H, W, 3) uint8."""
         model, processor = loaded.model, loaded.processor
         queries = self.queries(loaded)
         pixels = processor(images=rgb, return_tensors="pt")["pixel_values"].to(model.device, model.dtype)

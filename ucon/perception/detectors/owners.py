@@ -1,7 +1,7 @@
-"""Which track stands for which instance: the environment's bookkeeping for what an Open opened.
+"""Which detector track stands for which simulator instance: the environment's bookkeeping for Open.
 
-Only the simulator knows what was opened. A detector's track stands for it if most of the track's pixels, in the last
-frame that showed it, lay on that instance.
+Only the simulator knows what an Open opened. A track stands for an instance if most of the track's pixels lay on it, in
+the last frame that showed the track.
 """
 
 from __future__ import annotations
@@ -15,17 +15,23 @@ from ucon.perception.detectors.base import Frame
 from ucon.perception.mapping.detections import Detections
 
 
-class Owners(PartlyShared):
-    """The instance behind every track, as far as there is one (privileged)."""
+class TrackInstances(PartlyShared):
+    """The simulator instance behind every track. Privileged: no agent may read it."""
 
     _flat: ClassVar[frozenset[str]] = frozenset({"_behind"})
 
     def __init__(self) -> None:
-        #: of every track: the instance behind it (-1 none), and how many of its pixels lay on that
+        #: by track: its instance (-1: none), and how many of the track's pixels lay on it
         self._behind: dict[int, tuple[int, int]] = {}
 
     def note(self, found: Detections, frame: Frame, reserved: int) -> None:
-        """Take in one frame; tracks below ``reserved`` are structure and stand for nothing."""
+        """Update the tracks that one frame shows.
+
+        Args:
+            found: the detector's output, with the track of every pixel.
+            frame: the frame, with the true instance of every pixel.
+            reserved: tracks below this number are structure and stand for no instance.
+        """
         own = found.image >= reserved
         if not own.any():
             return
@@ -40,7 +46,14 @@ class Owners(PartlyShared):
             self._behind[int(track[k])] = (int(instance[k]) - 1, int(pixels[k]))
 
     def of(self, instances: tuple[int, ...]) -> tuple[int, ...]:
-        """Tracks that stand for any of ``instances``, ascending."""
+        """Tracks that stand for any of some instances.
+
+        A track that covers less than a quarter of the pixels of the largest one is left out: it is a small thing in
+        front, in a box that is too large.
+
+        Returns:
+            Track numbers, ascending.
+        """
         found: list[int] = []
         for wanted in set(instances):
             sizes = {track: pixels for track, (instance, pixels) in self._behind.items() if instance == wanted}

@@ -1,4 +1,4 @@
-"""From what a grounding model says back to catalogue names, and from names to prompts that fit its text window."""
+"""Prompts for grounding models that fit a text window, and the way from their phrases back to catalogue names."""
 
 from __future__ import annotations
 
@@ -9,21 +9,32 @@ _GAPS = re.compile(r"[^a-z0-9']+")
 
 
 def plain(text: str) -> str:
-    """Lower case, one space between words, no other signs: "T - Shirt." and ``t_shirt`` become "t shirt"."""
+    """Text in lower case with single spaces: "T - Shirt." and ``t_shirt`` become "t shirt".
+
+    Signs other than letters, digits and apostrophes separate words.
+    """
     return _GAPS.sub(" ", text.lower()).strip()
 
 
 class Names:
-    """Finds the name that a phrase means, and counts phrases that mean none."""
+    """Maps a model's phrases to the names of a vocabulary."""
 
     def __init__(self, names: Sequence[str]) -> None:
+        """``names``: the vocabulary, as the catalogue writes it."""
         self._names = {plain(name): name for name in names}
         self._longest = max((key.count(" ") + 1 for key in self._names), default=0)
         self.unmatched = 0
-        """Phrases so far that no name was found in."""
+        """Number of phrases so far that contained no name."""
 
     def of(self, phrase: str) -> str | None:
-        """The name that a phrase is, else the longest that it contains as whole words (the first of equals)."""
+        """The name that a phrase is, else the longest name that it contains as whole words.
+
+        Args:
+            phrase: what the model reported, such as "coffee mug handle".
+
+        Returns:
+            A name of the vocabulary; None, counted in ``unmatched``, if there is none.
+        """
         words = plain(phrase).split()
         for length in range(min(len(words), self._longest), 0, -1):
             spans = [" ".join(words[k : k + length]) for k in range(len(words) - length + 1)]
@@ -36,7 +47,16 @@ class Names:
 
 
 def chunks(names: Sequence[str], tokens_of: Callable[[str], int], window: int) -> list[tuple[str, ...]]:
-    """Split names, in their order, into prompts of at most ``window`` tokens; a dot after each name takes one."""
+    """Split names, in their order, into groups that fit a text window.
+
+    Args:
+        names: the vocabulary.
+        tokens_of: number of tokens of a text.
+        window: most tokens of a group; the full stop after each name takes one.
+
+    Returns:
+        Groups of names, at least one name each.
+    """
     parts: list[list[str]] = []
     used = window
     for name in names:

@@ -1,7 +1,7 @@
-"""Follows labelled pixel boxes through an episode: boxes and depth become 3-D boxes, and these become tracks.
+"""Tracks labelled boxes through an episode: boxes and depth become 3-D boxes, and these become tracks.
 
-A box joins the nearest track of its category that its thing can be part of; each track takes one box a frame. Pixels
-in no box are floor, wall, ceiling or obstacle by geometry, under four tracks that every episode starts with.
+A box joins the nearest track of its category if the two can be one thing. A track takes at most one box a frame. Pixels
+in no box are floor, wall, ceiling or obstacle by geometry; these have the first four tracks of every episode.
 """
 
 from __future__ import annotations
@@ -19,33 +19,50 @@ from ucon.perception.detectors.boxes import Boxes
 from ucon.perception.mapping.detections import MIN_PIXELS, Detections
 from ucon.perception.mapping.semantic_map import HALF, SIZE
 
-#: Names of the first four tracks, in the order of the kernels' numbers.
+#: Categories of tracks 0 to 3, in the order of the kernels' codes.
 STRUCTURE = ("floors", "walls", "ceilings", "obstacles")
-#: Boxes of one category farther apart than this are two things.
+#: Boxes of one category farther apart than this, in metres, are two things.
 GATE_M = 0.3
-#: Tracks are int16 numbers.
+#: Most tracks of an episode: track numbers are int16.
 MOST_TRACKS = 32000
 _NOTHING = np.array([1e3, 1e3, 1e3, -1e3, -1e3, -1e3])
 
 
 class Tracker(PartlyShared):
-    """Tracks of one episode. ``gate_m`` is the largest gap between what two frames show of one thing."""
+    """The tracks of one episode.
+
+    Attributes:
+        category: name of every track; the first four are :data:`STRUCTURE`.
+    """
 
     _flat: ClassVar[frozenset[str]] = frozenset({"category", "_box"})
 
     def __init__(self, gate_m: float = GATE_M) -> None:
+        """Start without tracks.
+
+        Args:
+            gate_m: largest gap in metres between what two frames show of one thing.
+        """
         self._gate_m = gate_m
         self.reset()
 
     def reset(self) -> None:
-        """Start an episode: nothing is known but that there are floors, walls, ceilings and obstacles."""
+        """Start an episode: only the four tracks of structure exist."""
         self.category = list(STRUCTURE)
         self._box: list[NDArray[np.float64]] = [_NOTHING] * len(STRUCTURE)
         self._same: dict[str, list[int]] = {}
         self._upright = np.zeros((2, SIZE, SIZE), np.uint8)
 
     def follow(self, boxes: Boxes, frame: Frame) -> Detections:
-        """Tracks of one frame: those of structure first, then those of the boxes that show anything."""
+        """Assign the boxes of one frame to tracks.
+
+        Args:
+            boxes: n boxes in the frame's pixels.
+            frame: its depth and camera.
+
+        Returns:
+            Tracks in view, structure first, then those of boxes with at least one pixel; and the track of every pixel.
+        """
         depth, camera = frame.depth, frame.camera
         boxes, pixels_of = _painted(boxes, depth.shape)
         n = len(pixels_of)
@@ -61,6 +78,7 @@ class Tracker(PartlyShared):
     def _detections(
         self, boxes: Boxes, track: NDArray[np.int16], count: NDArray[np.int32], image: NDArray[np.int16]
     ) -> Detections:
+        """The output of one frame: tracks ascending, with names, pixel counts and scores."""
         building = np.array([np.count_nonzero(image == k) for k in range(len(STRUCTURE))], np.int32)
         shown = np.flatnonzero(building >= MIN_PIXELS)
         rows = np.flatnonzero(track >= 0)
@@ -72,7 +90,7 @@ class Tracker(PartlyShared):
         return Detections(tracks, names, pixels, image, score)
 
     def _associate(self, boxes: Boxes, extent: NDArray[np.float64], count: NDArray[np.int32]) -> NDArray[np.int16]:
-        """Track of every box, (n,); -1 for those that show nothing. New ones are numbered by size."""
+        """Track of every box, (n,) int16; -1 for boxes without pixels. New tracks are numbered by falling size."""
         track = np.full(len(count), -1, np.int16)
         pairs = []
         for k in np.flatnonzero(count).tolist():
@@ -96,10 +114,10 @@ class Tracker(PartlyShared):
         return track
 
     def _cost(self, label: str, old: NDArray[np.float64], new: NDArray[np.float64]) -> float | None:
-        """How ill a box fits a track; None where it cannot be the same thing: too far off, or too large together."""
+        """How badly a 3-D box (6,) fits a track's; None where together they are too large or too far apart."""
         gap = float(np.linalg.norm(np.maximum(np.maximum(old[:3] - new[3:], new[:3] - old[3:]), 0.0)))
         whole = _union(old, new)
-        # What is too large already, by a poor box or by a wrong name, may still be itself.
+        # A box that is too large already, by a poor detection or a wrong name, may still join its own track.
         most = max(_most_m(label), _diagonal(old), 1.15 * _diagonal(new))
         if gap > self._gate_m or _diagonal(whole) > most:
             return None
@@ -108,7 +126,7 @@ class Tracker(PartlyShared):
 
 
 def _painted(boxes: Boxes, shape: tuple[int, ...]) -> tuple[Boxes, NDArray[np.int32]]:
-    """Boxes from the largest to the smallest, and their whole pixels within the frame, at least one each."""
+    """Boxes from the largest to the smallest, and their integer pixels (n, 4) clipped to the frame, at least 1 x 1."""
     area = np.prod(boxes.xyxy[:, 2:] - boxes.xyxy[:, :2], axis=1)
     boxes = boxes.keep(np.argsort(-area, kind="stable"))
     edge = np.array([shape[1], shape[0]])
@@ -118,14 +136,19 @@ def _painted(boxes: Boxes, shape: tuple[int, ...]) -> tuple[Boxes, NDArray[np.in
 
 
 def _union(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The 3-D box (6,) that holds two boxes."""
     return np.concatenate([np.minimum(a[:3], b[:3]), np.maximum(a[3:], b[3:])])
 
 
 def _diagonal(box: NDArray[np.float64]) -> float:
+    """Length of a 3-D box's diagonal in metres."""
     return float(np.linalg.norm(box[3:] - box[:3]))
 
 
 def _most_m(label: str) -> float:
-    """Longest diagonal of one thing of a category: things vary, doors swing out, boxes hold some background."""
+    """Longest plausible diagonal of a thing of a category, in metres.
+
+    Half as long again as the catalogue's, and 0.5 m: sizes vary, doors swing out, boxes hold some background.
+    """
     book = catalogue()
     return 1.5 * float(np.linalg.norm(book[label].size)) + 0.5 if label in book else 3.0

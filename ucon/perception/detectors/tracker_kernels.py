@@ -1,6 +1,6 @@
-"""Hot loops of the tracker: what in a box is the thing, and what the rest of a frame is by its geometry alone.
+"""Kernels of the tracker: the pixels of the thing in a box, and what the remaining pixels are by geometry.
 
-A camera is the one of :mod:`ucon.perception.mapping.map_kernels`; heights are metres above the floor.
+The camera is that of :mod:`ucon.perception.mapping.map_kernels`; heights are metres above the floor.
 """
 
 from __future__ import annotations
@@ -10,17 +10,18 @@ import numpy as np
 from ucon.core.jit import F32, F64, I16, I32, U8, Flags, jit, merged
 from ucon.perception.mapping.map_kernels import CELL_M, FAR_M
 
-#: Heights that tell floor and ceiling from what stands between.
+#: Points below the first height are floor, above the second ceiling (metres).
 FLOOR_M, CEILING_M = 0.05, 2.2
-#: Only walls are seen as upright planes above this: no furniture of the catalogue but wardrobes comes near it.
+#: An upright plane above this height is a wall: apart from wardrobes no furniture of the catalogue is so high.
 ABOVE_FURNITURE_M = 1.95
-#: Depths are counted in steps of 5 %, from 0.1 m on.
+#: The depth histogram: bins of 5 % each, from 0.1 m on.
 _STEP, _NEAREST_M, _BINS = np.log(1.05), 0.1, 140
 FLOORS, WALLS, CEILINGS, OBSTACLES = 0, 1, 2, 3
 
 
 @merged
 def _point(u: int, v: int, d: float, rows: int, columns: int, camera: F64) -> tuple[float, float, float]:
+    """The point that pixel (u, v) shows at depth ``d``: x, y, z in metres in the start frame."""
     x, y, cam_z, c, s, cp, sp, focal_px = camera
     up = (0.5 * rows - v - 0.5) / focal_px
     f, right = d * (cp - sp * up), d * ((u + 0.5 - 0.5 * columns) / focal_px)
@@ -29,9 +30,14 @@ def _point(u: int, v: int, d: float, rows: int, columns: int, camera: F64) -> tu
 
 @jit
 def main_depth(depth: F32, box: I32, mask: Flags) -> float:
-    """The commonest depth in the middle of a box (its inner half, or all of it where that shows nothing); 0 if none.
+    """The most common depth in a box, in metres; 0 if the box shows nothing.
 
-    box (4,) pixels within the frame; mask (H, W), or (0, 0) for a detector without masks.
+    Only the inner half of the box counts, or all of it where the inner half shows nothing.
+
+    Args:
+        depth: (H, W) float32, metres along the optical axis.
+        box: (4,) int32, pixels within the frame; right and bottom exclusive.
+        mask: (H, W) bool, the thing's pixels; (0, 0) for a detector without masks.
     """
     count = np.zeros(_BINS, np.int32)
     for inner in (True, False):
@@ -54,16 +60,16 @@ def main_depth(depth: F32, box: I32, mask: Flags) -> float:
 
 @jit
 def segment(depth: F32, boxes: I32, masks: Flags, camera: F64, owner: I16, extent: F64, count: I32) -> None:
-    """Find the pixels of the thing in each box; later boxes lie over earlier ones.
+    """Find the pixels of the thing in each box; later boxes overwrite earlier ones.
 
     Args:
-        depth: (H, W) optical metres.
-        boxes: (n, 4) pixels within the frame, in the order of painting.
-        masks: (n, H, W), or (0, 0, 0) for a detector without masks.
-        camera: (8,).
-        owner: (H, W) written: number of the box that a pixel belongs to; others are left as they are.
-        extent: (n, 6) written: x0 y0 z0 x1 y1 z1 of the thing's points.
-        count: (n,) written: its pixels, those that later boxes take included.
+        depth: (H, W) float32, metres along the optical axis.
+        boxes: (n, 4) int32, pixels within the frame, in the order of painting.
+        masks: (n, H, W) bool, or (0, 0, 0) for a detector without masks.
+        camera: (8,) float64.
+        owner: (H, W) int16, written: number of the box that a pixel belongs to; other pixels are left as they are.
+        extent: (n, 6) float64, written: x0 y0 z0 x1 y1 z1 of the thing's points in metres.
+        count: (n,) int32, written: the thing's pixels, including those that later boxes take.
     """
     rows, columns = depth.shape
     for k in range(boxes.shape[0]):
@@ -71,7 +77,7 @@ def segment(depth: F32, boxes: I32, masks: Flags, camera: F64, owner: I16, exten
         mask = masks[k if masks.shape[0] > 0 else 0 : k + 1 if masks.shape[0] > 0 else 0]
         flat = mask.reshape(mask.shape[0] * mask.shape[1], mask.shape[2])
         main = main_depth(depth, box, flat)
-        # A thing is about as deep as it is wide: what is nearer or farther than that is something else.
+        # A thing is taken to be about as deep as it is wide; points farther off than that are something else.
         side_m = max(box[2] - box[0], box[3] - box[1]) * main / camera[7]
         reach = max(0.08, 0.6 * side_m)
         on_floor = _mean_height(depth, box, main, camera) < 2 * FLOOR_M
@@ -93,7 +99,7 @@ def segment(depth: F32, boxes: I32, masks: Flags, camera: F64, owner: I16, exten
 
 @jit
 def _mean_height(depth: F32, box: I32, main: float, camera: F64) -> float:
-    """Mean height of the points in a box that lie at its main depth, within 8 %."""
+    """Mean height in metres of the points in a box that lie at its main depth, within 8 %."""
     rows, columns = depth.shape
     total, n = 0.0, 0
     for v in range(box[1], box[3]):
@@ -107,10 +113,17 @@ def _mean_height(depth: F32, box: I32, main: float, camera: F64) -> float:
 
 @jit
 def structure(depth: F32, camera: F64, half: int, upright: U8, image: I16) -> None:
-    """Fill the pixels of no thing (-1) of ``image`` (H, W) with floors, walls, ceilings and obstacles (0 to 3).
+    """Classify the pixels that belong to no thing as floor, wall, ceiling or obstacle.
 
-    A wall is an upright plane along an axis, at a cell border along which such a plane was seen above all furniture,
-    in this frame or an earlier one: ``upright`` (2, n, n), whose axes are those of the map's ``walls``.
+    A pixel is a wall if it lies on an upright plane along an axis, at a cell border where such a plane was seen above
+    all furniture, in this frame or an earlier one.
+
+    Args:
+        depth: (H, W) float32, metres along the optical axis.
+        camera: (8,) float64.
+        half: cell number of the start.
+        upright: (2, n, n) uint8, updated: cell borders with a plane above all furniture; axes as the map's ``walls``.
+        image: (H, W) int16, track of every pixel; entries of -1 with depth are set to 0 to 3.
     """
     rows, columns = depth.shape
     for marking in (True, False):
@@ -133,7 +146,7 @@ def structure(depth: F32, camera: F64, half: int, upright: U8, image: I16) -> No
 
 @jit
 def _border(depth: F32, u: int, v: int, camera: F64, half: int, upright: U8, mark: bool) -> bool:
-    """Whether a pixel lies on an upright plane at a marked cell border; with ``mark`` the border becomes marked."""
+    """Whether a pixel lies on an upright plane at a marked cell border; with ``mark`` the border is marked first."""
     rows, columns = depth.shape
     a, b = (u + 1 if u + 1 < columns else u - 1), (v + 1 if v + 1 < rows else v - 1)
     x, y, z = _point(u, v, depth[v, u], rows, columns, camera)

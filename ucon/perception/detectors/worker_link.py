@@ -1,4 +1,4 @@
-"""A program at the other end of two pipes: messages with a length before them, a time limit on every answer."""
+"""Requests to a program over its stdin and stdout: length-prefixed messages, and a time limit for every answer."""
 
 from __future__ import annotations
 
@@ -15,18 +15,29 @@ from typing import IO, Any
 from ucon.core.errors import DetectorError, brief
 from ucon.core.untrusted.strict_json import JsonError, parse_json
 
-#: Larger answers are taken for something else that was printed.
+#: Longest answer in bytes; a longer one is stray output of the program.
 MOST_BYTES = 1 << 24
 
 
 class WorkerLink:
-    """One running program. Any failure ends it, and says in one line what happened and what it printed last."""
+    """One running program.
+
+    Any failure ends it. The error says in one line what happened and what the program printed last.
+    """
 
     def __init__(self, command: Sequence[str], what: str) -> None:
-        """Start ``command``; ``what`` names it in messages."""
+        """Start the program.
+
+        Args:
+            command: executable and arguments.
+            what: names the program in error messages.
+
+        Raises:
+            DetectorError: it cannot be started.
+        """
         self._what = what
         self._log: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 (closed with the program)
-        # Where this Python lives is not where the other one does.
+        # PYTHONHOME points to this Python's files; the other Python has its own.
         variables = {key: value for key, value in os.environ.items() if key != "PYTHONHOME"}
         try:
             self._process = subprocess.Popen(
@@ -37,13 +48,20 @@ class WorkerLink:
             raise DetectorError(f"{what}: {command[0]} cannot be started ({error.strerror})") from None
 
     def ask(self, parts: Sequence[bytes], timeout_s: float) -> dict[str, Any]:
-        """Send messages and wait for one answer, a JSON object.
+        """Send messages and wait for one answer.
+
+        Args:
+            parts: messages, each sent with its length (4 bytes, big-endian) before it.
+            timeout_s: seconds for sending and answering together.
+
+        Returns:
+            The answer, a JSON object.
 
         Raises:
-            DetectorError: the program ended, did not answer in time, or answered something else or an error.
+            DetectorError: the program ended, did not answer in time, or answered an error or something else.
         """
         deadline = time.monotonic() + timeout_s
-        with contextlib.suppress(OSError):  # it has ended; reading tells why
+        with contextlib.suppress(OSError):  # the program has ended; reading its output tells why
             for part in parts:
                 self._write(struct.pack(">I", len(part)) + part, deadline, timeout_s)
         (size,) = struct.unpack(">I", self._read(4, deadline, timeout_s))
@@ -63,7 +81,7 @@ class WorkerLink:
         return answer
 
     def close(self) -> None:
-        """End the program: its stdin is closed, and after two seconds it is killed."""
+        """End the program: close its stdin, wait two seconds, then kill it."""
         process = self._process
         if process.stdin is not None and not process.stdin.closed:
             with contextlib.suppress(OSError):
@@ -78,7 +96,7 @@ class WorkerLink:
         self._log.close()
 
     def _write(self, data: bytes, deadline: float, timeout_s: float) -> None:
-        """A program that reads nothing, since it hangs or is stopped, would hold up whoever writes more than fits."""
+        """Write with a deadline, in pieces: a program that reads nothing would block a larger write for ever."""
         assert self._process.stdin is not None
         pipe, left = self._process.stdin.fileno(), memoryview(data)
         while left:
@@ -88,6 +106,7 @@ class WorkerLink:
             left = left[os.write(pipe, left[: select.PIPE_BUF]) :]
 
     def _read(self, size: int, deadline: float, timeout_s: float) -> bytes:
+        """Read ``size`` bytes before the deadline."""
         assert self._process.stdout is not None
         pipe, body = self._process.stdout.fileno(), b""
         while len(body) < size:
@@ -101,9 +120,11 @@ class WorkerLink:
         return body
 
     def _late(self, timeout_s: float) -> DetectorError:
+        """Error for an answer that did not come in time."""
         return self._failure(f"no answer in {timeout_s:g} s; raise the timeout, or use a faster device")
 
     def _failure(self, problem: str, *, log: bool = True) -> DetectorError:
+        """Kill the program; the error names the problem and, with ``log``, the last line that the program printed."""
         self._process.kill()
         self._process.wait()
         lines: list[str] = []

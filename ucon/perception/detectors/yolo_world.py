@@ -1,6 +1,6 @@
-"""YOLO-World through ``ultralytics``, in a Python environment and a process of its own.
+"""YOLO-World through ``ultralytics``, in a process and a Python environment of its own.
 
-That package is AGPL-3.0 and replaces the headless OpenCV, so it must not be installed beside UcON. Once:
+That package is AGPL-3.0 and replaces the headless OpenCV, so it must not be installed beside UcON. Set it up once:
 
     python -m venv yolo-world
     yolo-world/bin/pip install ultralytics git+https://github.com/ultralytics/CLIP.git
@@ -32,11 +32,11 @@ WORKER = Path(__file__).with_name("yolo_world_worker.py")
 
 
 class YoloWorldDetector(BoxDetector):
-    """Boxes by YOLO-World; the process starts at the first frame and ends with :meth:`close`."""
+    """Boxes by YOLO-World. Its process starts at the first frame and ends with :meth:`close`."""
 
     name = "yolo_world"
     from_command_line = ("python", "weights")
-    """A program, and a file that it unpickles: a stored configuration does not decide them."""
+    """A program, and a file that it unpickles: only the command line may name them, never a stored configuration."""
 
     def __init__(
         self,
@@ -53,20 +53,23 @@ class YoloWorldDetector(BoxDetector):
         names: Sequence[str] | None = None,
         gate_m: float = GATE_M,
     ) -> None:
-        """Name the environment and the weights.
+        """Set the options; nothing is started yet.
 
         Args:
             python: Python executable of the environment that has ``ultralytics``.
             weights: file of a YOLO-World model.
-            threshold: least score.
-            nms_iou: boxes of one name that overlap by more are one.
-            most_boxes: a frame.
-            image_px: side to which frames are brought.
+            threshold: least score of a box, from 0 to below 1.
+            nms_iou: of boxes of one name that overlap by more, the best stays.
+            most_boxes: of one frame.
+            image_px: side in pixels to which frames are scaled.
             device: cpu, or a GPU as torch names it.
-            load_timeout_s: for loading, with all names embedded.
-            timeout_s: for one frame.
-            names: the vocabulary, by default that of the catalogue.
-            gate_m: the tracker's.
+            load_timeout_s: seconds for loading the model and embedding all names.
+            timeout_s: seconds for one frame.
+            names: the vocabulary, by default all names of the catalogue.
+            gate_m: of the tracker, metres.
+
+        Raises:
+            ConfigError: a number is out of its range.
         """
         super().__init__(gate_m)
         if not 0.0 <= threshold < 1.0 or min(load_timeout_s, timeout_s) <= 0.0 or most_boxes < 1 or image_px < 32:
@@ -75,7 +78,7 @@ class YoloWorldDetector(BoxDetector):
                 f"most_boxes={most_boxes}, image_px={image_px}: expected a threshold from 0 to below 1, times above "
                 "0 s, at least one box and 32 pixels"
             )
-        # Not resolved: the executable of an environment is a link, and known by where it stands.
+        # Links are not resolved: Python finds its environment by the path of the link.
         self._python, self._weights = Path(python).expanduser(), Path(weights).expanduser()
         self._names = vocabulary() if names is None else tuple(names)
         self._settings = {"device": device, "threshold": threshold, "image_px": image_px, "most": most_boxes}
@@ -84,7 +87,7 @@ class YoloWorldDetector(BoxDetector):
         self._link: WorkerLink | None = None
 
     def check(self) -> None:
-        """Whether the other Python and the weights are there; nothing is started.
+        """Check that the other Python and the weights are files; nothing is started.
 
         Raises:
             DetectorError: one of them is missing.
@@ -94,11 +97,18 @@ class YoloWorldDetector(BoxDetector):
                 raise DetectorError(f"detector.{option}={path}: no such file; see configs/detector/yolo_world.yaml")
 
     def fingerprint(self) -> str | None:
-        """Which weights lie here; None where there are none."""
+        """Checksum of the weights' file; None where there is none."""
         return fingerprint(self._weights) if self._weights.is_file() else None
 
     def find(self, frame: Frame) -> Boxes:
-        """Boxes of one frame, in its pixels."""
+        """Boxes of the vocabulary's names in one frame, after non-maximum suppression.
+
+        Returns:
+            Boxes in the frame's pixels, clipped to it, by falling score.
+
+        Raises:
+            DetectorError: the frame has no colour image, or the process failed; it is ended then.
+        """
         if frame.rgb is None:
             raise DetectorError("detector yolo_world: the frame has no colours; render rgb for it")
         link = self._link or self._start()
@@ -111,12 +121,13 @@ class YoloWorldDetector(BoxDetector):
             raise
 
     def close(self) -> None:
-        """End the process."""
+        """End the process, if it runs."""
         if self._link is not None:
             self._link.close()
             self._link = None
 
     def _start(self) -> WorkerLink:
+        """Start the process and load the model."""
         self.check()
         link = WorkerLink([str(self._python.absolute()), str(WORKER)], "detector yolo_world")
         names = [plain(name) for name in self._names]
@@ -126,7 +137,7 @@ class YoloWorldDetector(BoxDetector):
         return link
 
     def _boxes(self, rows: object, shape: tuple[int, ...]) -> Boxes:
-        """Check what came back and turn it into boxes."""
+        """Check the answer's rows (x0, y0, x1, y1, score, name number) and turn them into boxes."""
         if not isinstance(rows, list) or not all(_is_row(row, len(self._names)) for row in rows):
             raise DetectorError(
                 f"detector yolo_world: answered {brief(repr(rows))}, expected rows of x0, y0, x1, y1, score and the "
@@ -139,10 +150,11 @@ class YoloWorldDetector(BoxDetector):
         label = [self._names[int(row[5])] for row in rows]
         found = Boxes(label, table[:, 4], np.clip(table[:, :4], 0, edge))
         inside = np.flatnonzero(((found.xyxy[:, 2:] - found.xyxy[:, :2]) > 0.5).all(1))
-        return found.keep(inside).without_doubles(self._nms_iou, self._most_boxes)
+        return found.keep(inside).non_maximum_suppression(self._nms_iou, self._most_boxes)
 
 
 def _is_row(row: object, n_names: int) -> bool:
+    """Whether a value is a valid row: four coordinates, a score from 0 to 1, and the number of a name."""
     if not isinstance(row, list) or len(row) != 6:
         return False
     numbers = all(isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x) for x in row)

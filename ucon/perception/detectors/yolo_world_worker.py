@@ -1,14 +1,14 @@
 """Stand-alone program that runs YOLO-World for :mod:`ucon.perception.detectors.yolo_world`, in a Python of its own.
 
 It imports nothing of UcON: ``ultralytics`` (AGPL-3.0, brings its own OpenCV) stays out of UcON's process and
-environment. Messages on stdin and stdout are a length (4 bytes, most significant first) and so many bytes:
+environment. A message on stdin or stdout is a length (4 bytes, big-endian) and so many bytes:
 
     -> JSON {"weights": path, "names": [...], "device": "cpu", "threshold": 0.05, "image_px": 640, "most": 100}
     <- JSON {"ready": true}
     -> JSON {"shape": [H, W, 3]}, then raw RGB bytes as a second message
     <- JSON {"boxes": [[x0, y0, x1, y1, score, number of the name], ...]}
 
-Any answer may be {"error": text} instead, after which the program ends. It ends too where stdin does.
+Any answer may be {"error": text} instead, after which the program ends. It also ends when stdin is closed.
 """
 
 from __future__ import annotations
@@ -22,7 +22,11 @@ from typing import Any, BinaryIO
 
 
 def read(stream: BinaryIO) -> bytes | None:
-    """The next message, None at the end."""
+    """Read the next message.
+
+    Returns:
+        Its body; None at the end of the stream or where it breaks off.
+    """
     head = stream.read(4)
     if len(head) < 4:
         return None
@@ -32,15 +36,19 @@ def read(stream: BinaryIO) -> bytes | None:
 
 
 def write(stream: BinaryIO, answer: dict[str, Any]) -> None:
-    """Send one answer."""
+    """Send one answer: its JSON text with the length before it."""
     body = json.dumps(answer).encode()
     stream.write(struct.pack(">I", len(body)) + body)
     stream.flush()
 
 
 def load(settings: dict[str, Any]) -> Any:
-    """The model, told its vocabulary."""
-    # The files beside this one are UcON's and must not be taken for packages.
+    """Load the model and set its vocabulary.
+
+    Args:
+        settings: the first message; ``weights`` and ``names`` are used.
+    """
+    # Python puts this file's folder on the path; UcON's modules there must not shadow packages.
     here = Path(__file__).resolve().parent
     sys.path[:] = [path for path in sys.path if Path(path).resolve() != here]
     # Nothing may be installed or fetched behind the user's back.
@@ -54,11 +62,21 @@ def load(settings: dict[str, Any]) -> Any:
 
 
 def detect(model: Any, settings: dict[str, Any], shape: list[int], pixels: bytes) -> list[list[float]]:
-    """Boxes of one image."""
+    """Find boxes in one image.
+
+    Args:
+        model: what :func:`load` returned.
+        settings: the first message.
+        shape: (H, W, 3).
+        pixels: raw RGB bytes.
+
+    Returns:
+        Rows x0, y0, x1, y1, score, number of the name; coordinates in pixels.
+    """
     import numpy as np
 
     rgb = np.frombuffer(pixels, np.uint8).reshape(shape)
-    # The library takes arrays as OpenCV has them: blue first.
+    # The library takes arrays in OpenCV's channel order, BGR.
     found = model.predict(
         np.ascontiguousarray(rgb[:, :, ::-1]),
         conf=settings["threshold"],
@@ -72,7 +90,11 @@ def detect(model: Any, settings: dict[str, Any], shape: list[int], pixels: bytes
 
 
 def main() -> int:
-    """Answer until stdin ends."""
+    """Answer requests until stdin is closed.
+
+    Returns:
+        Exit code: 0 at the end of stdin, 1 after an error.
+    """
     source, sink = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
     # Whatever the library prints goes to stderr, not between the answers.
     os.dup2(2, 1)

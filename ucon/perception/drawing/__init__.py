@@ -1,1 +1,1 @@
-"""Pictures of what an agent knows and intends."""
+"""Pictures of an agent's map, belief and goal, for videos and reports."""

@@ -1,4 +1,4 @@
-"""A picture of a semantic map from above: what the agent knows, where it went, what it opened."""
+"""Draws a semantic map from above: explored space, furniture, the agent's path, what was opened."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from ucon.perception.mapping.semantic_map import CELL_M, HALF, SemanticMap, View
 
+#: (H, W, 3) RGB.
 Image = NDArray[np.uint8]
+#: From x, y in metres in the map's frame to a picture's column and row.
 Pixels = Callable[[float, float], tuple[int, int]]
 
 UNKNOWN, FLOOR_COLOUR, LOW, TALL = (58, 62, 70), (238, 236, 230), (206, 188, 160), (134, 116, 98)
@@ -19,7 +21,15 @@ PATH, AGENT, OPENED, TARGET = (64, 110, 190), (24, 60, 140), (226, 160, 60), (21
 
 
 def pixels_of(known: SemanticMap, cell_px: int) -> Pixels:
-    """Where metres of the map's frame lie in what :func:`draw_map` draws: column and row."""
+    """The function from metres to pixels of a picture that :func:`draw_map` draws.
+
+    Args:
+        known: the map that is drawn.
+        cell_px: pixels of one 0.25 m cell.
+
+    Returns:
+        From x, y in metres in the map's frame to column and row.
+    """
     i0, _, _, j1 = known.extent()
 
     def px(x: float, y: float) -> tuple[int, int]:
@@ -36,8 +46,8 @@ def draw_map(
     Args:
         known: the map.
         path: poses to draw, all of the map's by default.
-        target: things of this category are marked.
-        names: write the names of large things.
+        target: things of this category are marked with a cross; "" marks none.
+        names: write the categories of large things.
         cell_px: pixels of one 0.25 m cell.
 
     Returns:
@@ -71,14 +81,22 @@ def draw_map(
 
 
 def draw_agent(image: Image, px: Pixels, xy: tuple[float, float], heading: int, cell_px: int) -> None:
-    """Put the agent into a picture, looking along ``heading`` (quarter turns to the left of the x axis)."""
+    """Draw the agent's position and heading into a picture, in place.
+
+    Args:
+        image: (H, W, 3) uint8.
+        px: from metres to pixels, of :func:`pixels_of`.
+        xy: position in metres in the map's frame.
+        heading: quarter turns counter-clockwise from the x axis.
+        cell_px: pixels of one 0.25 m cell.
+    """
     c, s = (1, 0, -1, 0)[heading], (0, 1, 0, -1)[heading]
     cv2.circle(image, px(*xy), max(3, cell_px * 2 // 3), AGENT, -1, cv2.LINE_AA)
     cv2.line(image, px(*xy), px(xy[0] + 0.5 * c, xy[1] + 0.5 * s), AGENT, 2, cv2.LINE_AA)
 
 
 def _draw_path(image: Image, points: list[tuple[int, int]], cell_px: int) -> None:
-    """The path, darker as time goes on."""
+    """Draw the path, darker towards its end."""
     for k, (a, b) in enumerate(itertools.pairwise(points)):
         share = 0.35 + 0.65 * k / len(points)
         color = tuple(round(share * p + (1 - share) * 255) for p in PATH)

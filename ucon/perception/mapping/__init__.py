@@ -1,1 +1,1 @@
-"""The maps that an agent builds from its own frames, their frontiers, and shortest ways over them."""
+"""The maps that an agent builds from its own frames, their frontiers, and shortest paths on them."""

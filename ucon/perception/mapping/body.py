@@ -1,4 +1,4 @@
-"""What an agent knows of its own body: where its camera is, how it looks up and down, how far it reaches."""
+"""What an agent knows of its own body: camera height, camera pitch, and how far it reaches."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from ucon.task.rules import PAPER, TaskRules, task_rules
 
 @dataclass(frozen=True, slots=True)
 class Body(Shared):
-    """A body under a rule set; rules are public. A *look* is what LookUp and LookDown have come to, 30 an action.
+    """The agent's body under a rule set; rules are public.
 
-    Under most rules it is the camera's pitch in degrees. Where these actions move the camera instead, a look of 30 is
-    the next height above the first one.
+    A *look* is the sum of the LookUp and LookDown actions so far, 30 each. Under most rules it is the camera's pitch in
+    degrees. Under rules where these actions move the camera, a look of 30 is the next height above the first one.
     """
 
     eyes: Mapping[int, tuple[float, int]]
-    """Height in metres and pitch in degrees of the camera, for every look; the level one first."""
+    """By look: the camera's height in metres and pitch in degrees; the level look comes first."""
     searching: tuple[int, ...]
-    """Looks that views are valued for; the others serve to look at something known."""
+    """The looks that a search chooses among; the others are used only to face a thing that was seen."""
     near_m: float
-    """Horizontal distance within which Open and Done act on a thing."""
+    """Horizontal distance in metres within which Open and Done act on a thing."""
 
     @classmethod
     def under(cls, rules: TaskRules) -> Body:
@@ -39,16 +39,21 @@ class Body(Shared):
 
     @classmethod
     def of(cls, info: Mapping[str, Any]) -> Body:
-        """The body in the episode whose first ``info`` is given."""
+        """The body in the episode whose info at the reset is given; without ``task`` in it, under the paper's rules."""
         return cls.under(task_rules(str(info.get("task", PAPER.name))))
 
     @property
     def camera_m(self) -> float:
-        """Height of the camera when it looks level."""
+        """Height of the camera above the floor in metres, at a level look."""
         return self.eyes[0][0]
 
     def look(self, camera_m: float, pitch_deg: int) -> int:
-        """The look by which the camera is where it is."""
+        """The look that belongs to a camera pose, the nearest one where none fits exactly.
+
+        Args:
+            camera_m: height of the camera in metres.
+            pitch_deg: pitch in degrees, up positive.
+        """
         return min(self.eyes, key=lambda k: (abs(self.eyes[k][1] - pitch_deg), abs(self.eyes[k][0] - camera_m)))
 
 

@@ -1,7 +1,6 @@
-"""What a detector says about one frame: the contract between detectors and the semantic map.
+"""The output of a detector for one frame, which the semantic map takes in.
 
-A track is one thing followed through an episode: numbers count up in order of first sight and are never the
-simulator's own. Every detector of ``ucon/perception/detectors`` fills these.
+A track is one thing followed through an episode. Numbers count up from 0 and are never the simulator's own.
 """
 
 from __future__ import annotations
@@ -15,30 +14,35 @@ from numpy.typing import NDArray
 
 from ucon.core.sharing import Shared
 
-#: A thing counts as seen from this many pixels on, in a 128 x 128 view of 90 degrees.
+#: A thing counts as seen if it has at least so many pixels in a 128 x 128 view of 90 degrees.
 MIN_PIXELS = 4
-#: Tracks of these names are no things. Obstacles block, but what they are is not known: no thing, floor or wall.
+#: Codes of tracks that are structure, not things. ``obstacles``: what blocks the way and was not named by the detector.
 STRUCTURE_KINDS = {"floors": 1, "walls": 2, "ceilings": 3, "obstacles": 4}
 
 
 @dataclass(frozen=True, slots=True)
 class Detections(Shared):
-    """Things seen in one frame; the first arrays have one row a track."""
+    """What was seen in one frame. All arrays but ``image`` have one row for each track in view."""
 
     track: NDArray[np.signedinteger[Any]]
     """(n,) track numbers, ascending."""
     category: Sequence[str]
-    """n catalogue names, or names of :data:`STRUCTURE_KINDS`."""
+    """n names of the catalogue or of :data:`STRUCTURE_KINDS`."""
     pixels: NDArray[np.int32]
-    """(n,) pixels of each."""
+    """(n,) pixels of each track."""
     image: NDArray[np.int16]
     """(H, W) track of every pixel, -1 where there is none."""
     score: NDArray[np.float32] | None = None
-    """(n,) how sure the detector is of each, from 0 to 1; None where it is never wrong."""
+    """(n,) the detector's confidence from 0 to 1; None where it is never wrong."""
 
     @classmethod
     def from_info(cls, info: Mapping[str, Any]) -> Detections:
-        """Read an environment's ``info["detections"]`` (an object or a mapping) and ``info["tracks"]``."""
+        """Read the detections of an environment's info.
+
+        Args:
+            info: ``detections`` (an object or a mapping with track, category, pixels, perhaps score) and ``tracks``,
+                the track of every pixel (H, W).
+        """
         raw = info["detections"]
         if isinstance(raw, Mapping):
             track, category, pixels, score = raw["track"], raw["category"], raw["pixels"], raw.get("score")

@@ -1,13 +1,16 @@
-"""The frontiers of L3MVN: stretches of the edge of explored space on the 5 cm map, at most four, the most useful first.
+"""The frontiers of L3MVN: at most four stretches of the edge of explored space on the 5 cm map, the most useful first.
 
-As in the original: the explored cells are closed (5 x 5), the outline of the largest region is drawn one cell thick,
-a border of two cells of the map and obstacles grown by one cell are taken out; what hangs together (8 neighbours), has
-more than four cells and lies more than 0.5 m and less than 5 m away is a frontier. Its utility is its cells, plus 8
-nearer than 3 m. The outline is the outer one, so unexplored space inside explored space is no frontier.
+As in the original: the explored cells are closed (5 x 5) and the outline of the largest region is drawn one cell thick.
+Cells within two cells of the map's border and obstacles grown by one cell are taken out. What remains is split into
+connected groups (8 neighbours). A group is a frontier if it has more than four cells and lies between 0.5 m and 5 m
+away. Its utility is its number of cells, plus 8 if it is nearer than 3 m. Only the outer outline counts: unexplored
+space inside explored space is no frontier.
 
-Unlike the original: its loop over groups starts at 1, which leaves the first one out by mistake; here all count. A
-group's middle may lie off the group (in a bend): the group's cell nearest to it stands for it. And what no node of the
-0.25 m map that was seen and can be walked to lies near is dropped before the best four are kept.
+Unlike the original:
+
+- Its loop over groups starts at 1, which skips the first group by mistake; here all count.
+- A group's centre may lie off the group (in a bend): the cell of the group that is nearest to it is used.
+- A frontier is dropped if no explored, reachable node of the 0.25 m map is near; then the best four are kept.
 """
 
 from __future__ import annotations
@@ -24,41 +27,55 @@ from ucon.perception.mapping.map_kernels import RADIUS_M
 from ucon.perception.mapping.planner import UNREACHED, Planner
 from ucon.perception.mapping.semantic_map import CELL_M, HALF, SIZE, SemanticMap, View
 
+#: Most frontiers, and least cells of one.
 MOST = 4
 LEAST_CELLS = 5
+#: Path length to a frontier, metres.
 NEAREST_M, FARTHEST_M = 0.5, 5.0
+#: Added to the utility of frontiers nearer than BONUS_M metres.
 BONUS, BONUS_M = 8.0, 3.0
+#: Largest distance in metres between a frontier and the node to stand on.
 SNAP_M = 0.5
-#: L3MVN looks for things in this square around a frontier: a sixth of its window of 24 m (a quarter, 6 m, with the head
-#: that it trained).
+#: Side in metres of the square around a frontier in which L3MVN looks for things: a sixth of its window of 24 m (a
+#: quarter, 6 m, with the head that it trained).
 SQUARE_M = 4.0
 _BORDER = 2
-#: Cells from the robot's middle to its edge.
+#: Radius of the robot in cells of 5 cm.
 _ROBOT = int(RADIUS_M / FINE_M)
-#: A node is not behind a wall if the way to it is no longer than this.
+#: A node counts as on the same side of a wall if the path to it is no longer than this, in metres.
 _ASTRAY_M = 1.0
 _NEAR_CELLS = round(1.0 / FINE_M)
 
 
 @dataclass(frozen=True, slots=True)
 class FineFrontier:
-    """A stretch of the edge of explored space."""
+    """A stretch of the edge of explored space on the 5 cm map."""
 
     xy: tuple[float, float]
-    """Metres from the start to the middle of the cell that stands for it."""
+    """Centre of its central cell, metres in the start frame."""
     cells: int
     """Size in cells of 5 cm."""
     distance_m: float
-    """Length of the way there around the obstacles seen; what is unexplored counts as free, as in the original."""
+    """Length of the path there around the obstacles seen; unexplored space counts as free, as in the original."""
     utility: float
+    """Its cells, plus 8 if it is nearer than 3 m."""
     view: View
-    """The pose to go to: a node seen and reachable within 0.5 m, looking to the unexplored side."""
+    """The pose to go to: an explored, reachable node within 0.5 m, facing the unexplored side."""
     cost: int
-    """Actions to get there."""
+    """Actions to reach ``view``."""
 
 
 def fine_frontiers(fine: FineMap, known: SemanticMap, planner: Planner) -> list[FineFrontier]:
-    """At most four frontiers by falling utility; all three must have been updated with the same frames."""
+    """Find the frontiers of the 5 cm map.
+
+    Args:
+        fine: the 5 cm map.
+        known: the 0.25 m map.
+        planner: paths on it. All three must have been updated with the same frames.
+
+    Returns:
+        At most four, by falling utility.
+    """
     box = fine.extent(margin=8)
     explored, edge = outline(fine, box)
     count, label, stats, middle = cv2.connectedComponentsWithStats(edge, connectivity=8)
@@ -88,24 +105,37 @@ def fine_frontiers(fine: FineMap, known: SemanticMap, planner: Planner) -> list[
 
 
 def outline(fine: FineMap, box: Box) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """Explored space without small gaps, and the frontier cells at its edge, both 0 or 1, of a box of the map."""
+    """Explored space with small gaps closed, and the frontier cells at its edge.
+
+    Args:
+        fine: the 5 cm map.
+        box: cells (a0, a1, b0, b1), ends excluded.
+
+    Returns:
+        Two arrays (a1 - a0, b1 - b0) uint8 of 0 and 1.
+    """
     explored = cv2.morphologyEx(fine.layer(EXPLORED, box), cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))
     edge = np.zeros(explored.shape, np.uint8)
     regions, _ = cv2.findContours(explored, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     if regions:
         cv2.drawContours(edge, [max(regions, key=cv2.contourArea)], 0, 1, 1)
     edge[cv2.dilate(fine.layer(OBSTACLE, box), np.ones((3, 3), np.uint8)) > 0] = 0
-    for lines, start in ((edge, box[0]), (edge.T, box[2])):  # the two borders across x, then those across y
+    for lines, start in ((edge, box[0]), (edge.T, box[2])):  # the map's borders in x, then in y
         lines[: max(_BORDER - start, 0)] = 0
         lines[FINE_SIZE - _BORDER - start :] = 0
     return np.asarray(explored, np.uint8), edge
 
 
 def labels_near(known: SemanticMap, xy: tuple[float, float], side_m: float = SQUARE_M) -> list[str]:
-    """Names of the furniture and objects seen in a square centred on a point, each once, those that cover most first.
+    """Categories of the things seen in a square around a point, each once, by falling size.
 
-    A thing counts where its box as far as it was seen overlaps the square, as any of its cells would in L3MVN. Floors,
-    walls and ceilings do not. Equal ones are in alphabetical order.
+    A thing counts if the box of what was seen of it overlaps the square, as any of its cells would in L3MVN. Structure
+    does not count. Equal ones are in alphabetical order.
+
+    Args:
+        known: the 0.25 m map.
+        xy: centre of the square, metres in the start frame.
+        side_m: side of the square, metres.
     """
     half = 0.5 * side_m
     box = known.box[: known.n_tracks]
@@ -122,10 +152,17 @@ def labels_near(known: SemanticMap, xy: tuple[float, float], side_m: float = SQU
 
 
 class _Ways:
-    """Lengths of the ways from a cell, up to a limit, around obstacles grown by one cell (fast marching)."""
+    """Lengths of the shortest paths from one cell around obstacles grown by one cell (fast marching), up to a limit."""
 
     def __init__(self, fine: FineMap, start: Cell, limit_m: float, free: int = 0) -> None:
-        """``free``: so many cells to each side of the start count as free (a robot may stand at an open door)."""
+        """Compute the lengths.
+
+        Args:
+            fine: the 5 cm map.
+            start: cell (a, b) to start from.
+            limit_m: longer paths are infinite; metres.
+            free: so many cells to each side of the start count as free, since a robot may stand at an open door.
+        """
         span = round(limit_m / FINE_M) + 3
         n = 2 * span + 1
         self._corner = start[0] - span, start[1] - span
@@ -136,7 +173,7 @@ class _Ways:
         walk(np.asarray(blocked, np.uint8), span, span, limit_m / FINE_M, self._way, queue, waiting)
 
     def metres(self, cell: Cell) -> float:
-        """Metres to a cell, inf where it is farther than the limit."""
+        """Length of the path to a cell in metres; inf where it exceeds the limit."""
         i, j = cell[0] - self._corner[0], cell[1] - self._corner[1]
         if not (0 <= i < len(self._way) and 0 <= j < len(self._way)):
             return float("inf")
@@ -144,7 +181,7 @@ class _Ways:
 
 
 def _cut(fine: FineMap, corner: Cell, n: int) -> NDArray[np.uint8]:
-    """Obstacles in n x n cells from a corner that may lie outside the map."""
+    """Obstacles in n x n cells from a corner, which may lie outside the map; (n, n) uint8."""
     out = np.zeros((n, n), np.uint8)
     a0, b0 = max(corner[0], 0), max(corner[1], 0)
     a1, b1 = min(corner[0] + n, FINE_SIZE), min(corner[1] + n, FINE_SIZE)
@@ -153,7 +190,10 @@ def _cut(fine: FineMap, corner: Cell, n: int) -> NDArray[np.uint8]:
 
 
 def _votes(explored: NDArray[np.uint8], cells: NDArray[np.int64], middle: Cell) -> NDArray[np.int64]:
-    """How many cells of a frontier within 1 m of its middle have unexplored ones three cells off, by heading (4,)."""
+    """For each heading (4,): how many cells of a frontier have unexplored space three cells off in that direction.
+
+    Only cells within 1 m of the frontier's central cell count.
+    """
     near = cells[np.abs(cells - np.array(middle)).max(1) <= _NEAR_CELLS]
     steps = np.array([(3, 0), (0, 3), (-3, 0), (0, -3)])
     beside = near[None] + steps[:, None]
@@ -162,7 +202,7 @@ def _votes(explored: NDArray[np.uint8], cells: NDArray[np.int64], middle: Cell) 
 
 
 def _pose(here: Cell, votes: NDArray[np.int64], fine: FineMap, known: SemanticMap, planner: Planner) -> View | None:
-    """The nearest node to stand on for a frontier, looking where most is unexplored (of equals, the cheaper)."""
+    """The nearest node to stand on for a frontier, facing the heading with most votes (of equals the cheapest)."""
     x, y = middle_of(*here)
     ci, cj, span = here[0] // PER_CELL, here[1] // PER_CELL, int(SNAP_M / CELL_M) + 1
     i0, i1, j0, j1 = max(ci - span, 0), min(ci + span + 1, SIZE), max(cj - span, 0), min(cj + span + 1, SIZE)

@@ -1,4 +1,4 @@
-"""Hot loops of the 5 cm map: one frame to obstacles and explored space; metres to walk around obstacles.
+"""Kernels of the 5 cm map: from one frame to obstacles and explored space, and path lengths around obstacles.
 
 Cells are 5 cm, five to the side of a cell of the 0.25 m map: cell (a, b) lies in (a // 5, b // 5). A map is one uint8
 array of bits, so that a frame touches one array only. The camera is that of :mod:`ucon.perception.mapping.map_kernels`.
@@ -14,27 +14,36 @@ from ucon.perception.mapping.map_kernels import CELL_M
 PER_CELL = 5
 FINE_M = CELL_M / PER_CELL
 OBSTACLE, EXPLORED, VISITED = 1, 2, 4
-#: Seen in the frame being added, below the obstacles' heights or within them.
+#: Bits of the frame being added: a point below, or within, the heights of obstacles.
 _LOW, _HIGH = 8, 16
-#: Points are used between these optical depths, as in L3MVN.
+#: Points at optical depths between these are used, metres, as in L3MVN.
 NEAREST_M, FARTHEST_M = 0.5, 5.0
-#: Heights that count as explored, and that an obstacle has, from the floor or above the camera.
+#: Points from LOWEST_M to HIGHEST_M above the floor count as explored; obstacles are points from OBSTACLE_M above the
+#: floor to ABOVE_M above the camera. Metres.
 LOWEST_M, HIGHEST_M, OBSTACLE_M, ABOVE_M = -0.4, 2.0, 0.25, 0.5
-#: Sight lines count as explored up to this far ahead. Beyond it L3MVN's points lie too far apart for its 5 x 5 closing.
+#: Cells under a sight line count as explored up to so many metres ahead. Beyond it L3MVN's points lie too far apart for
+#: its 5 x 5 closing.
 CARVE_M = 4.5
-#: Sight lines by sideways over ahead, from -2 to 2 by 1 / 64, as the columns of a level 128 x 128 view.
+#: Sight lines are binned by their slope (sideways over ahead), from -2 to 2 in steps of 1 / 64, as the columns of a
+#: level 128 x 128 view.
 BINS = 256
 _SLOPES = 64.0
-#: Neighbouring pixels lie on one plane where their inverse depths are as good as linear (per metre).
+#: Three neighbouring pixels lie on one plane if their inverse depths are linear to within this, in 1 / m.
 _PLANE = 0.003
 
 
 @jit
 def add_frame(depth: F32, camera: F64, half: int, cells: U8, bounds: I32, touched: I32, reach: F64) -> None:
-    """Put one frame into the map.
+    """Add one frame to the map.
 
-    depth (H, W) optical metres, pixels without depth 0; cells (n, n) bits; bounds (4,) least and greatest row and
-    column ever marked; touched (65536,) and reach (BINS,) are room to work in.
+    Args:
+        depth: (H, W) float32, metres along the optical axis, 0 where there is none.
+        camera: (8,) float64.
+        half: cell number of the start.
+        cells: (n, n) uint8 bits, updated.
+        bounds: (4,) int32, updated: least and greatest a, least and greatest b ever marked.
+        touched: (65536,) int32, working memory.
+        reach: (BINS,) float64, working memory.
     """
     count = _points(depth, camera, half, cells, touched)
     count = _surfaces(depth, camera, half, cells, touched, count)
@@ -45,7 +54,7 @@ def add_frame(depth: F32, camera: F64, half: int, cells: U8, bounds: I32, touche
 
 @merged
 def _mark(cells: U8, a: int, b: int, bits: int, touched: I32, count: int) -> int:
-    """Set bits of a cell and note it the first time in a frame; returns how many are noted."""
+    """Set bits of a cell and list it in ``touched`` the first time in a frame; returns how many cells are listed."""
     old = cells[a, b]
     if old & bits != bits:
         cells[a, b] = old | bits
@@ -57,7 +66,7 @@ def _mark(cells: U8, a: int, b: int, bits: int, touched: I32, count: int) -> int
 
 @jit
 def _points(depth: F32, camera: F64, half: int, cells: U8, touched: I32) -> int:
-    """Mark the cells of all points; returns how many cells were noted."""
+    """Mark the cells of all points of the frame; returns how many cells are listed in ``touched``."""
     rows, columns = depth.shape
     x, y, cam_z, c, s, cp, sp, focal_px = camera
     origin_a, origin_b, scale = x / FINE_M + half + 0.5, y / FINE_M + half + 0.5, 1.0 / FINE_M
@@ -69,7 +78,7 @@ def _points(depth: F32, camera: F64, half: int, cells: U8, touched: I32) -> int:
         for u in range(columns):
             d = depth[v, u]
             z = cam_z + d * rise
-            # Of the floor farther away there are single rows, apart from each other: each would be an edge of its own.
+            # Farther away the rows of floor points are too far apart to join: each would get an edge of its own.
             if not (NEAREST_M < d < (CARVE_M if z < OBSTACLE_M else FARTHEST_M) and LOWEST_M < z < HIGHEST_M):
                 continue
             side = (u + 0.5 - 0.5 * columns) * per_px
@@ -82,7 +91,10 @@ def _points(depth: F32, camera: F64, half: int, cells: U8, touched: I32) -> int:
 
 @jit
 def _sight_lines(depth: F32, camera: F64, reach: F64) -> None:
-    """Find how far ahead each class of sight lines reaches; every second row will do."""
+    """Write to ``reach`` (BINS,) how far ahead the sight lines of each slope reach, in metres.
+
+    Every second row of the image is used.
+    """
     rows, columns = depth.shape
     _, _, cam_z, _, _, cp, sp, focal_px = camera
     top = min(ABOVE_M, HIGHEST_M - cam_z)
@@ -92,7 +104,7 @@ def _sight_lines(depth: F32, camera: F64, reach: F64) -> None:
         ahead, rise = cp - sp * up, sp + cp * up
         if ahead < 0.2:
             continue
-        # A sight line above what counts as an obstacle may pass over a cupboard and end at no obstacle at all.
+        # A sight line above the height of obstacles may pass over a cupboard, so it is cut off at that height.
         far = min(CARVE_M, top * ahead / rise) if rise > 0.0 else CARVE_M
         slope = _SLOPES / (ahead * focal_px)
         for u in range(columns):
@@ -104,7 +116,10 @@ def _sight_lines(depth: F32, camera: F64, reach: F64) -> None:
 
 @jit
 def _surfaces(depth: F32, camera: F64, half: int, cells: U8, touched: I32, count: int) -> int:
-    """Close the gaps between neighbouring points of a wall that is seen at a flat angle; every fourth row will do."""
+    """Join neighbouring points of a wall that is seen at a flat angle; returns how many cells are in ``touched``.
+
+    Every fourth row of the image is used.
+    """
     rows, columns = depth.shape
     x, y, cam_z, c, s, cp, sp, focal_px = camera
     top = min(cam_z + ABOVE_M, HIGHEST_M)
@@ -121,7 +136,7 @@ def _surfaces(depth: F32, camera: F64, half: int, cells: U8, touched: I32, count
                 continue
             side = (u + 0.5 - 0.5 * columns) / focal_px
             here = (d1 * ahead, d1 * side)
-            # To the middle only; the neighbour does the rest, if it lies on a plane too.
+            # Only half way: the neighbour fills the other half, if it lies on a plane too.
             before = (0.5 * (d0 + d1) * ahead, 0.5 * (d0 * (side - 1.0 / focal_px) + d1 * side))
             after = (0.5 * (d2 + d1) * ahead, 0.5 * (d2 * (side + 1.0 / focal_px) + d1 * side))
             for f, g in (before, after):
@@ -137,9 +152,10 @@ def _surfaces(depth: F32, camera: F64, half: int, cells: U8, touched: I32, count
 
 @jit
 def _settle(cells: U8, bounds: I32, touched: I32, count: int, level: bool) -> None:
-    """Clear the obstacles that a level frame shows to be gone, widen the bounds, forget what was this frame's.
+    """Clear obstacles that are gone, widen the bounds, and remove the frame's own bits.
 
-    Gone is one at whose cell only lower points were seen, with no obstacle of this frame in the 3 x 3 around.
+    Only a frame with a level camera clears. An obstacle is gone if only lower points were seen at its cell and no
+    obstacle point of this frame lies in the 3 x 3 cells around.
     """
     n = cells.shape[0]
     for k in range(count):
@@ -159,7 +175,7 @@ def _settle(cells: U8, bounds: I32, touched: I32, count: int, level: bool) -> No
 
 @jit
 def _carve(camera: F64, half: int, cells: U8, bounds: I32, reach: F64) -> None:
-    """Mark the cells that sight lines pass over as explored."""
+    """Mark the cells under the sight lines as explored."""
     x, y, _, c, s = camera[:5]
     last = cells.shape[0] - 2
     for k in range(BINS):
@@ -180,11 +196,19 @@ def _carve(camera: F64, half: int, cells: U8, bounds: I32, reach: F64) -> None:
 
 @jit
 def walk(blocked: U8, a: int, b: int, limit: float, out: F32, queue: I32, waiting: Flags) -> None:
-    """Fill ``out`` (n, n) with the length in cells of the shortest way from (a, b) around ``blocked`` (n, n).
+    """Lengths of the shortest paths from one cell, in cells.
 
-    Ways longer than ``limit`` are inf. Solves the first order upwind scheme of fast marching, whose solution does not
-    depend on the order of updates: cells are updated from a queue until none changes. ``queue`` (n * n,) and
-    ``waiting`` (n, n), all False, are room to work in. Cells at the border are never entered.
+    Solves the first-order upwind scheme of fast marching. Cells are updated from a queue until none changes; the
+    solution does not depend on the order of updates. Cells at the border are never entered.
+
+    Args:
+        blocked: (n, n) uint8, not 0 where there is an obstacle.
+        a: row of the start.
+        b: column of the start.
+        limit: longer paths are inf; cells.
+        out: (n, n) float32, written.
+        queue: (n * n,) int32, working memory.
+        waiting: (n, n) bool, working memory; all False before and after.
     """
     n = blocked.shape[0]
     out[:] = np.inf
@@ -210,7 +234,7 @@ def walk(blocked: U8, a: int, b: int, limit: float, out: F32, queue: I32, waitin
 
 @merged
 def _upwind(out: F32, p: int, q: int) -> float:
-    """Length of the way to a cell by those of its four neighbours."""
+    """Path length to a cell, from those of its four neighbours."""
     u, v = min(out[p - 1, q], out[p + 1, q]), min(out[p, q - 1], out[p, q + 1])
     if abs(u - v) < 1.0:
         return 0.5 * (u + v + np.sqrt(2.0 - (u - v) * (u - v)))

@@ -1,4 +1,4 @@
-"""Hot loops of frontiers on the 0.25 m map: nodes that border on the unknown, where to stand for a group of them."""
+"""Kernels of frontiers on the 0.25 m map: nodes at the edge of explored space, and a pose for each group of them."""
 
 from __future__ import annotations
 
@@ -14,9 +14,17 @@ _DI, _DJ = (1, 0, -1, 0), (0, 1, 0, -1)
 def edges(
     window: tuple[int, int, int, int], explored: U8, height: F32, steps: I32, unreached: int, out: U8
 ) -> None:  # fmt: skip
-    """Mark in out (a, b) the explored nodes of a window (i0, i1, j0, j1) that can be reached and border on the unknown.
+    """Mark the frontier nodes in a window: explored, reachable, and next to an unexplored cell.
 
-    Unknown is what was not explored and is not known to be too high to see across.
+    An unexplored cell that is known to be too high to see across does not count.
+
+    Args:
+        window: cells (i0, i1, j0, j1), ends excluded.
+        explored: (n, n) uint8.
+        height: (n, n) float32, metres.
+        steps: (n, n, 4) int32, actions to every node and heading.
+        unreached: ``steps`` from this value on means unreachable.
+        out: (i1 - i0, j1 - j0) uint8, written: 1 at frontier nodes.
     """
     i0, i1, j0, j1 = window
     for i in range(i0, i1):
@@ -33,10 +41,16 @@ def edges(
 
 @jit
 def groups(label: I32, corner: tuple[int, int], explored: U8, steps: I32, out: I32) -> None:
-    """Write to out (groups, 4) for every label from 1 on: a node i, j, a heading, and how many nodes the group has.
+    """A pose for every group of frontier nodes: the node nearest to the group's centre, facing unexplored space.
 
-    It is the node nearest to the group's middle, looking where most of the unexplored neighbours of all nodes are; of
-    equal headings the cheapest. label (a, b): the group of every node of a window of the map, which begins at corner.
+    The heading is the one in which most nodes of the group have an unexplored neighbour; of equal ones, the cheapest.
+
+    Args:
+        label: (a, b) int32, group of every node of a window, from 1; 0 for none.
+        corner: cell (i0, j0) of the window's first row and column.
+        explored: (n, n) uint8.
+        steps: (n, n, 4) int32, actions to every node and heading.
+        out: (groups, 4) int32, written; zeros before: node i, j, heading, nodes of the group.
     """
     count = out.shape[0]
     middle, votes, nearest = np.zeros((count, 2)), np.zeros((count, 4), np.int32), np.full(count, np.inf)
@@ -64,7 +78,10 @@ def groups(label: I32, corner: tuple[int, int], explored: U8, steps: I32, out: I
 
 @jit
 def _vote(i: int, j: int, explored: U8, votes: I32) -> None:
-    """Count for each heading (4,) whether the neighbour there is unexplored; at the map's rim, the node itself."""
+    """Add to ``votes`` (4,) for each heading whether the neighbour there is unexplored.
+
+    At the map's border the node itself stands for the neighbour.
+    """
     for h in range(4):
         a = min(max(i + _DI[h], 0), explored.shape[0] - 1)
         b = min(max(j + _DJ[h], 0), explored.shape[1] - 1)

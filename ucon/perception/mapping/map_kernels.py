@@ -1,4 +1,4 @@
-"""Hot loops of the semantic map: depth to cells, boxes and explored space; what a frame shows of expected places.
+"""Kernels of the semantic map: from depth to cells, 3-D boxes and explored space; which places a frame shows.
 
 Cells are 0.25 m and centred on the nodes the agent can stand on: cell (i, j) holds x in (i - half ± 0.5) * 0.25.
 A camera is the float64 array (x, y, z, cos yaw, sin yaw, cos pitch, sin pitch, focal length in pixels).
@@ -13,33 +13,44 @@ import numpy as np
 from ucon.core.jit import F32, F64, I16, I32, U8, Flags, jit, merged
 
 CELL_M = 0.25
-#: Bits of the sides -x, +x, -y, +y, -z, +z of a hollow.
+#: All six sides of a compartment open; bits 0 to 5 are -x, +x, -y, +y, -z, +z.
 ALL_OPEN = 63
-#: Obstacles closer than this to a node make it impassable (the robot's radius).
+#: Obstacles closer than this to a node make it impassable: the robot's radius, metres.
 RADIUS_M = 0.18
+#: Points below the first height are floor; points from there to the second block the way. Metres.
 LOW_M, TALL_M = 0.05, 1.8
-#: Heights above this do not hide what is below a lintel or a top cabinet from the camera.
+#: Points above this height are left out of the height map: what is under a lintel or a top cabinet can be seen.
 LINTEL_M = 1.9
+#: Depths from here on are background, metres.
 FAR_M = 60.0
 FLOORS, WALLS, CEILINGS = 1, 2, 3
-#: Steps of sight lines that differ by less than this end in the same cells, if those of one of them, 64 at most, stay
-#: this far (in cells) from all borders.
+#: Two sight lines pass the same cells if their steps differ by less than _ALIKE_M metres and all points of one of them
+#: (64 at most) stay _CLEAR cells away from cell borders.
 _ALIKE_M, _CLEAR = 1e-12, 1e-9
 
 
 @jit
 def integrate(depth: F32, tracks: I16, camera: F64, half: int, cells: Any, kind: U8, frozen: Flags, box: F64) -> None:
-    """Put one frame into the cell maps and the boxes of its tracks.
+    """Add one frame to the cell maps and to the 3-D boxes of its tracks.
 
-    depth (H, W) optical metres; tracks (H, W); cells = (height, near, floor, blocked, walls); kind, frozen (T,),
-    box (T, 6). Cells are read from every second pixel, boxes from every one: a thing may be four pixels.
+    Cells are updated from every second pixel. Boxes use every pixel, since a thing may have only four.
+
+    Args:
+        depth: (H, W) float32, metres along the optical axis.
+        tracks: (H, W) int16, track of every pixel, -1 for none.
+        camera: (8,) float64.
+        half: cell number of the start.
+        cells: (height, near, floor, blocked, walls), the map's arrays, updated.
+        kind: (T,) uint8, 0 for things, else the code of the structure.
+        frozen: (T,) bool, tracks whose boxes must not change (opened ones: their doors swing).
+        box: (T, 6) float64, updated: x0 y0 z0 x1 y1 z1 in metres.
     """
     rows, columns = depth.shape
     point, cell, aside = np.empty((3, columns)), np.empty((2, columns), np.int32), np.empty(columns)
     for u in range(columns):
         aside[u] = (u + 0.5 - 0.5 * columns) / camera[7]
     for v in range(rows):
-        # The arithmetic of a whole row goes first, where it can be done for several pixels at once.
+        # The arithmetic of a whole row comes first, so that the compiler can vectorise it.
         _project(depth[v], (0.5 * rows - v - 0.5) / camera[7], aside, camera, point)
         _widen(depth[v], tracks[v], point, kind, frozen, box)
         if v & 1 == 0:
@@ -49,7 +60,7 @@ def integrate(depth: F32, tracks: I16, camera: F64, half: int, cells: Any, kind:
 
 @jit
 def _project(depth: F32, up: float, aside: F64, camera: F64, point: F64) -> None:
-    """Write the points (3, W) that the pixels of a row show, in metres."""
+    """Write the points (3, W) that the pixels of a row show: x, y, z in metres."""
     x, y, cam_z, c, s, cp, sp, _ = camera
     ahead, rise = cp - sp * up, sp + cp * up
     for u in range(depth.shape[0]):
@@ -60,7 +71,7 @@ def _project(depth: F32, up: float, aside: F64, camera: F64, point: F64) -> None
 
 @jit
 def _cells(point: F64, half: int, cell: I32) -> None:
-    """Write the cells (2, W) that the points (3, W) are in."""
+    """Write the cells (2, W) that hold the points (3, W)."""
     for u in range(point.shape[1]):
         cell[0, u] = np.int32(np.floor(point[0, u] / CELL_M + 0.5)) + half
         cell[1, u] = np.int32(np.floor(point[1, u] / CELL_M + 0.5)) + half
@@ -68,7 +79,7 @@ def _cells(point: F64, half: int, cell: I32) -> None:
 
 @jit
 def _widen(depth: F32, tracks: I16, point: F64, kind: U8, frozen: Flags, box: F64) -> None:
-    """Widen the boxes by the points of a row, for each stretch of one track at once."""
+    """Extend the tracks' boxes by the points of a row, one run of equal tracks at a time."""
     u, columns = 0, depth.shape[0]
     while u < columns:
         t, first = tracks[u], u
@@ -87,7 +98,7 @@ def _widen(depth: F32, tracks: I16, point: F64, kind: U8, frozen: Flags, box: F6
 
 @jit
 def _mark(depth: F32, tracks: I16, point: F64, cell: I32, half: int, cells: Any, kind: U8, frozen: Flags) -> None:
-    """Note every second point of a row in the cell maps."""
+    """Enter every second point of a row into the cell maps."""
     height, near, floor, blocked, walls = cells
     last = height.shape[0] - 1
     for u in range(0, depth.shape[0], 2):
@@ -113,7 +124,7 @@ def _mark(depth: F32, tracks: I16, point: F64, cell: I32, half: int, cells: Any,
 
 @merged
 def _wall(walls: U8, i: int, j: int, dx: float, dy: float) -> None:
-    """Mark the cell border that a wall point lies by: walls stand on borders, their faces 5 cm beside them.
+    """Mark the cell border that a wall point belongs to: walls stand on borders, their faces 5 cm beside them.
 
     Points near a corner of the cell could belong to either border and are left out. ``walls`` (2, n, n): border of
     (i, j) towards (i + 1, j), and towards (i, j + 1).
@@ -127,10 +138,10 @@ def _wall(walls: U8, i: int, j: int, dx: float, dy: float) -> None:
 
 @merged
 def _block(blocked: U8, i: int, j: int, dx: float, dy: float) -> None:
-    """Mark the nodes around an obstacle point (dx, dy metres from node (i, j)) that it makes impassable.
+    """Mark the nodes that an obstacle point makes impassable.
 
-    It is in the node's own cell, so that the others on its far sides are never near enough. No branches: they would
-    be guessed wrong half the time.
+    (dx, dy) is the point in metres from node (i, j), in whose cell it lies; only that node and the three nearest others
+    can be within the robot's radius. There are no branches: they would be mispredicted half the time.
     """
     a, b = i + (1 if dx > 0.0 else -1), j + (1 if dy > 0.0 else -1)
     ex, ey = CELL_M - abs(dx), CELL_M - abs(dy)
@@ -142,9 +153,19 @@ def _block(blocked: U8, i: int, j: int, dx: float, dy: float) -> None:
 
 @jit
 def carve(depth: F32, camera: F64, half: int, explored: U8, reach_m: float) -> int:
-    """Mark the cells that sight lines pass over as explored. Returns how many became so.
+    """Mark the cells under the sight lines of a frame as explored.
 
-    Those of one column of a level picture lie over each other: of these only the longest is followed.
+    In a level picture all sight lines of one column lie over each other; only the longest of these is followed.
+
+    Args:
+        depth: (H, W) float32, metres along the optical axis.
+        camera: (8,) float64.
+        half: cell number of the start.
+        explored: (n, n) uint8, updated.
+        reach_m: longest sight line over the floor, metres.
+
+    Returns:
+        How many cells became explored.
     """
     rows, columns = depth.shape
     fresh, way = 0, np.empty((rows // 8 + 1, 3))
@@ -171,7 +192,10 @@ def carve(depth: F32, camera: F64, half: int, explored: U8, reach_m: float) -> i
 
 @merged
 def _way(d: float, ahead: float, aside: float, camera: F64, reach_m: float, way: F64) -> bool:
-    """Write the step (dx, dy) of a pixel's sight line over the floor, in metres, and how many of them it has."""
+    """Write the sight line of a pixel as a step (dx, dy) over the floor in metres and the number of steps.
+
+    Returns whether it is long enough to follow.
+    """
     c, s, d = camera[3], camera[4], min(d, FAR_M)
     if not d > 0.0:
         return False
@@ -187,7 +211,10 @@ def _way(d: float, ahead: float, aside: float, camera: F64, reach_m: float, way:
 
 @merged
 def _trace(explored: U8, half: int, x: float, y: float, dx: float, dy: float, n: int) -> tuple[int, float]:
-    """Mark the cells of n steps from a point; how many are new, and how clear of cell borders all steps are (cells)."""
+    """Mark the cells of n steps from a point.
+
+    Returns how many cells became explored, and how far (in cells) all steps stay from cell borders.
+    """
     fresh, off = 0, 0.0
     for k in range(n + 1):
         a, b = (x + k * dx) / CELL_M + 0.5, (y + k * dy) / CELL_M + 0.5
@@ -202,7 +229,18 @@ def _trace(explored: U8, half: int, x: float, y: float, dx: float, dy: float, n:
 
 @merged
 def shows(x: float, y: float, z: float, px: float, py: float, pz: float, hollow: F64, faces: int) -> bool:
-    """Whether a camera at (x, y, z) looks at a point in a hollow (6,) through one of its open sides."""
+    """Whether a camera looks at a point in a compartment through one of its open sides.
+
+    Args:
+        x: of the camera, metres.
+        y: of the camera, metres.
+        z: of the camera, metres.
+        px: of the point, metres.
+        py: of the point, metres.
+        pz: of the point, metres.
+        hollow: (6,) box of the compartment: x0 y0 z0 x1 y1 z1 in metres.
+        faces: bits of its open sides; ALL_OPEN for points in no compartment.
+    """
     if faces == ALL_OPEN:
         return True
     best, side = 1.0, -1
@@ -234,10 +272,24 @@ def look(
     unseen: F64,
     miss: float,
 ) -> int:
-    """Lower ``unseen`` (n,) of the places (n, 3) that this frame shows from within ``reach_m``; returns the count.
+    """Lower ``unseen`` of the sample points that a frame shows.
 
-    A place counts as shown where the ray through it ends at it or behind it (5 cm of grace), and enters the hollow
-    (n, 6) that it may be in through one of its open faces (n,).
+    A point is shown if the ray through it ends at it or behind it (5 cm of tolerance), and enters the point's
+    compartment through an open side.
+
+    Args:
+        depth: (H, W) float32, metres along the optical axis.
+        camera: (8,) float64.
+        reach_m: greatest optical depth, metres.
+        places: (n, 3) float64, the points, metres.
+        hollow: (n, 6) float64, boxes of their compartments, metres.
+        faces: (n,) uint8, bits of the compartments' open sides.
+        active: (n,) bool, points to look at.
+        unseen: (n,) float64, multiplied by ``miss`` at points that are shown.
+        miss: probability that a frame that shows a point misses a target there.
+
+    Returns:
+        How many points are shown.
     """
     rows, columns = depth.shape
     x, y, cam_z, c, s, cp, sp, focal_px = camera

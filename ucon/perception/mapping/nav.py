@@ -1,4 +1,4 @@
-"""The true free grid that an environment may give the planner."""
+"""The true grid of free nodes, which an environment may give to the planner."""
 
 from __future__ import annotations
 
@@ -13,12 +13,15 @@ from ucon.core.sharing import Shared
 
 @dataclass(frozen=True, eq=False)
 class Nav(Shared):
-    """One home's grid. No plain dictionary: vector environments would pile the arrays up, and homes differ in shape."""
+    """One home's grid of free nodes, in the agent's start frame.
+
+    It is no plain dictionary: vector environments would stack the arrays, whose shapes differ between homes.
+    """
 
     free: NDArray[np.bool_]
-    """(X, Y) nodes that can be stood on, turned to the agent's start frame."""
+    """(X, Y) True at nodes that can be stood on; axes as in the agent's start frame."""
     start: tuple[int, int]
-    """Cell of the start."""
+    """Row and column of the start in ``free``."""
 
     def __getitem__(self, name: str) -> Any:
         """``nav["free"]``, ``nav["start"]``, as in a mapping."""
@@ -27,7 +30,7 @@ class Nav(Shared):
         return getattr(self, name)
 
     def __eq__(self, other: object) -> bool:
-        """Whether all is equal: infos are compared to see that an environment repeats itself."""
+        """Whether grids and starts are equal; used to check that an environment repeats itself."""
         return isinstance(other, Nav) and self.start == other.start and np.array_equal(self.free, other.free)
 
     __hash__ = None  # type: ignore[assignment]  # arrays have none

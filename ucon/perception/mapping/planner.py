@@ -1,7 +1,7 @@
 """Shortest action sequences on the 0.25 m grid: breadth-first search over (cell, heading), every action one step.
 
-The planner may know the true free grid (``nav`` of the environment) or go by what the map has seen; goals always
-come from the map. Blocked moves are marked in the map and disappear from the next plan.
+The planner may use the true free grid (``nav`` of the environment) or what the map has seen. Goals always come from the
+map. A move that failed marks its cell in the map, and the next plan avoids it.
 """
 
 from __future__ import annotations
@@ -29,7 +29,11 @@ _PRIMITIVES = (Action.MOVE_AHEAD, Action.ROTATE_LEFT, Action.ROTATE_RIGHT)
 def _search(
     free: NDArray[np.bool_], i: int, j: int, heading: int, steps: I32, moves: I32, came: NDArray[np.int8], queue: I32
 ) -> int:
-    """Fill steps, moves (i, j, heading) int32 and came (0 move, 1 left, 2 right) from one pose; returns states."""
+    """Breadth-first search from one pose.
+
+    Writes at (i, j, heading) int32 ``steps`` and ``moves`` and int8 ``came``, the last action of the path: 0 move, 1
+    left, 2 right, -1 none. Returns the number of states in ``queue``.
+    """
     n = free.shape[0]
     di, dj = (1, 0, -1, 0), (0, 1, 0, -1)
     steps[i, j, heading], moves[i, j, heading], came[i, j, heading] = 0, 0, -1
@@ -58,17 +62,22 @@ def _search(
 
 
 class Planner(PartlyShared):
-    """Distances and plans for one episode.
+    """Path lengths and plans from the agent's pose, for one episode.
 
     Attributes:
-        steps: (257, 257, 4) int32 actions to stand at a cell with a heading; UNREACHED where there is no way.
-        moves: the same, counting only moves ahead.
+        steps: (257, 257, 4) int32, actions to stand at a cell with a heading; UNREACHED where there is no path.
+        moves: (257, 257, 4) int32, those of the actions that are MoveAhead.
+        origin: the pose that the paths start from.
     """
 
     _shared: ClassVar[frozenset[str]] = frozenset({"_true", "_used"})
 
     def __init__(self, nav: Nav | Mapping[str, Any] | None = None) -> None:
-        """``nav``: the environment's true grid (free, start), or None to go by the map."""
+        """Choose the grid.
+
+        Args:
+            nav: the environment's true grid (``free``, ``start``), or None to use what the map has seen.
+        """
         self._true = None if nav is None else _in_window(nav["free"], nav["start"])
         self.steps = np.full((SIZE, SIZE, 4), UNREACHED, np.int32)
         self.moves = np.zeros((SIZE, SIZE, 4), np.int32)
@@ -77,7 +86,11 @@ class Planner(PartlyShared):
         self.origin = View(HALF, HALF, 0)
 
     def free(self, known: SemanticMap) -> NDArray[np.bool_]:
-        """(257, 257) nodes that a plan may pass."""
+        """Nodes that a plan may pass.
+
+        Returns:
+            (257, 257) bool, indexed as the map.
+        """
         if self._true is not None:
             return self._true & (known.bumped == 0)
         i0, i1, j0, j1 = known.extent(margin=6)
@@ -86,7 +99,7 @@ class Planner(PartlyShared):
         return free
 
     def update(self, known: SemanticMap) -> None:
-        """Measure all ways from the map's current view."""
+        """Compute all paths from the map's current pose. Call it before :meth:`cost` and :meth:`plan`."""
         self.origin = view = known.view
         self.steps.reshape(-1)[self._used] = UNREACHED
         free = self.free(known)
@@ -96,11 +109,19 @@ class Planner(PartlyShared):
         self._used = queue[:count].copy()
 
     def cost(self, goal: View) -> int:
-        """Actions to reach a view, pitch included; UNREACHED or more where there is no way."""
+        """Number of actions to reach a pose, LookUp and LookDown included.
+
+        Returns:
+            UNREACHED or more where there is no path.
+        """
         return int(self.steps[goal.i, goal.j, goal.heading]) + abs(goal.pitch_deg - self.origin.pitch_deg) // 30
 
     def plan(self, goal: View) -> list[Action]:
-        """Actions that lead from the origin of the last update to ``goal``, the pitch changed last; [] if none."""
+        """Actions from ``origin`` to a pose; LookUp and LookDown come last.
+
+        Returns:
+            An empty list where there is no path, or where the agent is there already.
+        """
         if self.steps[goal.i, goal.j, goal.heading] >= UNREACHED:
             return []
         i, j, h = goal.i, goal.j, goal.heading
@@ -117,12 +138,17 @@ class Planner(PartlyShared):
 
 
 def turns(heading: int, wanted: int) -> tuple[Action, ...]:
-    """Shortest turn from one heading to another."""
+    """Rotations from one heading to another, at most two.
+
+    Args:
+        heading: quarter turns counter-clockwise.
+        wanted: quarter turns counter-clockwise.
+    """
     return _TURN[(wanted - heading) % 4]
 
 
 def _in_window(free: NDArray[np.bool_], start: tuple[int, int]) -> NDArray[np.bool_]:
-    """Put the environment's grid into the map's window, so that its start cell is the centre."""
+    """Put the environment's grid into the map's window, with its start cell at the centre; (257, 257) bool."""
     out = np.zeros((SIZE, SIZE), bool)
     nx, ny = free.shape
     i0, j0 = HALF - int(start[0]), HALF - int(start[1])

@@ -1,7 +1,8 @@
-"""The 0.25 m semantic map that an agent builds from its own frames: cells, tracked things, what was looked at.
+"""The 0.25 m semantic map that an agent builds from its own frames: cells, tracked things, and poses.
 
-The frame is the agent's: its first pose is the origin looking along +x. Cells are centred on the nodes where it can
-stand. The map covers 64 m x 64 m, more than any home; what lies outside is ignored.
+The start frame: the agent's first pose is the origin and looks along +x; y is to its left, z up from the floor. Cells
+are centred on the nodes where the agent can stand. The map covers 64 m x 64 m, more than any home; what lies outside is
+ignored.
 """
 
 from __future__ import annotations
@@ -21,8 +22,11 @@ from ucon.perception.mapping.body import PAPER_BODY, Body
 from ucon.perception.mapping.detections import MIN_PIXELS, STRUCTURE_KINDS, Detections
 
 CELL_M = kernels.CELL_M
+#: Cell number of the start, in i and j.
 HALF = 128
+#: Cells of a side.
 SIZE = 2 * HALF + 1
+#: Cells under a sight line count as explored up to so many metres from the camera.
 CARVE_M = 8.0
 _FOV_DEG = 90.0
 _PITCH = {p: (float(np.cos(np.deg2rad(p))), float(np.sin(np.deg2rad(p)))) for p in (-60, -30, 0, 30, 60)}
@@ -30,9 +34,14 @@ _PITCH = {p: (float(np.cos(np.deg2rad(p))), float(np.sin(np.deg2rad(p)))) for p 
 
 @dataclass(frozen=True, slots=True)
 class View(Shared):
-    """A pose of the agent: cell (i, j), heading in quarter turns counter-clockwise, pitch in degrees, up positive.
+    """A pose of the agent on the grid.
 
-    More generally the look of :class:`~ucon.perception.mapping.body.Body`, where the rules know no pitch.
+    Attributes:
+        i: cell along x.
+        j: cell along y.
+        heading: quarter turns counter-clockwise from +x.
+        pitch_deg: degrees, up positive. Under rules that move the camera instead, the look of
+            :class:`~ucon.perception.mapping.body.Body`.
     """
 
     i: int
@@ -42,27 +51,43 @@ class View(Shared):
 
     @property
     def xy(self) -> tuple[float, float]:
-        """Metres from the start."""
+        """Position (x, y) in metres in the start frame."""
         return (self.i - HALF) * CELL_M, (self.j - HALF) * CELL_M
 
 
 class SemanticMap(PartlyShared):
-    """Everything one agent has seen in one episode. Arrays are (257, 257), indexed [i, j] = [x, y].
+    """Everything one agent has seen in one episode. Grids are (257, 257), indexed [i, j] = [x, y]; T tracks.
 
     Attributes:
-        body: what the agent knows of its own camera and reach.
-        explored: uint8, sight lines passed over the cell. height: float32, tallest thing seen in it below 1.9 m.
-        near: float32, least optical depth at which anything in it was seen. floor: uint8, floor seen.
-        walls: (2, 257, 257) uint8, a wall stands between (i, j) and (i + 1, j), or (i, j + 1).
-        blocked: uint8, an obstacle was seen within the robot's radius of the node. bumped: uint8, a move failed.
-        category: name of each track ("" until detected). box: (T, 6) float64 x0 y0 z0 x1 y1 z1 of the points seen.
-        opened: (T,) bool. pixels: (T,) int32 pixels in the last frame.
-        last_seen: (T,) int32 step, -1 never. views: poses so far.
+        body: the agent's camera and reach.
+        explored: uint8 grid, 1 where a sight line passed over the cell.
+        visited: uint8 grid, 1 where the agent stood.
+        height: float32 grid, the highest point seen in the cell below 1.9 m, metres; -1 where none was seen.
+        near: float32 grid, the least optical depth at which a point in the cell was seen, metres.
+        floor: uint8 grid, 1 where floor was seen.
+        walls: (2, 257, 257) uint8, 1 where a wall stands between (i, j) and (i + 1, j), or (i, j + 1).
+        blocked: uint8 grid, 1 where an obstacle was seen within the robot's radius of the node.
+        bumped: uint8 grid, 1 where a move to the node failed.
+        category: name of each of the T tracks, "" until detected.
+        instances: tracks by category.
+        kind: (>= T,) uint8, 0 for things, else the code in ``STRUCTURE_KINDS``.
+        box: (>= T, 6) float64, x0 y0 z0 x1 y1 z1 of the points seen, metres.
+        opened: (>= T,) bool, whether an Open opened it.
+        pixels: (>= T,) int32, pixels in the last frame.
+        last_seen: (>= T,) int32, step at which it was last in view, -1 never.
+        views: poses so far, one a step.
+        step: number of the last frame, from 0.
+        fresh: cells that the last frame explored.
     """
 
     _flat: ClassVar[frozenset[str]] = frozenset({"views", "category"})
 
     def __init__(self, body: Body = PAPER_BODY) -> None:
+        """Start with an empty map.
+
+        Args:
+            body: the agent's camera and reach; those of the paper's rules by default.
+        """
         self.body = body
 
         def grid(dtype: type, fill: float = 0) -> NDArray[Any]:
@@ -80,6 +105,7 @@ class SemanticMap(PartlyShared):
         self._grow(64)
 
     def _grow(self, capacity: int) -> None:
+        """Give the arrays of tracks room for ``capacity`` rows."""
         old = len(self.category)
         blank: dict[str, NDArray[Any]] = {
             "box": np.tile(np.array([1e3, 1e3, 1e3, -1e3, -1e3, -1e3]), (capacity, 1)),
@@ -101,19 +127,23 @@ class SemanticMap(PartlyShared):
 
     @property
     def n_tracks(self) -> int:
-        """Tracks known so far."""
+        """Number T of tracks so far."""
         return len(self.category)
 
     @property
     def view(self) -> View:
-        """Where the agent is."""
+        """The agent's current pose."""
         return self.views[-1]
 
     def update(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> None:
-        """Add one frame: ``observation`` depth, pose, collision; ``info`` detections, tracks, opened.
+        """Add one frame.
+
+        Args:
+            observation: ``depth`` (unless ``info`` has it), ``pose``, ``collision``.
+            info: ``detections``, ``tracks``, and where there are any ``opened``, ``camera_m``, ``fov_deg``.
 
         Raises:
-            ConfigError: no view of 90 degrees.
+            ConfigError: the view is not 90 degrees wide.
         """
         require_right_angle(info)
         view = view_of_pose(observation["pose"], float(info.get("camera_m", self.body.camera_m)), self.body)
@@ -130,13 +160,18 @@ class SemanticMap(PartlyShared):
         self._integrate(view, depth, detections.image)
 
     def tour(self, frames: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]]) -> None:
-        """Learn the home before the search begins, from observations and infos of a walk through it."""
+        """Learn the home before the search begins; poses and steps are reset afterwards.
+
+        Args:
+            frames: observations and infos of a walk through the home.
+        """
         for observation, info in frames:
             self.update(observation, info)
         self.views.clear()
         self.visited[:], self.pixels[:], self.last_seen[:] = 0, 0, -1
 
     def _register(self, detections: Detections) -> None:
+        """Enter the tracks of a frame: names, pixels, step."""
         self.pixels[:] = 0
         if not len(detections.track):
             return
@@ -157,6 +192,7 @@ class SemanticMap(PartlyShared):
             self.last_seen[track] = self.step
 
     def _integrate(self, view: View, depth: NDArray[np.float32], image: NDArray[np.int16]) -> None:
+        """Enter the points of a frame: cells, boxes, explored space."""
         n = self.n_tracks
         cells = (self.height, self.near, self.floor, self.blocked, self.walls)
         camera = camera_of(view, depth, self.body)
@@ -166,33 +202,56 @@ class SemanticMap(PartlyShared):
         self.explored[view.i, view.j] = 1
 
     def _bump(self, view: View) -> None:
+        """Mark the node ahead of a pose: a move to it failed."""
         i, j = view.i + (1, 0, -1, 0)[view.heading], view.j + (0, 1, 0, -1)[view.heading]
         if 0 <= i < SIZE and 0 <= j < SIZE:
             self.bumped[i, j] = 1
 
     def seen(self, track: int) -> bool:
-        """Whether any pixel of a track has been placed in space."""
+        """Whether any point of a track was seen, so that its box is valid."""
         return bool(self.box[track, 3] >= self.box[track, 0])
 
     def cells_of(self, tracks: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Cells (n, 2) in which the middles of what was seen of some tracks lie."""
+        """Cells in which the centres of tracks' boxes lie.
+
+        Args:
+            tracks: (n,) track numbers.
+
+        Returns:
+            (n, 2) int64.
+        """
         boxes = self.box[tracks]
         middle = np.floor(0.5 * (boxes[:, :2] + boxes[:, 3:5]) / CELL_M + 0.5).astype(np.int64) + HALF
         return np.clip(middle, 0, SIZE - 1)
 
     def gap_m(self, track: int, xy: tuple[float, float]) -> float:
-        """Horizontal metres from a point to the box of a track as far as it was seen (never less than the truth)."""
+        """Horizontal distance in metres from a point to what was seen of a track.
+
+        It is never less than the distance to the whole thing.
+
+        Args:
+            track: its number.
+            xy: the point, metres in the start frame.
+        """
         x0, y0, _, x1, y1, _ = self.box[track]
         return float(np.hypot(max(x0 - xy[0], xy[0] - x1, 0.0), max(y0 - xy[1], xy[1] - y1, 0.0)))
 
     def passable(self) -> NDArray[np.bool_]:
-        """(257, 257) nodes not known to be impassable; unknown ones count as passable until seen or bumped into."""
+        """Nodes not known to be impassable; unexplored ones count as passable until seen or bumped into.
+
+        Returns:
+            (257, 257) bool.
+        """
         free = (self.blocked == 0) & (self.bumped == 0)
         free[self.visited > 0] = True
         return free
 
     def extent(self, margin: int = 2) -> tuple[int, int, int, int]:
-        """Cells (i0, i1, j0, j1), ends excluded, that hold all that was explored, grown by ``margin``."""
+        """The smallest box of cells that holds everything explored, grown by ``margin`` cells and clipped to the map.
+
+        Returns:
+            (i0, i1, j0, j1), ends excluded.
+        """
         rows, columns = np.flatnonzero(self.explored.any(1)), np.flatnonzero(self.explored.any(0))
         return (
             max(1, int(rows[0]) - margin),
@@ -203,23 +262,43 @@ class SemanticMap(PartlyShared):
 
 
 def require_right_angle(info: Mapping[str, Any]) -> None:
-    """Refuse frames that are not 90 degrees wide: what is mapped, and when a place counts as seen, is made for those.
+    """Refuse frames that are not 90 degrees wide: the map and its thresholds are made for those.
+
+    Args:
+        info: of a frame; ``fov_deg`` is 90 by default.
 
     Raises:
-        ConfigError: saying what to give.
+        ConfigError: the view is not 90 degrees wide.
     """
     if (fov_deg := float(info.get("fov_deg", _FOV_DEG))) != _FOV_DEG:
         raise ConfigError(f"env.fov_deg={fov_deg:g}: agents that map see {_FOV_DEG:g} degrees; leave it at that")
 
 
 def frame_depth(observation: Mapping[str, Any], info: Mapping[str, Any]) -> NDArray[np.float32]:
-    """Depth image (H, W) of an observation; symbolic environments put it into ``info``."""
+    """Depth image of a frame.
+
+    Args:
+        observation: has ``depth``, (H, W) or (H, W, 1), in visual environments.
+        info: has ``depth`` in symbolic environments.
+
+    Returns:
+        (H, W) float32, metres along the optical axis.
+    """
     depth: NDArray[np.float32] = observation["depth"] if "depth" in observation else info["depth"]
     return depth.reshape(depth.shape[:2])
 
 
 def camera_of(view: View, depth: NDArray[np.float32], body: Body) -> NDArray[np.float64]:
-    """The kernels' camera of a view; pixels are square and the image is 90 degrees wide."""
+    """The camera as the kernels take it; the image is 90 degrees wide and its pixels are square.
+
+    Args:
+        view: the agent's pose.
+        depth: (H, W), for its width.
+        body: height and pitch of every look.
+
+    Returns:
+        (8,) float64: x, y, z, cos yaw, sin yaw, cos pitch, sin pitch, focal length in pixels.
+    """
     x, y = view.xy
     c, s = HEADING_COS[view.heading], HEADING_SIN[view.heading]
     camera_m, pitch_deg = body.eyes[view.pitch_deg]
@@ -229,7 +308,13 @@ def camera_of(view: View, depth: NDArray[np.float32], body: Body) -> NDArray[np.
 def view_of_pose(
     pose: NDArray[np.floating[Any]], camera_m: float = PAPER_BODY.camera_m, body: Body = PAPER_BODY
 ) -> View:
-    """Nearest grid pose of (x, y, yaw_rad, pitch_rad) and the camera's height."""
+    """The nearest pose on the grid.
+
+    Args:
+        pose: (4,) x, y in metres, yaw, pitch in radians, in the start frame.
+        camera_m: height of the camera in metres.
+        body: heights and pitches of the camera.
+    """
     x, y, yaw, pitch = pose.tolist()
     heading = round(yaw / (np.pi / 2)) % 4
     look = body.look(camera_m, round(np.rad2deg(pitch) / 30) * 30)

@@ -1,4 +1,4 @@
-"""What single frames showed of the space around one node: the raw material of direction-wise prompts."""
+"""What single frames showed from the node where the agent stands: the content of prompts that list directions."""
 
 from __future__ import annotations
 
@@ -20,28 +20,39 @@ FLOOR_CODE = STRUCTURE_KINDS["floors"]
 
 @dataclass(frozen=True, eq=False)
 class Sighting(Shared):
-    """One frame, kept until the agent moves on."""
+    """What one frame showed, kept until the agent moves on."""
 
     view: View
     things: tuple[tuple[str, int], ...]
-    """Categories in view and how many of each, the largest in the image first; no floors, walls, ceilings."""
+    """Categories in view and the number of each, by falling pixels; without structure."""
     floor_xy: tuple[float, float] | None
-    """Middle of the largest patch of floor in view, in metres from the start; None where none is seen."""
+    """Centre of the largest patch of floor in view, metres in the start frame; None if none is in view or wanted."""
     rgb: NDArray[np.uint8] | None = None
-    """(H, W, 3), where images were asked for."""
+    """(H, W, 3); None unless images are kept."""
 
 
 class Sightings:
     """The newest level frame of each heading at the node where the agent stands."""
 
     def __init__(self, *, floor: bool = False, images: bool = False) -> None:
-        """``floor``: find the largest patch of floor; ``images``: keep those of the camera."""
+        """Choose what is kept of a frame.
+
+        Args:
+            floor: compute the centre of the largest patch of floor.
+            images: keep the colour images.
+        """
         self._floor, self._images = floor, images
         self._node: tuple[int, int] | None = None
         self._frames: dict[int, _Frame] = {}
 
     def look(self, known: SemanticMap, observation: Mapping[str, Any], info: Mapping[str, Any]) -> None:
-        """Take in the frame that ``known`` was last updated with; frames of other nodes are forgotten."""
+        """Keep a frame if it is level; frames of other nodes are dropped.
+
+        Args:
+            known: the map, updated with this frame.
+            observation: of the frame.
+            info: of the frame.
+        """
         view = known.view
         if self._node != (view.i, view.j):
             self._node, self._frames = (view.i, view.j), {}
@@ -50,7 +61,11 @@ class Sightings:
             self._frames[view.heading] = _Frame(view, Detections.from_info(info), frame_depth(observation, info), rgb)
 
     def of(self, known: SemanticMap) -> list[Sighting]:
-        """What was seen from here, by heading, beginning with the present one and turning left."""
+        """What was seen from the current node, one entry for each heading kept.
+
+        Returns:
+            In order of heading, beginning with the current one and turning left.
+        """
         order = [(known.view.heading + turn) % 4 for turn in range(4)]
         return [self._sighting(known, self._frames[heading]) for heading in order if heading in self._frames]
 
@@ -68,6 +83,7 @@ class _Frame:
 
 
 def _things(found: Detections) -> tuple[tuple[str, int], ...]:
+    """Categories and their numbers, by falling pixels; without structure."""
     size: dict[str, int] = {}
     count: dict[str, int] = {}
     for name, pixels in zip(found.category, found.pixels.tolist(), strict=True):
@@ -79,7 +95,7 @@ def _things(found: Detections) -> tuple[tuple[str, int], ...]:
 
 
 def _floor_middle(known: SemanticMap, frame: _Frame) -> tuple[float, float] | None:
-    """Where the middle pixel of the largest patch of floor lies, in metres from the start."""
+    """Centre of the largest patch of floor, metres in the start frame; None where no floor is in view."""
     is_floor = np.zeros(known.n_tracks + 1, np.uint8)  # the last entry: pixels of no track
     is_floor[:-1] = known.kind[: known.n_tracks] == FLOOR_CODE
     mask = is_floor[frame.found.image]
@@ -88,12 +104,13 @@ def _floor_middle(known: SemanticMap, frame: _Frame) -> tuple[float, float] | No
         return None
     largest = 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())
     rows, columns = np.nonzero(label == largest)
-    # The middle of a bent patch may lie outside it: take the pixel of the patch that is nearest.
+    # The centre of a bent patch may lie outside it: use the nearest pixel of the patch.
     k = int(((columns - middles[largest][0]) ** 2 + (rows - middles[largest][1]) ** 2).argmin())
     return _ground(frame, known.body, int(rows[k]), int(columns[k]))
 
 
 def _ground(frame: _Frame, body: Body, v: int, u: int) -> tuple[float, float]:
+    """The point (x, y) in metres that pixel (row v, column u) shows."""
     x, y, _, c, s, cp, sp, focal_px = camera_of(frame.view, frame.depth, body)
     rows, columns = frame.depth.shape
     d = float(frame.depth[v, u])

@@ -1,4 +1,4 @@
-"""Which of the things seen are closed containers, and which of them an Open here would reach."""
+"""Closed containers among the things seen, and those that an Open from the current pose would reach."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from ucon.perception.mapping.detections import MIN_PIXELS
 from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.perception.places.target_places import affordance
 
-#: Open reaches as far as the body; a little less leaves room for the part of the box that was not seen.
+#: Taken off the reach of Open, metres: the box of what was seen may be smaller than the container.
 _MARGIN_M = 0.02
 
 
 def open_reach_m(known: SemanticMap) -> float:
-    """How near the seen part of a container must be for Open to reach it."""
+    """How near the seen part of a container must be for Open to reach it, in metres."""
     return known.body.near_m - _MARGIN_M
 
 
 class Containers(PartlyShared):
-    """The containers of one episode. What opens is the catalogue's knowledge, by category."""
+    """The containers of one episode. Whether a category opens is read from the catalogue."""
 
     _flat: ClassVar[frozenset[str]] = frozenset({"_openable"})
 
@@ -30,7 +30,11 @@ class Containers(PartlyShared):
         self._openable: list[bool] = []
 
     def closed(self, known: SemanticMap) -> NDArray[np.int64]:
-        """Tracks that are closed and may still open."""
+        """Tracks of containers that were not opened yet and of which at least one point was seen.
+
+        Returns:
+            (n,) int64, ascending.
+        """
         for track in range(len(self._openable), known.n_tracks):
             name = known.category[track]
             self._openable.append(bool(name) and affordance(name).openable)
@@ -38,7 +42,7 @@ class Containers(PartlyShared):
         return np.flatnonzero(shut & (known.box[: known.n_tracks, 3] >= known.box[: known.n_tracks, 0]))
 
     def in_reach(self, known: SemanticMap) -> list[int]:
-        """Closed tracks that Open would open now: in view and near enough, as far as the map can tell."""
+        """Tracks of closed containers that Open would open now: in view and within reach, as the map has them."""
         reach_m = open_reach_m(known)
         return [
             int(track)

@@ -1,6 +1,6 @@
-"""Where things stand on and in a category, by its catalogue shape: sample points, and the sides to look through.
+"""Sample points on and in a category, by its catalogue shape, and the open sides of its compartments.
 
-Points are given in units of the object's box, so that they fit whatever size of it was seen.
+Points are in units of the object's box, so that they fit whatever size of it was seen.
 """
 
 from __future__ import annotations
@@ -21,29 +21,34 @@ from ucon.sim.shapes import primitive_boxes, solid_of_parts
 
 __all__ = ["ALL_OPEN", "Template", "fit", "template"]
 
+#: The bit of the side +z: only the top is open.
 _ABOVE = 32
-#: Bits of the upright sides counter-clockwise, from +x.
+#: Bit numbers of the upright sides +x, +y, -x, -y (counter-clockwise).
 _AROUND = (1, 3, 0, 2)
 _TOP_SPACING_M = 0.5
 _INNER_SPACING_M = 0.3
 _DEEP_SPACING_M = 0.13
-"""In what is looked into from above, where the rim hides one half or the other."""
+"""Spacing in compartments that are open above only: their rim hides one half of the inside or the other."""
 _MOST_A_SIDE = 4
 _MOST_DEEP = 3
-#: A side's wall is looked for behind it in such steps, as far as the object reaches.
+#: Steps in which a wall is searched behind a compartment's side, out to the end of the object.
 _WALL_STEP_M = 0.004
 _COVERED = 0.6
 
 
 @dataclass(frozen=True, eq=False)
 class Template:
-    """Sample points of one category, the front along +x.
+    """The k sample points of one category in units of its box; its front is along +x.
 
     Attributes:
-        size: (3,) metres, the catalogue's. xyz: (k, 3) x and y from -0.5 to 0.5, z from 0 to 1. relation: (k,) ONTOP or
-            INSIDE. share: (k,) parts of the mass of the relation. hollow: (k, 6) box of the compartment in the same
-            units. faces: (k,) bits of its open sides. turns: whether it matters where its front is.
-        lift: (k,) part of the target's height by which a point is raised.
+        size: (3,) the catalogue's size, metres.
+        xyz: (k, 3) x and y from -0.5 to 0.5, z from 0 to 1.
+        relation: (k,) int32, ONTOP or INSIDE.
+        share: (k,) share of the relation's mass; sums to 1 within a relation.
+        hollow: (k, 6) box of the point's compartment, x0 y0 z0 x1 y1 z1 in the same units; zeros for ONTOP.
+        faces: (k,) uint8, bits of the compartment's open sides; ALL_OPEN for ONTOP.
+        lift: (k,) by how many times half the target's height the point is raised.
+        turns: whether the points depend on where the front is.
     """
 
     size: NDArray[np.float64]
@@ -56,7 +61,14 @@ class Template:
     turns: bool
 
     def turned_faces(self, quarters: int) -> NDArray[np.uint8]:
-        """(k,) the faces after so many quarter turns counter-clockwise."""
+        """The open sides after a rotation.
+
+        Args:
+            quarters: quarter turns counter-clockwise.
+
+        Returns:
+            (k,) uint8 bits.
+        """
         order = [_AROUND[(k - quarters) % 4] for k in range(4)]
         out = self.faces & np.uint8(48)
         for k in range(4):
@@ -64,13 +76,16 @@ class Template:
         return out
 
     def has(self, relation: int) -> bool:
-        """Whether it has points of a relation."""
+        """Whether there are points of a relation (ONTOP or INSIDE)."""
         return bool((self.relation == relation).any())
 
 
 @lru_cache(maxsize=4096)
 def template(category: str) -> Template:
-    """Points of a category; a name outside the catalogue counts as a plain thing with a top."""
+    """The sample points of a category; computed once.
+
+    A name outside the catalogue counts as a plain thing with a top.
+    """
     book = catalogue()
     if category not in book:
         return _template(np.ones(3), _tops([Surface(-0.5, -0.5, 0.5, 0.5, 1.0, 1.0)]))
@@ -92,7 +107,16 @@ def fit(
     rows: NDArray[np.float64],
     faces: NDArray[np.uint8],
 ) -> None:
-    """Write the points of a template, stretched to a box and turned, into rows (k, 12) and faces (k,)."""
+    """Place a template's k points in a box.
+
+    Args:
+        shape: the template.
+        box: (6,) x0 y0 z0 x1 y1 z1, metres.
+        quarters: quarter turns counter-clockwise by which the thing stands turned.
+        lift_m: half the target's height, metres.
+        rows: (k, 12) float64, written: x, y, z, relation, share, (column 5 is left), compartment x0 y0 z0 x1 y1 z1.
+        faces: (k,) uint8, written: bits of the open sides.
+    """
     if not len(rows):
         return
     stretch(shape.xyz, shape.lift, shape.hollow, shape.faces, box, quarters, lift_m, rows)
@@ -105,12 +129,13 @@ def _turned_faces(shape: Template, quarters: int) -> NDArray[np.uint8]:
     return shape.turned_faces(quarters)
 
 
-#: xyz, relation, weight, hollow, faces, lift.
+#: A sample point: xyz, relation, weight, compartment, open sides, lift.
 _Row = tuple[tuple[float, float, float], int, float, Box3, int, float]
 _NO_BOX: Box3 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def _template(size: NDArray[np.float64], rows: Sequence[_Row]) -> Template:
+    """Put the sample points (in metres) into arrays in units of the box."""
     relation = np.array([r[1] for r in rows], np.int32)
     share = np.array([r[2] for r in rows], float)
     for kind in (ONTOP, INSIDE):
@@ -126,6 +151,7 @@ def _template(size: NDArray[np.float64], rows: Sequence[_Row]) -> Template:
 
 
 def _tops(surfaces: Sequence[Surface]) -> list[_Row]:
+    """Sample points on surfaces, weighted by area."""
     rows: list[_Row] = []
     for s in surfaces:
         cells = _lattice((s.x0, s.y0, s.x1, s.y1), _TOP_SPACING_M)
@@ -135,6 +161,7 @@ def _tops(surfaces: Sequence[Surface]) -> list[_Row]:
 
 
 def _inside(model: ObjectModel, compartment: Compartment, size: NDArray[np.float64]) -> list[_Row]:
+    """Sample points on the floor of a compartment; those of a drawer lie where it comes out."""
     x0, y0, z0, x1, y1, z1 = compartment.box
     z1 = min(z1, float(size[2]))
     faces = open_faces(model, compartment)
@@ -154,6 +181,7 @@ def _inside(model: ObjectModel, compartment: Compartment, size: NDArray[np.float
 def _lattice(
     rect: tuple[float, float, float, float], spacing_m: float, most: int = _MOST_A_SIDE
 ) -> list[tuple[float, float]]:
+    """Centres of a grid of cells in a rectangle (x0, y0, x1, y1); at most ``most`` a side."""
     x0, y0, x1, y1 = rect
     nx, ny = (min(max(round((b - a) / spacing_m), 1), most) for a, b in ((x0, x1), (y0, y1)))
     return [
@@ -164,10 +192,17 @@ def _lattice(
 
 
 def open_faces(model: ObjectModel, compartment: Compartment) -> int:
-    """Bits of the sides of a compartment that no fixed part covers when all that opens it is open.
+    """The sides of a compartment that no fixed part covers once its doors are open.
 
-    Its floor counts as closed. Where every side is covered (a tent, whose walls are slanted) all count as open: better
-    to look in vain than never to look.
+    Its floor counts as closed. Where every side is covered (a tent with slanted walls) all count as open: a useless
+    look is better than none at all.
+
+    Args:
+        model: the object.
+        compartment: one of its compartments.
+
+    Returns:
+        Bits 0 to 5 for -x, +x, -y, +y, -z, +z.
     """
     fixed = tuple(part for part in model.parts if part.link not in compartment.opened_by)
     if not fixed:
@@ -181,12 +216,12 @@ def open_faces(model: ObjectModel, compartment: Compartment) -> int:
         for end in range(2):
             if _covered(box, walls, axis, end, float(out_m[3 * end + axis])) < _COVERED:
                 faces |= 1 << (2 * axis + end)
-    faces &= ~16  # what it stands on
+    faces &= ~16  # its floor
     return faces or ALL_OPEN
 
 
 def _covered(box: NDArray[np.float64], walls: NDArray[np.float64], axis: int, end: int, out_m: float) -> float:
-    """Share of one side of a box behind which, up to ``out_m`` away, a wall stands."""
+    """Share of one side of a box behind which a wall stands, up to ``out_m`` away."""
     others = [k for k in range(3) if k != axis]
     ticks = [box[k] + (np.arange(5) + 0.5) / 5 * (box[3 + k] - box[k]) for k in others]
     a, b = np.meshgrid(*ticks, indexing="ij")

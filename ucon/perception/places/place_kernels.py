@@ -1,4 +1,4 @@
-"""Sample points under and next to one box, and which way it stands turned."""
+"""Kernels of sample points: points under and next to a box, a template placed in a box, and which way a thing faces."""
 
 from __future__ import annotations
 
@@ -11,19 +11,30 @@ ONTOP, INSIDE, UNDER, NEXTTO = range(4)
 #: Most points under and next to one thing.
 MOST = 24
 _SPACING_M = 0.5
-#: Things smaller than this have one point next to them: whoever sees the thing sees what stands by it.
+#: Things smaller than this have one point next to them: a frame that shows the thing shows its surroundings. Metres.
 SMALL_M = 0.45
-#: What a factor of e between the seen and the usual ratio of depth to width speaks against a turn.
+#: Score taken off an orientation for a factor of e between the seen and the usual ratio of depth to width.
 _MISMATCH = 0.7
-#: How much likelier another turn must be than the one believed before.
+#: Score that another orientation must be better by than the current one.
 _STAYS = 0.25
 
 
 @jit
-def grown(box: F64, made: F64, kind: U8, opened: Flags, by_m: float, out: I32) -> int:
-    """Write to out (n,) the things of whose box (n, 6) a side moved by more than ``by_m`` from ``made`` (n, 6).
+def changed_boxes(box: F64, made: F64, kind: U8, opened: Flags, by_m: float, out: I32) -> int:
+    """Find the things whose box changed since their points were made.
 
-    Only what was seen and is not open. Returns how many there are.
+    Things never seen, structure, and opened things (their doors swing) are left out.
+
+    Args:
+        box: (n, 6) float64, x0 y0 z0 x1 y1 z1 of what was seen, metres.
+        made: (n, 6) float64, the box at the time the points were made; inf before.
+        kind: (n,) uint8, 0 for things.
+        opened: (n,) bool.
+        by_m: a side must have moved by more than this, metres.
+        out: (n,) int32, written: row numbers.
+
+    Returns:
+        How many rows of ``out`` are written.
     """
     count = 0
     for n in range(box.shape[0]):
@@ -39,9 +50,17 @@ def grown(box: F64, made: F64, kind: U8, opened: Flags, by_m: float, out: I32) -
 
 @jit
 def stretch(xyz: F64, lift: F64, hollow: F64, faces: U8, box: F64, quarters: int, lift_m: float, rows: F64) -> None:
-    """Write columns 0 to 2 and 6 to 11 of rows (k, 12): the points and hollows of a template in a box, turned.
+    """Place a template's k points and compartments in a box, turned.
 
-    xyz (k, 3), lift (k,), hollow (k, 6) and faces (k,) are those of a ``Template``.
+    Args:
+        xyz: (k, 3) of the ``Template``.
+        lift: (k,) of the template.
+        hollow: (k, 6) of the template.
+        faces: (k,) uint8 of the template.
+        box: (6,) x0 y0 z0 x1 y1 z1, metres.
+        quarters: quarter turns counter-clockwise.
+        lift_m: half the target's height, metres.
+        rows: (k, 12) float64; written: columns 0 to 2, the point, and 6 to 11, its compartment, in metres.
     """
     c, s = (1.0, 0.0, -1.0, 0.0)[quarters], (0.0, 1.0, 0.0, -1.0)[quarters]
     wide, deep, high = box[3] - box[0], box[4] - box[1], box[5] - box[2]
@@ -63,9 +82,17 @@ def stretch(xyz: F64, lift: F64, hollow: F64, faces: U8, box: F64, quarters: int
 
 @jit
 def make_points(box: F64, under: bool, height: F32, half: int, out: F64) -> int:
-    """Write rows (x, y, z, relation, share) of places under and next to a box into out (MOST, 5); returns how many.
+    """Sample points under and next to a box.
 
-    ``height`` is the map's.
+    Args:
+        box: (6,) x0 y0 z0 x1 y1 z1, metres.
+        under: whether there is space below.
+        height: (n, n) float32, the map's heights, metres.
+        half: cell number of the start.
+        out: (MOST, 5) float64, written: x, y, z, relation, share.
+
+    Returns:
+        How many rows are written.
     """
     n = _below(box, out) if under else 0
     return _around(box, height, half, out, n)
@@ -73,6 +100,7 @@ def make_points(box: F64, under: bool, height: F32, half: int, out: F64) -> int:
 
 @merged
 def _below(box: F64, out: F64) -> int:
+    """Points on the floor below a box; returns how many."""
     wide, deep = box[3] - box[0], box[4] - box[1]
     nx, ny = min(max(int(np.round(wide / _SPACING_M)), 1), 3), min(max(int(np.round(deep / _SPACING_M)), 1), 3)
     for a in range(nx):
@@ -85,7 +113,10 @@ def _below(box: F64, out: F64) -> int:
 
 @merged
 def _around(box: F64, height: F32, half: int, out: F64, n: int) -> int:
-    """Points beside a box, on the floor or on what it stands on; none where a wall or a tall thing stands."""
+    """Points beside a box, on the floor or at the height it stands on; none where a wall or a tall thing stands.
+
+    ``out`` has n rows already. Returns how many it has then.
+    """
     x0, y0, z0, x1, y1, z1 = box
     cx, cy, wide, deep = 0.5 * (x0 + x1), 0.5 * (y0 + y1), x1 - x0, y1 - y0
     if max(wide, deep) < SMALL_M:
@@ -117,11 +148,22 @@ def _around(box: F64, height: F32, half: int, out: F64, n: int) -> int:
 
 @jit
 def facing(boxes: F64, sizes: F64, floor: U8, blocked: U8, walls: U8, half: int, out: I32) -> int:
-    """Write to out (n,) the quarter turns by which things (n, 6) of catalogue sizes (n, 3) most likely stand turned.
+    """Estimate by how many quarter turns each of n things stands turned.
 
-    Their front (+x at 0) looks at free floor, their back at a wall or at nothing that was seen; and depth is not width.
-    ``out`` holds the turns believed so far (-1 none), which stay unless another is clearly likelier. Returns how many
-    changed.
+    A thing's front (+x at 0) faces free floor, its back faces a wall or unseen space, and its depth is not its width.
+    The current estimate stays unless another one is clearly better.
+
+    Args:
+        boxes: (n, 6) float64, what was seen, metres.
+        sizes: (n, 3) float64, catalogue sizes, metres.
+        floor: (m, m) uint8, the map's floor.
+        blocked: (m, m) uint8, the map's blocked nodes.
+        walls: (2, m, m) uint8, the map's walls.
+        half: cell number of the start.
+        out: (n,) int32, updated: quarter turns counter-clockwise; -1 before the first estimate.
+
+    Returns:
+        How many estimates changed.
     """
     side, changed = np.zeros(4), 0
     for n in range(boxes.shape[0]):
@@ -143,7 +185,7 @@ def facing(boxes: F64, sizes: F64, floor: U8, blocked: U8, walls: U8, half: int,
 
 @merged
 def _freedom(box: F64, q: int, floor: U8, blocked: U8, walls: U8, half: int) -> float:
-    """How free the floor before one side is: 1 free, 0 unknown, -1 blocked by a thing, -2 by a wall."""
+    """How free the floor in front of one side of a box is: 1 free, 0 unknown, -1 blocked by a thing, -2 by a wall."""
     total = 0.0
     for piece in range(3):
         t = 0.25 + 0.25 * piece
@@ -171,17 +213,36 @@ def _freedom(box: F64, q: int, floor: U8, blocked: U8, walls: U8, half: int) -> 
 
 @jit
 def searched(track: I32, relation: I32, share: F64, unseen: F64, shut: Flags, out: Flags) -> None:
-    """Write to out (n,) which points may show something new: live, not seen well yet, not inside what is shut (T,)."""
+    """Find the points at which the next frame may show something new.
+
+    Left out are replaced points, points that were shown well, and points inside closed containers.
+
+    Args:
+        track: (n,) int32.
+        relation: (n,) int32.
+        share: (n,) float64, 0 for replaced points.
+        unseen: (n,) float64.
+        shut: (T,) bool, closed containers by track.
+        out: (n,) bool, written.
+    """
     for n in range(track.shape[0]):
         hidden = relation[n] == INSIDE and shut[track[n]]
         out[n] = not hidden and unseen[n] > 1e-3 and share[n] > 0.0
 
 
 @jit
-def inherit(new: F64, old: F64, old_unseen: F64, unseen: F64) -> None:
-    """Give new points the ``unseen`` of the nearest old point of their relation within 0.3 m, 0.1 m inside of things.
+def copy_unseen(new: F64, old: F64, old_unseen: F64, unseen: F64) -> None:
+    """Copy ``unseen`` from old points of a thing to its new ones.
 
-    What was seen of a thing at first may have been a strip; where its inside is, is known late.
+    A new point takes that of the nearest old point of its relation within 0.3 m, or within 0.1 m for points inside. The
+    limit inside is smaller because the first frames may have shown only a strip of the thing, so that its inside was
+    misplaced.
+
+    Args:
+        new: (a, 4) float64: x, y, z, relation.
+        old: (b, 4) float64, the same.
+        old_unseen: (b,) float64.
+        unseen: (a,) float64, updated.
     """
     for a in range(new.shape[0]):
         best = 0.1 if new[a, 3] == INSIDE else 0.3

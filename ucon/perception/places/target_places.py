@@ -1,7 +1,7 @@
-"""Places where a target might be: sample points on top of, inside, under and next to everything seen.
+"""Places where the target may be: sample points on top of, inside, under and next to everything seen.
 
-Each (track, relation) is a handful of points that share its mass; a frame that shows a point from near enough
-lowers that point's ``unseen``. What a category offers (surface, interior, space below) is the catalogue's knowledge.
+Each (track, relation) has a few points that share its mass. A frame that shows a point from near enough lowers the
+point's ``unseen``. What a category offers (a top, an inside, space below) is read from the catalogue.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from ucon.perception.places.place_kernels import (
     NEXTTO,
     ONTOP,
     UNDER,
+    changed_boxes,
+    copy_unseen,
     facing,
-    grown,
-    inherit,
     make_points,
     searched,
 )
@@ -46,18 +46,28 @@ __all__ = [
     "with_fallback",
 ]
 
-#: A track's points are made anew when a side of its box moved by this much.
+#: A track's points are made again when a side of its box moved by more than this, metres.
 GROWTH_M = 0.15
 
 
-#: Sorts of things: by role, and what is fixed by where it is mounted.
+#: Kinds of things: the catalogue's role, and for fixed things where they are mounted.
 Kind = Literal["fixed_furniture", "movable_furniture", "fixture", "wall", "ceiling", "movable", "structure"]
 _FIXED: dict[str, Kind] = {"wall": "wall", "ceiling": "ceiling"}
 
 
 @dataclass(frozen=True)
 class Affordance:
-    """What a category offers as a place, by the catalogue."""
+    """Which relations a category offers to a target, by the catalogue.
+
+    Attributes:
+        ontop: has a surface.
+        inside: has a compartment.
+        under: has space below.
+        openable: has doors or drawers that Open opens.
+        drawers: has drawers.
+        furniture: is furniture, not a small thing.
+        kind: for weights by kind of thing.
+    """
 
     ontop: bool
     inside: bool
@@ -69,13 +79,16 @@ class Affordance:
 
     @cached_property
     def offers(self) -> NDArray[np.bool_]:
-        """(3,) top, inside, space below."""
+        """(3,) bool: ontop, inside, under. Next to a thing there is always room."""
         return np.array([self.ontop, self.inside or self.openable, self.under])
 
 
 @lru_cache(maxsize=4096)
 def affordance(category: str) -> Affordance:
-    """What things of a category offer; a name outside the catalogue counts as a plain thing with a top."""
+    """What things of a category offer; computed once.
+
+    A name outside the catalogue counts as a plain thing with a top.
+    """
     book = catalogue()
     if category not in book:
         return Affordance(True, False, False, False, False, False)
@@ -89,7 +102,15 @@ def affordance(category: str) -> Affordance:
 
 @lru_cache(maxsize=4096)
 def sight_range_m(category: str, min_pixels: float = 5.0) -> float:
-    """Optical depth up to which a thing of this category shows ``min_pixels`` in a 128 x 128 view of 90 degrees."""
+    """How far away a thing of a category can be seen, in metres of optical depth.
+
+    Args:
+        category: its catalogue size decides; 0.1 m a side outside the catalogue.
+        min_pixels: the thing must cover so many pixels in a 128 x 128 view of 90 degrees.
+
+    Returns:
+        A distance from 1.2 to 4.5 m.
+    """
     book = catalogue()
     x, y, z = sorted(book[category].size) if category in book else (0.1, 0.1, 0.1)
     area = (x * y + x * z + y * z) / 3
@@ -98,7 +119,15 @@ def sight_range_m(category: str, min_pixels: float = 5.0) -> float:
 
 @lru_cache(maxsize=65536)
 def has_room(target: str, category: str) -> tuple[bool, bool, bool]:
-    """Whether a target's catalogue size goes on top of, into, and under a thing of a category."""
+    """Whether a target fits on top of, into, and under a thing, by their catalogue sizes.
+
+    Args:
+        target: category of the target.
+        category: category of the thing.
+
+    Returns:
+        (ontop, inside, under); all True for names outside the catalogue.
+    """
     book = catalogue()
     if target not in book or category not in book:
         return True, True, True
@@ -110,18 +139,19 @@ def has_room(target: str, category: str) -> tuple[bool, bool, bool]:
 
 
 class Places(PartlyShared):
-    """The sample points of all tracks of one map.
+    """The n sample points of all tracks of one map, and what was seen of each.
 
-    Attributes:
-        xyz: (n, 3) metres. track, relation: (n,) int32. share: (n,) parts of the mass of (track, relation), summing
-        to 1 over its points, 0 for points that were replaced. unseen: (n,) in [0, 1], 1 = no frame showed it.
-        hollow: (n, 6) box of the compartment that a point is in. faces: (n,) uint8, bits of its sides that can be
-        looked through (-x, +x, -y, +y, -z, +z), all of them for points in no compartment.
+    Points of a track are replaced when its box grows; replaced points stay, with a share of 0.
     """
 
     _flat: ClassVar[frozenset[str]] = frozenset({"_rows", "_turn"})
 
     def __init__(self, target_height_m: float) -> None:
+        """Start without points.
+
+        Args:
+            target_height_m: height of the target in metres; points lie half of it above the surface.
+        """
         self._lift_m = 0.5 * target_height_m
         self._made: NDArray[np.float64] = np.zeros((0, 6))
         self._seen_from: NDArray[np.float64] = np.zeros((0, 2))
@@ -139,57 +169,66 @@ class Places(PartlyShared):
 
     @property
     def xyz(self) -> NDArray[np.float64]:
-        """(n, 3) metres."""
+        """(n, 3) float64, metres in the start frame."""
         return self._data[: self._n, :3]
 
     @property
     def track(self) -> NDArray[np.int32]:
-        """(n,) int32."""
+        """(n,) int32, the track that each point belongs to."""
         return self._track[: self._n]
 
     @property
     def relation(self) -> NDArray[np.int32]:
-        """(n,) int32."""
+        """(n,) int32, ONTOP, INSIDE, UNDER or NEXTTO."""
         return self._relation[: self._n]
 
     @property
     def share(self) -> NDArray[np.float64]:
-        """(n,) parts of the mass of (track, relation)."""
+        """(n,) float64, share of the mass of the point's (track, relation).
+
+        Sums to 1 over the points of a (track, relation); 0 for replaced points.
+        """
         return self._data[: self._n, 4]
 
     @property
     def unseen(self) -> NDArray[np.float64]:
-        """(n,) in [0, 1], writable."""
+        """(n,) float64 in [0, 1], writable: probability that a target at the point would not have been seen so far."""
         return self._data[: self._n, 5]
 
     @property
     def hollow(self) -> NDArray[np.float64]:
-        """(n, 6) metres."""
+        """(n, 6) float64, box of the point's compartment: x0 y0 z0 x1 y1 z1 in metres."""
         return self._data[: self._n, 6:]
 
     @property
     def faces(self) -> NDArray[np.uint8]:
-        """(n,) bits of open sides."""
+        """(n,) uint8, bits of the compartment's open sides (-x, +x, -y, +y, -z, +z).
+
+        All six for points in no compartment.
+        """
         return self._faces[: self._n]
 
     def refresh(self, known: SemanticMap) -> None:
-        """Make points for new tracks, for those whose box grew, and for those that turn out to stand otherwise."""
+        """Make points for new tracks, for tracks whose box changed, and for things that turn out to face another way.
+
+        Call it after each update of the map. New points keep what was seen of the old ones near them.
+        """
         n = known.n_tracks
         if n > len(self._made):
             fresh = n - len(self._made)
             self._made = np.vstack([self._made, np.full((fresh, 6), np.inf)])
             self._seen_from = np.vstack([self._seen_from, np.zeros((fresh, 2))])
         moved = np.empty(n, np.int32)
-        count = grown(known.box[:n], self._made, known.kind[:n], known.opened[:n], GROWTH_M, moved)
-        anew = [track for track in moved[:count].tolist() if known.category[track]]
-        if anew:
-            self._seen_from[anew] = known.view.xy
-        for track in sorted({*anew, *self._turned(known, anew)}):
+        count = changed_boxes(known.box[:n], self._made, known.kind[:n], known.opened[:n], GROWTH_M, moved)
+        changed = [track for track in moved[:count].tolist() if known.category[track]]
+        if changed:
+            self._seen_from[changed] = known.view.xy
+        for track in sorted({*changed, *self._turned(known, changed)}):
             self._make(track, known)
 
-    def _turned(self, known: SemanticMap, anew: list[int]) -> list[int]:
-        """Tracks whose front seems to be elsewhere than it did; takes in those among ``anew`` that it does not know."""
-        new = [track for track in anew if track not in self._turn and template(known.category[track]).turns]
+    def _turned(self, known: SemanticMap, tracks: list[int]) -> list[int]:
+        """Tracks whose estimated orientation changed. Those of ``tracks`` without an estimate get their first one."""
+        new = [track for track in tracks if track not in self._turn and template(known.category[track]).turns]
         if new:
             self._turning = np.append(self._turning, new)
             self._sizes = np.array([template(known.category[k]).size for k in self._turning.tolist()])
@@ -203,6 +242,7 @@ class Places(PartlyShared):
         return changed
 
     def _make(self, track: int, known: SemanticMap) -> None:
+        """Make the points of a track; its old ones are replaced."""
         name, box = known.category[track], known.box[track]
         has, shape = affordance(name), template(name)
         whole = _whole(box, name, self._seen_from[track])
@@ -216,12 +256,13 @@ class Places(PartlyShared):
         fit(shape, whole, self._turn.get(track, 0), self._lift_m, new[count:], faces[count:])
         self._track[rows], self._relation[rows] = track, new[:, 3]
         if (old := self._rows.get(track)) is not None:
-            inherit(new[:, :4], self._data[old, :4], self._data[old, 5], new[:, 5])
+            copy_unseen(new[:, :4], self._data[old, :4], self._data[old, 5], new[:, 5])
             self._data[old, 4:6] = 0.0
         self._rows[track] = rows
         self._made[track] = box
 
     def _reserve(self, count: int) -> None:
+        """Make room for ``count`` more points."""
         if self._n + count > len(self._data):
             self._data = np.vstack([self._data, np.zeros_like(self._data)])
             self._faces = np.concatenate([self._faces, np.zeros_like(self._faces)])
@@ -231,31 +272,64 @@ class Places(PartlyShared):
     def look(
         self, known: SemanticMap, depth: NDArray[np.float32], active: NDArray[np.bool_], reach_m: float, miss: float
     ) -> int:
-        """Multiply ``unseen`` of the active points that the newest frame shows from within ``reach_m`` by ``miss``.
+        """Lower ``unseen`` of the points that the newest frame shows.
 
-        ``depth`` is the frame's (H, W) or (H, W, 1) in metres. Returns how many points it shows.
+        Args:
+            known: the map, updated with the frame.
+            depth: (H, W) or (H, W, 1) float32, metres along the optical axis.
+            active: (n,) bool, points to look at; see :meth:`searched`.
+            reach_m: greatest optical depth from which a target would be recognised, metres.
+            miss: probability that a frame that shows a point misses a target there; multiplies ``unseen``.
+
+        Returns:
+            How many points the frame shows.
         """
         flat = depth.reshape(depth.shape[:2])
         camera = camera_of(known.view, flat, known.body)
         return int(look(flat, camera, reach_m, self.xyz, self.hollow, self.faces, active, self.unseen, miss))
 
     def searched(self, shut: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """(n,) points that may show something new, given which tracks are shut (T,)."""
+        """Points at which a frame may show something new; argument of :meth:`look`.
+
+        Args:
+            shut: (T,) bool, closed containers by track; points inside them are left out.
+
+        Returns:
+            (n,) bool.
+        """
         out = np.empty(self._n, bool)
         searched(self.track, self.relation, self.share, self.unseen, shut, out)
         return out
 
     def weights(self, mass: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Weight of every point for the mass (T, 4) of tracks and relations; (n,)."""
+        """Mass of every point that was not looked at in vain.
+
+        Args:
+            mass: (T, 4) mass of tracks and relations.
+
+        Returns:
+            (n,) float64.
+        """
         return mass[self.track, self.relation] * self.share * self.unseen
 
-    def left(self, mass: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(T, 4) what is left of the mass (T, 4) of tracks and relations: what was not looked at in vain."""
+    def remaining_mass(self, mass: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Mass of tracks and relations that was not looked at in vain.
+
+        Args:
+            mass: (T, 4) mass before anything was looked at.
+
+        Returns:
+            (T, 4) float64.
+        """
         summed = np.bincount(4 * self.track + self.relation, self.weights(mass), mass.size)
         return np.asarray(summed, np.float64).reshape(mass.shape)
 
     def unseen_share(self, n_tracks: int) -> NDArray[np.float64]:
-        """(T,) share of the places of every track that no frame has shown yet; its relations count alike."""
+        """Share of each track's places that no frame has shown yet; the relations it offers count alike.
+
+        Returns:
+            (T,) float64 in [0, 1].
+        """
         row, shape = 4 * self.track + self.relation, (n_tracks, 4)
         left, total = (
             np.bincount(row, weight, 4 * n_tracks).reshape(shape).sum(1)
@@ -265,10 +339,10 @@ class Places(PartlyShared):
 
 
 def _whole(box: NDArray[np.float64], name: str, xy: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The box of a thing with an inside, of which perhaps only one side was seen: as large as its kind usually is.
+    """The box (6,) of a container of which perhaps only one side was seen, extended to the usual size of its category.
 
-    What was not seen lies on the far side of the agent, which stood at ``xy`` when the box grew. Furniture comes in
-    many widths, but is as deep as its kind; movable things are all of one size.
+    Only things with an inside are extended, away from the agent, which stood at ``xy`` when the box grew. Furniture
+    comes in many widths, so only its depth is extended; movable things are extended both ways.
     """
     has, shape = affordance(name), template(name)
     if not shape.has(INSIDE):
@@ -290,7 +364,15 @@ def _whole(box: NDArray[np.float64], name: str, xy: NDArray[np.float64]) -> NDAr
 
 
 def with_fallback(mass: NDArray[np.float64], category: str) -> NDArray[np.float64]:
-    """Mass (4,) of one thing, what it cannot offer moved to next to it."""
+    """Move the mass of relations that a thing cannot offer to "next to".
+
+    Args:
+        mass: (4,) mass of ontop, inside, under, nextto.
+        category: of the thing.
+
+    Returns:
+        (4,) float64 with the same sum.
+    """
     out = np.where(np.append(affordance(category).offers, True), mass, 0.0)
     out[NEXTTO] += mass.sum() - out.sum()
     return out

@@ -1,1 +1,1 @@
-"""Where to look next: views, candidates, and walking up to what was found."""
+"""Where to look next: the value of views, short lists of candidates, and walking up to what was found."""

@@ -1,4 +1,4 @@
-"""Walking up to a thing that was seen: where to stand, which way to look, when to say Done."""
+"""Walking up to a thing that was seen: where to stand, which way to look, when Done would succeed."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ from ucon.perception.mapping.semantic_map import CELL_M, HALF, SemanticMap, View
 from ucon.perception.places.target_places import affordance
 from ucon.perception.views.approach_kernels import best_views
 
-#: Content of a drawer shows where the drawer took it; its box stays where it was, farther back.
+#: Reach in metres for things near an opened drawer: they are seen where the drawer took them, but count where they were
+#: put, farther back.
 DRAWER_NEAR_M = 0.55
 
 
 class Approach(PartlyShared):
-    """Finds poses from which a track is visible and in reach, forgetting those that did not work."""
+    """Finds poses from which a track is visible and within reach, and remembers poses that did not work."""
 
     _flat: ClassVar[frozenset[str]] = frozenset({"_failed"})
 
@@ -30,26 +31,44 @@ class Approach(PartlyShared):
         self._best = (0.0, 1.0)
 
     def arrived(self, known: SemanticMap, track: int) -> bool:
-        """Whether Done would succeed now, as far as the map can tell."""
+        """Whether Done would succeed for a track now, as far as the map can tell: in view and within reach."""
         if known.pixels[track] < MIN_PIXELS:
             return False
         return known.gap_m(track, known.view.xy) <= float(_reach_m(known, np.array([track]))[0])
 
     def failed(self, view: View) -> None:
-        """Remember that the thing was not visible from a view."""
+        """Remember that the thing was not visible from a pose; the pose costs more from then on."""
         self._failed[view] = self._failed.get(view, 0) + 1
 
     def goal(self, known: SemanticMap, planner: Planner, track: int) -> View | None:
-        """The cheapest pose on an explored node that should do, or None; the planner must be up to date."""
+        """The cheapest pose from which a track should be visible and within reach.
+
+        Args:
+            known: the map.
+            planner: paths from the current pose; must be up to date.
+            track: the thing.
+
+        Returns:
+            A pose on an explored node; None where there is none.
+        """
         poses, costs = self.goals(known, planner, np.array([track]))
         return View(*poses[0].tolist()) if costs[0] < UNREACHED else None
 
     def goals(
         self, known: SemanticMap, planner: Planner, tracks: NDArray[np.int64]
     ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-        """:meth:`goal` of one track after the other: poses (m, 4) as in ``View``, and what they cost, (m,).
+        """:meth:`goal` of m tracks at once.
 
-        The cost is UNREACHED where there is no pose; it counts against a pose that the thing may not be seen from it.
+        The cost of a pose is the number of actions to get there, plus penalties where the thing may be hidden or too
+        small, or where the pose failed before.
+
+        Args:
+            known: the map.
+            planner: paths from the current pose; must be up to date.
+            tracks: (m,) track numbers.
+
+        Returns:
+            Poses (m, 4) int32 as the fields of ``View``, and costs (m,) int32, UNREACHED where there is no pose.
         """
         seen = self._sights(known, tracks)
         cells = (planner.steps, known.height, known.walls, HALF)
@@ -64,9 +83,9 @@ class Approach(PartlyShared):
         return poses, costs
 
     def nearer(self, known: SemanticMap, planner: Planner, track: int) -> View:
-        """The explored node nearest to what was seen of a thing, looking that way: from there more of it shows.
+        """The explored, reachable node nearest to what was seen of a thing, facing it: more of it shows from there.
 
-        For things of which only a far corner was seen, with no explored node in reach of it.
+        For things of which only a far corner was seen, with no explored node within reach of it.
         """
         i0, i1, j0, j1 = known.extent(0)
         window = (slice(i0, i1), slice(j0, j1))
@@ -85,7 +104,7 @@ class Approach(PartlyShared):
         return View(int(nodes[k, 0]), int(nodes[k, 1]), heading)
 
     def _sights(self, known: SemanticMap, tracks: NDArray[np.int64]) -> NDArray[np.float64]:
-        """(m, 2) the best sight up to each track, pixels and metres: it tells how many a nearer view will have."""
+        """(m, 2) pixels and distance in metres of the best sight so far; predicts the pixels from a nearer view."""
         out = np.empty((len(tracks), 2))
         out[:] = self._best
         for k in np.flatnonzero(known.pixels[tracks] > self._best[0]).tolist():
@@ -98,7 +117,7 @@ class Approach(PartlyShared):
 
 
 def _reach_m(known: SemanticMap, tracks: NDArray[np.int64]) -> NDArray[np.float64]:
-    """(m,) how near what was seen must be: less where a thing may have come out with a drawer."""
+    """(m,) how near what was seen of each track must be, metres: less for what may have come out with a drawer."""
     box = known.box[tracks]
     x, y = 0.5 * (box[:, 0] + box[:, 3]), 0.5 * (box[:, 1] + box[:, 4])
     out = np.full(len(tracks), known.body.near_m - 0.005)
@@ -111,11 +130,13 @@ def _reach_m(known: SemanticMap, tracks: NDArray[np.int64]) -> NDArray[np.float6
 
 
 def _center(box: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Centre (3,) of a box (6,)."""
     return 0.5 * (box[:3] + box[3:])
 
 
 @lru_cache(maxsize=8)
 def _eyes_of(looks: tuple[tuple[int, float, int], ...]) -> NDArray[np.float64]:
+    """See :func:`_eyes`; computed once for each body."""
     return np.array([(eye_m, np.cos(np.deg2rad(p)), np.sin(np.deg2rad(p)), look) for look, eye_m, p in looks])
 
 

@@ -1,4 +1,4 @@
-"""Hot loop of walking up to a thing: the cheapest pose from which it should be seen and be in reach."""
+"""Kernel of walking up to a thing: the cheapest pose from which it should be visible and within reach."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from ucon.perception.mapping.map_kernels import CELL_M
 from ucon.perception.views.view_kernels import sight
 
 _DI, _DJ = (1, 0, -1, 0), (0, 1, 0, -1)
+#: Added to a pose's cost, in actions: if something known hides the thing, if the thing would be small in view, and for
+#: each time the pose failed.
 UNSEEN_COST = 25
 SMALL_COST = 4
 FAILED_COST = 30
@@ -21,19 +23,19 @@ def best_views(
     boxes: F64, reach_m: F64, cells: Any, allowed: U8, eyes: F64, look: int, seen: F64, failed: I32, best: I32,
     cost: I32,
 ) -> None:  # fmt: skip
-    """Put the best pose for every thing into ``best`` (m, 4) (i, j, heading, row of eyes) and its cost into ``cost``.
+    """Find the best pose for each of m things.
 
     Args:
-        boxes: (m, 6) what was seen of the things, metres.
-        reach_m: (m,) horizontal distance that is near enough.
-        cells: steps (n, n, 4) int32 actions to every cell and heading; height (n, n); walls (2, n, n); half.
-        allowed: (n, n) nodes that may be stood on are above 0.
-        eyes: (L, 4) height in metres, cosine and sine of the pitch, look in degrees.
-        look: the look at present.
-        seen: (m, 2) pixels of the best sight so far and its distance: tells how large a thing will be from nearby.
-        failed: (k, 5) poses (i, j, heading, look) that did not work, and how often.
-        best: (m, 4) int32, written.
-        cost: (m,) int32; holds what only a cheaper pose replaces, the cost of what cannot be reached.
+        boxes: (m, 6) float64, what was seen of the things, metres.
+        reach_m: (m,) float64, horizontal distance that is near enough, metres.
+        cells: steps (n, n, 4) int32, actions to every node and heading; height (n, n); walls (2, n, n); half.
+        allowed: (n, n) uint8, above 0 at nodes that may be stood on.
+        eyes: (L, 4) float64, height in metres, cosine and sine of the pitch, look in degrees.
+        look: the current look.
+        seen: (m, 2) float64, pixels of the best sight so far and its distance; predicts the size from nearby.
+        failed: (k, 5) int32, poses (i, j, heading, look) that failed, and how often.
+        best: (m, 4) int32, written: i, j, heading, row of ``eyes``.
+        cost: (m,) int32, updated; before, the cost of unreachable things. Only cheaper poses replace it.
     """
     for k in range(boxes.shape[0]):
         sight_of = (seen[k, 0], seen[k, 1])
@@ -45,7 +47,7 @@ def _best_view(
     box: F64, reach_m: float, cells: Any, allowed: U8, eyes: F64, look: int, seen: tuple[float, float], failed: I32,
     lowest: int, best: I32,
 ) -> int:  # fmt: skip
-    """The least cost of a pose for one thing, which is put into ``best``; ``lowest`` where none is cheaper."""
+    """Cost of the cheapest pose for one thing, written to ``best`` (4,); ``lowest`` if none is cheaper than that."""
     steps, _, _, half = cells
     cx, cy, cz = 0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), 0.5 * (box[2] + box[5])
     i0, i1 = int((box[0] - reach_m) / CELL_M) + half - 1, int((box[3] + reach_m) / CELL_M) + half + 2
@@ -67,11 +69,11 @@ def _at_node(
     i: int, j: int, center: tuple[float, float, float], cells: Any, eyes: F64, look: int, seen: tuple[float, float],
     failed: I32, lowest: int, best: I32,
 ) -> int:  # fmt: skip
-    """Try every heading and look at one node."""
+    """Try every heading and look at one node; returns the lowest cost so far."""
     steps, height, walls, half = cells
     x, y = (i - half) * CELL_M, (j - half) * CELL_M
     dx, dy = center[0] - x, center[1] - y
-    judged_m, free = -1.0, False  # the sight line from a height is the same for all headings and pitches
+    judged_m, free = -1.0, False  # a sight line depends on the camera's height, not on heading and pitch
     for heading in range(4):
         if steps[i, j, heading] >= lowest:
             continue
@@ -102,6 +104,7 @@ def _at_node(
 
 @merged
 def _failures(i: int, j: int, heading: int, look: int, failed: I32) -> int:
+    """How often a pose failed."""
     count = 0
     for k in range(failed.shape[0]):
         if failed[k, 0] == i and failed[k, 1] == j and failed[k, 2] == heading and failed[k, 3] == look:

@@ -1,7 +1,7 @@
-"""Places worth going to, as a short list: frontiers, things not looked at yet, closed containers.
+"""Candidates to go to, as a short list: frontiers, furniture not looked at yet, closed containers.
 
-This is the choice that waypoint policies and language models are given. The searching agents of this repository
-value every view instead (:mod:`ucon.perception.views.viewpoints`).
+Waypoint policies and language models choose from this list. The searching agents of this repository value every view
+instead (:mod:`ucon.perception.views.viewpoints`).
 """
 
 from __future__ import annotations
@@ -25,7 +25,15 @@ CANDIDATE_KINDS: tuple[Kind, ...] = ("frontier", "landmark", "container", "view"
 
 @dataclass(frozen=True, slots=True)
 class Candidate(Shared):
-    """Something to go to; ``view`` is the pose to go to and ``cost`` the actions it takes."""
+    """Something to go to.
+
+    Attributes:
+        kind: one of :data:`CANDIDATE_KINDS`.
+        view: the pose to go to.
+        cost: actions to get there.
+        track: of a landmark or container, else -1.
+        category: of a landmark or container, else "".
+    """
 
     kind: Kind
     view: View
@@ -33,21 +41,30 @@ class Candidate(Shared):
     track: int = -1
     category: str = ""
     cells: int = 0
-    """Size of a frontier in cells of 0.25 m."""
+    """Size of a frontier, in cells of its map (0.25 m or 5 cm)."""
     unseen: float = 0.0
-    """Share of a thing's places that no frame has shown yet."""
+    """Of a landmark or container: share of its places that no frame has shown yet."""
     things: tuple[tuple[str, int], ...] = ()
-    """Categories seen there and how many of each."""
+    """Categories seen there and the number of each."""
     free_m: float = 0.0
-    """How far one can go in a direction."""
+    """Of a view: free distance in that direction, metres."""
     utility: float = 0.0
-    """Of a frontier on the 5 cm map, as L3MVN rates it."""
+    """Of a frontier on the 5 cm map: the utility of L3MVN."""
 
 
 def candidates(known: SemanticMap, planner: Planner, places: Places, *, least_unseen: float = 0.3) -> list[Candidate]:
-    """All candidates, cheapest first within each kind; the planner must be up to date.
+    """All candidates on the map: frontiers, landmarks and closed containers.
 
-    A landmark is furniture of whose places more than ``least_unseen`` was not shown yet.
+    A landmark is a piece of furniture of whose places more than ``least_unseen`` was not shown yet.
+
+    Args:
+        known: the map.
+        planner: paths from the current pose; must be up to date.
+        places: sample points of the map.
+        least_unseen: see above, a share.
+
+    Returns:
+        By kind, the cheapest first within each kind.
     """
     found = frontiers(known, planner) + _things(known, planner, places, least_unseen)
     return sorted(found, key=lambda c: (c.kind, c.cost, c.track, c.view.i, c.view.j))
@@ -74,7 +91,16 @@ def _things(known: SemanticMap, planner: Planner, places: Places, least_unseen: 
 
 
 def frontiers(known: SemanticMap, planner: Planner, least_cells: int = 3) -> list[Candidate]:
-    """Groups of reachable explored nodes next to unexplored space, each with the pose that faces the unknown."""
+    """Groups of reachable explored nodes next to unexplored space, each with a pose that faces it.
+
+    Args:
+        known: the map.
+        planner: paths from the current pose; must be up to date.
+        least_cells: smaller groups are left out.
+
+    Returns:
+        The cheapest first.
+    """
     i0, i1, j0, j1 = window = known.extent(1)
     edge = np.zeros((i1 - i0, j1 - j0), np.uint8)
     edges(window, known.explored, known.height, planner.steps, UNREACHED, edge)

@@ -1,4 +1,4 @@
-"""Directions to go in: one candidate for each heading in which the way is free (PixelNav, LGX)."""
+"""Directions to go in: one candidate for each heading in which the path is free (PixelNav, LGX)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ucon.perception.mapping.sightings import Sighting
 from ucon.perception.views.candidates import Candidate
 from ucon.perception.views.node_kernels import nodes_ahead
 
-#: Where in a direction to go: a node drawn at random, the farthest one, or the one at the middle of the floor in view.
+#: Which node in a direction to go to: a random one, the farthest, or that nearest to the centre of the floor in view.
 Goal = Literal["random", "farthest", "floor"]
 _MOST_NODES = 4096
 
@@ -27,15 +27,18 @@ def directions(
     reach_m: tuple[float, float],
     draw: np.random.Generator,
 ) -> list[Candidate]:
-    """One candidate for each sighting whose direction is free; the planner must be up to date.
+    """One candidate for each sighting in whose direction a node can be reached.
 
     Args:
         known: the map.
-        planner: ways from where the agent stands.
-        sightings: what was seen from there.
+        planner: paths from the current pose; must be up to date.
+        sightings: what was seen from the current node, one for each heading.
         goal: which of the nodes in view to go to.
-        reach_m: least and greatest distance of these.
-        draw: for ``random``.
+        reach_m: least and greatest distance of nodes, metres.
+        draw: random numbers, for ``random``.
+
+    Returns:
+        In the order of the sightings.
     """
     found = []
     for sighting in sightings:
@@ -52,7 +55,17 @@ def directions(
 def in_view(
     known: SemanticMap, planner: Planner, view: View, reach_m: tuple[float, float]
 ) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
-    """Observed nodes (n, 2) that can be reached and are seen from a view, and their distances (n,) in metres."""
+    """Explored, reachable nodes that are in view from a pose.
+
+    Args:
+        known: the map.
+        planner: paths from the current pose; must be up to date.
+        view: the pose; its pitch is not used.
+        reach_m: least and greatest distance of nodes, metres.
+
+    Returns:
+        Nodes (n, 2) int32 and their distances (n,) float64 in metres.
+    """
     nodes, distance = np.empty((_MOST_NODES, 2), np.int32), np.empty(_MOST_NODES)
     cells = (planner.steps, known.explored, known.height, known.walls, HALF)
     pose = (view.i, view.j, view.heading)
@@ -67,6 +80,7 @@ def _pick(
     sighting: Sighting,
     draw: np.random.Generator,
 ) -> int:
+    """Row of the node to go to."""
     if goal == "random":
         return int(draw.integers(len(nodes)))
     if goal == "floor" and sighting.floor_xy is not None:

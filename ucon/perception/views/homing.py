@@ -1,4 +1,4 @@
-"""The last part of every search: walk up to the thing that was found, face it, say Done."""
+"""The last part of every search: walk up to the thing that was found, face it, and call Done."""
 
 from __future__ import annotations
 
@@ -13,20 +13,36 @@ from ucon.task.actions import Action
 
 
 class Homing(PartlyShared):
-    """Takes an agent to one track. The same for all agents, so that they differ in searching alone."""
+    """Leads the agent to one track and calls Done.
+
+    All agents share it, so that they differ in searching alone.
+
+    Attributes:
+        approach: finds the poses to walk to.
+    """
 
     _flat: ClassVar[frozenset[str]] = frozenset({"_plan"})
 
     REPLAN_STEPS = 5
 
     def __init__(self) -> None:
+        """Start without a plan."""
         self.approach = Approach()
         self._plan: deque[Action] = deque()
         self._age = 0
         self._under_way = False
 
     def act(self, known: SemanticMap, planner: Planner, track: int, *, blocked: bool = False) -> Action:
-        """The next action; ``blocked``: the last move failed."""
+        """The next action towards a track; Done as soon as it should succeed.
+
+        Plans again every ``REPLAN_STEPS`` actions, and after a failed move.
+
+        Args:
+            known: the map, up to date.
+            planner: updated here when a new plan is due.
+            track: the thing.
+            blocked: whether the last move failed.
+        """
         if blocked:
             self._plan.clear()
         if self.approach.arrived(known, track):

@@ -1,4 +1,4 @@
-"""Hot loop of direction-wise choices: the nodes that one look from a node shows."""
+"""Kernel of directions: the nodes that are in view from a node and heading."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ucon.core.jit import F64, I32, jit
 from ucon.perception.mapping.map_kernels import CELL_M
 from ucon.perception.views.view_kernels import sight
 
-#: A node counts as in view where this height above its floor is.
+#: A node counts as in view if the point at this height above it is, metres.
 ABOVE_FLOOR_M = 0.6
 _DI, _DJ = (1, 0, -1, 0), (0, 1, 0, -1)
 
@@ -18,10 +18,19 @@ def nodes_ahead(
     view: tuple[int, int, int], reach: tuple[float, float], eye_m: float, cells: Any, unreached: int, out: I32,
     distance: F64,
 ) -> int:  # fmt: skip
-    """Write the nodes (n, 2) within 45 degrees of a heading and ``reach`` metres (least, most), and their distances.
+    """Find the explored, reachable nodes in view within 45 degrees of a heading.
 
-    Only nodes that were explored, can be reached and lie in sight. cells = steps (n, n, 4), explored, height, walls,
-    half. Returns how many there are.
+    Args:
+        view: node i, j and heading.
+        reach: least and greatest distance, metres.
+        eye_m: height of the camera, metres.
+        cells: steps (n, n, 4) int32, explored (n, n), height (n, n), walls (2, n, n), half.
+        unreached: ``steps`` from this value on means unreachable.
+        out: (m, 2) int32, written: nodes.
+        distance: (m,) float64, written: metres.
+
+    Returns:
+        How many rows are written, at most m.
     """
     steps, explored, height, walls, half = cells
     i0, j0, heading = view

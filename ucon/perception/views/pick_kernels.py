@@ -1,4 +1,4 @@
-"""Picks a few views out of thousands: the best, none of which looks the same way from nearly the same spot."""
+"""Selects a few views out of thousands: the best, no two with the same heading from nearly the same node."""
 
 from __future__ import annotations
 
@@ -11,15 +11,24 @@ from ucon.core.jit import F64, I32, jit
 
 I64: TypeAlias = NDArray[np.int64]
 
-#: Views with one heading are alike within this many cells.
+#: Views with one heading count as alike if their nodes are at most so many cells apart.
 ALIKE_CELLS = 3
 
 
 @jit
 def pick(nodes: I32, score: F64, order: I64, most: int, picked: I64, count: int) -> int:
-    """Append to ``picked`` (node * 4 + heading) views in the given order until there are ``most``; returns how many.
+    """Append views to a selection, in the given order, skipping those that are alike to a selected one.
 
-    nodes (n, 2); score (n * 4) of the best pitch, views without any are left out; ``count`` are picked already.
+    Args:
+        nodes: (n, 2) int32.
+        score: (n * 4,) float64, of each node and heading; the first score of 0 or less ends the selection.
+        order: (n * 4,) int64, views as node * 4 + heading.
+        most: size of the selection.
+        picked: (>= most,) int64, the selection; has ``count`` entries, more are written.
+        count: entries before.
+
+    Returns:
+        Entries after.
     """
     for k in range(order.shape[0]):
         if count >= most:
@@ -45,14 +54,17 @@ def pick(nodes: I32, score: F64, order: I64, most: int, picked: I64, count: int)
 def picked_views(
     nodes: NDArray[np.int32], score: NDArray[np.float64], gain: NDArray[np.float64], most: int, first: int = -1
 ) -> NDArray[np.int64]:
-    """Up to ``most`` views as node * 4 + heading: ``first`` (-1: none), three quarters by score, the rest by gain.
+    """Select up to ``most`` views: ``first``, then three quarters by score, the rest by gain.
 
     Args:
-        nodes: (n, 2) cells.
-        score: (n, 4) of the best pitch of each heading.
-        gain: (n, 4) of that pitch.
-        most: how many.
-        first: a view that is picked whatever its score.
+        nodes: (n, 2) int32 cells.
+        score: (n, 4) float64, of the best pitch of each heading.
+        gain: (n, 4) float64, at that pitch.
+        most: size of the selection.
+        first: a view that is always selected, as node * 4 + heading; -1 for none.
+
+    Returns:
+        (m,) int64, views as node * 4 + heading.
     """
     picked = np.full(most, -1, np.int64)
     count = 0

@@ -1,6 +1,6 @@
-"""Hot loops that value views: how much unexplored space and how much expected mass a pose would show.
+"""Kernels that value views: how much unexplored space and how much expected mass a pose would show.
 
-A view is (node, heading 0..3, pitch -60, -30, 0 or 30). Sight lines are judged on the height map and the walls seen.
+A view is (node, heading 0..3, pitch -60, -30, 0 or 30). Sight lines are tested against the height map and the walls.
 """
 
 from __future__ import annotations
@@ -13,16 +13,20 @@ from numpy.typing import NDArray
 from ucon.core.jit import F32, F64, I32, U8, jit, merged
 from ucon.perception.mapping.map_kernels import CELL_M, shows
 
+#: Pitches of views in degrees, up positive.
 PITCHES_DEG = (-60, -30, 0, 30)
 _COS = np.cos(np.deg2rad(PITCHES_DEG))
 _SIN = np.sin(np.deg2rad(PITCHES_DEG))
+#: Rays end at cells with something this high, metres.
 OPAQUE_M = 1.2
+#: Rays of a full turn, and cells of a ray.
 RAYS = 64
 MOST_CELLS = 32
-#: Unexplored space counts less with every cell that it lies behind the last explored one of a ray: exp(-CELL_M / 2 m).
-#: A literal, since NumPy's exp ends in another bit on another processor, which tips views that are worth the same.
+#: Weight of each further unexplored cell of a ray, relative to the one before: exp(-CELL_M / 2 m). It is a literal,
+#: since the last bit of NumPy's exp depends on the processor, and that bit would decide between equal views.
 DEEPER = 0.8824969025845953
-#: Unexplored cells of a ray that count, 3 m. Counted, not told by what is left of them: that is a tie in the last bit.
+#: Unexplored cells of a ray that count, 3 m. An integer count, since a limit on the remaining weight would depend on
+#: its last bit.
 DEEP_CELLS = 12
 
 
@@ -30,7 +34,18 @@ DEEP_CELLS = 12
 def sight(x: float, y: float, cam_z: float, px: float, py: float, pz: float, height: F32, walls: U8, half: int) -> bool:
     """Whether nothing known stands between a camera and a point.
 
-    Walls block everywhere; things as high as they are, except within 0.36 m of the point.
+    Walls block at any height. Things block up to their height in the height map, except within 0.36 m of the point.
+
+    Args:
+        x: of the camera, metres.
+        y: of the camera, metres.
+        cam_z: of the camera, metres.
+        px: of the point, metres.
+        py: of the point, metres.
+        pz: of the point, metres.
+        height: (n, n) float32, metres.
+        walls: (2, n, n) uint8.
+        half: cell number of the start.
     """
     dx, dy = px - x, py - y
     length = np.sqrt(dx * dx + dy * dy)
@@ -50,7 +65,7 @@ def sight(x: float, y: float, cam_z: float, px: float, py: float, pz: float, hei
 
 @merged
 def _walled(i0: int, j0: int, i1: int, j1: int, walls: U8) -> bool:
-    """Whether a wall stands between two neighbouring cells; diagonally two borders must be closed."""
+    """Whether a wall stands between two neighbouring cells; for diagonal neighbours two borders must be closed."""
     i, j = min(i0, i1), min(j0, j1)
     if j0 == j1:
         return walls[0, i, j0] > 0
@@ -60,9 +75,12 @@ def _walled(i0: int, j0: int, i1: int, j1: int, walls: U8) -> bool:
 
 
 def _rays() -> tuple[NDArray[np.int32], NDArray[np.float64]]:
-    """Offsets (RAYS, MOST_CELLS, 2) of cells along each ray, and the square metres they stand for (RAYS, MOST_CELLS).
+    """The cells of each ray, relative to its node, and the floor area that each cell stands for.
 
-    A cell that a ray enters twice stands for nothing the second time. Ray r looks along (r + 0.5) / RAYS of a turn.
+    A cell that a ray enters twice has no area the second time. Ray r looks along (r + 0.5) / RAYS of a turn.
+
+    Returns:
+        Offsets (RAYS, MOST_CELLS, 2) int32 and square metres (RAYS, MOST_CELLS) float64.
     """
     angle = 2.0 * np.pi * (np.arange(RAYS) + 0.5) / RAYS
     k = np.arange(1, MOST_CELLS + 1)
@@ -78,11 +96,15 @@ RAY_CELL, RAY_AREA = _rays()
 
 @jit
 def space_gain(nodes: I32, cells: Any, reach: tuple[int, float], weight: tuple[float, float], out: F64) -> None:
-    """Add to out (n, 4) the weighted square metres that each heading at each node would newly show.
+    """Add the weighted area that each heading at each node would newly show.
 
-    cells = (explored, height, near, stale, interest); reach = (cells, metres): how far unexplored space counts, and how
-    near explored space must have been seen; weight of a square metre of either. ``stale`` multiplies both, ``interest``
-    what is not explored.
+    Args:
+        nodes: (n, 2) int32.
+        cells: explored, height, near, stale, interest, all (m, m). ``stale`` multiplies all area, ``interest`` the
+            unexplored area.
+        reach: how far unexplored space counts, cells; and from how near explored space must have been seen, metres.
+        weight: of a square metre of unexplored space, and of explored space that was seen only from farther away.
+        out: (n, 4) float64, updated.
     """
     for n in range(nodes.shape[0]):
         for ray in range(RAYS):
@@ -92,7 +114,16 @@ def space_gain(nodes: I32, cells: Any, reach: tuple[int, float], weight: tuple[f
 
 @jit
 def fade_space(i: int, j: int, heading: int, cells: Any, reach: tuple[int, float], factor: float) -> None:
-    """Multiply ``stale`` by ``factor`` where a view from here expected to see new space (and evidently cannot)."""
+    """Multiply ``stale`` at the cells that a view was expected to show newly (and evidently did not show).
+
+    Args:
+        i: of the node.
+        j: of the node.
+        heading: quarter turns.
+        cells: as in :func:`space_gain`.
+        reach: as in :func:`space_gain`.
+        factor: multiplies ``stale``.
+    """
     for k in range(RAYS // 4):
         ray = (heading * (RAYS // 4) + k - RAYS // 8) % RAYS
         _ray(i, j, ray, cells, reach, (1.0, 1.0), factor)
@@ -102,7 +133,7 @@ def fade_space(i: int, j: int, heading: int, cells: Any, reach: tuple[int, float
 def _ray(
     i0: int, j0: int, ray: int, cells: Any, reach: tuple[int, float], weight: tuple[float, float], factor: float
 ) -> float:
-    """Weighted square metres of one ray's share of the circle; multiplies ``stale`` on its way."""
+    """Weighted area of one ray, in square metres; multiplies ``stale`` of the counted cells by ``factor``."""
     explored, height, near, stale, interest = cells
     gain, trust, far_m, deep = 0.0, 1.0, reach[1] + 0.25, 0
     near_cells = int(reach[1] / CELL_M)
@@ -129,11 +160,22 @@ def place_gain(
     index: I32, place: F64, hollow: F64, faces: U8, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8,
     half: int, out: F64,
 ) -> None:  # fmt: skip
-    """Add to out (n, 4, 4) the weight of the places (m, 3) that each view would show from within ``reach_m``.
+    """Add the weight of the sample points that each view would show.
 
-    A place in a hollow (m, 6) shows through its open faces (m,) only.
+    A point in a compartment is shown through the open sides only.
 
-    ``index`` (cells) int32 gives the row of a node in ``out``, -1 where no view is considered.
+    Args:
+        index: (c, c) int32, row of a node in ``out``, -1 where no view is considered.
+        place: (m, 3) float64, the points, metres.
+        hollow: (m, 6) float64, boxes of their compartments, metres.
+        faces: (m,) uint8, bits of the compartments' open sides.
+        weight: (m,) float64.
+        reach_m: greatest distance from which a point counts as shown, metres.
+        cam_z: height of the camera, metres.
+        height: (c, c) float32, metres.
+        walls: (2, c, c) uint8.
+        half: cell number of the start.
+        out: (n, 4, 4) float64, updated: node, heading, pitch.
     """
     for m in range(place.shape[0]):
         w = weight[m]
@@ -158,7 +200,7 @@ def place_gain(
 
 @merged
 def _share(dx: float, dy: float, dz: float, w: float, reach_m: float, out: F64) -> None:
-    """Add ``w`` to every view (4, 4) whose frustum holds a point at (dx, dy, dz) from the camera."""
+    """Add ``w`` to every view (heading, pitch) of ``out`` (4, 4) in which a point (dx, dy, dz) from the camera lies."""
     for heading in range(4):
         if heading == 0:
             flat, side = dx, abs(dy)
@@ -180,7 +222,25 @@ def fade_places(
     x: float, y: float, cam_z: float, heading: int, pitch: int, place: F64, hollow: F64, faces: U8, weight: F64,
     reach_m: float, height: F32, walls: U8, half: int, unseen: F64, factor: float,
 ) -> None:  # fmt: skip
-    """Multiply ``unseen`` by ``factor`` for the places that a view expected to show (and evidently does not)."""
+    """Multiply ``unseen`` of the points that a view was expected to show, whether or not its frame really showed them.
+
+    Args:
+        x: of the camera, metres.
+        y: of the camera, metres.
+        cam_z: of the camera, metres.
+        heading: quarter turns.
+        pitch: number in ``PITCHES_DEG``.
+        place: (m, 3) float64, the points, metres.
+        hollow: (m, 6) float64, boxes of their compartments, metres.
+        faces: (m,) uint8, bits of the compartments' open sides.
+        weight: (m,) float64; points of weight 0 are left alone.
+        reach_m: greatest distance from which a point counts as shown, metres.
+        height: (c, c) float32, metres.
+        walls: (2, c, c) uint8.
+        half: cell number of the start.
+        unseen: (m,) float64, updated.
+        factor: multiplies ``unseen``.
+    """
     view = np.zeros((4, 4))
     for m in range(place.shape[0]):
         if weight[m] <= 0.0:
@@ -200,7 +260,19 @@ def fade_places(
 def open_gain(
     index: I32, boxes: F64, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8, half: int, out: F64
 ) -> None:
-    """Add to out (n, 4, 4) the weight of the closed containers (m, 6) that Open would open from each view."""
+    """Add the weight of the closed containers that Open would open from each view.
+
+    Args:
+        index: (c, c) int32, row of a node in ``out``, -1 where no view is considered.
+        boxes: (m, 6) float64, what was seen of the containers, metres.
+        weight: (m,) float64, mass inside.
+        reach_m: reach of Open, metres.
+        cam_z: height of the camera, metres.
+        height: (c, c) float32, metres.
+        walls: (2, c, c) uint8.
+        half: cell number of the start.
+        out: (n, 4, 4) float64, updated: node, heading, pitch.
+    """
     span = int(reach_m / CELL_M) + 1
     for m in range(boxes.shape[0]):
         w = weight[m]

@@ -1,4 +1,4 @@
-"""Choosing where to look next: expected mass shown by a view, over what it costs to get there."""
+"""Choosing where to look next: the expected mass that a view shows, divided by the cost of getting there."""
 
 from __future__ import annotations
 
@@ -16,85 +16,95 @@ from ucon.perception.places.containers import open_reach_m
 from ucon.perception.places.target_places import INSIDE, Places
 from ucon.perception.views import view_kernels as kernels
 
-#: Within this many cells every node is considered, beyond it one in four.
+#: Every node within so many cells is considered, and one in four beyond.
 FINE_CELLS = 4
-#: Places shown once are left alone until everything else was looked at.
+#: Places with ``unseen`` up to this are not looked at again until everything else was.
 SEEN = 0.15
 
 
 @dataclass(frozen=True, slots=True)
 class Expectation(Shared):
-    """Where the target may be, in any common unit of mass."""
+    """Where the target may be, in any common unit of mass (probabilities, or the weights of coverage)."""
 
     mass: NDArray[np.float64]
-    """(T, 4) for every track and relation."""
+    """(T, 4) of every track and relation (ontop, inside, under, nextto)."""
     unknown_per_m2: float
-    """In space not explored yet."""
+    """Of a square metre that was not explored yet."""
     near_per_m2: float
-    """In space seen from too far to have shown the target."""
+    """Of a square metre that was seen, but from too far away to have shown the target."""
     interest: NDArray[np.float32] | None = None
-    """(257, 257) factors of ``unknown_per_m2``; 1 where None."""
+    """(257, 257) factors of ``unknown_per_m2`` by cell; all 1 where None."""
 
 
 @dataclass(frozen=True, slots=True)
 class Choice(Shared):
-    """A view worth going to."""
+    """A view to go to."""
 
     view: View
     opens: bool
     """Whether to Open on arrival."""
     gain: float
+    """Expected mass that the view shows, and that Open shows where ``opens``."""
     score: float
+    """Gain over cost."""
 
 
 @dataclass(frozen=True, slots=True)
 class Costs(Shared):
-    """Weights of the score gain / (cost + overhead)."""
+    """The costs in score = gain / (cost + overhead); one MoveAhead costs 1."""
 
     overhead: float = 0.25
-    """Cost of any look beyond its moves and turns. On a third of the validation set (134 episodes, SPL at 2.0 / 0.5):
+    """Added to every view's cost. On a third of the validation set (134 episodes, SPL at 2.0 / 0.5):
     frontier .458 / .466, belief none .450 / .467, retrieval .447 / .462, gt .450 / .504, and .511 at 0.2; paired
     intervals about 0.04."""
     turn: float = 0.6
-    """A turn in units of a move."""
+    """Of a rotation, LookUp or LookDown."""
     open: float = 0.5
-    """An Open; like a turn it adds nothing to the path."""
+    """Of an Open; like a rotation it adds nothing to the path length."""
     space_cells: int = 22
-    """How far unexplored space counts, in cells."""
+    """How far from a node unexplored space counts, in cells."""
     space: float = 1.75
-    """Worth of unexplored space in units of what a view of it shows: behind it there is more. Judgement: between 1 and
-    2.5 success and SPL on the validation set differ by less than their noise."""
+    """Factor of the gain of unexplored space, since there is more behind what a view shows. A judgement: between 1 and
+    2.5 SR and SPL on the validation set differ by less than their noise."""
     around: float = 1.0
-    """Turning on the spot after a look, for one more heading; less than a view's overhead."""
+    """Of each further heading when the agent looks around at a node."""
 
 
 @dataclass(frozen=True, eq=False)
-class Valued(Shared):
-    """What n nodes, looked from with 4 headings and the pitches of ``PITCHES_DEG``, would show and cost."""
+class ViewValues(Shared):
+    """Gains, costs and scores of all views: n nodes, 4 headings, and the 4 pitches of ``PITCHES_DEG``."""
 
     nodes: NDArray[np.int32]
-    """(n, 2)."""
+    """(n, 2) cells i, j."""
     looks: NDArray[np.float64]
-    """(n, 4, 4) mass that looking would show."""
+    """(n, 4, 4) expected mass that looking shows."""
     space: NDArray[np.float64]
-    """(n, 4, 4) the part of ``looks`` in space not explored, or seen from afar only."""
+    """(n, 4, 4) the part of ``looks`` that is in unexplored space, or in space seen only from far away."""
     opens: NDArray[np.float64]
-    """(n, 4, 4) mass behind the doors that Open would open."""
+    """(n, 4, 4) expected mass behind the doors that Open opens."""
     steps: NDArray[np.float64]
-    """(n, 4) actions to get there, the pitch left aside; UNREACHED where there is no way."""
+    """(n, 4) actions to the node and heading, without LookUp and LookDown; UNREACHED where there is no path."""
     moves: NDArray[np.int32]
-    """(n, 4) those that are moves."""
+    """(n, 4) those of the actions that are MoveAhead."""
     cost: NDArray[np.float64]
-    """(n, 4, 4) weighted; infinite where there is no way."""
+    """(n, 4, 4) weighted by :class:`Costs`; infinite where there is no path."""
     look_score: NDArray[np.float64]
+    """(n, 4, 4) gain over cost of looking."""
     both_score: NDArray[np.float64]
+    """(n, 4, 4) gain over cost of looking and opening."""
     score: NDArray[np.float64]
-    """(n, 4, 4) gain over cost of looking, of opening as well, of the better."""
+    """(n, 4, 4) the better of the two."""
     kept_at: tuple[int, int, int]
-    """Where the view on its way is, -1 where there is none."""
+    """Node, heading and pitch numbers of the view that the agent is on its way to; -1 first where there is none."""
 
     def at(self, n: int, h: int, p: int) -> Choice:
-        """The choice of one view, and of opening there if that pays."""
+        """The choice of one view; it opens on arrival if that has the higher score.
+
+        Args:
+            n: row of the node.
+            h: heading, quarter turns.
+            p: number of the pitch in ``PITCHES_DEG``.
+        """
         view = View(int(self.nodes[n, 0]), int(self.nodes[n, 1]), h, kernels.PITCHES_DEG[p])
         opening = bool(self.opens[n, h, p] > 0 and self.both_score[n, h, p] >= self.look_score[n, h, p])
         gain = self.looks[n, h, p] + (self.opens[n, h, p] if opening else 0.0)
@@ -102,22 +112,34 @@ class Valued(Shared):
 
     @property
     def best(self) -> Choice:
-        """The view of the highest score."""
+        """The choice with the highest score."""
         n, h, p = np.unravel_index(int(self.score.argmax()), self.score.shape)
         return self.at(int(n), int(h), int(p))
 
     @property
     def kept(self) -> Choice | None:
-        """The view on its way, by the same measure."""
+        """The choice of the view that the agent is on its way to, with its current score; None where there is none."""
         return self.at(*self.kept_at) if self.kept_at[0] >= 0 else None
 
 
 class Viewpoints(PartlyShared):
-    """Values views on the map of one episode."""
+    """Values views on the map of one episode.
+
+    Attributes:
+        reach_m: from how far away the target would be recognised, metres.
+        costs: of moves, rotations and looks.
+        stale: (257, 257) float32 factors of the area that views show; lowered where a view showed nothing new.
+    """
 
     _shared: ClassVar[frozenset[str]] = frozenset({"_even"})
 
     def __init__(self, reach_m: float, costs: Costs | None = None) -> None:
+        """Start an episode.
+
+        Args:
+            reach_m: from how far away the target would be recognised, metres.
+            costs: of moves, rotations and looks; defaults where None.
+        """
         self.reach_m = reach_m
         self.costs = costs or Costs()
         self.stale = np.ones((SIZE, SIZE), np.float32)
@@ -133,7 +155,19 @@ class Viewpoints(PartlyShared):
         closed: NDArray[np.int64],
         keep: View | None = None,
     ) -> tuple[Choice | None, Choice | None]:
-        """The best view, and the value of ``keep`` (a view on its way) by the same measure."""
+        """The view with the highest gain over cost.
+
+        Args:
+            known: the map.
+            planner: paths from the current pose; must be up to date.
+            places: sample points of the map.
+            expected: mass of tracks, relations and space.
+            closed: (c,) int64, tracks of closed containers.
+            keep: the view that the agent is on its way to.
+
+        Returns:
+            The best choice, and that of ``keep`` with its current score; None for each where there is none.
+        """
         found = self.value(known, planner, places, expected, closed, keep)
         return (None, None) if found is None else (found.best, found.kept)
 
@@ -145,11 +179,19 @@ class Viewpoints(PartlyShared):
         expected: Expectation,
         closed: NDArray[np.int64],
         keep: View | None = None,
-    ) -> Valued | None:
-        """What every view would show and cost, None where no view can be reached.
+    ) -> ViewValues | None:
+        """Gains, costs and scores of all views.
 
-        ``closed``: tracks of closed containers; ``keep``: a view on its way, which is valued whatever the others are.
-        The planner must be up to date.
+        Args:
+            known: the map.
+            planner: paths from the current pose; must be up to date.
+            places: sample points of the map.
+            expected: mass of tracks, relations and space.
+            closed: (c,) int64, tracks of closed containers.
+            keep: the view that the agent is on its way to; its node is always among those valued.
+
+        Returns:
+            None where no node can be reached.
         """
         nodes = self._nodes(known, planner, keep)
         if not len(nodes):
@@ -169,10 +211,14 @@ class Viewpoints(PartlyShared):
         if keep is not None and keep.pitch_deg in kernels.PITCHES_DEG and self._index[keep.i, keep.j] >= 0:
             kept = (int(self._index[keep.i, keep.j]), keep.heading, kernels.PITCHES_DEG.index(keep.pitch_deg))
         self._index[nodes[:, 0], nodes[:, 1]] = -1
-        return Valued(nodes, looks, space, opens, steps, moves, cost, look_score, both_score, score, kept)
+        return ViewValues(nodes, looks, space, opens, steps, moves, cost, look_score, both_score, score, kept)
 
-    def elsewhere(self, known: SemanticMap, planner: Planner) -> Choice | None:
-        """The nearest node not stood on yet, explored or beside what was explored: where nothing promises more."""
+    def nearest_unvisited(self, known: SemanticMap, planner: Planner) -> Choice | None:
+        """The nearest node that the agent never stood on: a last resort where no view has any gain.
+
+        Returns:
+            A choice of gain and score 0; None where no such node can be reached.
+        """
         beside = cv2.dilate(known.explored, np.ones((3, 3), np.uint8)) > 0
         steps = np.where(beside[:, :, None] & (known.visited == 0)[:, :, None], planner.steps, UNREACHED)
         i, j, heading = (int(k) for k in np.unravel_index(int(steps.argmin()), steps.shape))
@@ -181,14 +227,14 @@ class Viewpoints(PartlyShared):
         return Choice(View(i, j, heading, known.view.pitch_deg), False, 0.0, 0.0)
 
     def _around(self, looks: NDArray[np.float64], cost: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Score of looking two and four ways from the same node with the same pitch, (n, 4, 4)."""
+        """Score of looking in two and in four headings at the same node and pitch, the better of both; (n, 4, 4)."""
         extra = self.costs.around
         two = looks + np.maximum(np.roll(looks, 1, axis=1), np.roll(looks, -1, axis=1))
         four = looks.sum(axis=1, keepdims=True)
         return np.maximum(two / (cost + extra), four / (cost + 3.0 * extra))
 
     def _nodes(self, known: SemanticMap, planner: Planner, keep: View | None) -> NDArray[np.int32]:
-        """Reachable explored nodes, all of them nearby and every second row and column farther off, (n, 2)."""
+        """Reachable explored nodes (n, 2), all of them nearby and every second row and column farther off."""
         i0, i1, j0, j1 = known.extent(0)
         ok = (planner.steps[i0:i1, j0:j1].min(2) < UNREACHED) & (known.explored[i0:i1, j0:j1] > 0)
         here = known.view
@@ -210,7 +256,7 @@ class Viewpoints(PartlyShared):
         expected: Expectation,
         closed: NDArray[np.int64],
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Mass that looking would show, the part of it in space, and what opening would: three arrays (n, 4, 4)."""
+        """Mass that looking shows, the part of it in space, and the mass that opening shows: three arrays (n, 4, 4)."""
         ways = np.zeros((len(nodes), 4))
         interest = self._even if expected.interest is None else expected.interest
         cells = (known.explored, known.height, known.near, self.stale, interest)
@@ -236,7 +282,16 @@ class Viewpoints(PartlyShared):
         return looks, space, opens
 
     def weights(self, places: Places, expected: Expectation, closed: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Mass of every place that looking alone can show (not what is behind closed doors), (n,)."""
+        """Mass of every sample point that looking alone can show: points inside closed containers have 0.
+
+        Args:
+            places: the n sample points.
+            expected: mass of tracks and relations.
+            closed: (c,) int64, tracks of closed containers.
+
+        Returns:
+            (n,) float64.
+        """
         weight = places.weights(expected.mass)
         if len(closed):
             shut = np.zeros(len(expected.mass), bool)
@@ -244,10 +299,20 @@ class Viewpoints(PartlyShared):
             weight[shut[places.track] & (places.relation == INSIDE)] = 0.0
         return weight
 
-    def disappoint(
+    def lower_expectations(
         self, known: SemanticMap, places: Places, expected: Expectation, closed: NDArray[np.int64], factor: float = 0.3
     ) -> None:
-        """After looking from here: believe less in what this view was expected to show and did not."""
+        """Lower the expectations of the current view: what it should have shown by now was not there.
+
+        Call it on arrival at a chosen view. It lowers ``stale`` of cells and ``unseen`` of points.
+
+        Args:
+            known: the map.
+            places: sample points; ``unseen`` is updated.
+            expected: mass of tracks and relations.
+            closed: (c,) int64, tracks of closed containers.
+            factor: multiplies both.
+        """
         view = known.view
         x, y = view.xy
         cells = (known.explored, known.height, known.near, self.stale, self._even)

@@ -1,1 +1,1 @@
-"""Furnishing rooms: groups, where they may stand, and what stands on them."""
+"""Furnishing of rooms: groups of furniture, where they may stand, and what is put on them."""

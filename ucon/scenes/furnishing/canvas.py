@@ -1,8 +1,8 @@
-"""One room while it is being furnished: what stands in it, what must stay clear, which nodes can be walked.
+"""One room while it is being furnished: its items, what must stay clear, and which nodes can be walked.
 
 A :class:`Group` is a rigid arrangement of items in its own frame (origin at the back, +x into the room). The canvas
-tries poses of a group in order of preference and accepts the first that hits nothing, keeps everything reachable and
-leaves every front accessible. All of it is vectorised over poses; nothing here knows about rooms of any kind.
+tries poses of a group in order of cost. It accepts the first that hits nothing, keeps every node reachable and leaves
+every front accessible. Everything is vectorised over poses; nothing here depends on the type of the room.
 """
 
 from __future__ import annotations
@@ -32,7 +32,17 @@ MIN_NODES = 5
 
 @dataclass
 class Piece:
-    """One item of a group: category, size, centre of its footprint, bottom and turn in the group's frame."""
+    """One item of a group.
+
+    Attributes:
+        category: of the catalogue.
+        size: metres.
+        x: centre of the footprint in the group's frame, metres.
+        y: of the same.
+        z: bottom.
+        turns: quarter turns counter-clockwise.
+        tint: colour variant.
+    """
 
     category: str
     size: Vec3
@@ -45,23 +55,23 @@ class Piece:
 
 @dataclass
 class Group:
-    """Pieces that belong together, boxes that must stay clear, and fronts that must be reached."""
+    """Pieces that belong together, spaces that must stay clear, and fronts that must be reachable."""
 
     pieces: list[Piece]
     voids: list[Box3] = field(default_factory=list)
-    """Must be clear of solid things, now and later."""
+    """Boxes that must stay clear of solid things, also later."""
     fronts: list[tuple[float, float, float, float]] = field(default_factory=list)
-    """Rectangles of which each must keep a reachable node."""
+    """Rectangles that must each contain a reachable node."""
     margin_m: float = 0.05
-    """Distance to walls at the sides (and at the back where it stands free)."""
+    """Least distance to walls at the sides, and at the back if it stands free."""
 
     def boxes(self) -> Boxes:
-        """Boxes of the pieces, (n, 6)."""
+        """(n, 6) boxes of the pieces in the group's frame, metres."""
         return np.array([piece_box(p) for p in self.pieces]).reshape(-1, 6)
 
 
 def piece_box(piece: Piece) -> Box3:
-    """Box of a piece in the group's frame."""
+    """Box of a piece in the group's frame, metres."""
     sx, sy, sz = piece.size
     if piece.turns % 2:
         sx, sy = sy, sx
@@ -69,7 +79,19 @@ def piece_box(piece: Piece) -> Box3:
 
 
 class Canvas:
-    """A room to furnish. ``inner`` is its free floor (x0, y0, x1, y1) in metres."""
+    """A room to furnish.
+
+    Attributes:
+        inner: its free floor x0, y0, x1, y1, metres.
+        items: items placed so far.
+        solids: (n, 6) their boxes.
+        voids: (m, 6) spaces that must stay clear.
+        fronts: rectangles that must each contain a reachable node.
+        nodes_x: (nx,) x of the nodes, metres.
+        nodes_y: (ny,) y of them.
+        free: (nx, ny) bool, nodes that can be walked.
+        door_nodes: nodes in the openings.
+    """
 
     def __init__(
         self,
@@ -77,6 +99,13 @@ class Canvas:
         rect: tuple[float, float, float, float],
         wall_height_m: float,
     ) -> None:
+        """Start with an empty room.
+
+        Args:
+            room: its number.
+            rect: x0, y0, x1, y1 on the grid, metres.
+            wall_height_m: height of the walls.
+        """
         self.room = room
         self.rect = rect
         self.wall_height_m = wall_height_m
@@ -86,7 +115,7 @@ class Canvas:
         self.solids: Boxes = np.zeros((0, 6))
         self.voids: Boxes = np.zeros((0, 6))
         self.sweeps: Boxes = np.zeros((0, 6))
-        """The clear spaces above tables: what leaves of hanging and standing cabinets sweep."""
+        """(m, 6) spaces above tables that cabinet doors sweep."""
         self.fronts: list[tuple[float, float, float, float]] = []
         self.doors: list[tuple[int, float, float]] = []
         """(wall, lo, hi) of every opening, along the wall."""
@@ -100,7 +129,16 @@ class Canvas:
     # -- openings ---------------------------------------------------------------------------------------------
 
     def add_opening(self, axis: int, coord: float, lo: float, hi: float, height_m: float, depth_m: float = 0.6) -> None:
-        """Keep an opening in this room's wall clear and walkable."""
+        """Keep an opening in a wall of the room clear and walkable.
+
+        Args:
+            axis: 0 for a wall in a plane x = ``coord``, 1 for y.
+            coord: of the plane, metres.
+            lo: start of the opening along the wall.
+            hi: its end.
+            height_m: of the opening.
+            depth_m: of the clear space in front of it.
+        """
         wall = (axis if coord == self.rect[axis] else axis + 2) % 4
         self.doors.append((wall, lo, hi))
         side = 0.06
@@ -121,11 +159,20 @@ class Canvas:
     # -- poses ------------------------------------------------------------------------------------------------
 
     def wall_length(self, wall: int) -> float:
-        """Free length of a wall: 0 west, 1 south, 2 east, 3 north."""
+        """Free length of a wall in metres: 0 west, 1 south, 2 east, 3 north."""
         return self.inner[3] - self.inner[1] if wall % 2 == 0 else self.inner[2] - self.inner[0]
 
     def wall_poses(self, group: Group, walls: Sequence[int], gap_m: float) -> NDArray[np.float64]:
-        """Poses along walls, (n, 3); a piece against wall w faces into the room with w quarter turns."""
+        """Poses of a group along walls; at wall w it faces into the room with w quarter turns.
+
+        Args:
+            group: the group.
+            walls: their numbers.
+            gap_m: distance from the wall.
+
+        Returns:
+            (n, 3) x, y in metres, quarter turns.
+        """
         boxes = group.boxes()
         low, high = boxes[:, 1].min(), boxes[:, 4].max()
         rows = []
@@ -148,7 +195,15 @@ class Canvas:
         return np.vstack(rows) if rows else np.zeros((0, 3))
 
     def free_poses(self, turns: Sequence[int], step_m: float = 0.25) -> NDArray[np.float64]:
-        """Poses on a lattice over the whole floor."""
+        """Poses on a lattice over the whole floor.
+
+        Args:
+            turns: quarter turns to try.
+            step_m: of the lattice.
+
+        Returns:
+            (n, 3) x, y in metres, quarter turns.
+        """
         xs = np.arange(self.inner[0] + 0.1, self.inner[2], step_m)
         ys = np.arange(self.inner[1] + 0.1, self.inner[3], step_m)
         grid = np.stack(np.meshgrid(xs, ys, turns, indexing="ij"), -1)
@@ -159,9 +214,16 @@ class Canvas:
     def try_place(
         self, group: Group, poses: NDArray[np.float64], cost: NDArray[np.float64], *, walkable: bool = True
     ) -> bool:
-        """Place ``group`` at the cheapest pose that is allowed; False where there is none.
+        """Place a group at the cheapest allowed pose.
 
-        ``walkable=False`` skips the check of nodes, for things on furniture.
+        Args:
+            group: the group.
+            poses: (n, 3) x, y in metres, quarter turns.
+            cost: (n,).
+            walkable: False skips the check of nodes, for things on furniture.
+
+        Returns:
+            Whether there was an allowed pose.
         """
         if not len(poses):
             return False
@@ -180,7 +242,7 @@ class Canvas:
         return False
 
     def _blocked(self, boxes: Boxes) -> NDArray[np.bool_]:
-        """Nodes within 0.18 m of boxes that a body would hit."""
+        """(nx, ny) nodes within 0.18 m of boxes at the height of the agent."""
         tall = boxes[(boxes[:, 2] < BODY_Z_M[1]) & (boxes[:, 5] > BODY_Z_M[0])]
         dx = np.maximum(np.maximum(tall[:, 0, None] - self.nodes_x, self.nodes_x - tall[:, 3, None]), 0.0)
         dy = np.maximum(np.maximum(tall[:, 1, None] - self.nodes_y, self.nodes_y - tall[:, 4, None]), 0.0)
@@ -195,7 +257,14 @@ class Canvas:
         return all(self._in_front(reached, front) for front in fronts)
 
     def reached(self, free: NDArray[np.bool_]) -> NDArray[np.bool_] | None:
-        """Nodes reachable from the openings; None where an opening is cut off."""
+        """Nodes reachable from the openings.
+
+        Args:
+            free: (nx, ny) bool.
+
+        Returns:
+            (nx, ny) bool; None where an opening is cut off.
+        """
         if not all(free[node] for node in self.door_nodes):
             return None
         seed = self.door_nodes[0] if self.door_nodes else tuple(np.argwhere(free)[0]) if free.any() else None

@@ -1,4 +1,4 @@
-"""Kitchens and vanities: runs of counter units, straight or around a corner, and islands."""
+"""Kitchens and bathrooms: runs of counter units, straight or around a corner, and islands."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class CounterPlacer(Placer):
     """Places everything that stands in a counter run."""
 
     def counters(self) -> None:
-        """Counter runs: straight where they fit, else around a corner, else piece by piece."""
+        """Place counter runs: straight where they fit, else around a corner, else unit by unit."""
         w = self.wants
         kitchen = bool(w["fridge"] or w["oven"] or w["stove"] or w["dishwasher"]) or self.type in (
             "kitchen",
@@ -82,7 +82,7 @@ class CounterPlacer(Placer):
         return False
 
     def _islands(self, rest: list[str]) -> None:
-        """Lines of appliances in the middle of a large kitchen."""
+        """Place lines of appliances in the middle of a large kitchen."""
         if self.type != "kitchen" or self.canvas.wall_length(0) * self.canvas.wall_length(1) < 30:
             return
         units = [(c, g.size_of(c)) for c in sorted(rest) for _ in range(self.wants[c])]

@@ -1,7 +1,7 @@
-"""Adds what measured inventories leave out: closets with nothing in them, a bathroom without a bin.
+"""Adds furniture that measured inventories lack: a bin in the bathroom, content in closets.
 
-The inventories count fixed furniture well and small furniture badly. Each room type lists modest, plausible additions;
-a house or flat as a whole then gets the common anchors it still lacks, in a room where they belong.
+The inventories count fixed furniture well and small furniture badly. Each room type lists modest, plausible additions.
+A house or flat as a whole then gets the common anchors it still lacks, in a room where they belong.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import replace
 from ucon.core.rng import stream
 from ucon.scenes.program import HomeProgram, RoomProgram
 
-#: type -> (category, probability); skipped where the room has the category already.
+#: By room type: (category, probability); skipped where the room has the category already.
 ADDITIONS: Mapping[str, tuple[tuple[str, float], ...]] = {
     "closet": (("wardrobe", 0.75), ("shelf", 0.35), ("storage_box", 0.7), ("hamper", 0.5), ("hat", 0.3)),
     "storage_room": (("shelf", 1.0), ("storage_box", 0.8), ("toolbox", 0.4), ("bucket", 0.5), ("wicker_basket", 0.4)),
@@ -37,7 +37,7 @@ ADDITIONS: Mapping[str, tuple[tuple[str, float], ...]] = {
     "copy_room": (("shelf", 0.7), ("paper_sheet", 0.6)),
     "sauna": (("bench", 0.5), ("bucket", 0.6)),
 }
-#: Small things of daily life on tables and shelves, as (category, probability, most).
+#: By room type: small things on tables and shelves, as (category, probability, most).
 DAILY: Mapping[str, tuple[tuple[str, float, int], ...]] = {
     "living_room": (("hardback", 0.8, 4), ("candle_holder", 0.4, 1), ("picture_frame", 0.5, 2), ("bowl", 0.3, 1)),
     "television_room": (("hardback", 0.7, 4), ("picture_frame", 0.4, 1), ("mug", 0.4, 1)),
@@ -55,7 +55,7 @@ DAILY: Mapping[str, tuple[tuple[str, float, int], ...]] = {
     "garage": (("bucket", 0.4, 1),),
     "pantry_room": (("canister", 0.5, 3), ("bottle_of_wine", 0.4, 2)),
 }
-#: What a bathroom or bedroom cannot do without.
+#: By room type: categories that are always there.
 ESSENTIAL: Mapping[str, tuple[str, ...]] = {"bathroom": ("sink", "toilet", "mirror"), "bedroom": ("bed",)}
 #: Common anchors a house or flat should have, and the room types they belong in, best first.
 COMMON: tuple[tuple[str, tuple[str, ...]], ...] = (
@@ -80,12 +80,19 @@ COMMON: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("bed", ("bedroom",)),
 )
 ROOMY_M2 = 7.0
-"""Bedrooms and the like below this get no large additions."""
+"""Rooms smaller than this get no large additions, square metres."""
 LARGE = ("wardrobe", "hall_tree", "carpet", "armchair", "sofa", "coffee_table")
 
 
 def enriched(program: HomeProgram, seed: int) -> HomeProgram:
-    """``program`` with additions; the same for the same seed, and none of them shifts another."""
+    """The program with additions.
+
+    Each addition has its own random stream, so that none changes another.
+
+    Args:
+        program: rooms and furniture of a home.
+        seed: of the additions.
+    """
     rooms = [_room(room, seed, program.kind) for room in program.rooms]
     if program.kind in ("house", "flat"):
         for category, types in COMMON:

@@ -1,4 +1,4 @@
-"""What hangs on walls and ceilings, and the frames of doors."""
+"""Fixtures: what hangs on walls and ceilings, and door frames."""
 
 from __future__ import annotations
 
@@ -14,14 +14,20 @@ from ucon.scenes.furnishing.small_things import fix_noise
 from ucon.scenes.spec import LINTEL_M, Item, Opening
 
 HANG_CLEAR_M = 0.30
-"""Nothing tall stands this close before a picture or window."""
+"""Nothing tall stands closer than this in front of a picture or window, metres."""
 FRAME_DEPTH_M = 0.12
 HEIGHTS_M = {"picture": 1.35, "painting": 1.3, "poster": 1.2, "mirror": 1.0, "electric_switch": 1.1, "window": 0.9}
 LIGHTS = ("room_light", "chandelier", "downlight", "square_light")
 
 
 def door_frame(opening: Opening, room: int, tint: int) -> Item:
-    """The frame that stands in a doorway; its middle is free."""
+    """The frame in a doorway; its middle is free.
+
+    Args:
+        opening: the doorway.
+        room: number of the room it belongs to.
+        tint: colour variant.
+    """
     middle = (opening.lo + opening.hi) / 2
     x, y = (opening.coord, middle) if opening.axis == 0 else (middle, opening.coord)
     size = (FRAME_DEPTH_M, opening.hi - opening.lo, min(LINTEL_M, opening.height_m))
@@ -29,9 +35,21 @@ def door_frame(opening: Opening, room: int, tint: int) -> Item:
 
 
 class Fixer:
-    """Hangs fixtures in one furnished room."""
+    """Hangs fixtures in one furnished room.
+
+    Attributes:
+        missing: by category, how many found no place.
+    """
 
     def __init__(self, canvas: Canvas, exterior: list[tuple[int, float, float]], seed: int, name: str) -> None:
+        """Take over a furnished room.
+
+        Args:
+            canvas: the room.
+            exterior: (wall, lo, hi) of its outside walls.
+            seed: of the home.
+            name: of the room.
+        """
         self.canvas, self.exterior, self.seed, self.name = canvas, exterior, seed, name
         self.missing: Counter[str] = Counter()
 
@@ -41,7 +59,7 @@ class Fixer:
     # -- walls ------------------------------------------------------------------------------------------------
 
     def windows(self, n: int) -> None:
-        """Up to ``n`` windows, spread over the exterior walls."""
+        """Hang up to ``n`` windows, spread over the outside walls."""
         if self.canvas.wall_height_m < 2.3:
             return
         for k in range(n):
@@ -73,7 +91,7 @@ class Fixer:
         return group
 
     def hang(self, category: str, n: int) -> None:
-        """Hang ``n`` items of a category on free wall."""
+        """Hang ``n`` items of a category on free pieces of wall."""
         base = catalogue()[category]
         size = g.size_of(category)
         if category in ("wall_mounted_shelf", "top_cabinet"):
@@ -104,7 +122,7 @@ class Fixer:
                 return
 
     def _over_furniture(self, poses: np.ndarray) -> np.ndarray:
-        """1 where low furniture stands below a pose."""
+        """1 for poses above low furniture, else 0; (n,)."""
         low = [b for b in self.canvas.solids if b[2] == 0 and 0.3 < b[5] < 1.2]
         hit = np.zeros(len(poses))
         for b in low:
@@ -113,7 +131,7 @@ class Fixer:
         return hit
 
     def switches(self, n: int) -> None:
-        """Switches beside the openings."""
+        """Put ``n`` switches beside the openings."""
         size = g.size_of("electric_switch")
         done = 0
         for k, (wall, lo, hi) in enumerate(self.canvas.doors):
@@ -132,7 +150,7 @@ class Fixer:
     # -- ceiling ----------------------------------------------------------------------------------------------
 
     def lights(self, category: str, n: int) -> None:
-        """Lamps under the ceiling: one in the middle, more on a line."""
+        """Put ``n`` lamps under the ceiling: one in the middle, several in a line."""
         x0, y0, x1, y1 = self.canvas.inner
         size = g.size_of(category)
         if category == "room_light":

@@ -1,7 +1,7 @@
-"""Furnishing of one room: takes the list of what it should hold and puts real groups together.
+"""Furnishing of one room: turns the list of what it should hold into placed groups.
 
-What a room holds decides which groups are built (a bed gets its nightstands wherever it stands); its type only
-decides how tables are used. Must-haves come before extras, and what finds no place is returned, never forced in.
+The list decides which groups are built (a bed gets its nightstands wherever it is); the room's type only decides how
+tables are used. Necessary things come before extras. What finds no place is reported, never forced in.
 """
 
 from __future__ import annotations
@@ -40,12 +40,16 @@ AISLE_M = 1.3
 
 
 class Furnisher(TablePlacer):
-    """Fills one canvas; what is left in ``wants`` at the end found no place."""
+    """Furnishes one canvas; what is left in ``wants`` at the end found no place."""
 
     # -- the order of work ------------------------------------------------------------------------------------
 
     def run(self) -> Counter[str]:
-        """Furnish the floor; what found no place stays in ``wants``."""
+        """Furnish the floor.
+
+        Returns:
+            By category, how many found no place.
+        """
         self.counters()
         self.bath()
         self.beds()
@@ -61,7 +65,7 @@ class Furnisher(TablePlacer):
         return self.wants
 
     def bath(self) -> None:
-        """Tub and shower in corners, then the rest along the walls, a mirror above every sink."""
+        """Place tub and shower in corners, the rest along the walls, and a mirror above every sink."""
         w = self.wants
         if w["bathtub"]:
             for size in ((1.7, 0.8, 0.6), (1.5, 0.7, 0.6)):
@@ -86,7 +90,7 @@ class Furnisher(TablePlacer):
                     break
 
     def beds(self) -> None:
-        """Beds with nightstands at their sides."""
+        """Place beds with nightstands at their sides."""
         kinds = [c for c in ("bed", "crib") for _ in range(self.wants[c])]
         for k, kind in enumerate(kinds):
             child = self.type == "childs_room" or len(kinds) > 1
@@ -110,7 +114,7 @@ class Furnisher(TablePlacer):
         return False
 
     def laundry(self) -> None:
-        """Washer and dryer side by side."""
+        """Place washer and dryer side by side."""
         if self.wants["washer"] and self.wants["clothes_dryer"]:
             pair = [("washer", g.size_of("washer")), ("clothes_dryer", g.size_of("clothes_dryer"))]
             tops = ["top_cabinet"] * min(2, self.wants["top_cabinet"])
@@ -121,10 +125,10 @@ class Furnisher(TablePlacer):
             self.place_each(category, g.single(category), "corner")
 
     def shop(self) -> None:
-        """Shop shelves: rows in the middle with aisles, the rest along the walls."""
+        """Place shop shelves: rows with aisles in the middle, the rest along the walls."""
         n = self.wants["grocery_shelf"]
         size = (0.6, 1.7, 1.9)
-        for row in range(4):  # whole double rows first, what is left along the walls
+        for row in range(4):  # whole double rows first, the rest along the walls
             group = g.shelf_row("grocery_shelf", size, 6, self.tint, AISLE_M)
             if n < 8 or not self.middle(group, f"row/{row}"):
                 break
@@ -134,7 +138,7 @@ class Furnisher(TablePlacer):
         self.place_each("grocery_shelf", g.single("grocery_shelf", size, clear_m=1.0), "edge")
 
     def media(self) -> None:
-        """A television at a wall and the sofa that looks at it; other sofas at walls."""
+        """Place a television at a wall and a sofa that faces it; other sofas at walls."""
         w = self.wants
         tv = next((c for c in ("wall_mounted_tv", "standing_tv") if w[c]), None)
         spot = None
@@ -199,7 +203,7 @@ class Furnisher(TablePlacer):
         return (item.position[0], item.position[1]) if item else None
 
     def storage(self) -> None:
-        """Cabinets, shelves and wardrobes along free walls."""
+        """Place cabinets, shelves and wardrobes along free walls."""
         small: dict[str, Vec3] = {
             "wardrobe": (0.55, 1.0, 2.05),
             "shelf": (0.3, 0.6, 1.5),
@@ -222,13 +226,13 @@ class Furnisher(TablePlacer):
                 )
 
     def loose_seats(self) -> None:
-        """Chairs that found no table stand at the wall."""
+        """Place chairs that found no table at walls."""
         for category in (*SEATS, "ottoman", "bench", "sauna_bench"):
             self.place_each(category, g.single(category, tint=self.tint, clear_m=0.35), "edge", limit=8)
             self.place_each(category, g.single(category, tint=self.tint), "corner", "tight/", limit=4)
 
     def large(self) -> None:
-        """Everything else that is big: at a wall, else in the middle."""
+        """Place other large things: at a wall, else in the middle."""
         rest = [c for c in self.wants if catalogue()[c].mount == "floor" and c != "carpet"]
         rest = [c for c in rest if np.prod(g.size_of(c)[:2]) >= 0.25]
         self._islands(rest)
@@ -252,7 +256,7 @@ class Furnisher(TablePlacer):
                 self.take(category)
 
     def small_floor(self) -> None:
-        """Lamps, plants and bins in corners."""
+        """Place lamps, plants and bins in corners."""
         rest = [
             c for c in self.wants if catalogue()[c].mount == "floor" and c not in ("carpet", "table_lamp", "monitor")
         ]
@@ -262,7 +266,7 @@ class Furnisher(TablePlacer):
             self.place_each(category, g.single(category, tint=self.tint), "corner", limit=12)
 
     def carpets(self) -> None:
-        """Carpets lie under what is there, in the middle."""
+        """Place carpets in the middle, under what is there."""
         for k in range(self.wants["carpet"]):
             for size in SMALL_CARPETS.get(self.type, CARPETS if k == 0 else CARPETS[2:]):
                 group = Group([Piece("carpet", size, 0.0, 0.0, tint=self.tint + k)], margin_m=0.1)

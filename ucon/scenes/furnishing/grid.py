@@ -1,4 +1,4 @@
-"""The two hot loops of furnishing, compiled: which poses are allowed, and which nodes can be reached."""
+"""Kernels of furnishing: which poses are allowed, and which nodes can be reached."""
 
 from __future__ import annotations
 
@@ -9,12 +9,20 @@ from ucon.core.jit import jit
 
 TOUCH_M = 0.002
 FLAT_M = 0.02
-"""What ends below this is walked over and stood on: carpets."""
+"""Things lower than this, metres, can be walked and stood on: carpets."""
 
 
 @jit
 def turn_box(box: NDArray[np.float64], x: float, y: float, quarter_turns: int, out: NDArray[np.float64]) -> None:
-    """Write ``box`` (6,) turned about the origin and moved by (x, y) into ``out`` (6,)."""
+    """Turn a box about the origin and move it.
+
+    Args:
+        box: (6,) metres.
+        x: shift, metres.
+        y: shift.
+        quarter_turns: counter-clockwise.
+        out: (6,) float64, written.
+    """
     q = quarter_turns % 4
     if q == 0:
         out[0], out[1], out[3], out[4] = box[0], box[1], box[3], box[4]
@@ -33,7 +41,14 @@ def turn_box(box: NDArray[np.float64], x: float, y: float, quarter_turns: int, o
 
 @jit
 def turned(boxes: NDArray[np.float64], x: float, y: float, quarter_turns: int) -> NDArray[np.float64]:
-    """Boxes (n, 6) turned about the origin and moved by (x, y)."""
+    """Boxes (n, 6) turned about the origin and moved.
+
+    Args:
+        boxes: (n, 6) metres.
+        x: shift, metres.
+        y: shift.
+        quarter_turns: counter-clockwise.
+    """
     out = np.empty_like(boxes)
     for k in range(len(boxes)):
         turn_box(boxes[k], x, y, quarter_turns, out[k])
@@ -81,10 +96,22 @@ def allowed(
     inner: NDArray[np.float64],
     height_m: float,
 ) -> NDArray[np.bool_]:
-    """Which poses (n, 3) put boxes and clear spaces where nothing is in their way, (n,).
+    """Which poses of a group are allowed.
 
-    Boxes of pieces must lie inside ``inner`` (x0, y0, x1, y1), off ``solids`` and ``voids``; clear spaces off
-    ``solids``. Flat things lie under everything but one another.
+    Boxes of pieces must be inside ``inner`` and meet neither ``solids`` nor ``voids``; clear spaces must meet no
+    ``solids``. Flat things may lie under everything but other flat things.
+
+    Args:
+        poses: (n, 3) x, y in metres, quarter turns.
+        local: (p, 6) boxes of the pieces in the group's frame.
+        local_voids: (q, 6) clear spaces in the group's frame.
+        solids: (s, 6) boxes in the room.
+        voids: (v, 6) spaces in the room that must stay clear.
+        inner: (4,) free floor x0, y0, x1, y1.
+        height_m: of the room.
+
+    Returns:
+        (n,) bool.
     """
     out = np.zeros(len(poses), np.bool_)
     box = np.empty(6)
@@ -115,7 +142,16 @@ def allowed(
 
 @jit
 def flood(free: NDArray[np.bool_], i: int, j: int) -> NDArray[np.bool_]:
-    """Cells of ``free`` (nx, ny) joined to (i, j) over 4-neighbours, (nx, ny) bool."""
+    """Cells connected to (i, j) over 4 neighbours.
+
+    Args:
+        free: (nx, ny) bool.
+        i: start.
+        j: start.
+
+    Returns:
+        (nx, ny) bool.
+    """
     nx, ny = free.shape
     seen = np.zeros((nx, ny), np.bool_)
     if not free[i, j]:

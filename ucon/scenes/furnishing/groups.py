@@ -1,6 +1,6 @@
-"""Groups of furniture as rigid templates: what stands against a wall, beside a bed, around a table.
+"""Groups of furniture as rigid templates: things at a wall, beside a bed, around a table.
 
-Frames: origin on the wall (or the middle, for tables), +x into the room, +y to the left of somebody looking in.
+Frames: origin on the wall (or the middle, for tables), +x into the room, +y to the left when looking into the room.
 """
 
 from __future__ import annotations
@@ -11,20 +11,20 @@ from ucon.scenes.furnishing.canvas import BODY_Z_M, Group, Piece, piece_box
 from ucon.scenes.furnishing.grid import FLAT_M
 
 FRONT_M = 0.75
-"""Kept clear in front of what opens: a door leaf and somebody standing there."""
+"""Depth that is kept clear in front of openables, for a door leaf and a person, metres."""
 WALL_GAP_M = 0.05
 SLAB_M = 0.04
 COUNTER_M = 0.90
 RUN_DEPTH_M = 0.60
 TOP_Z_M = 1.45
 SIDE_M = 0.03
-"""Between neighbours of a counter run, so that leaves opened past 90 degrees do not meet."""
+"""Gap between neighbours of a counter run, so that doors opened past 90 degrees do not meet, metres."""
 CARPET_M = 0.004
 UNDER_SLAB = ("bottom_cabinet_no_top", "dishwasher")
 
 
 def size_of(category: str, size: Vec3 | None = None) -> Vec3:
-    """The catalogue's size unless another is given; carpets are thin enough to stand on."""
+    """The size of an item: the given one, else the catalogue's; carpets are thin enough to walk on."""
     if size is not None:
         return size
     x, y, z = catalogue()[category].size
@@ -32,26 +32,41 @@ def size_of(category: str, size: Vec3 | None = None) -> Vec3:
 
 
 def front_void(box: Box3, depth_m: float = FRONT_M, grow_m: float = 0.0) -> Box3:
-    """Clear space before the +x side of a box."""
+    """The space that must stay clear in front of the +x side of a box.
+
+    Args:
+        box: metres.
+        depth_m: of the space.
+        grow_m: by which it is wider on each side.
+    """
     low = box[2] if box[2] > 0.9 else FLAT_M
     high = box[5] if box[2] > 0.9 else min(max(box[5], 1.0), BODY_Z_M[1])
     return (box[3], box[1] - grow_m, low, box[3] + depth_m, box[4] + grow_m, high)
 
 
 def leaf_m(width_m: float) -> float:
-    """How far a cabinet door of one or two leaves reaches out when open."""
+    """How far a cabinet door reaches out when open; wide cabinets have two leaves."""
     return (width_m if width_m <= 0.6 else width_m / 2) + 0.03
 
 
 def front_rect(box: Box3) -> tuple[float, float, float, float]:
-    """Where somebody who opens the +x side of a box stands."""
+    """Rectangle x0, y0, x1, y1 where a person stands who opens the +x side of a box."""
     return (box[3] + 0.18, box[1] - 0.125, box[3] + 0.98, box[4] + 0.125)
 
 
 def single(
     category: str, size: Vec3 | None = None, z: float = 0.0, tint: int = 0, clear_m: float = 0.0, turns: int = 0
 ) -> Group:
-    """One item with its back at the origin."""
+    """A group of one item with its back at the origin.
+
+    Args:
+        category: of the catalogue.
+        size: metres; None: the catalogue's.
+        z: bottom.
+        tint: colour variant.
+        clear_m: depth that must stay clear in front.
+        turns: quarter turns.
+    """
     size = size_of(category, size)
     depth = size[0] if turns % 2 == 0 else size[1]
     piece = Piece(category, size, depth / 2, 0.0, z, turns, tint)
@@ -70,7 +85,15 @@ def single(
 def bed(
     size: Vec3, left: tuple[str, Vec3] | None, right: tuple[str, Vec3] | None, tint: int, bed_kind: str = "bed"
 ) -> Group:
-    """A bed with its head at the wall and something with a top at either side."""
+    """A bed with its head at the wall and a nightstand at either side.
+
+    Args:
+        size: of the bed, metres.
+        left: category and size of the left nightstand, or None.
+        right: of the right one, or None.
+        tint: colour variant.
+        bed_kind: category of the bed.
+    """
     group = Group([Piece(bed_kind, size, size[0] / 2, 0.0, tint=tint)])
     for side, stand in ((1, left), (-1, right)):
         if stand is None:
@@ -88,7 +111,15 @@ def bed(
 
 
 def desk(table: str, size: Vec3, chair: str | None, chair_size: Vec3 | None, tint: int) -> Group:
-    """A desk at the wall and a chair that faces it."""
+    """A desk at the wall and a chair that faces it.
+
+    Args:
+        table: category of the desk.
+        size: of the desk, metres.
+        chair: category, or None.
+        chair_size: metres.
+        tint: colour variant.
+    """
     group = Group([Piece(table, size, size[0] / 2, 0.0, tint=tint)])
     reach = size[0]
     if chair is not None:
@@ -101,7 +132,16 @@ def desk(table: str, size: Vec3, chair: str | None, chair_size: Vec3 | None, tin
 
 
 def table_with_seats(table: str, size: Vec3, seat: str, n: int, tint: int, around_m: float = 0.0) -> Group:
-    """A table in the middle with ``n`` seats that face it: along the long sides first, then at the heads."""
+    """A table in the middle with seats that face it: along the long sides first, then at the heads.
+
+    Args:
+        table: category.
+        size: of the table, metres.
+        seat: category.
+        n: number of seats.
+        tint: colour variant.
+        around_m: clear depth behind the seats.
+    """
     sx, sy, _sz = size
     seat_size = size_of(seat)
     group = Group([Piece(table, size, 0.0, 0.0, tint=tint)], margin_m=0.1)
@@ -132,7 +172,15 @@ def table_with_seats(table: str, size: Vec3, seat: str, n: int, tint: int, aroun
 
 
 def bench_of_desks(table: str, size: Vec3, chair: str, pairs: int, tint: int) -> Group:
-    """Desks back to back in two rows, each with a chair, as open-plan offices have them."""
+    """Desks back to back in two rows, each with a chair, as in open-plan offices.
+
+    Args:
+        table: category of the desks.
+        size: of a desk, metres.
+        chair: category.
+        pairs: number of pairs of desks.
+        tint: colour variant.
+    """
     group = Group([], margin_m=0.3)
     chair_size = size_of(chair)
     for k in range(pairs):
@@ -151,7 +199,15 @@ def bench_of_desks(table: str, size: Vec3, chair: str, pairs: int, tint: int) ->
 
 
 def lecture(table: str, size: Vec3, seat: str, n: int, tint: int) -> Group:
-    """Rows of four seats that look at a desk, with room to walk between and around them."""
+    """Rows of four seats that face a desk, with room to walk between and around them.
+
+    Args:
+        table: category of the desk.
+        size: of the desk, metres.
+        seat: category.
+        n: number of seats.
+        tint: colour variant.
+    """
     seat_size = size_of(seat)
     group = Group([Piece(table, size, 0.0, 0.0, turns=2, tint=tint)], margin_m=0.7)
     for k in range(n):
@@ -162,7 +218,15 @@ def lecture(table: str, size: Vec3, seat: str, n: int, tint: int) -> Group:
 
 
 def shelf_row(category: str, size: Vec3, n: int, tint: int, aisle_m: float) -> Group:
-    """A double row of shop shelves, back to back, with an aisle on both sides."""
+    """A double row of shop shelves, back to back, with an aisle on both sides.
+
+    Args:
+        category: of the shelves.
+        size: of a shelf, metres.
+        n: shelves of a row.
+        tint: colour variant.
+        aisle_m: width of the aisles.
+    """
     group = Group([], margin_m=aisle_m)
     per_side = (n + 1) // 2
     for k in range(n):
@@ -180,7 +244,14 @@ def shelf_row(category: str, size: Vec3, n: int, tint: int, aisle_m: float) -> G
 
 
 def media(tv: str, stand: tuple[str, Vec3] | None, speakers: int, tint: int) -> Group:
-    """A television at the wall, above or on its stand, with loudspeakers beside it."""
+    """A television at the wall, above or on its stand, with loudspeakers beside it.
+
+    Args:
+        tv: category.
+        stand: category and size, or None.
+        speakers: number of loudspeakers.
+        tint: colour variant.
+    """
     size = size_of(tv)
     group = Group([])
     edge = size[1] / 2
@@ -207,7 +278,16 @@ def media(tv: str, stand: tuple[str, Vec3] | None, speakers: int, tint: int) -> 
 def sofa_set(
     sofa: str, size: Vec3, table: str | None, table_size: Vec3 | None, carpet: Vec3 | None, tint: int
 ) -> Group:
-    """A sofa with a low table before it, on a carpet."""
+    """A sofa with a low table in front of it, on a carpet.
+
+    Args:
+        sofa: category.
+        size: of the sofa, metres.
+        table: category, or None.
+        table_size: metres.
+        carpet: size of the carpet, or None.
+        tint: colour variant.
+    """
     group = Group([Piece(sofa, size, size[0] / 2, 0.0, tint=tint)])
     reach = size[0] + 0.45
     if table is not None:
@@ -283,7 +363,14 @@ def _world_front(
 
 
 def counter_run(units: list[Unit], slabs: bool, tops: list[str], tint: int) -> Group:
-    """Counter units in one straight line; takes what it hangs above them out of ``tops``."""
+    """Counter units in one straight line.
+
+    Args:
+        units: category and size of each.
+        slabs: whether units without a top get a slab.
+        tops: categories to hang above; those used are removed from the list.
+        tint: colour variant.
+    """
     group = Group([])
     total = sum(size[1] for _, size in units) + SIDE_M * (len(units) - 1)
     _units(group, units, -total / 2, 0, slabs, tops, tint)
@@ -292,7 +379,15 @@ def counter_run(units: list[Unit], slabs: bool, tops: list[str], tint: int) -> G
 
 
 def counter_corner(first: list[Unit], second: list[Unit], slabs: bool, tops: list[str], tint: int) -> Group:
-    """Counter units in an L: a blind corner at the origin, ``first`` along +y, ``second`` along +x."""
+    """Counter units in an L: a blind corner at the origin, ``first`` along +y, ``second`` along +x.
+
+    Args:
+        first: category and size of each unit along +y.
+        second: of each unit along +x.
+        slabs: whether units without a top get a slab.
+        tops: categories to hang above; those used are removed from the list.
+        tint: colour variant.
+    """
     side = RUN_DEPTH_M + 0.02
     group = Group([Piece("countertop", (side, side, COUNTER_M), side / 2, side / 2, tint=tint)])
     _units(group, first, side + 0.13, 0, slabs, tops, tint)

@@ -1,4 +1,4 @@
-"""Where a group may stand: at walls, in corners, in the middle, facing something; all seeded by room and item."""
+"""Ways of placing a group: at walls, in corners, in the middle, facing something; all seeded by room and item."""
 
 from __future__ import annotations
 
@@ -13,16 +13,29 @@ from ucon.scenes.furnishing import groups as g
 from ucon.scenes.furnishing.canvas import Canvas, Group
 
 HALL_M2, SPREAD_M = 40.0, 9.0
-"""In halls tables spread out over the floor instead of crowding in the middle."""
+"""In rooms larger than the first, tables are spread over the floor by about the second."""
 
 
 class Placer:
     """A canvas, the list of what it should hold, and seeded ways of placing a group.
 
-    ``wants`` shrinks as things are placed.
+    Attributes:
+        canvas: the room.
+        type: of the room.
+        wants: by category, how many are still to be placed.
+        tint: colour variant of the room's furniture.
     """
 
     def __init__(self, canvas: Canvas, room_type: str, wants: Mapping[str, int], seed: int, name: str) -> None:
+        """Start with an empty canvas.
+
+        Args:
+            canvas: the room.
+            room_type: its type.
+            wants: by category, how many it should hold; unknown categories are left out.
+            seed: of the home.
+            name: of the room.
+        """
         self.canvas = canvas
         self.type = room_type
         self.wants: Counter[str] = Counter({k: wants[k] for k in sorted(wants) if k in catalogue()})
@@ -32,13 +45,13 @@ class Placer:
     # -- placing helpers --------------------------------------------------------------------------------------
 
     def take(self, category: str, n: int = 1) -> None:
-        """Cross ``n`` off the list."""
+        """Remove ``n`` items of a category from ``wants``."""
         self.wants[category] -= n
         if self.wants[category] <= 0:
             del self.wants[category]
 
     def noise(self, key: str, n: int, scale: float) -> np.ndarray:
-        """Seeded noise for the poses of one group."""
+        """Uniform noise (n,) from 0 to ``scale`` for the poses of one group, seeded by its key."""
         return stream(self.seed, "pose", self.name, key).uniform(0.0, scale, n)
 
     def wall(
@@ -49,7 +62,18 @@ class Placer:
         walls: tuple[int, ...] = (0, 1, 2, 3),
         gap_m: float = g.WALL_GAP_M,
     ) -> bool:
-        """Place a group at a wall, preferring its middle, its corners, or anywhere."""
+        """Place a group at a wall.
+
+        Args:
+            group: the group.
+            key: of its random numbers.
+            prefer: ``any``, ``middle``, ``corner`` or ``edge``.
+            walls: their numbers.
+            gap_m: distance from the wall.
+
+        Returns:
+            Whether there was a place.
+        """
         poses = self.canvas.wall_poses(group, walls, gap_m)
         if not len(poses):
             return False
@@ -85,7 +109,17 @@ class Placer:
     def middle(
         self, group: Group, key: str, target: tuple[float, float] | None = None, turns: tuple[int, ...] = (0, 1)
     ) -> bool:
-        """Place a group on the floor, near ``target`` or the middle of the room."""
+        """Place a group on the floor.
+
+        Args:
+            group: the group.
+            key: of its random numbers.
+            target: point to be near; the middle of the room by default.
+            turns: quarter turns to try.
+
+        Returns:
+            Whether there was a place.
+        """
         poses = self.canvas.free_poses(turns)
         x0, y0, x1, y1 = self.canvas.inner
         tx, ty = target or ((x0 + x1) / 2, (y0 + y1) / 2)
@@ -94,7 +128,17 @@ class Placer:
         return self.canvas.try_place(group, poses, cost)
 
     def facing(self, group: Group, key: str, target: tuple[float, float], apart_m: float) -> bool:
-        """Place a seat so that it looks at ``target`` from about ``apart_m``."""
+        """Place a seat so that it faces a point.
+
+        Args:
+            group: the seat.
+            key: of its random numbers.
+            target: the point, metres.
+            apart_m: preferred distance.
+
+        Returns:
+            Whether there was a place.
+        """
         poses = self.canvas.free_poses((0, 1, 2, 3))
         dx, dy = target[0] - poses[:, 0], target[1] - poses[:, 1]
         away = np.hypot(dx, dy)
@@ -105,7 +149,15 @@ class Placer:
         return self.canvas.try_place(group, poses[keep], cost[keep])
 
     def place_each(self, category: str, group: Group, prefer: str, key: str = "", limit: int = 99) -> None:
-        """Place all wanted items of a category at walls."""
+        """Place all wanted items of a category at walls, until one finds no place.
+
+        Args:
+            category: of the items.
+            group: one of them.
+            prefer: see :meth:`wall`.
+            key: prefix of the key of the random numbers.
+            limit: most items.
+        """
         for k in range(min(self.wants[category], limit)):
             if not self.wall(group, f"{key}{category}/{k}", prefer):
                 break

@@ -1,4 +1,4 @@
-"""Tables and desks with their seats; a room's type decides how its tables are used."""
+"""Tables and desks with their seats; the room's type decides how its tables are used."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ SEATS = ("straight_chair", "armchair", "swivel_chair", "taboret", "garden_chair"
 
 
 class TablePlacer(CounterPlacer):
-    """Adds tables and desks to what :class:`CounterPlacer` builds."""
+    """Adds tables and desks to :class:`CounterPlacer`."""
 
     def tables(self) -> None:
-        """Desks with a chair at the wall, tables with seats in the middle."""
+        """Place desks with a chair at walls, and tables with seats in the middle."""
         w = self.wants
         if self.type == "shared_office" and w["desk"] >= 4:
             self._office_rows()

@@ -16,7 +16,7 @@ from ucon.scenes.furnishing.canvas import Canvas, Group, Piece
 from ucon.scenes.spec import Item
 
 LID_GAP_M = 0.10
-"""Chests stand this far from the wall, so that their lids open."""
+"""Distance of chests from the wall, so that their lids open, metres."""
 ON_TOP_OF: dict[str, tuple[str, ...]] = {
     "table_lamp": (
         "nightstand",
@@ -83,12 +83,24 @@ ON_FLOOR = (
 
 
 def fix_noise(seed: int, room: str, key: str, n: int, scale: float) -> np.ndarray:
-    """Noise (n,) that breaks ties between places of equal cost, the same for the same room and key."""
+    """Noise (n,) that breaks ties between places of equal cost, seeded by room and key.
+
+    Args:
+        seed: of the home.
+        room: its name.
+        key: of what is placed.
+        n: number of places.
+        scale: greatest value.
+    """
     return stream(seed, "fix", room, key).uniform(0.0, scale, n)
 
 
 class SmallThings:
-    """Puts small things in one room; ``missing`` counts what found no place."""
+    """Puts small things in one room.
+
+    Attributes:
+        missing: by category, how many found no place.
+    """
 
     def __init__(self, canvas: Canvas, seed: int, name: str) -> None:
         self.canvas, self.seed, self.name = canvas, seed, name
@@ -98,7 +110,11 @@ class SmallThings:
         return fix_noise(self.seed, self.name, key, n, scale)
 
     def put(self, wants: Mapping[str, int]) -> None:
-        """Put small things where they belong: on tops, on shelves, on the floor beside the wall."""
+        """Put small things on tops, on shelves, or on the floor beside the wall.
+
+        Args:
+            wants: by category, how many.
+        """
         for category in sorted(wants):
             if category not in catalogue():
                 continue
@@ -120,7 +136,7 @@ class SmallThings:
         return self.canvas.try_place(group, poses, self._noise(f"floor/{category}/{k}", len(poses), 5.0))
 
     def hosts(self, category: str) -> list[int]:
-        """Items of the room that ``category`` may stand on, best first."""
+        """Numbers of the room's items that a category may be put on, the best first."""
         row = catalogue()[category]
         names = ON_TOP_OF.get(category)
         if names is None:
@@ -169,14 +185,14 @@ class SmallThings:
         group.pieces[0].z = pz + z + 0.001
         if catalogue()[category].openable and size[2] > 0.15:
             if category != "microwave":
-                return False  # nobody could look into it
+                return False  # its inside could not be seen
             low, half = pz + z + 0.001, size[1] / 2  # its door swings over the edge
             group.voids.append((size[0] / 2, -half, low, size[0] / 2 + 0.5, half, low + size[2]))
         poses = np.array([(px + c * x - s * y, py + s * x + c * y, host.quarter_turns) for x, y in spots[order]], float)
         return self._settle(group, poses, index)
 
     def _settle(self, group: Group, poses: np.ndarray, host: int) -> bool:
-        """Like ``try_place`` but inside the host's box and without regard to voids: it blocks nobody."""
+        """Like ``try_place``, but inside the host's box and without regard to clear spaces, since it blocks no path."""
         canvas = self.canvas
         voids, free, box = canvas.voids, canvas.free.copy(), canvas.solids[host].copy()
         canvas.voids, canvas.solids[host] = canvas.sweeps, 0.0
@@ -186,7 +202,15 @@ class SmallThings:
 
 
 def tops(category: str, size: Vec3) -> list[tuple[float, float, float, float, float, float]]:
-    """Surfaces (x0, y0, x1, y1, z, clearance) of an item, highest first for tables, all for shelves."""
+    """Surfaces of an item that do not move with a joint.
+
+    Args:
+        category: of the item.
+        size: metres.
+
+    Returns:
+        (x0, y0, x1, y1, z, clearance) of each in the object frame, metres.
+    """
     from ucon.objects.models import build_model
 
     try:

@@ -1,4 +1,4 @@
-"""Placement: the four relations, settled by PyBullet and proven by predicates; anchors that a home lacks."""
+"""Placement of objects in the four relations, settled by PyBullet and checked by predicates; import of anchors."""
 
 from ucon.sim.placement.importing import import_anchor, importable
 from ucon.sim.placement.place import place, with_object

@@ -1,4 +1,4 @@
-"""What the four samplers share: a request, and turning scored centres into ordered slots."""
+"""The common part of the four samplers: the request, and turning scored centres into ordered slots."""
 
 from __future__ import annotations
 
@@ -15,15 +15,23 @@ from ucon.sim.placement.surroundings import Surroundings
 from ucon.sim.shapes import Array, Solid
 
 RUG_M = 0.045
-"""What lies on the floor and is thinner than this is stood on, not avoided."""
+"""Things on the floor that are thinner than this, metres, may be stood on."""
 _FLOOR_M = 0.002
 SEEN_BEST_M = 1.1
-"""Levels above this are looked at from the side: what stands far back on them is hidden by their edge."""
+"""Above this height, metres, a level's edge hides what stands far back on it."""
 
 
 @dataclass(frozen=True, eq=False)
 class PlacementRequest:
-    """Put ``category`` by ``anchor``."""
+    """A request to place ``category`` at the instance ``anchor``.
+
+    Attributes:
+        scene: the home and its arrangement.
+        category: of the object.
+        shape: its collision primitives.
+        anchor: instance.
+        rng: random numbers.
+    """
 
     scene: Surroundings
     category: str
@@ -33,7 +41,7 @@ class PlacementRequest:
 
     @property
     def row(self) -> Category:
-        """Catalogue row of the object."""
+        """The object's row of the catalogue."""
         return catalogue()[self.category]
 
     @property
@@ -43,7 +51,7 @@ class PlacementRequest:
 
     @property
     def anchor_box(self) -> Array:
-        """Box (6,) of the anchor."""
+        """(6,) box of the anchor, metres."""
         return self.scene.boxes[self.anchor]
 
 
@@ -55,14 +63,23 @@ def ordered(
     penalty: Array | float = 0.0,
     keep: int = 24,
 ) -> Iterator[Slot]:
-    """Slots at the centres (n, 2) that are clear, lowest ``penalty`` plus noise first, at most ``keep``."""
+    """Slots at the clear ones of some centres, by penalty plus noise.
+
+    Args:
+        request: the request.
+        centres: (n, 2) footprint centres, metres.
+        z: height to stand at, one or (n,).
+        pose: orientation of the object.
+        penalty: lower is better, one or (n,).
+        keep: most slots.
+    """
     if not len(centres):
         return
     noise = request.rng.random(len(centres))
     boxes = slot_boxes(centres, z, pose)
     if isinstance(z, float) and abs(z) < _FLOOR_M:
         rugs = rug_tops(request.scene.parts.boxes, boxes, RUG_M)
-        z, penalty = z + rugs[:, 0], penalty + 5.0 * rugs[:, 1]  # Half on a rug it would stand askew.
+        z, penalty = z + rugs[:, 0], penalty + 5.0 * rugs[:, 1]  # Half on a rug it would tilt.
         boxes = slot_boxes(centres, z, pose)
     order = np.argsort(noise + penalty, kind="stable")
     turned = flipped(request.shape, pose, request.rng)
@@ -77,14 +94,23 @@ def ordered(
 
 
 def depth_penalty(request: PlacementRequest, centres: Array, z: float) -> Array | float:
-    """Penalty (n,) for standing far from where the agent can be, strong on levels above its chest."""
+    """Penalty for places far from where the agent can be, strong on levels above its chest.
+
+    Args:
+        request: the request.
+        centres: (n, 2) footprint centres, metres.
+        z: height of the level.
+
+    Returns:
+        (n,).
+    """
     weight = 6.0 if z > SEEN_BEST_M else 1.0
     distance = nearest_node_m(request.scene, centres, request.scene.room_of(request.anchor))
     return weight * (distance - distance.min(initial=np.inf)) if len(distance) else 0.0
 
 
 def alternate(iterators: list[Iterator[Slot]]) -> Iterator[Slot]:
-    """One slot of each in turn, until all are spent."""
+    """One slot of each iterator in turn, until all are exhausted."""
     waiting = list(iterators)
     while waiting:
         for iterator in list(waiting):

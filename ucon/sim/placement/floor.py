@@ -1,4 +1,4 @@
-"""What an object takes from the navigation grid, and whether the home can spare it."""
+"""Nodes that an object on the floor blocks, and whether the home can do without them."""
 
 from __future__ import annotations
 
@@ -14,13 +14,22 @@ from ucon.sim.paths import components
 from ucon.sim.placement.surroundings import Surroundings
 from ucon.sim.shapes import Array, item_turn
 
+#: Free nodes that every room must keep.
 LEAST_NODES_A_ROOM = 3
 
 _fronts: WeakKeyDictionary[House, dict[int, NDArray[np.int64]]] = WeakKeyDictionary()
 
 
 def nodes_taken(scene: Surroundings, box: Array) -> NDArray[np.int64]:
-    """Free nodes (n, 2) where the agent's cylinder would touch a box (6,)."""
+    """Free nodes where the agent's cylinder would touch a box.
+
+    Args:
+        scene: the home and its arrangement.
+        box: (6,) metres.
+
+    Returns:
+        (n, 2) int64.
+    """
     none = np.zeros((0, 2), np.int64)
     if box[5] <= AGENT_BOTTOM_M or box[2] >= AGENT_TOP_M:
         return none
@@ -37,7 +46,10 @@ def nodes_taken(scene: Surroundings, box: Array) -> NDArray[np.int64]:
 
 
 def can_spare(scene: Surroundings, nodes: NDArray[np.int64]) -> bool:
-    """Whether the floor stays in one piece without these nodes, with room in every room and before every openable."""
+    """Whether some nodes may be blocked.
+
+    The floor must stay connected, with free nodes in every room and in front of every openable.
+    """
     if not len(nodes):
         return True
     free = scene.free.copy()

@@ -1,4 +1,4 @@
-"""Importing: an anchor that a home lacks is put where such a thing usually stands, before others are placed by it."""
+"""Import of anchors: an anchor that a home lacks is put where such a thing usually is."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from ucon.sim.shapes import Array, enclosing, primitive_boxes, solid
 
 MAX_FOOTPRINT_M = 0.90
 MAX_LENGTH_M = 1.60
-"""Of what is long and light: a chest, a rake, a guitar."""
+"""Limit for long and light things: a chest, a rake, a guitar."""
 MAX_WALL_WIDTH_M = 1.6
 _ON_FLOOR = frozenset(
     {
@@ -53,16 +53,16 @@ _ON_FLOOR = frozenset(
         "white_rice_sack",
     }
 )
-"""What people lean on a wall or set down on the floor, though it could stand on a table."""
+"""Categories that people lean on a wall or put on the floor, although they would fit on a table."""
 _TRIES_A_SUPPORT = 4
 _SUPPORTS = 10
 _NEVER = frozenset({"window", "window_blind", "door", "gate", "garage_door"})
 _HEIGHTS_M = (0.3, 1.3)
-"""Tops of tables, counters, cabinets and shelves that things are put on by default."""
+"""Heights of the tops of tables, counters, cabinets and shelves that anchors are put on, metres."""
 
 
 def importable(category: str) -> bool:
-    """Whether an anchor that a home lacks can be put there: small and movable, or hung on a wall."""
+    """Whether a category can be added to a home as an anchor: small and movable, or hung on a wall."""
     row = catalogue()[category]
     if category in _NEVER or row.mount in ("structure", "ceiling"):
         return False
@@ -77,11 +77,17 @@ def importable(category: str) -> bool:
 def import_anchor(house: House, arrangement: Arrangement, category: str, rng: np.random.Generator) -> PlacedObject:
     """Put a category that a home lacks on a default support of a plausible room.
 
-    Surface things go on a table, counter, shelf or cabinet; what people keep on the floor goes along a
-    wall; wall things on a free piece of wall. The rooms of the catalogue come first.
+    Surface things go on a table, counter, shelf or cabinet; floor things along a wall; wall things on a free piece of
+    wall. The catalogue's rooms come first.
+
+    Args:
+        house: the home.
+        arrangement: what the episode changed so far.
+        category: the anchor.
+        rng: random numbers.
 
     Returns:
-        The object with relation ``imported``; its anchor is what it stands on or hangs at.
+        The object with relation ``imported``; its ``anchor`` is what it stands on or hangs at.
 
     Raises:
         RefusedError: fixed furniture and structure cannot be imported, or no place is free.
@@ -194,7 +200,7 @@ def _furniture_below(scene: Surroundings, box: Array) -> float:
 
 
 def _hung(slot: Slot, walls: int) -> Settled:
-    """What hangs on a wall is fixed there and needs no settling."""
+    """The pose of what hangs on a wall: it is fixed and needs no settling."""
     return Settled(np.round(np.array(slot.position), 6), slot.pose.turn, frozenset({walls}))
 
 

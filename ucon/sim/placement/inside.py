@@ -1,4 +1,4 @@
-"""Inside: slots on the floor of the anchor's compartments, turned or laid so that the object fits."""
+"""``inside``: slots on the floor of the anchor's compartments, with the object turned or laid so that it fits."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _LOOK_DOWN_M = 1.0
 
 
 def candidates(request: PlacementRequest) -> Iterator[Slot]:
-    """Slots inside the anchor, ordered.
+    """Slots inside the anchor, the best first.
 
     Raises:
         RefusedError: it has no compartment, or the object fits into none of them.
@@ -43,14 +43,20 @@ def candidates(request: PlacementRequest) -> Iterator[Slot]:
 
 
 def fits(level: Array, pose: SlotPose, open_top: bool) -> bool:
-    """Whether an object turned like this goes into a compartment (6,) that is empty."""
+    """Whether an object in a pose fits into an empty compartment.
+
+    Args:
+        level: (6,) box of the compartment, metres.
+        pose: orientation of the object.
+        open_top: whether the object may stick out at the top.
+    """
     room = level[3:] - level[:3]
     height = pose.extent[2] * PROTRUDING_SHARE if open_top else pose.extent[2] + AIR_M
     return bool((pose.extent[:2] <= room[:2] - 2 * _WALL_M).all() and height <= room[2])
 
 
 def _awkward(request: PlacementRequest, pose: SlotPose) -> int:
-    """1 where an object lies on its side although it could as well stand."""
+    """1 if the object lies on its side although it could stand."""
     upright = pose.turn[2, 2] > 0.5
     return int(not upright and not is_long(request.shape.extent))
 
@@ -83,6 +89,6 @@ def _in_space(request: PlacementRequest, level: Array, pose: SlotPose) -> Iterat
     centres = centres_in(rect, pose.extent)
     penalty = 2.0 * np.asarray(depth_penalty(request, centres, level[2]))
     if _seen_from_above(request, level) and len(centres):
-        # The near side of a basket or chest hides what stands close behind it.
+        # The near wall of a basket or chest hides what stands close behind it.
         penalty = 4.0 * np.hypot(*(centres - (level[:2] + level[3:5]) / 2).T)
     return ordered(request, centres, level[2], pose, penalty, keep=_PER_SPACE)

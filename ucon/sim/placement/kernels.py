@@ -1,4 +1,4 @@
-"""The hot loops of placement, compiled."""
+"""Kernels of placement."""
 
 from __future__ import annotations
 
@@ -14,7 +14,15 @@ Array = NDArray[np.float64]
 
 @jit
 def rows_meeting(boxes: Array, box: Array) -> NDArray[np.int64]:
-    """Rows of ``boxes`` (m, 6) that meet a box (6,)."""
+    """Rows of boxes that meet a box.
+
+    Args:
+        boxes: (m, 6) metres.
+        box: (6,) metres.
+
+    Returns:
+        (k,) int64.
+    """
     found = np.empty(len(boxes), np.int64)
     count = 0
     for k in range(len(boxes)):
@@ -27,7 +35,16 @@ def rows_meeting(boxes: Array, box: Array) -> NDArray[np.int64]:
 
 @jit
 def are_clear(parts: Array, boxes: Array, touch: float) -> NDArray[np.bool_]:
-    """Whether each of ``boxes`` (n, 6), shrunk by ``touch``, meets none of ``parts`` (m, 6)."""
+    """Whether boxes meet none of some parts.
+
+    Args:
+        parts: (m, 6) metres.
+        boxes: (n, 6) metres, shrunk by ``touch`` on every side.
+        touch: metres.
+
+    Returns:
+        (n,) bool.
+    """
     result = np.ones(len(boxes), np.bool_)
     for i in range(len(boxes)):
         b = boxes[i]
@@ -48,7 +65,16 @@ def are_clear(parts: Array, boxes: Array, touch: float) -> NDArray[np.bool_]:
 
 @jit
 def rug_tops(parts: Array, boxes: Array, most: float) -> Array:
-    """What lies flat under ``boxes`` (n, 6): (n, 2) top of the highest of ``parts`` below ``most``; 1 at an edge."""
+    """The flat things under some boxes.
+
+    Args:
+        parts: (m, 6) metres.
+        boxes: (n, 6) metres.
+        most: only parts whose top is below this height count.
+
+    Returns:
+        (n, 2): top of the highest such part, and 1 if the box is only partly on it.
+    """
     result = np.zeros((len(boxes), 2))
     for k in range(len(parts)):
         p = parts[k]
@@ -65,7 +91,19 @@ def rug_tops(parts: Array, boxes: Array, most: float) -> Array:
 
 @jit
 def node_distances(free: NDArray[np.bool_], ox: float, oy: float, step: float, xy: Array, reach: int) -> Array:
-    """Distance from points (n, 2) to the nearest free node, at most about ``reach`` cells."""
+    """Distance from points to the nearest free node.
+
+    Args:
+        free: (nx, ny) bool.
+        ox: x of the corner of cell (0, 0), metres.
+        oy: y of it.
+        step: side of a cell, metres.
+        xy: (n, 2) points, metres.
+        reach: cells searched; greater distances are cut off there.
+
+    Returns:
+        (n,) metres.
+    """
     nx, ny = free.shape
     result = np.full(len(xy), reach * step)
     for k in range(len(xy)):
@@ -80,7 +118,19 @@ def node_distances(free: NDArray[np.bool_], ox: float, oy: float, step: float, x
 
 @jit
 def ring(box: Array, half_x: float, half_y: float, gaps: Array, step: float, most: int) -> Array:
-    """Footprint centres (n, 2) all around a box (6,) at the given gaps, corners included."""
+    """Footprint centres all around a box at given gaps, corners included.
+
+    Args:
+        box: (6,) metres.
+        half_x: half the footprint's extent.
+        half_y: half the footprint's extent.
+        gaps: (g,) metres.
+        step: distance between centres, metres.
+        most: most steps a side.
+
+    Returns:
+        (n, 2) metres.
+    """
     points = np.empty((len(gaps) * 4 * (most + 1), 2))
     count = 0
     for gap in gaps:

@@ -1,7 +1,7 @@
-"""Next to: on the level that the anchor stands on, else on what stands beside it, else on the floor.
+"""``nextto``: slots on the anchor's level, else on what stands beside it, else on the floor.
 
-Two things are next to each other when their boxes overlap in height and are at most :func:`limit_m` apart seen from
-above. What hangs on a wall (mirror, picture, wall TV) has below it what people put "next to" it.
+Two things are next to each other if their boxes overlap in height and are at most :func:`limit_m` apart seen from
+above. For things that hang on a wall (mirror, picture, wall TV), what is below them is "next to" them.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ucon.sim.shapes import Array
 GAPS_M = (0.02, 0.05, 0.08)
 FAR_GAPS_M = (0.12, 0.18, 0.25)
 HANGING_M = 0.45
-"""Horizontal reach of "next to" and "under" for what hangs on a wall."""
+"""Horizontal reach of "next to" for what hangs on a wall, metres."""
 BESIDE_FURNITURE_M = 0.60
 """Reach of "next to" for tall things on the floor beside the furniture that the anchor stands on."""
 _SAME_LEVEL_M = 0.03
@@ -35,13 +35,21 @@ _DOORWAY_M = 0.5
 
 
 def limit_m(a: Array, b: Array) -> float:
-    """Largest gap between boxes (6,) of neighbours: a sixth of the sum of their mean edges, within 0.10 to 0.30 m."""
+    """Largest gap at which two boxes are next to each other.
+
+    Args:
+        a: (6,) metres.
+        b: (6,) metres.
+
+    Returns:
+        A sixth of the sum of their mean edges, clipped to 0.10 to 0.30 m.
+    """
     mean_edges = float((a[3:] - a[:3]).mean() + (b[3:] - b[:3]).mean())
     return float(np.clip(mean_edges / 6, 0.10, 0.30))
 
 
 def gap_m(a: Array, b: Array) -> Array:
-    """Distance of boxes (..., 6) seen from above."""
+    """Horizontal distance of boxes (..., 6), metres."""
     delta = np.maximum(np.maximum(a[..., :2] - b[..., 3:5], b[..., :2] - a[..., 3:5]), 0.0)
     return np.hypot(delta[..., 0], delta[..., 1])
 
@@ -52,7 +60,7 @@ def is_hanging(scene: Surroundings, anchor: int) -> bool:
 
 
 def candidates(request: PlacementRequest) -> Iterator[Slot]:
-    """Slots next to the anchor, ordered.
+    """Slots next to the anchor, the best first.
 
     Raises:
         RefusedError: nothing can be next to a floor or a ceiling.
@@ -73,7 +81,15 @@ def under_spaces(scene: Surroundings, anchor: int) -> list[Array]:
 
 
 def under_rect(spaces: list[Array], box: Array) -> Array:
-    """The rectangle (x0, y0, x1, y1) that is "under" or "next to" something that hangs with box (6,)."""
+    """The rectangle on the floor that counts as under, or next to, something that hangs.
+
+    Args:
+        spaces: boxes (6,) of the spaces below it.
+        box: (6,) of the thing, metres.
+
+    Returns:
+        (4,) x0, y0, x1, y1.
+    """
     rect = box[[0, 1, 3, 4]] + np.array([-1, -1, 1, 1]) * (UNDER_HANGING_M if spaces else HANGING_M)
     for space in spaces:
         rect[:2], rect[2:] = np.minimum(rect[:2], space[:2]), np.maximum(rect[2:], space[3:5])
@@ -81,7 +97,13 @@ def under_rect(spaces: list[Array], box: Array) -> Array:
 
 
 def below_hanging(request: PlacementRequest, rect: Array, ceiling_m: float) -> Iterator[Slot]:
-    """Slots on the highest level below what hangs on a wall, then on lower ones, then on the floor."""
+    """Slots below what hangs on a wall: on the highest level first, then lower ones, then the floor.
+
+    Args:
+        request: the request.
+        rect: (4,) of :func:`under_rect`.
+        ceiling_m: greatest height of the object's top.
+    """
     scene, box = request.scene, request.anchor_box
     reach = np.array([rect[0], rect[1], 0.0, rect[2], rect[3], 0.0])
     rows = [
@@ -124,12 +146,17 @@ def is_on_furniture(scene: Surroundings, anchor: int) -> bool:
 
 
 def reaches(height_m: float, box: Array) -> bool:
-    """Whether something of this height on the floor stands up to what has box (6,) on the furniture beside it."""
+    """Whether a thing on the floor is tall enough to be next to something on the furniture beside it.
+
+    Args:
+        height_m: of the thing on the floor.
+        box: (6,) of the other, metres.
+    """
     return height_m >= box[2] - 0.25
 
 
 def _beside_furniture(request: PlacementRequest) -> Iterator[Slot]:
-    """Slots on the floor for what is tall: a floor lamp next to the lamp on the table, a stool next to a glass."""
+    """Slots on the floor for tall things: a floor lamp next to the lamp on a table, a stool next to a glass."""
     scene, box = request.scene, request.anchor_box
     reach = box + np.array([-BESIDE_FURNITURE_M, -BESIDE_FURNITURE_M, 0, BESIDE_FURNITURE_M, BESIDE_FURNITURE_M, 0])
     rows = [r for r in _rows_near(scene, reach) if scene.levels.kind[r] == FLOOR_LEVEL]
@@ -146,7 +173,7 @@ def _beside_furniture(request: PlacementRequest) -> Iterator[Slot]:
 
 
 def _stages(request: PlacementRequest, near: list[int]) -> list[list[int]]:
-    """Levels to try: the anchor's own, tops of its neighbours, the floor."""
+    """Levels to try in order: the anchor's own, the tops of its neighbours, the floor."""
     levels, box = request.scene.levels, request.anchor_box
     z, kind = levels.box[:, 2], levels.kind
     middle = (box[:3] + box[3:]) / 2

@@ -1,4 +1,4 @@
-"""On top: slots on the anchor's surfaces, or on the floor of a room."""
+"""``ontop``: slots on the anchor's surfaces, or on the floor of a room."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from ucon.sim.placement.tops import floor_levels, tops
 from ucon.sim.shapes import Array
 
 OVERHANG = 0.3
-"""How much longer than the surface an object may be, as a share."""
+"""How much longer than the surface an object may be, as a fraction."""
 _PER_LEVEL = 8
 
 
 def candidates(request: PlacementRequest) -> Iterator[Slot]:
-    """Slots on top of the anchor, ordered.
+    """Slots on top of the anchor, the best first.
 
     Raises:
         RefusedError: it is no support, or the object is too large for all of its surfaces.
@@ -42,7 +42,12 @@ def _fitting(request: PlacementRequest, level: Array) -> list[SlotPose]:
 
 
 def fits(level: Array, pose: SlotPose) -> bool:
-    """Whether an object turned like this goes on a level (6,) that is empty, hanging over a little."""
+    """Whether an object in a pose fits on an empty level, with a little overhang.
+
+    Args:
+        level: (6,) rectangle, height, and height of what is above, metres.
+        pose: orientation of the object.
+    """
     room = level[3:5] - level[:2]
     return bool(pose.extent[2] <= level[5] - level[2] + 1e-6 and (pose.extent[:2] <= room * (1 + OVERHANG)).all())
 
@@ -61,7 +66,7 @@ def _on_level(request: PlacementRequest, level: Array, pose: SlotPose, on_floor:
     centres = centres_in(level[[0, 1, 3, 4]], pose.extent, OVERHANG)
     penalty: Array | float = depth_penalty(request, centres, level[2])
     if on_floor and len(centres):
-        # Along the walls, as people do: the middle of the floor is walked on.
+        # Along the walls: the middle of the floor is walked on.
         edge = np.minimum(centres - level[:2], level[3:5] - centres).min(axis=1)
         penalty = 2.0 * edge
     return ordered(request, centres, level[2], pose, penalty, keep=_PER_LEVEL)

@@ -1,4 +1,4 @@
-"""``place``: from (category, relation, anchor) to a settled pose, or a reason why not."""
+"""``place``: from (category, relation, anchor) to a settled pose, or the reason why there is none."""
 
 from __future__ import annotations
 
@@ -41,18 +41,18 @@ def place(
     anchor: int,
     rng: np.random.Generator,
 ) -> PlacedObject:
-    """Put one object by an anchor and let it settle.
+    """Place one object at an anchor and let it settle.
 
     The result is the same for the same arguments and state of ``rng``. It is not yet part of the arrangement:
     :func:`with_object` adds it.
 
     Args:
-        house: The compiled home.
-        arrangement: What the episode has changed so far.
-        category: What to place, a name of the catalogue.
-        relation: One of ``ontop``, ``inside``, ``under``, ``nextto``.
-        anchor: Instance number, of the house or of an object in ``arrangement``.
-        rng: Source of all choices.
+        house: the compiled home.
+        arrangement: what the episode changed so far.
+        category: of the object.
+        relation: ``ontop``, ``inside``, ``under`` or ``nextto``.
+        anchor: instance number, of the house or of an object in ``arrangement``.
+        rng: source of all choices.
 
     Raises:
         RefusedError: a :class:`PlacementError` with a ``reason``.
@@ -70,7 +70,7 @@ def place(
 
 
 def with_object(house: House, arrangement: Arrangement, placed: PlacedObject) -> Arrangement:
-    """The arrangement with one more object and the nodes that it takes from the grid."""
+    """The arrangement with one more object and the nodes that it blocks."""
     scene = Surroundings(house, arrangement)
     taken = {(int(i), int(j)) for i, j in nodes_taken(scene, object_box(placed))}
     blocked = tuple(sorted(taken | set(arrangement.blocked)))
@@ -84,7 +84,7 @@ def _first(request: PlacementRequest, relation: Relation) -> PlacedObject:
     for slot in islice(_SAMPLERS[relation](request), _MAX_SLOTS):
         upright = round(float(slot.pose.turn[2, 2]), 3)
         if falls[upright] >= _MAX_FALLS:
-            continue  # It does not stand this way; lying down it may.
+            continue  # It cannot stand this way, but perhaps lie.
         if not can_spare(request.scene, nodes_taken(request.scene, slot.box)):
             reason = "blocks_path"
             continue
@@ -102,7 +102,7 @@ def _is_right(request: PlacementRequest, relation: Relation, settled: Settled) -
     box = enclosing(primitive_boxes(request.shape, settled.position, settled.turn))
     scene, anchor = request.scene, request.anchor
     if relation != "inside":
-        # What stands by something in the open must not end up in a cupboard that happens to be there.
+        # Next to something in the open, it must not end up inside a cupboard.
         own = scene.boxes[anchor]
         expected = scene.holder_at((own[:3] + own[3:]) / 2, but=anchor)[0]
         if scene.holder_at((box[:3] + box[3:]) / 2)[0] != expected:
@@ -111,7 +111,7 @@ def _is_right(request: PlacementRequest, relation: Relation, settled: Settled) -
 
 
 def placed_object(request: PlacementRequest, relation: Relation, settled: Settled) -> PlacedObject:
-    """The settled pose as plain data, with its room and what hides or carries it."""
+    """The settled object as plain data, with its room and what hides or carries it."""
     scene = request.scene
     box = enclosing(primitive_boxes(request.shape, settled.position, settled.turn))
     centre = (box[:3] + box[3:]) / 2

@@ -1,7 +1,7 @@
-"""Whether a placement can be at all, judged on the shapes of its two categories, without a home.
+"""Whether a placement is possible at all, by the shapes of its two categories and without a home.
 
-The same measures as the samplers': what is refused here :func:`ucon.sim.placement.place` refuses by every anchor of
-that size, or nobody would carry it there. What is not refused may still find no room in a home.
+The measures are those of the samplers: what is refused here, :func:`ucon.sim.placement.place` refuses for every anchor
+of that size, or no person would carry it there. What is not refused may still find no free place in a home.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ucon.sim.placement.reasons import Reason
 from ucon.sim.placement.slots import SlotPose, poses
 from ucon.sim.shapes import solid
 
-#: A reason that can be counted and a phrase for people.
+#: A reason (a key, for counting) and a message.
 Refusal = tuple[Reason, str]
 
 _OFF_THE_FLOOR_M = 0.25
@@ -29,18 +29,21 @@ _HUNG = frozenset(
         *("painting", "picture", "poster", "valentine_wreath", "wall_clock", "wall_mounted_light", "window_blind"),
     )
 )
-"""Fixed to a wall, but by a nail: people hang them elsewhere."""
+"""Categories that hang on a nail, so that people move them."""
 
 
 @lru_cache(maxsize=65536)
 def implausible(category: str, relation: Relation, anchor: str, size: Vec3 | None = None) -> Refusal | None:
-    """Why nobody can put ``category`` there; None where nothing forbids it.
+    """Why a placement is impossible.
 
     Args:
-        category: What to place.
-        relation: One of ``ontop``, ``inside``, ``under``, ``nextto``.
-        anchor: Category of the anchor.
-        size: Its size in a home; None: the catalogue's.
+        category: of the object.
+        relation: ``ontop``, ``inside``, ``under`` or ``nextto``.
+        anchor: category of the anchor.
+        size: of the anchor in a home; None: the catalogue's.
+
+    Returns:
+        Reason and message; None where nothing forbids it.
 
     Raises:
         ConfigError: one of the two is not in the catalogue.

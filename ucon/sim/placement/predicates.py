@@ -1,6 +1,6 @@
-"""Whether a relation holds, judged on boxes and contacts that PyBullet reports.
+"""Whether a relation holds, by boxes and the contacts that PyBullet reports.
 
-The samplers use them on the settled pose, tests on a live :class:`World` that holds the whole home.
+The samplers test the settled pose; the unit tests test a live :class:`World` with the whole home.
 """
 
 from __future__ import annotations
@@ -35,7 +35,15 @@ _BESIDE_M = 0.05
 
 
 def holds(scene: Surroundings, relation: Relation, anchor: int, box: Array, contacts: Collection[int]) -> bool:
-    """Whether an object with box (6,) that touches ``contacts`` stands in a relation to an anchor."""
+    """Whether an object is in a relation to an anchor.
+
+    Args:
+        scene: the home and its arrangement.
+        relation: the relation.
+        anchor: instance.
+        box: (6,) box of the object, metres.
+        contacts: instances that it touches.
+    """
     if relation == "ontop":
         return is_ontop(scene, anchor, box, contacts)
     if relation == "inside":
@@ -46,9 +54,15 @@ def holds(scene: Surroundings, relation: Relation, anchor: int, box: Array, cont
 
 
 def is_ontop(scene: Surroundings, anchor: int, box: Array, contacts: Collection[int]) -> bool:
-    """It touches the anchor, its bottom is at a surface's height and its middle above that surface.
+    """Whether the object touches the anchor, with its bottom at a surface's height and its centre above that surface.
 
-    On the floor a rug may lie between; a slab that covers the anchor counts as its top.
+    On the floor a rug may be in between; a slab that covers the anchor counts as its top.
+
+    Args:
+        scene: the home and its arrangement.
+        anchor: instance.
+        box: (6,) box of the object, metres.
+        contacts: instances that it touches.
     """
     on_floor = scene.categories[anchor] in STRUCTURE
     middle = _middle(box)
@@ -61,7 +75,15 @@ def is_ontop(scene: Surroundings, anchor: int, box: Array, contacts: Collection[
 
 
 def is_inside(scene: Surroundings, anchor: int, box: Array) -> bool:
-    """Its middle and at least 90 % of its box are in one compartment; 60 % where the compartment has no lid or door."""
+    """Whether the object's centre and at least 90 % of its box are in one compartment of the anchor.
+
+    60 % are enough if the compartment has no lid or door.
+
+    Args:
+        scene: the home and its arrangement.
+        anchor: instance.
+        box: (6,) box of the object, metres.
+    """
     volume = max(float(np.prod(box[3:] - box[:3])), 1e-12)
     for row in scene.levels_of(anchor, COMPARTMENT):
         space = scene.levels.box[row] + np.array([-_SLACK_M] * 3 + [_SLACK_M] * 3)
@@ -75,7 +97,13 @@ def is_inside(scene: Surroundings, anchor: int, box: Array) -> bool:
 
 
 def is_under(scene: Surroundings, anchor: int, box: Array) -> bool:
-    """The middle of its footprint is below the anchor and its top below the anchor's clearance."""
+    """Whether the centre of the object's footprint is below the anchor, and its top below the anchor's clearance.
+
+    Args:
+        scene: the home and its arrangement.
+        anchor: instance.
+        box: (6,) box of the object, metres.
+    """
     middle, spaces = _middle(box), under_spaces(scene, anchor)
     if is_hanging(scene, anchor):
         own = scene.boxes[anchor]
@@ -90,10 +118,15 @@ def is_under(scene: Surroundings, anchor: int, box: Array) -> bool:
 
 
 def is_nextto(scene: Surroundings, anchor: int, box: Array) -> bool:
-    """Boxes overlap in height and are at most :func:`limit_m` apart.
+    """Whether the boxes overlap in height and are at most :func:`limit_m` apart.
 
-    Wall items are next to what is below them; tall things on the floor are next to what stands on the furniture
-    beside them.
+    Wall items are next to what is below them; tall things on the floor are next to what stands on the furniture beside
+    them.
+
+    Args:
+        scene: the home and its arrangement.
+        anchor: instance.
+        box: (6,) box of the object, metres.
     """
     if scene.categories[anchor] == "walls":
         boxes = scene.parts.boxes[scene.parts.owner == anchor]

@@ -1,4 +1,4 @@
-"""Why an object cannot be placed: a fixed list, so that failures can be counted."""
+"""Reasons why an object cannot be placed: a fixed list, so that failures can be counted."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ REASONS: tuple[Reason, ...] = get_args(Reason)
 
 
 class RefusedError(PlacementError):
-    """A placement that cannot be, with a ``reason`` from :data:`REASONS`."""
+    """A placement that is not possible; ``reason`` is one of :data:`REASONS`."""
 
     def __init__(self, reason: Reason, text: str) -> None:
         super().__init__(f"{text} ({reason})")

@@ -1,7 +1,7 @@
-"""Settling: the object falls in a small PyBullet world made of its neighbours only.
+"""Settling: the object falls in a small PyBullet world of its neighbours.
 
-Every trial uses fresh bodies in a client that was reset, so that equal inputs give equal bits; PyBullet's saved
-states do not, and are not used.
+Every trial uses new bodies in a client that was reset, so that equal inputs give equal bits. PyBullet's saved states do
+not, and are not used.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ SETTLE_STEPS = 40
 WATCH_STEPS = 240
 _WATCH_PIECE = 40
 _REST_M = 2e-5
-"""What moved less in a piece of the watch lies still; the rest of the second brings nothing new."""
+"""An object that moved less than this in one piece of the watch is at rest, metres."""
 STABLE_M = 0.02
 TILT_COS = float(np.cos(np.radians(8.0)))
 _SNAP_COS = float(np.cos(np.radians(0.3)))
@@ -42,20 +42,22 @@ class Settled:
     """A resting pose."""
 
     position: Array
+    """(3,) of the model origin, world metres."""
     turn: Array
+    """(3, 3) rotation."""
     contacts: frozenset[int]
     """Instances that it touches."""
 
 
 class Miss(Enum):
-    """Why an object cannot rest at a slot."""
+    """Why an object cannot rest at a slot: something is in the way, or it falls, tips or keeps moving."""
 
     BLOCKED = "no_free_slot"
     UNSTABLE = "unstable"
 
 
 class _Scratch:
-    """One empty client, reused by all settlings of a process."""
+    """One empty PyBullet client, reused for all settling in a process."""
 
     def __init__(self) -> None:
         self.bullet = bullet()
@@ -81,7 +83,16 @@ _scratch: _Scratch | None = None
 
 
 def settle(scene: Surroundings, shape: Solid, slot: Slot) -> Settled | Miss:
-    """Let an object fall at a slot; a :class:`Miss` where it penetrates something, falls, tips or stays restless."""
+    """Let an object fall at a slot.
+
+    Args:
+        scene: the home and its arrangement.
+        shape: collision primitives of the object.
+        slot: where to drop it.
+
+    Returns:
+        The resting pose, or a :class:`Miss`.
+    """
     scratch = _client()
     p, client = scratch.bullet, scratch.client
     factory = scratch.reset()
@@ -116,12 +127,12 @@ def settle(scene: Surroundings, shape: Solid, slot: Slot) -> Settled | Miss:
         if p.getClosestPoints(body, other, _TOUCH_M, linkIndexA=-1, linkIndexB=-1, physicsClientId=client)
     }
     if upright > _SNAP_COS:
-        turn = slot.pose.turn  # Axis-aligned to the last bit; what it loses is below a millimetre.
+        turn = slot.pose.turn  # Exactly axis-aligned; the difference is below a millimetre.
     return Settled(np.round(end - turn @ centre, 6), turn, frozenset(touched))
 
 
 def centre_of_mass(shape: Solid) -> Array:
-    """Where the mass of an object sits, (3,) in its frame: over the middle of its base, a little low."""
+    """Centre of mass (3,) in the object frame, metres: over the middle of its base, a little low."""
     low, high = shape.bounds[:3], shape.bounds[3:]
     middle = (low + high) / 2
     if len(shape.kind) > 1:
@@ -153,7 +164,7 @@ def _neighbours(factory: BodyFactory, scene: Surroundings, slot: Slot) -> dict[i
 
 
 def _watch(scratch: _Scratch, body: int, rest: Array) -> tuple[Array, Array]:
-    """The pose after a second, or sooner if it lies still."""
+    """The pose after a second, or earlier if it is at rest."""
     before, turn = rest, np.eye(3)
     for _ in range(WATCH_STEPS // _WATCH_PIECE):
         _steps(scratch, _WATCH_PIECE)

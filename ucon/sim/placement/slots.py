@@ -1,4 +1,4 @@
-"""Slots: ordered positions and orientations at which an object might stand, found with boxes alone."""
+"""Slots: positions and orientations at which an object might stand, in order, found with boxes alone."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from ucon.sim.placement.surroundings import Surroundings
 from ucon.sim.shapes import Array, Solid, enclosing, primitive_boxes
 
 LIFT_M = 0.001
-"""Objects start this high above what they stand on."""
+"""Objects are dropped from this height above what they stand on, metres."""
 _TOUCH_M = 0.0005
 _STEP_M = 0.04
 _MAX_PER_AXIS = 24
 _NODE_REACH = 5
 _SLENDER = 0.14
-"""Base over height below which an object is laid down rather than stood up."""
+"""Objects whose base is a smaller fraction of their height are laid down first."""
 
 _ROLL = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 _PITCH = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
@@ -31,7 +31,13 @@ _PITCH = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
 
 @dataclass(frozen=True, eq=False)
 class SlotPose:
-    """An orientation of a solid and the box around it, relative to its origin."""
+    """An orientation of an object, and the box around it.
+
+    Attributes:
+        turn: (3, 3) rotation.
+        low: (3,) lower corner of the box relative to the model origin, metres.
+        high: (3,) upper corner.
+    """
 
     turn: Array
     low: Array
@@ -39,34 +45,38 @@ class SlotPose:
 
     @property
     def extent(self) -> Array:
-        """(3,) size of the box."""
+        """(3,) size of the box, metres."""
         return self.high - self.low
 
 
 @dataclass(frozen=True, eq=False)
 class Slot:
-    """Where to try: the origin of the object and its orientation."""
+    """A place to try: position of the model origin (world metres), and orientation."""
 
     position: Vec3
     pose: SlotPose
 
     @property
     def box(self) -> Array:
-        """World box (6,)."""
+        """(6,) world box, metres."""
         return np.concatenate([self.pose.low + self.position, self.pose.high + self.position])
 
 
 def poses(shape: Solid, *, lay: bool, stand: bool = False) -> list[SlotPose]:
-    """Orientations to try, best first: upright, then on a side if it is long and thin, or anything if ``lay``.
+    """Orientations to try, the best first: upright, then on a side if the object is long and thin.
 
-    What is slender lies first, except where it should ``stand``: a broom on the floor. Each comes in two quarter
-    turns; half turns are left to the sampler.
+    Each comes in two quarter turns; half turns are left to the sampler.
+
+    Args:
+        shape: collision primitives of the object.
+        lay: allow lying for every object.
+        stand: slender objects do not lie first: a broom on the floor.
     """
     return list(_poses(_Key(shape), lay, stand))
 
 
 class _Key:
-    """Hash a solid by identity."""
+    """A solid hashed by identity."""
 
     __slots__ = ("shape",)
 
@@ -91,7 +101,7 @@ def _poses(key: _Key, lay: bool, stand: bool) -> tuple[SlotPose, ...]:
 
 
 def is_long(extent: Array) -> bool:
-    """Long and thin: the longest side is at least 2.5 times the next."""
+    """Whether the longest side (of extent (3,)) is at least 2.5 times the next."""
     a, b = sorted(extent.tolist())[1:]
     return b >= 2.5 * a
 
@@ -107,10 +117,17 @@ def flipped(shape: Solid, pose: SlotPose, rng: np.random.Generator) -> SlotPose:
 
 
 def centres_in(rect: Array, extent: Array, overhang: float = 0.0) -> Array:
-    """Footprint centres (n, 2) such that a footprint lies in a rectangle (x0, y0, x1, y1).
+    """Footprint centres such that the footprint lies in a rectangle.
 
-    Empty where it is larger than the rectangle by more than the factor ``1 + overhang``; a footprint that is
-    larger within that factor gets the middle.
+    A footprint that is larger than the rectangle, by at most the factor ``1 + overhang``, gets the rectangle's centre.
+
+    Args:
+        rect: (4,) x0, y0, x1, y1 in metres.
+        extent: (3,) size of the object.
+        overhang: see above.
+
+    Returns:
+        (n, 2) metres; none where it is too large.
     """
     axes = []
     for axis in (0, 1):
@@ -128,14 +145,31 @@ def centres_in(rect: Array, extent: Array, overhang: float = 0.0) -> Array:
 
 
 def slot_boxes(centres: Array, z: float | Array, pose: SlotPose) -> Array:
-    """World boxes (n, 6) of an object whose footprint centres are given and that stands at height z."""
+    """Boxes of an object at footprint centres.
+
+    Args:
+        centres: (n, 2) metres.
+        z: height it stands at, one or (n,).
+        pose: orientation of the object.
+
+    Returns:
+        (n, 6) world metres.
+    """
     half = pose.extent[:2] / 2
     bottom = np.broadcast_to(np.asarray(z, float), (len(centres),))[:, None] + LIFT_M
     return np.concatenate([centres - half, bottom, centres + half, bottom + pose.extent[2]], axis=1)
 
 
 def clear(scene: Surroundings, boxes: Array) -> NDArray[np.bool_]:
-    """Which boxes (n, 6) meet no part of anything, (n,) bool; slanted parts are left to PyBullet."""
+    """Which boxes meet no part of anything; slanted parts are left to PyBullet.
+
+    Args:
+        scene: the home and its arrangement.
+        boxes: (n, 6) metres.
+
+    Returns:
+        (n,) bool.
+    """
     if not len(boxes):
         return np.zeros(0, bool)
     around = np.concatenate([boxes[:, :3].min(axis=0), boxes[:, 3:].max(axis=0)])
@@ -144,7 +178,14 @@ def clear(scene: Surroundings, boxes: Array) -> NDArray[np.bool_]:
 
 
 def slots_at(centres: Array, z: float | Array, pose: SlotPose, order: NDArray[np.int64]) -> Iterator[Slot]:
-    """Slots in the given order of rows of ``centres``."""
+    """Slots at some centres.
+
+    Args:
+        centres: (n, 2) metres.
+        z: height to stand at, one or (n,).
+        pose: orientation of the object.
+        order: rows of ``centres``, in the order of the slots.
+    """
     heights = np.broadcast_to(np.asarray(z, float), (len(centres),))
     offset = (pose.low + pose.high)[:2] / 2
     for k in order:
@@ -153,7 +194,16 @@ def slots_at(centres: Array, z: float | Array, pose: SlotPose, order: NDArray[np
 
 
 def nearest_node_m(scene: Surroundings, centres: Array, room: int) -> Array:
-    """Distance (n,) from points (n, 2) to the nearest free node of a room: what is near can be seen and reached."""
+    """Distance from points to the nearest free node of a room: near things can be seen and reached.
+
+    Args:
+        scene: the home and its arrangement.
+        centres: (n, 2) points, metres.
+        room: its number.
+
+    Returns:
+        (n,) metres.
+    """
     grid = scene.house.grid
     ox, oy = grid.origin_xy
     free = scene.free & (grid.room == room)

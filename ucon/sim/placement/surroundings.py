@@ -1,6 +1,6 @@
-"""What a placement has to reckon with: boxes of all parts, and every level that things can stand on.
+"""A home with an arrangement as placement sees it: boxes of all parts, and all levels that things can stand on.
 
-Built from arrays that are made once a home; the objects of the arrangement are appended.
+Built from arrays that are computed once a home; the arrangement's objects are appended.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _FLAT_SHARE = 0.25
 
 @dataclass(frozen=True, eq=False)
 class Standing:
-    """One instance as it stands."""
+    """The pose of one instance: solid, position (3,) in world metres, rotation (3, 3)."""
 
     shape: Solid
     position: Array
@@ -47,28 +47,32 @@ class Standing:
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """World boxes (m, 6) of collision primitives, the instance that owns each, and its number in the solid."""
+    """Boxes of m collision primitives."""
 
     boxes: Array
+    """(m, 6) world metres."""
     owner: Index
+    """(m,) instance of each."""
     number: Index
+    """(m,) its number in the instance's solid."""
     slanted: NDArray[np.bool_]
-    """Whether the box is larger than the part, which stands at an angle: only PyBullet can say what it meets."""
+    """(m,) whether the part is at an angle, so that its box is larger: only PyBullet can tell what it meets."""
 
 
 @dataclass(frozen=True, eq=False)
 class Levels:
-    """Level rectangles that things stand on, one a row."""
+    """Level rectangles that things can stand on, one a row."""
 
     box: Array
-    """(n, 6): rectangle, height of the level, and height of what is above it."""
+    """(n, 6) x0, y0, height of the level, x1, y1, height of what is above it; world metres."""
     owner: Index
+    """(n,) instance of each."""
     kind: Index
-    """SURFACE, COMPARTMENT or FLOOR_LEVEL."""
+    """(n,) SURFACE, COMPARTMENT or FLOOR_LEVEL."""
     number: Index
-    """Surface, compartment or room."""
+    """(n,) number of the surface, compartment or room."""
     hides: NDArray[np.bool_]
-    """Whether the owner must be opened to see it, or moves it when opened."""
+    """(n,) whether the owner must be opened to see it, or moves it when opened."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +86,16 @@ _bases: WeakKeyDictionary[House, _Base] = WeakKeyDictionary()
 
 
 class Surroundings:
-    """A home with an arrangement, as placement sees it. All joints are closed."""
+    """A home with an arrangement, as placement sees it. All joints are closed.
+
+    Attributes:
+        house: the home.
+        arrangement: the episode's changes.
+        categories: of every instance.
+        standing: pose of every instance.
+        parts: boxes of all collision primitives that are present.
+        levels: all levels that are present.
+    """
 
     def __init__(self, house: House, arrangement: Arrangement) -> None:
         self.house = house
@@ -104,14 +117,14 @@ class Surroundings:
 
     @cached_property
     def boxes(self) -> Array:
-        """Closed boxes (n, 6) of all instances."""
+        """(n, 6) closed boxes of all instances, world metres."""
         own = [primitive_boxes(s.shape, s.position, s.turn) for s in self.standing[self.house.n_instances :]]
         rows = [np.concatenate([b[:, :3].min(axis=0), b[:, 3:].max(axis=0)]) for b in own]
         return np.concatenate([self.house.boxes, np.array(rows).reshape(-1, 6)])
 
     @cached_property
     def free(self) -> NDArray[np.bool_]:
-        """Free nodes (nx, ny) without those that objects take."""
+        """(nx, ny) bool, free nodes without those that objects block."""
         free = self.house.grid.free.copy()
         if self.arrangement.blocked:
             taken = np.array(self.arrangement.blocked)
@@ -119,16 +132,16 @@ class Surroundings:
         return free
 
     def is_present(self, instance: int) -> bool:
-        """Whether an instance exists and was not taken away."""
+        """Whether an instance exists and was not removed."""
         return 0 <= instance < len(self.categories) and instance not in self.arrangement.removed
 
     def mount(self, instance: int) -> str:
-        """How an instance is mounted, from the catalogue; structure is "structure"."""
+        """How an instance is mounted, by the catalogue; "structure" for structure."""
         category = self.categories[instance]
         return "structure" if category in STRUCTURE else catalogue()[category].mount
 
     def levels_of(self, instance: int, kind: int) -> Index:
-        """Rows of :attr:`levels` that belong to an instance."""
+        """Rows of :attr:`levels` of one kind that belong to an instance."""
         return np.flatnonzero((self.levels.owner == instance) & (self.levels.kind == kind))
 
     def parts_near(self, box: Array) -> Index:
@@ -136,7 +149,7 @@ class Surroundings:
         return rows_meeting(self.parts.boxes, np.asarray(box, float))
 
     def room_at(self, x: float, y: float, default: int) -> int:
-        """Room that contains a point."""
+        """Number of the room that contains a point; ``default`` outside all rooms."""
         grid = self.house.grid
         i, j = grid.cell((x, y))
         inside = 0 <= i < grid.shape[0] and 0 <= j < grid.shape[1]
@@ -144,12 +157,20 @@ class Surroundings:
         return room if room >= 0 else default
 
     def room_of(self, instance: int) -> int:
-        """Room of an instance."""
+        """Number of an instance's room."""
         n = self.house.n_instances
         return int(self.house.instance_room[instance]) if instance < n else self.arrangement.objects[instance - n].room
 
     def holder_at(self, point: Array, but: int = -1) -> tuple[int, int]:
-        """Instance and compartment that hide or carry what is at a point (3,), ``but`` one; (-1, -1) for none."""
+        """The container that hides or carries what is at a point.
+
+        Args:
+            point: (3,) world metres.
+            but: an instance that is left out.
+
+        Returns:
+            Instance and compartment; (-1, -1) for none.
+        """
         box = self.levels.box
         inside = (box[:, :3] <= point + 1e-6).all(axis=1) & (point <= box[:, 3:] + 1e-6).all(axis=1)
         rows = np.flatnonzero(inside & self.levels.hides & (self.levels.owner != but))
@@ -209,7 +230,7 @@ def _levels(standing: tuple[Standing, ...] | list[Standing], numbers: range) -> 
     rows: list[tuple[Array, int, int, int, bool]] = []
     for number, s in zip(numbers, standing, strict=True):
         if s.turn[2, 2] < _UPRIGHT:
-            # It lies on its side: a flat thing still has a level top, a hollow one no longer an inside.
+            # Lying on its side, a flat thing still has a level top, but a hollow one has no inside.
             rows += [(box, number, SURFACE, 0, False) for box in _lying_top(s)]
             continue
         for k, surface in enumerate(s.shape.model.surfaces):
@@ -243,7 +264,7 @@ def _lying_top(standing: Standing) -> list[Array]:
 
 
 def turned_box(local: Array, standing: Standing) -> Array:
-    """World box (6,) around an object-frame box (6,) of an instance."""
+    """World box (6,) of a box (6,) in an instance's object frame."""
     centre, half = (local[:3] + local[3:]) / 2, (local[3:] - local[:3]) / 2
     middle, reach = standing.turn @ centre + standing.position, np.abs(standing.turn) @ half
     return np.concatenate([middle - reach, middle + reach])

@@ -1,4 +1,4 @@
-"""Tops: the levels that count as "on top" of an instance, with slabs that cover it and counters that go on."""
+"""The levels that count as "on top" of an instance, including slabs that cover it and counters that continue."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def floor_levels(scene: Surroundings, anchor: int) -> list[Array]:
 def tops(scene: Surroundings, anchor: int) -> list[Array]:
     """Levels (6,) on top of an instance.
 
-    A slab that covers it (the counter on a cabinet or dishwasher) is its top; a counter goes on in its neighbour.
+    A slab that covers it (the counter on a cabinet or dishwasher) is its top; a counter continues in its neighbour.
     """
     levels, result = scene.levels, []
     for row in scene.levels_of(anchor, SURFACE):
@@ -43,7 +43,7 @@ def cover_of(scene: Surroundings, anchor: int) -> set[int]:
 
 
 def cover_row(scene: Surroundings, row: int) -> int | None:
-    """Row of a surface close above another that hides most of it; None for a bare top."""
+    """Row of a surface close above another one that hides most of it; None if nothing covers it."""
     levels, own = scene.levels, scene.levels.box[row]
     rise = levels.box[:, 2] - own[2]
     near = (levels.kind == SURFACE) & (levels.owner != levels.owner[row]) & (rise > 0.0) & (rise < _SLAB_M)

@@ -1,4 +1,4 @@
-"""Under: slots on the floor below the anchor, nearest to where they can be seen; below wall items, what is there."""
+"""``under``: slots on the floor below the anchor, the most visible first; for wall items, on what is below them."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from ucon.sim.shapes import Array
 
 LOW_M = 0.35
 _SPILL = 0.5
-"""Share of the footprint that may show beyond the anchor's edge; the centre stays below it."""
+"""Fraction of the footprint that must fit below the anchor; the centre is always below it."""
 
 
 def candidates(request: PlacementRequest) -> Iterator[Slot]:
-    """Slots under the anchor, ordered.
+    """Slots under the anchor, the best first.
 
     Raises:
         RefusedError: there is no space under it, or the object is too tall for it.
@@ -39,7 +39,12 @@ def candidates(request: PlacementRequest) -> Iterator[Slot]:
 
 
 def fits(space: Array, pose: SlotPose) -> bool:
-    """Whether an object turned like this goes into the space (6,) under something, sticking out a little."""
+    """Whether an object in a pose fits into a space under something, sticking out a little.
+
+    Args:
+        space: (6,) metres.
+        pose: orientation of the object.
+    """
     room = space[3:] - space[:3]
     return bool(pose.extent[2] <= room[2] - 0.004 and (pose.extent[:2] * _SPILL <= room[:2]).all())
 
@@ -47,7 +52,7 @@ def fits(space: Array, pose: SlotPose) -> bool:
 def _slots(request: PlacementRequest, fitting: list[tuple[Array, SlotPose]]) -> Iterator[Slot]:
     for first in (True, False):
         for space, pose in fitting:
-            # Under what is low only the rim can be seen, so there things stick out a little.
+            # Under low things only the rim can be seen, so objects there stick out a little.
             inner = first != (space[5] - space[2] < LOW_M)
             rect = space[[0, 1, 3, 4]]
             if not inner:

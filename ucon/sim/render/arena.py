@@ -1,7 +1,7 @@
-"""What a renderer draws: a home, changed by an arrangement, with some joints open.
+"""The geometry that a renderer draws: a home, changed by an arrangement, with some joints open.
 
-The polygons of a home are baked once and shared; an :class:`Arena` is one renderer's own copy of them, to which it
-adds the objects of an episode and whose moved parts it bakes anew.
+The polygons of a home are computed once and shared. An :class:`Arena` is one renderer's own copy, with the objects of
+an episode; parts that move are computed again.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ from ucon.sim.structure import structure_parts
 
 ModelBuilder = Callable[[str, Vec3 | None, int], ObjectModel]
 Pose = tuple[F64, F64]
-"""Rotation (3, 3) and position (3,) of a model origin in the world."""
+"""Rotation (3, 3) and position (3,) of a model origin, world metres."""
 
 _HOMES: WeakKeyDictionary[House, dict[ModelBuilder, Tables]] = WeakKeyDictionary()
 
 
 def catalogue_model(category: str, size: Vec3 | None, tint: int) -> ObjectModel:
-    """Model of the catalogue."""
+    """The catalogue's model of a category, size and colour variant."""
     from ucon.objects import build_model
 
     return build_model(category, size, tint)
@@ -45,7 +45,12 @@ def _mesh(builder: ModelBuilder, category: str, size: Vec3 | None, tint: int) ->
 
 
 def home_tables(house: House, builder: ModelBuilder) -> Tables:
-    """Polygons of the base scene, baked at the first call."""
+    """Polygons of the home without an arrangement, computed at the first call.
+
+    Args:
+        house: the home.
+        builder: where models come from.
+    """
     cached = _HOMES.setdefault(house, {})
     if builder not in cached:
         cached[builder] = _bake_home(house, builder)
@@ -83,9 +88,11 @@ class Arena:
     """One renderer's polygons of a home in an episode.
 
     Attributes:
-        tables: own copy, written by :meth:`set_open`; deep copies share it until then.
-        room_start, room_groups: groups that touch each room, ``room_groups[room_start[r]:room_start[r + 1]]``.
-        rooms: (nr, 4) rectangles; portals: (n, 7) axis, coord, lo, hi, room a, room b, height.
+        tables: polygons; written by :meth:`set_open`, and shared by deep copies until then.
+        room_start: (nr + 1,) starts of the rooms in ``room_groups``.
+        room_groups: groups that touch each room, ``room_groups[room_start[r]:room_start[r + 1]]``.
+        rooms: (nr, 4) rectangles x0, y0, x1, y1, metres.
+        portals: (n, 7) axis, coord, lo, hi, room a, room b, height.
     """
 
     def __init__(self, house: House, arrangement: Arrangement, builder: ModelBuilder = catalogue_model) -> None:
@@ -113,7 +120,7 @@ class Arena:
         self._list_rooms()
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Arena:
-        """Shares all polygons until one of the two opens something."""
+        """A copy that shares all polygons until one of the two opens something."""
         memo[id(self)] = new = Arena.__new__(Arena)
         new.__dict__.update(self.__dict__)
         new._fractions = dict(self._fractions)
@@ -121,21 +128,29 @@ class Arena:
         return new
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickles hold what is open; the polygons are baked again."""
+        """Pickle what is open; polygons are computed again."""
         return _opened, (self.house, self.arrangement, self._builder, self._fractions)
 
     @property
     def n_instances(self) -> int:
-        """Instances of the home and objects of the episode."""
+        """Number of instances of the home and objects of the episode."""
         return len(self.tables.groups)
 
     @property
     def nbytes(self) -> int:
-        """Memory that belongs to this arena alone."""
+        """Memory that belongs to this arena alone, bytes."""
         return tables_nbytes(self.tables) + self.room_groups.nbytes + self.room_start.nbytes
 
     def set_open(self, instance: int, fraction: float) -> list[int]:
-        """Bring all joints of an instance to ``fraction`` of their travel; returns the instances that moved."""
+        """Open all joints of an instance, with what its drawers hold.
+
+        Args:
+            instance: its number.
+            fraction: of the travel, 0 to 1.
+
+        Returns:
+            Instances that moved.
+        """
         model, mesh = self._model(instance)
         if not model.joints or self._fractions.get(instance, 0.0) == fraction:
             return []
@@ -154,7 +169,7 @@ class Arena:
         bake(self.tables, mesh, instance, turn, shift, link)
 
     def _bake_content(self, holder: int) -> list[int]:
-        """Bake anew what the drawers of ``holder`` carry, and what that carries in turn."""
+        """Compute again what the drawers of ``holder`` carry, and what that carries in turn."""
         moved = []
         for child in self._carried.get(holder, ()):
             model, mesh = self._model(child)
@@ -176,7 +191,7 @@ class Arena:
         return self.arrangement.objects[instance - self.house.n_instances]
 
     def _pose(self, instance: int) -> Pose:
-        """Pose of the model origin, moved along with the drawer that it is in."""
+        """Pose of the model origin, moved with the drawer that it is in."""
         if instance < self.house.n_items:
             item = self.house.spec.items[instance]
             return yaw_matrix(item.quarter_turns), np.array(item.position)
@@ -197,7 +212,7 @@ class Arena:
         return _placed_pose(self._placed(instance))
 
     def _link_motion(self, instance: int, link: int) -> Pose:
-        """Motion of a link in the object frame, from closed to where it is now."""
+        """Motion of a link in the object frame, from closed to its current state."""
         joint = self._model(instance)[0].joints[link]
         value = joint.travel * self._fractions.get(instance, 0.0)
         axis, origin = np.array(joint.axis, float), np.array(joint.origin, float)
@@ -260,7 +275,7 @@ def _plan(spec: HomeSpec) -> tuple[F32, F64]:
 
 
 def _tall_rooms(spec: HomeSpec) -> I32:
-    """Outdoor rooms: from each of them one sees what rises above the hedges of the others."""
+    """Outdoor rooms: from each of them, things higher than the hedges of the others are visible."""
     return np.array([number for number, room in enumerate(spec.rooms) if room.outdoor], np.int32)
 
 

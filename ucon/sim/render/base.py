@@ -1,4 +1,4 @@
-"""What every renderer does, and the view that decides what counts as visible."""
+"""The interface of renderers, and the canonical view in which pixels are counted."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from ucon.sim.house import House
 
 VIEW_PX: Final = 128
 VIEW_FOV_DEG: Final = 90.0
-"""Visibility is always judged in a view of this size and angle, whatever the observation."""
+"""The canonical view: pixels are always counted at this size and angle, whatever the observation."""
 
 SKY: Final = -1
-"""Instance number where there is nothing."""
+"""Instance number of pixels that show nothing."""
 SKY_DEPTH_M: Final = 100.0
 
 _PITCH = {
@@ -29,11 +29,15 @@ _PITCH = {
 
 
 class Renderer(Protocol):
-    """First-person pictures of a home in an episode.
+    """Renders first-person images of a home in an episode.
 
-    Camera: position in metres; ``heading`` counts quarter turns counter-clockwise, 0 looks along +x (a fraction is
-    allowed, for continuous motion); ``pitch_deg`` is positive upwards. ``fov_deg`` is the horizontal angle; pixels
-    are square.
+    Camera: position in metres; ``heading`` in quarter turns counter-clockwise, 0 looks along +x (fractions are allowed,
+    for continuous motion); ``pitch_deg`` is positive upwards. Pixels are square.
+
+    Attributes:
+        width: of images, pixels.
+        height: of images, pixels.
+        fov_deg: horizontal angle of view.
     """
 
     width: int
@@ -42,16 +46,21 @@ class Renderer(Protocol):
 
     @property
     def n_instances(self) -> int:
-        """Instances of the home and of the episode."""
+        """Number of instances of the home and objects of the episode."""
 
     def close(self) -> None:
         """Release what the renderer holds."""
 
     def load(self, house: House, arrangement: Arrangement | None = None) -> None:
-        """Show this home in this episode, everything closed."""
+        """Load a home with an arrangement, everything closed."""
 
     def set_open(self, instance: int, fraction: float) -> None:
-        """Bring all joints of an instance to a fraction (0 to 1) of their travel, with what its drawers hold."""
+        """Open all joints of an instance, with what its drawers hold.
+
+        Args:
+            instance: its number.
+            fraction: of the travel, 0 to 1.
+        """
 
     def render(
         self,
@@ -65,18 +74,21 @@ class Renderer(Protocol):
         instance: NDArray[np.int16] | None = None,
         counts: NDArray[np.int32] | None = None,
     ) -> None:
-        """Draw into the caller's buffers, each of which may be left out.
+        """Render into the caller's buffers; each may be None.
 
         Args:
-            x: camera position.
-            y: camera position.
-            z: camera height.
+            x: of the camera, world metres.
+            y: of the camera.
+            z: of the camera.
             heading: quarter turns.
             pitch_deg: degrees, up positive.
             rgb: (H, W, 3) uint8.
             depth: (H, W) float32, metres along the optical axis; ``SKY_DEPTH_M`` where there is nothing.
             instance: (H, W) int16 instance numbers; ``SKY`` where there is nothing.
-            counts: (n_instances,) int32, what :meth:`visible` returns; free of cost where the observation is that view.
+            counts: (n_instances,) int32, as :meth:`visible`; costs nothing if the image is the canonical view.
+
+        Raises:
+            ConfigError: a buffer has the wrong shape, type or layout.
         """
 
     def visible(
@@ -88,7 +100,19 @@ class Renderer(Protocol):
         pitch_deg: float,
         counts: NDArray[np.int32] | None = None,
     ) -> NDArray[np.int32]:
-        """Pixels of every instance in the 128 x 128, 90 degree view, (n_instances,), into ``counts`` if given."""
+        """Pixels of every instance in the canonical view (128 x 128, 90 degrees).
+
+        Args:
+            x: of the camera, world metres.
+            y: of the camera.
+            z: of the camera.
+            heading: quarter turns.
+            pitch_deg: degrees, up positive.
+            counts: (n_instances,) int32 buffer to write to; a new one if None.
+
+        Returns:
+            (n_instances,) int32.
+        """
 
 
 def heading_cos_sin(heading: float) -> tuple[float, float]:
@@ -113,10 +137,10 @@ def tan_half(fov_deg: float) -> float:
 
 
 def check_view(width: int, height: int, fov_deg: float) -> None:
-    """Refuse a picture that cannot be drawn.
+    """Check size and angle of an image.
 
     Raises:
-        ConfigError: size or angle out of range.
+        ConfigError: out of range.
     """
     if not (1 <= width <= 4096 and 1 <= height <= 4096):
         raise ConfigError(f"picture of {width} x {height} pixels: expected 1 to 4096 a side")
@@ -125,7 +149,13 @@ def check_view(width: int, height: int, fov_deg: float) -> None:
 
 
 def check_buffer(name: str, array: np.ndarray, shape: tuple[int, ...], dtype: type[np.generic]) -> None:
-    """Refuse a buffer that the kernels cannot write.
+    """Check that kernels can write a buffer.
+
+    Args:
+        name: for errors.
+        array: the buffer.
+        shape: expected shape.
+        dtype: expected type.
 
     Raises:
         ConfigError: wrong shape, type or memory layout.

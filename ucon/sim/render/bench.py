@@ -1,7 +1,8 @@
-"""How fast the renderer is, as a ratio to PyBullet's TinyRenderer measured in the same process.
+"""Speed of the renderer, as a ratio to PyBullet's TinyRenderer measured in the same process.
 
-CPU time of one thread; the two renderers take turns frame block by frame block, so that a busy machine slows both
-alike. TinyRenderer draws without shadows (its default, with shadows, would be twice as slow) and returns numpy arrays.
+CPU time of one thread. The two renderers take turns, frame block by frame block, so that a busy machine slows both
+alike. TinyRenderer renders without shadows (with its default, shadows, it would be half as fast) and returns numpy
+arrays.
 """
 
 from __future__ import annotations
@@ -35,7 +36,13 @@ Pose = tuple[float, float, float, int, int]
 
 
 def free_poses(house: House, count: int = POSES, seed: int = 0) -> list[Pose]:
-    """Camera poses at free nodes, with random heading and pitch of -30, 0 or 30 degrees."""
+    """Camera poses at free nodes, with random heading and pitch of -30, 0 or 30 degrees.
+
+    Args:
+        house: the home.
+        count: number of poses.
+        seed: of the choice.
+    """
     random = stream(seed, "renderer bench", house.spec.name)
     nodes = np.argwhere(house.grid.free)
     chosen = nodes[random.integers(len(nodes), size=count)]
@@ -47,11 +54,16 @@ def free_poses(house: House, count: int = POSES, seed: int = 0) -> list[Pose]:
 
 
 def bench_renderer(houses: Sequence[House], poses: int = POSES, rounds: int = 4) -> dict[str, float]:
-    """Ratios to TinyRenderer over several homes: the median, the worst home, and microseconds a frame.
+    """Ratios to TinyRenderer over several homes, and microseconds a frame.
 
     Keys: ``renderer_ratio_128``, ``renderer_ratio_128_flat`` and ``renderer_ratio_224`` (median over the homes), each
     also with ``_worst``; ``renderer_us_128``, ``renderer_us_128_flat``, ``renderer_us_224``, ``renderer_us_counts``.
-    All draw colour, depth and instance numbers, except ``counts``, which only counts pixels.
+    All render colour, depth and instance numbers, except ``counts``, which only counts pixels.
+
+    Args:
+        houses: the homes.
+        poses: of the camera in each home.
+        rounds: of the measurement.
     """
     warm_up()
     figures: dict[str, list[float]] = {}
@@ -65,7 +77,7 @@ def bench_renderer(houses: Sequence[House], poses: int = POSES, rounds: int = 4)
 
 
 def bench_house(house: House, poses: int = POSES, rounds: int = 4) -> dict[str, float]:
-    """The figures of one home."""
+    """The measurements of one home; see :func:`bench_renderer`."""
     views = free_poses(house, poses)
     figures: dict[str, float] = {}
     for size in (128, 224):

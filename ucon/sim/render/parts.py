@@ -1,7 +1,7 @@
-"""Parts, the convex solids that everything is made of: project their corners and draw the faces seen from the front.
+"""Draws parts (convex solids): projects their corners and draws the faces that look at the camera.
 
-Four faces in five of the parts in view show no pixel: half look away, and many are so far off that they fall between
-the pixel centres. They are sorted out before their planes are computed, by what is known of their corners.
+Four in five faces of the parts in view show no pixel: half look away, and many are so far off that they fall between
+pixel centres. They are sorted out by their corners, before their planes are computed.
 """
 
 # mypy: disable-error-code="arg-type,operator,assignment,return-value,call-overload,type-var,misc"
@@ -23,15 +23,15 @@ _NEAR = np.float32(NEAR_M)
 _HALF = np.float32(0.5)
 _ONE = np.float32(1.0)
 _SLACK_PX, _SLACK_SHARE = np.float32(1 / 16), np.float32(4e-6)
-"""A face is skipped between two columns of pixel centres if it lies there by more than rounding may move its edges:
-so many pixels, and this share of the distance from the first column."""
+"""A face between two columns of pixel centres is skipped only if it is clear of both by more than the rounding error:
+so many pixels, and this fraction of the distance from the first column."""
 
 _CORNER = INDEX.astype(np.uint8)
 
 
 @jit
 def new_scratch() -> Any:
-    """Corners, their pixels, faces to draw, the distances of their planes; a polygon, its sides and spans."""
+    """Working memory: corners, their pixels, faces to draw, plane distances; a polygon, its sides and spans."""
     corners = MOST_CORNERS + int(CORNER_BLOCK)
     return (
         np.empty((3, corners), np.float32),
@@ -46,7 +46,15 @@ def new_scratch() -> Any:
 
 @inlined
 def draw_part(p: int, geometry: Any, view: Any, window: Any, target: Any) -> None:
-    """Project the corners of a part and draw those of its faces that look at the camera."""
+    """Project the corners of part ``p`` and draw those of its faces that look at the camera.
+
+    Args:
+        p: number of the part.
+        geometry: tables of the home.
+        view: camera and image.
+        window: rectangle of the image to draw in.
+        target: buffers and working memory.
+    """
     vertices, parts, planes, _, frame, scratch = geometry
     points, pixels, fronts, distances = scratch[0], scratch[1], scratch[2], scratch[3]
     first_corner, corners = np.uint64(parts[p, 0]), np.uint64(parts[p, 1])
@@ -61,7 +69,7 @@ def draw_part(p: int, geometry: Any, view: Any, window: Any, target: Any) -> Non
 
 @inlined
 def _to_camera(first_corner: int, corners: int, vertices: F32, frame: F32, points: F32) -> float:
-    """Right, up and ahead of the corners into the first rows of ``points``; returns the nearest ahead."""
+    """Write right, up and ahead of the corners to the first rows of ``points``; returns the nearest ahead."""
     cx, cy, cz = frame[3, 0], frame[3, 1], frame[3, 2]
     rx, ry = frame[0, 0], frame[0, 1]
     ux, uy, uz = frame[1, 0], frame[1, 1], frame[1, 2]
@@ -82,9 +90,9 @@ def _to_camera(first_corner: int, corners: int, vertices: F32, frame: F32, point
 
 @inlined
 def _to_picture(corners: int, view: Any, window: Any, points: F32, pixels: I32) -> bool:
-    """Project corners in place, with the pixels they begin at into ``pixels``; whether the part may be in the window.
+    """Project corners in place and write their pixels to ``pixels``; returns whether the part may be in the window.
 
-    Rows of ``pixels``: row, column, and the column at the least and at the most that rounding may make of it.
+    Rows of ``pixels``: row, column, and the least and greatest column that rounding may give.
     """
     scale, middle_x, middle_y = np.float32(view[2]), np.float32(view[3]), np.float32(view[4])
     for start in range(np.uint64(0), corners, CORNER_BLOCK):
@@ -111,7 +119,7 @@ def _to_picture(corners: int, view: Any, window: Any, points: F32, pixels: I32) 
 def _facing(begin: int, end: int, planes: F32, frame: F32, fronts: I32, distances: F32) -> int:
     """List the faces that look at the camera, with the distances of their planes; returns how many.
 
-    Every other face does, in no order that could be foretold, so each is written and only counted if it does.
+    Every other face does, in no predictable order, so each is written and counted only if it does: no branch.
     """
     cx, cy, cz = frame[3, 0], frame[3, 1], frame[3, 2]
     count = np.uint64(0)

@@ -1,9 +1,9 @@
-"""Which rooms can be seen, and in which rectangle of the picture.
+"""Which rooms are visible, and in which rectangle of the image.
 
-Rooms are convex cells, openings are portals between them. The picture seen from the camera's room is clipped by the
-projection of every opening that it shows; rooms never reached are not drawn, and nothing of a room is drawn outside
-the rectangle in which it can be seen. The opening is taken on the grid line, in the middle of the wall: a ray that
-crosses the line anywhere else is stopped by a wall box, so no pixel is lost, whatever the thickness of the wall.
+Rooms are convex cells, openings are portals between them. The image from the camera's room is clipped to the projection
+of every opening in view. Rooms never reached are not drawn, and nothing of a room is drawn outside its rectangle. The
+opening is taken at the middle of the wall: a ray that crosses the grid line elsewhere is stopped by a wall box, so no
+pixel is lost, whatever the thickness of the wall.
 """
 
 # mypy: disable-error-code="arg-type,operator,assignment,return-value,call-overload,type-var,misc"
@@ -20,14 +20,20 @@ from ucon.core.jit import F32, F64, jit, leaf
 _MARGIN_PX = 0.05
 _MARGIN_M = 1e-4
 _DOORWAY_M = 0.1
-"""Nearer than this to an opening, all that is seen may be seen through it."""
+"""Nearer than this to an opening, the whole image may show what is behind it. Metres."""
 _AHEAD_M = 1e-3
-"""Portals are cut this far in front of the camera before they are projected."""
+"""Portals are clipped at this distance in front of the camera before projection. Metres."""
 
 
 @leaf
 def room_at(rooms: F32, x: float, y: float) -> int:
-    """Room whose rectangle contains a point, -1 outside of all."""
+    """Number of the room whose rectangle contains a point, -1 outside all rooms.
+
+    Args:
+        rooms: (nr, 4) rectangles, metres.
+        x: world metres.
+        y: world metres.
+    """
     for r in range(rooms.shape[0]):
         if rooms[r, 0] <= x <= rooms[r, 2] and rooms[r, 1] <= y <= rooms[r, 3]:
             return r
@@ -36,10 +42,19 @@ def room_at(rooms: F32, x: float, y: float) -> int:
 
 @jit
 def visible_rooms(rooms: F32, portals: F64, frame: F32, view: Any, own: int, windows: F64) -> None:
-    """Rectangle (left, top, right, bottom) in pixels in which each room can be seen, into ``windows`` (nr, 4).
+    """Compute the rectangle of the image in which each room is visible.
 
-    Left is not less than right where a room cannot be seen. A room that is seen through several openings gets the
-    rectangle around all of them and is searched again, so rectangles only grow and the search ends.
+    A room seen through several openings gets the rectangle around all of them and is searched again. Rectangles only
+    grow, so the search ends.
+
+    Args:
+        rooms: (nr, 4) rectangles, metres.
+        portals: (n, 7) axis, coord, lo, hi, room a, room b, height.
+        frame: (4, 3) of :func:`ucon.sim.render.raster.camera_frame`.
+        view: image size and projection.
+        own: the camera's room, -1 for none.
+        windows: (nr, 4) float64, written: left, top, right, bottom in pixels; left >= right where a room is not
+            visible.
     """
     windows[:, 0], windows[:, 2] = 1.0, 0.0
     windows[own, 0], windows[own, 1] = 0.0, 0.0
@@ -68,7 +83,7 @@ def visible_rooms(rooms: F32, portals: F64, frame: F32, view: Any, own: int, win
 
 @leaf
 def _through(rooms: F32, portal: F64, frame: F32, view: Any, beyond: int, corners: F64, seen: F64) -> bool:
-    """Rectangle in which an opening appears, into ``seen``; False where it is not seen from this side."""
+    """Write the rectangle in which an opening appears to ``seen``; False where it is not visible from this side."""
     axis = int(portal[0])
     across, along = frame[3, axis], frame[3, 1 - axis]
     if abs(across - portal[1]) < _DOORWAY_M and portal[2] - _DOORWAY_M <= along <= portal[3] + _DOORWAY_M:
@@ -132,7 +147,7 @@ def _grow(window: F64, seen: F64) -> bool:
 
 @jit
 def room_order(rooms: F32, x: float, y: float, order: np.ndarray) -> None:
-    """Room numbers from the nearest to the farthest, ties by number."""
+    """Write the room numbers to ``order`` (nr,), from the nearest to the farthest; ties by number."""
     distance = np.empty(rooms.shape[0])
     for r in range(rooms.shape[0]):
         dx = max(rooms[r, 0] - x, 0.0, x - rooms[r, 2])

@@ -1,7 +1,7 @@
-"""The visibility buffer: for each pixel the nearest face and one over its depth.
+"""The visibility buffer: for each pixel the nearest face, and one over its depth.
 
-Faces are scan-converted into spans. Where two faces are equally near, the one with the lower number wins, so the
-picture does not depend on the order of drawing, and leaving out what cannot be seen changes no pixel.
+Faces are scan-converted into spans. Where two faces are equally near, the one with the lower number wins. So the image
+does not depend on the order of drawing, and skipping what is not visible changes no pixel.
 """
 
 # mypy: disable-error-code="arg-type,operator,assignment,return-value,call-overload,type-var,misc"
@@ -19,14 +19,19 @@ from ucon.sim.render.portals import room_at, room_order, visible_rooms
 
 _ZERO = np.float32(0.0)
 _SLACK = np.float32(-1e-4)
-"""Boxes are culled when they lie this far (m) outside, which bears the rounding of the planes."""
+"""Boxes are culled if they are outside by this much, metres, which covers the rounding of the planes."""
 
 CAMERA_FIELDS = ("x", "y", "z", "cos_yaw", "sin_yaw", "cos_pitch", "sin_pitch", "tan_half", "sample_x", "sample_y")
 
 
 @leaf
 def camera_frame(camera: F64, frame: F32) -> None:
-    """Rows of ``frame`` (4, 3): right, up, forward, position."""
+    """Write the camera's axes and position to ``frame`` (4, 3): right, up, forward, position.
+
+    Args:
+        camera: (10,) float64, in the order of :data:`CAMERA_FIELDS`.
+        frame: (4, 3) float32, written.
+    """
     c, s, cp, sp = camera[3], camera[4], camera[5], camera[6]
     frame[0, 0], frame[0, 1], frame[0, 2] = s, -c, 0.0
     frame[1, 0], frame[1, 1], frame[1, 2] = -c * sp, -s * sp, cp
@@ -74,9 +79,20 @@ def rasterise(
     inverse_depth: F32,
     faces: I32,
 ) -> None:
-    """Fill ``inverse_depth`` and ``faces`` (H * W + BLOCK_PX) row by row; 0 and -1 where there is nothing.
+    """Compute the visibility buffer.
 
-    Without ``cull`` every part is drawn, which must give the same picture.
+    Args:
+        camera: (10,) float64, in the order of :data:`CAMERA_FIELDS`.
+        tables: polygons, see :class:`ucon.sim.render.tables.Tables`.
+        rooms: (nr, 4) rectangles, metres.
+        portals: (n, 7), see :class:`ucon.sim.render.arena.Arena`.
+        wall_height: metres.
+        room_start: see ``Arena``.
+        room_groups: see ``Arena``.
+        cull: skip what is not visible; the result is the same without.
+        size: width and height, pixels.
+        inverse_depth: (H * W + BLOCK_PX,) float32, written row by row: 1 / m, 0 where there is nothing.
+        faces: (H * W + BLOCK_PX,) int32, written: number of the face, -1 where there is nothing.
     """
     width, height = size
     inverse_depth[:] = _ZERO

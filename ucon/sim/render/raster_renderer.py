@@ -1,4 +1,4 @@
-"""The default renderer: a software rasteriser that needs neither GPU nor display."""
+"""The default renderer: a software rasteriser that needs neither a GPU nor a display."""
 
 from __future__ import annotations
 
@@ -34,16 +34,7 @@ _NO_COUNTS = np.empty(0, np.int32)
 
 
 class RasterRenderer(PartlyShared):
-    """Numba visibility-buffer rasteriser with portal culling; see :class:`~ucon.sim.render.base.Renderer`.
-
-    Args:
-        width, height: size of the picture in pixels.
-        fov_deg: horizontal angle of view.
-        textured: procedural textures and distance; without, one flat colour a face.
-        builder: where models come from.
-        sample: point of a pixel that is sampled, as fractions of it from the top left.
-        cull: skip what cannot be seen; the picture is the same without.
-    """
+    """A numba visibility-buffer rasteriser with portal culling; see :class:`~ucon.sim.render.base.Renderer`."""
 
     def __init__(
         self,
@@ -56,6 +47,20 @@ class RasterRenderer(PartlyShared):
         sample: tuple[float, float] = (0.5, 0.5),
         cull: bool = True,
     ) -> None:
+        """Set the image; load a home before rendering.
+
+        Args:
+            width: of images, pixels.
+            height: of images, pixels.
+            fov_deg: horizontal angle of view.
+            textured: procedural textures and shading by distance; otherwise one flat colour a face.
+            builder: where models come from.
+            sample: point of a pixel that is sampled, as fractions from its top left.
+            cull: skip what is not visible; images are the same without.
+
+        Raises:
+            ConfigError: size or angle out of range.
+        """
         check_view(width, height, fov_deg)
         self.width, self.height, self.fov_deg = width, height, fov_deg
         self.textured = textured
@@ -72,7 +77,7 @@ class RasterRenderer(PartlyShared):
         self._faces = np.empty(self.height * self.width + int(BLOCK_PX), np.int32)
 
     def __getstate__(self) -> dict[str, Any]:
-        """For pickles: without the buffers."""
+        """State for pickles, without the buffers."""
         return {name: value for name, value in self.__dict__.items() if name not in ("_depth", "_faces")}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -84,10 +89,10 @@ class RasterRenderer(PartlyShared):
 
     @property
     def arena(self) -> Arena:
-        """What is drawn.
+        """The geometry that is drawn.
 
         Raises:
-            SceneError: no home loaded yet.
+            SceneError: no home is loaded.
         """
         if self._arena is None:
             raise SceneError("the renderer has no home yet: call load(house, arrangement) first")
@@ -95,11 +100,11 @@ class RasterRenderer(PartlyShared):
 
     @property
     def n_instances(self) -> int:
-        """See :class:`~ucon.sim.render.base.Renderer`."""
+        """Number of instances of the home and objects of the episode."""
         return self.arena.n_instances
 
     def load(self, house: House, arrangement: Arrangement | None = None) -> None:
-        """See :meth:`Renderer.load <ucon.sim.render.base.Renderer.load>`."""
+        """Load a home with an arrangement, everything closed."""
         self._show(Arena(house, arrangement or Arrangement(), self._builder))
 
     def _show(self, arena: Arena) -> None:
@@ -108,7 +113,7 @@ class RasterRenderer(PartlyShared):
             self._view._show(arena)
 
     def set_open(self, instance: int, fraction: float) -> None:
-        """See :meth:`Renderer.set_open <ucon.sim.render.base.Renderer.set_open>`."""
+        """Open all joints of an instance to a fraction (0 to 1) of their travel, with what its drawers hold."""
         self.arena.set_open(instance, fraction)
 
     def render(
@@ -123,7 +128,12 @@ class RasterRenderer(PartlyShared):
         instance: NDArray[np.int16] | None = None,
         counts: NDArray[np.int32] | None = None,
     ) -> None:
-        """See :meth:`Renderer.render <ucon.sim.render.base.Renderer.render>`."""
+        """Render into the caller's buffers; see :meth:`Renderer.render <ucon.sim.render.base.Renderer.render>`.
+
+        Raises:
+            ConfigError: a buffer has the wrong shape, type or layout.
+            SceneError: no home is loaded.
+        """
         shape = (self.height, self.width)
         if rgb is not None:
             check_buffer("rgb", rgb, (*shape, 3), np.uint8)
@@ -161,7 +171,10 @@ class RasterRenderer(PartlyShared):
         pitch_deg: float,
         counts: NDArray[np.int32] | None = None,
     ) -> NDArray[np.int32]:
-        """See :meth:`Renderer.visible <ucon.sim.render.base.Renderer.visible>`."""
+        """Pixels of every instance in the canonical view, (n_instances,) int32.
+
+        See :meth:`Renderer.visible <ucon.sim.render.base.Renderer.visible>` for the arguments.
+        """
         if counts is None:
             counts = np.empty(self.n_instances, np.int32)
         if self._view is not None:
@@ -170,7 +183,7 @@ class RasterRenderer(PartlyShared):
         return counts
 
     def close(self) -> None:
-        """Nothing to release; other renderers hold a client."""
+        """Nothing to release."""
 
     def _rasterise(self, x: float, y: float, z: float, heading: float, pitch_deg: float) -> None:
         arena, camera = self.arena, self._camera
@@ -191,7 +204,10 @@ class RasterRenderer(PartlyShared):
 
 
 def warm_up() -> None:
-    """Compile every kernel, or load it from the disk: once at set-up, and in a parent before it starts workers."""
+    """Compile every kernel, or load it from the disk.
+
+    Call it once at set-up, and in a parent process before it starts workers.
+    """
     part = Part("box", (0.2, 0.2, 0.2), (0.0, 0.0, 0.1), (128, 128, 128))
     room = Room("room", "room", (0.0, 0.0, 2.0, 2.0), (128, 128, 128), Material.TILE, (128, 128, 128))
     spec = HomeSpec("warm_up", "house", 2.5, (room,), (), (Item("thing", part.size, (1.0, 1.5, 0.0), 0, 0),))

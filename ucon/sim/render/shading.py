@@ -1,9 +1,9 @@
 """From the visibility buffer to colours, depth, instance numbers and pixel counts.
 
-The picture is walked in runs of pixels of one face. What depends on the face is computed once a run; within it the
-texture coordinates (two of the three world coordinates) are linear in the pixel times its depth, so there is no
-division and no branch on the material in the inner loops. These run over whole blocks of pixels, which compile to
-vector instructions also where runs are short; what they write past the end of a run, the next run overwrites.
+The image is processed in runs of pixels of one face. What depends on the face is computed once a run. Within a run the
+texture coordinates (two of the three world coordinates) are linear in the pixel times its depth, so the inner loops
+have no division and no branch on the material. They run over whole blocks of pixels, which compile to vector
+instructions even for short runs; what they write past the end of a run is overwritten by the next run.
 """
 
 # mypy: disable-error-code="arg-type,operator,assignment,return-value,call-overload,type-var,misc"
@@ -26,7 +26,7 @@ _STEP = np.uint64(1)
 _G, _B, _LOOK = np.uint32(8), np.uint32(16), np.uint32(24)
 _PANE = np.uint32(WINDOW)
 _DIM, _BRIGHT, _REACH_M = np.float32(0.74), np.float32(0.28), np.float32(1.8)
-"""Brightness far away, what nearness adds, and how near that is."""
+"""Brightness far away, added brightness nearby, and the distance of that, metres."""
 _FARTHEST = np.float32(SKY_DEPTH_M)
 _LEAST = np.float32(1.0 / SKY_DEPTH_M)
 
@@ -46,7 +46,22 @@ def resolve(
     instance: I16,
     counts: I32,
 ) -> None:
-    """Fill those outputs that are not empty."""
+    """Write those outputs that are not empty.
+
+    Args:
+        size: width and height, pixels.
+        faces: of :func:`ucon.sim.render.raster.rasterise`.
+        inverse_depth: of the same.
+        tables: polygons, see :class:`ucon.sim.render.tables.Tables`.
+        camera: (10,) float64.
+        rooms: (nr, 4) rectangles, metres.
+        wall_height: metres.
+        textured: whether to apply textures.
+        rgb: (H, W, 3) uint8, or empty.
+        depth: (H, W) float32, or empty.
+        instance: (H, W) int16, or empty.
+        counts: (n_instances,) int32, or empty.
+    """
     width, height = size
     frame = np.empty((4, 3), np.float32)
     camera_frame(camera, frame)
@@ -76,7 +91,7 @@ def resolve(
 
 @inlined
 def _depths(y: int, width: int, inverse_depth: F32, rows: F32, depth: F32) -> None:
-    """Depth of a row into row 0 and the output, and into row 4 how bright things at that depth are."""
+    """Write the depths of a row to row 0 and the output, and the brightness at that depth to row 4."""
     at = np.uint64(y * width)
     for x in range(width):
         rows[0, x] = min(_ONE / max(inverse_depth[at + np.uint64(x)], _LEAST), _FARTHEST)
@@ -89,7 +104,7 @@ def _depths(y: int, width: int, inverse_depth: F32, rows: F32, depth: F32) -> No
 
 @inlined
 def _look_along(y: int, height: int, width: int, camera: F64, frame: F32, sight: F32) -> None:
-    """Rays of a row into ``sight``: the first pixel's, the step to the next one, straight ahead, and the camera."""
+    """Write the rays of a row to ``sight``: the first pixel's, the step to the next, straight ahead, the camera."""
     scale = np.float32(width * 0.5 / camera[7])
     up = np.float32((height * 0.5 - camera[9] - y) / scale)
     side = np.float32((camera[8] - width * 0.5) / scale)
@@ -100,7 +115,7 @@ def _look_along(y: int, height: int, width: int, camera: F64, frame: F32, sight:
 
 @inlined
 def _run_end(at: int, x: int, width: int, faces: I32) -> int:
-    """Where the run of one face that begins at ``x`` ends."""
+    """Column at which the run of one face that begins at ``x`` ends."""
     f = faces[at + x]
     x += _STEP
     while x < width and faces[at + x] == f:
@@ -120,7 +135,7 @@ def _count_row(at: int, width: int, faces: I32, owner: I16, counts: I32) -> None
 
 @inlined
 def _number_row(at: int, width: int, faces: I32, owner: I16, numbers: I16) -> None:
-    """Pixel by pixel, without a branch: where runs end could not be foretold."""
+    """Instance numbers of a row, pixel by pixel without a branch: the ends of runs are unpredictable."""
     for x in range(width):
         f = faces[at + x]
         number = owner[np.uint64(max(f, np.int32(0)))]
@@ -151,7 +166,7 @@ def _color_row(at: int, width: int, faces: I32, geometry: Any, sight: F32, rows:
 
 @inlined
 def _packed(color: tuple[float, float, float]) -> int:
-    """One word a pixel, red in the lowest byte."""
+    """A colour as one word, red in the lowest byte."""
     word = np.uint32(np.int32(color[0])) | (np.uint32(np.int32(color[1])) << _G)
     return np.uint32(word | (np.uint32(np.int32(color[2])) << _B))
 

@@ -1,7 +1,7 @@
 """The convex unit shapes that all parts are made of, as one set of tables.
 
-Corners lie in a unit cube around the origin; the corners of a face run counter-clockwise seen from outside. Which
-corners make which face depends on the shape alone, so every face of a home refers to the one index table here.
+Corners are in a unit cube around the origin; the corners of a face run counter-clockwise seen from outside. Which
+corners make which face depends on the shape alone, so all faces of a home refer to the one index table here.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ Faces = tuple[tuple[int, ...], ...]
 Solid = tuple[NDArray[np.float64], Faces]
 
 BOTTOM, TOP = 0, 1
-"""Faces of a box that floors and ceilings are reduced to."""
+"""The only face of a box that is drawn of a floor (TOP) or a ceiling (BOTTOM)."""
 
 
 def _box() -> Solid:
@@ -85,7 +85,7 @@ MOST_SIDES = int(FACES[:, 1].max())
 
 
 def solid_of(part: Part) -> int:
-    """Row of SOLIDS that draws a part: round things get more sides the larger they are."""
+    """Row of SOLIDS for a part; large round parts have more sides."""
     if part.shape == "box":
         return 0
     if part.shape == "wedge":

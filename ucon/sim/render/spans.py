@@ -1,7 +1,7 @@
 """Scan-conversion of one convex polygon into the visibility buffer.
 
-Most faces of a home cover a row or two, a few pixels wide. So nothing here loops over rows or pixels one by one or
-branches on an edge: rows and pixels are taken in fixed blocks, masked, which compile to vector instructions. Blocks of
+Most faces of a home cover a row or two, a few pixels wide. So nothing here loops over single rows or pixels or branches
+on an edge: rows and pixels are processed in fixed, masked blocks, which compile to vector instructions. Blocks of
 pixels begin at multiples of their length, so that two faces that meet in a block load what the other one stored.
 """
 
@@ -17,9 +17,9 @@ import numpy as np
 from ucon.core.jit import F32, I32, inlined
 
 BLOCK_PX = np.uint64(16)
-"""Pixels of a row are worked on in blocks of this many."""
+"""Pixels of a row are processed in blocks of this many."""
 BLOCK_ROWS = np.uint64(32)
-"""Rows likewise; with fewer, the compiler unrolls the loops below before it looks for vectors, and finds none."""
+"""Rows are processed in blocks of this many; with fewer, the compiler unrolls the loops and does not vectorise them."""
 
 _FROM = ~np.uint64(15)
 _HALF = np.float32(0.5)
@@ -31,8 +31,16 @@ _RAMP = np.arange(32, dtype=np.float32)
 def fill(f: int, m: int, plane: Any, rows: Any, window: Any, polygon: F32, sides: F32, spans: I32, target: Any) -> None:
     """Draw the rows y0 to y1 of a convex polygon with the depth plane ``a x + b y + c``.
 
-    Corners (m) are columns of ``polygon`` (2, n). They run counter-clockwise, so edges that go down the picture bound
-    it on the left.
+    Args:
+        f: number of the face.
+        m: number of corners.
+        plane: a, b, c.
+        rows: y0 and y1.
+        window: rectangle of the image to draw in.
+        polygon: (2, n) float32, the corners; counter-clockwise, so edges that go down the image bound it on the left.
+        sides: (2, 32) float32, working memory.
+        spans: (2, 32) int32, working memory.
+        target: the visibility buffer.
     """
     a, b, c = plane
     y0, y1 = rows
@@ -63,9 +71,9 @@ def fill(f: int, m: int, plane: Any, rows: Any, window: Any, polygon: F32, sides
 
 @inlined
 def _cross(m: int, top: int, polygon: F32, sides: F32) -> None:
-    """Where the edges cross the centres of the rows from ``top`` on, into ``sides`` (2, 32): left and right.
+    """Write where the edges cross the centres of the rows from ``top`` on to ``sides`` (2, 32): left and right.
 
-    A row belongs to an edge where the whole part of (end + 1/2) is at most the row for the upper end, and more for the
+    A row belongs to an edge if the whole part of (end + 1/2) is at most the row for the upper end, and more for the
     lower: the same as comparing (row + 1) with the sum itself. A level edge has no rows, so its slope does not matter.
     """
     base = np.float32(np.int32(top))
@@ -88,7 +96,7 @@ def _cross(m: int, top: int, polygon: F32, sides: F32) -> None:
 
 @inlined
 def _round(window: Any, sides: F32, spans: I32) -> None:
-    """First pixels and ends of the spans, those whose centres lie between the sides, cut to the window."""
+    """First pixels and ends of the spans: pixels whose centres are between the sides, clipped to the window."""
     least, most = np.float32(window[0]), np.float32(window[2])
     for k in range(BLOCK_ROWS):
         spans[0, k] = np.int32(max(max(sides[0, k], -_HALF) + _HALF, least))

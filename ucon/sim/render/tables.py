@@ -1,6 +1,6 @@
 """The flat tables that the kernels read, and the kernel that writes a mesh into them at a pose.
 
-A *group* is what one instance owns: a run of parts. A *part* is a convex solid: a run of corners and of faces.
+A *group* is one instance: a run of parts. A *part* is a convex solid: a run of corners and of faces.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from ucon.sim.render.shapes import INDEX
 from ucon.sim.render.tessellate import CEILING, WALL, Mesh
 
 CORNER_BLOCK = np.uint64(8)
-"""Corners are projected in blocks of this many: a box is one."""
+"""Corners are projected in blocks of this many; a box is one block."""
 
 
 class Tables(NamedTuple):
@@ -22,9 +22,9 @@ class Tables(NamedTuple):
 
     vertices: F32  # (nv, 3) world
     face_planes: F32
-    """(nf, 4) unit normal and its product with any corner."""
+    """(nf, 4) unit normal, and its dot product with any corner."""
     face_topology: I16
-    """(nf, 2) start in the index table, corners."""
+    """(nf, 2) start in the index table, number of corners."""
     face_instance: I16  # (nf,)
     face_color: U8
     """(nf, 4) lit colour and look."""
@@ -34,12 +34,12 @@ class Tables(NamedTuple):
     """(np, 5) first corner, corners, first face, faces, link."""
     part_boxes: F32  # (np, 6)
     groups: I32
-    """(ng, 2) first part, parts; no parts for what was taken away."""
+    """(ng, 2) first part, number of parts; none for removed instances."""
     group_boxes: F32  # (ng, 6)
 
 
 def empty_tables(groups: int, parts: int, faces: int, vertices: int) -> Tables:
-    """Tables of the given sizes, not yet filled."""
+    """Tables of the given sizes, not filled."""
     return Tables(
         np.empty((vertices + int(CORNER_BLOCK), 3), np.float32)[:vertices],  # the last block may read past the end
         np.empty((faces, 4), np.float32),
@@ -55,14 +55,14 @@ def empty_tables(groups: int, parts: int, faces: int, vertices: int) -> Tables:
 
 
 def copy_tables(source: Tables, target: Tables) -> None:
-    """Write the rows of ``source`` over the first ones of ``target``."""
+    """Write the rows of ``source`` over the first rows of ``target``."""
     for name in Tables._fields:
         shared = getattr(source, name)
         getattr(target, name)[: len(shared)] = shared
 
 
 def copied_tables(source: Tables) -> Tables:
-    """Tables of the same contents, to be written to."""
+    """A copy that can be written to."""
     rows = (source.groups, source.parts, source.face_planes, source.vertices)
     target = empty_tables(*map(len, rows))
     copy_tables(source, target)
@@ -70,16 +70,26 @@ def copied_tables(source: Tables) -> Tables:
 
 
 def tables_nbytes(tables: Tables) -> int:
-    """Memory of all tables."""
+    """Memory of all tables, bytes."""
     return sum(table.nbytes for table in tables)
 
 
 def write_group(
     tables: Tables, mesh: Mesh, group: int, at: tuple[int, int, int], turn: F64, shift: F64, room: int = -1
 ) -> tuple[int, int, int]:
-    """Append a mesh as group number ``group`` at (part, face, corner) ``at``; returns where the next one goes.
+    """Append a mesh as one group.
 
-    ``room`` marks the structure of a room, which is shaded towards its corners.
+    Args:
+        tables: written to.
+        mesh: polygons of the model.
+        group: its number.
+        at: (part, face, corner) where it begins.
+        turn: (3, 3) rotation.
+        shift: (3,) world metres.
+        room: number of the room for structure, which is shaded towards the corners; -1 for items.
+
+    Returns:
+        (part, face, corner) where the next group begins.
     """
     part, face, vertex = at
     np_, nf, nv = len(mesh.parts), len(mesh.normals), len(mesh.vertices)
@@ -95,7 +105,16 @@ def write_group(
 
 
 def bake(tables: Tables, mesh: Mesh, group: int, turn: F64, shift: F64, link: int = -2) -> None:
-    """(Re)write the world geometry of a group at a pose; with ``link`` only the parts that it carries."""
+    """Write the world geometry of a group at a pose.
+
+    Args:
+        tables: written to.
+        mesh: polygons of the model.
+        group: its number.
+        turn: (3, 3) rotation.
+        shift: (3,) world metres.
+        link: write only the parts that this joint carries; -2 for all.
+    """
     _bake(
         tables.vertices,
         tables.face_planes,

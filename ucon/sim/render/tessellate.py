@@ -1,4 +1,4 @@
-"""Parts to convex polygons: a :class:`Mesh` holds the polygons of one model in its own frame."""
+"""From parts to convex polygons: a :class:`Mesh` holds the polygons of one model in its own frame."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from ucon.core.jit import F64, I16, I32, jit
 from ucon.objects.model import Material, ObjectModel, Part
 from ucon.sim.render.shapes import CORNERS, FACES, INDEX, SOLIDS, solid_of
 
-#: Looks that only the renderer knows, numbered after the materials.
+#: Looks beyond the materials, for the renderer only.
 WALL, CEILING, WINDOW, MIRROR = (len(Material) + k for k in range(4))
 
 _LEAST_TAPER = 0.02
-"""A cone keeps a tiny top, so that its sides stay quads."""
+"""Cones keep a tiny top, so that their sides are quads."""
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Polygons of one model, all joints closed: nv corners, np parts, nf faces."""
+    """Polygons of one model with all joints closed: nv corners, np parts, nf faces."""
 
     vertices: NDArray[np.float64]  # (nv, 3)
     parts: NDArray[np.int32]
@@ -44,7 +44,13 @@ def mesh_of_model(model: ObjectModel) -> Mesh:
 
 
 def mesh_of_parts(parts: Sequence[Part], looks: Sequence[int], only_face: int = -1) -> Mesh:
-    """Polygons of parts; ``only_face`` keeps a single face of each box."""
+    """Polygons of some parts.
+
+    Args:
+        parts: the parts.
+        looks: material or look of each.
+        only_face: keep only this face of each box; -1 keeps all.
+    """
     figures = np.array([(*p.size, *p.center, *p.rpy_rad, _taper(p)) for p in parts], np.float64)
     solids = SOLIDS[[solid_of(p) for p in parts]].astype(np.int32).reshape(-1, 4)
     if only_face >= 0:

@@ -1,7 +1,7 @@
-"""Procedural textures: how bright a material is at a place.
+"""Procedural textures: brightness of a material at a place.
 
-Each function multiplies into the tones of a run (row 3) from its coordinates in metres (rows 1 and 2). ``foot`` is
-how many metres a pixel covers: detail finer than that is faded out, lines are averaged over it, so nothing shimmers.
+Each function multiplies into the tones of a run (row 3) from its coordinates in metres (rows 1 and 2). ``foot`` is the
+number of metres that a pixel covers: finer detail is faded out and lines are averaged over it, so nothing flickers.
 """
 
 # mypy: disable-error-code="arg-type,operator,assignment,return-value,call-overload,type-var,misc"
@@ -17,7 +17,7 @@ from ucon.objects.model import Material
 from ucon.sim.render.tessellate import MIRROR, WALL
 
 BLOCK = np.uint64(32)
-"""Pixels that an inner loop works on at once."""
+"""Pixels of a block of an inner loop."""
 
 OPEN_SKY = 31
 """Look of a pixel that shows nothing."""
@@ -36,12 +36,20 @@ _MIX = stream(0, "texture mix").permutation(256).astype(np.int32)
 _SKIRTING, _SKIRTING_M = np.float32(0.8), np.float32(0.09)
 _ZERO, _HALF, _ONE = np.float32(0.0), np.float32(0.5), np.float32(1.0)
 _SHIFT = np.float32(4096.0)
-"""Makes coordinates positive, so that cutting off the fraction rounds down."""
+"""Added to coordinates, so that they are positive and truncation rounds down."""
 
 
 @leaf
 def outdoors(slope: float, pane: bool) -> tuple[float, float, float]:
-    """Colour of the sky, or through a window, at the slope of a ray; land below the horizon."""
+    """Colour of the sky, or of the view through a window, at the slope of a ray; land below the horizon.
+
+    Args:
+        slope: up over ahead.
+        pane: whether it is a window.
+
+    Returns:
+        Red, green, blue, 0 to 255.
+    """
     height = min(max(np.float32(slope), -_ONE), _ONE)
     if height >= _ZERO or not pane:
         t = min(max(height, _ZERO) * np.float32(1.2), _ONE)
@@ -62,7 +70,19 @@ def _bounds(axis: int, room: int, rooms: F32, height: float) -> tuple[float, flo
 def paint_corners(
     u_axis: int, v_axis: int, look: int, room: int, x0: int, x1: int, rooms: F32, height: float, rows: F32
 ) -> None:
-    """Darken floors, walls and ceilings softly towards the corners of the room; skirting boards on walls."""
+    """Darken floors, walls and ceilings softly towards the room's corners; draw skirting boards on walls.
+
+    Args:
+        u_axis: world axis of the first texture coordinate.
+        v_axis: world axis of the second.
+        look: of the face.
+        room: its number.
+        x0: first pixel of the run.
+        x1: end of the run.
+        rooms: (nr, 4) rectangles, metres.
+        height: of the walls, metres.
+        rows: working rows; row 3 is multiplied.
+    """
     dark, slope = np.float32(0.86), np.float32(0.3)
     skirting = _SKIRTING_M if look == WALL else np.float32(-1e9)
     u0, u1 = _bounds(u_axis, room, rooms, height)
@@ -78,7 +98,16 @@ def paint_corners(
 
 @inlined
 def paint_material(look: int, x0: int, x1: int, foot_u: float, foot_v: float, rows: F32) -> None:
-    """Texture of a material."""
+    """Multiply the texture of a material into a run.
+
+    Args:
+        look: material of the face.
+        x0: first pixel of the run.
+        x1: end of the run.
+        foot_u: metres that a pixel covers along the first coordinate.
+        foot_v: along the second.
+        rows: working rows; row 3 is multiplied.
+    """
     if look == _PARQUET:
         _boards(x0, x1, foot_u, foot_v, rows)
     elif look == _WOOD:
@@ -100,7 +129,7 @@ def paint_material(look: int, x0: int, x1: int, foot_u: float, foot_v: float, ro
 
 @inlined
 def _fade(cell: float, foot: float) -> float:
-    """How much of a pattern shows: all at four pixels a cell, nothing at one and a half."""
+    """How much of a pattern shows: all of it at four pixels a cell, nothing at one and a half."""
     return min(max((np.float32(cell) / foot - np.float32(1.5)) * np.float32(0.4), _ZERO), _ONE)
 
 

@@ -1,6 +1,6 @@
-"""PyBullet's TinyRenderer, drawing meshes made of our own polygons: the oracle of the tests, and a slow fallback.
+"""PyBullet's TinyRenderer on meshes of the same polygons: the reference of the tests, and a slow alternative.
 
-TinyRenderer would tessellate round shapes in its own way, so each instance becomes one body a link whose mesh holds
+TinyRenderer would tessellate round shapes in its own way, so each link of an instance becomes one body whose mesh has
 exactly the polygons that the rasteriser draws. It samples pixels at their lower left corner.
 """
 
@@ -31,21 +31,15 @@ from ucon.sim.render.parts import NEAR_M
 from ucon.sim.render.shapes import INDEX
 
 TINY_SAMPLE = (0.0, 1.0)
-"""Point of a pixel that TinyRenderer samples, as fractions of it from the top left."""
+"""Point of a pixel that TinyRenderer samples, as fractions from its top left."""
 
 _FAR_M = 80.0
 
 
 class TinyRenderer:
-    """The same pictures from PyBullet, some hundred times slower; see :class:`~ucon.sim.render.base.Renderer`.
+    """Renders by PyBullet, several hundred times slower; see :class:`~ucon.sim.render.base.Renderer`.
 
-    One flat colour an instance and link. ``close`` frees the PyBullet client.
-
-    Args:
-        width, height: size of the picture in pixels.
-        fov_deg: horizontal angle of view.
-        builder: where models come from.
-        oracle: used on purpose, as a reference; silences the warning about its speed.
+    Each link of an instance has one flat colour. ``close`` frees the PyBullet client.
     """
 
     def __init__(
@@ -57,6 +51,18 @@ class TinyRenderer:
         builder: ModelBuilder = catalogue_model,
         oracle: bool = False,
     ) -> None:
+        """Set the image; load a home before rendering.
+
+        Args:
+            width: of images, pixels.
+            height: of images, pixels.
+            fov_deg: horizontal angle of view.
+            builder: where models come from.
+            oracle: used on purpose as a reference; suppresses the warning about its speed.
+
+        Raises:
+            ConfigError: size or angle out of range.
+        """
         check_view(width, height, fov_deg)
         if not oracle:
             warnings.warn(
@@ -76,7 +82,7 @@ class TinyRenderer:
         self._arena: Arena | None = None
 
     def __reduce__(self) -> Any:
-        """It holds a PyBullet client, which cannot be copied."""
+        """Refuse copies: it holds a PyBullet client."""
         raise SceneError("renderer=tiny: an environment with a PyBullet client can be neither copied nor pickled")
 
     def close(self) -> None:
@@ -87,10 +93,10 @@ class TinyRenderer:
 
     @property
     def arena(self) -> Arena:
-        """What is drawn.
+        """The geometry that is drawn.
 
         Raises:
-            SceneError: no home loaded yet.
+            SceneError: no home is loaded.
         """
         if self._arena is None:
             raise SceneError("the renderer has no home yet: call load(house, arrangement) first")
@@ -98,11 +104,11 @@ class TinyRenderer:
 
     @property
     def n_instances(self) -> int:
-        """See :class:`~ucon.sim.render.base.Renderer`."""
+        """Number of instances of the home and objects of the episode."""
         return self.arena.n_instances
 
     def load(self, house: House, arrangement: Arrangement | None = None) -> None:
-        """See :meth:`Renderer.load <ucon.sim.render.base.Renderer.load>`."""
+        """Load a home with an arrangement, everything closed."""
         self._arena = Arena(house, arrangement or Arrangement(), self._builder)
         if self._client < 0:  # it was closed
             self._client = self._bullet.connect(self._bullet.DIRECT)
@@ -113,7 +119,7 @@ class TinyRenderer:
         self._index_bodies()
 
     def set_open(self, instance: int, fraction: float) -> None:
-        """See :meth:`Renderer.set_open <ucon.sim.render.base.Renderer.set_open>`."""
+        """Open all joints of an instance to a fraction (0 to 1) of their travel, with what its drawers hold."""
         for moved in self.arena.set_open(instance, fraction):
             for body in self._bodies.pop(moved, []):
                 self._bullet.removeBody(body, physicsClientId=self._client)
@@ -174,7 +180,12 @@ class TinyRenderer:
         instance: NDArray[np.int16] | None = None,
         counts: NDArray[np.int32] | None = None,
     ) -> None:
-        """See :meth:`Renderer.render <ucon.sim.render.base.Renderer.render>`."""
+        """Render into the caller's buffers; see :meth:`Renderer.render <ucon.sim.render.base.Renderer.render>`.
+
+        Raises:
+            ConfigError: a buffer has the wrong shape, type or layout.
+            SceneError: no home is loaded.
+        """
         shape = (self.height, self.width)
         color, z_buffer, bodies = self._image(self.width, self.height, self.fov_deg, (x, y, z), heading, pitch_deg)
         if rgb is not None:
@@ -198,7 +209,10 @@ class TinyRenderer:
         pitch_deg: float,
         counts: NDArray[np.int32] | None = None,
     ) -> NDArray[np.int32]:
-        """See :meth:`Renderer.visible <ucon.sim.render.base.Renderer.visible>`."""
+        """Pixels of every instance in the canonical view, (n_instances,) int32.
+
+        See :meth:`Renderer.visible <ucon.sim.render.base.Renderer.visible>` for the arguments.
+        """
         if counts is None:
             counts = np.empty(self.n_instances, np.int32)
         check_buffer("counts", counts, (self.n_instances,), np.int32)
@@ -227,7 +241,16 @@ class TinyRenderer:
 def camera_matrices(
     width: int, height: int, fov_deg: float, eye: tuple[float, float, float], heading: float, pitch_deg: float
 ) -> tuple[list[float], list[float]]:
-    """View and projection matrix of a camera, column by column as PyBullet takes them."""
+    """View and projection matrix of a camera, column by column as PyBullet takes them.
+
+    Args:
+        width: of the image, pixels.
+        height: of the image, pixels.
+        fov_deg: horizontal angle of view.
+        eye: position, world metres.
+        heading: quarter turns.
+        pitch_deg: degrees, up positive.
+    """
     (c, s), (cp, sp) = heading_cos_sin(heading), pitch_cos_sin(pitch_deg)
     right, up, ahead = (np.array(v) for v in ((s, -c, 0.0), (-c * sp, -s * sp, cp), (c * cp, s * cp, sp)))
     view = np.eye(4)

@@ -1,1 +1,1 @@
-"""Making episodes: who lives where, what is placed, one's own household, whole sets."""
+"""Making episodes: households of homes, placements, a user's own household, whole sets."""

@@ -1,4 +1,4 @@
-"""An arrangement in the making, and what the home and the draft allow the sampler to choose next."""
+"""An arrangement under construction, and which categories and instances can be used next."""
 
 from __future__ import annotations
 
@@ -14,7 +14,14 @@ from ucon.sim.placement import with_object
 
 @dataclass
 class Draft:
-    """An arrangement in the making: what was put where by which placement, and what failed."""
+    """An arrangement under construction.
+
+    Attributes:
+        house: the home.
+        arrangement: what was removed and placed so far.
+        origins: by placed object, the entry and the index of its placement; ("", -1) for added anchors.
+        failures: placements that failed, as text.
+    """
 
     house: House
     arrangement: Arrangement
@@ -23,41 +30,56 @@ class Draft:
 
     @property
     def objects(self) -> tuple[PlacedObject, ...]:
-        """What was placed so far."""
+        """The objects placed so far."""
         return self.arrangement.objects
 
     def remove(self, instances: Iterable[int]) -> None:
-        """Take base items away."""
+        """Remove items of the home, by instance."""
         removed = tuple(sorted({*self.arrangement.removed, *instances}))
         self.arrangement = replace(self.arrangement, removed=removed)
 
     def add(self, placed: PlacedObject, origin: tuple[str, int]) -> None:
-        """Add an object, its pose rounded as it will be stored."""
+        """Add an object; its pose is rounded to 6 decimals, as it will be stored.
+
+        Args:
+            placed: the object.
+            origin: entry id and index of its placement.
+        """
         self.arrangement = with_object(self.house, self.arrangement, _rounded(placed))
         self.origins.append(origin)
 
 
 def _rounded(placed: PlacedObject) -> PlacedObject:
+    """The object with its pose rounded to 6 decimals."""
     x, y, z = (round(v, 6) + 0.0 for v in placed.position)
     a, b, c, d = (round(v, 6) + 0.0 for v in placed.quat_xyzw)
     return replace(placed, position=(x, y, z), quat_xyzw=(a, b, c, d))
 
 
 def instances_of(house: House, names: Iterable[str]) -> tuple[int, ...]:
-    """Items of the home that are of one of the categories."""
+    """Instances of the home whose category is among ``names``."""
     wanted = set(names)
     return tuple(k for k, item in enumerate(house.spec.items) if item.category in wanted)
 
 
 def replacement(house: House, waiting: Sequence[str], draft: Draft) -> str | None:
-    """The next category that nothing placed so far stands by, or is."""
+    """The next waiting category that is not placed yet and is no anchor or holder of a placed object.
+
+    Args:
+        house: the home.
+        waiting: categories in order.
+        draft: the arrangement so far.
+
+    Returns:
+        None where there is none.
+    """
     used = {o.anchor for o in draft.objects} | {o.holder for o in draft.objects}
     taken = {o.category for o in draft.objects} | {house.categories[k] for k in used if 0 <= k < house.n_instances}
     return next((name for name in waiting if name not in taken), None)
 
 
 def anchor_instances(house: House, draft: Draft, category: str) -> list[int]:
-    """Instances of a category that are there: the home's that were not removed, and those already placed."""
+    """Instances of a category that are there: those of the home that were not removed, and those already placed."""
     removed = set(draft.arrangement.removed)
     base = [k for k, name in enumerate(house.categories) if name == category and k not in removed]
     added = [house.n_instances + k for k, o in enumerate(draft.objects) if o.category == category]
@@ -65,7 +87,7 @@ def anchor_instances(house: House, draft: Draft, category: str) -> list[int]:
 
 
 def bearing_categories(house: House) -> set[str]:
-    """Categories whose removal would leave another item of the home standing on nothing, or that are structure."""
+    """Categories that other items of the home stand on, and structure; they are never removed."""
     boxes, items = house.boxes[: house.n_items], house.spec.items
     bearing = {"walls", "floors", "ceilings"}
     for below, above in itertools.permutations(range(len(items)), 2):

@@ -1,4 +1,4 @@
-"""Who lives in a home and where they keep things: the placements that an episode may realise, in drawn order."""
+"""The household of a home and its placements: which an episode may realise, in random order."""
 
 from __future__ import annotations
 
@@ -17,14 +17,21 @@ from ucon.sim.house import House
 from ucon.sim.placement import importable
 from ucon.task.making.draft import bearing_categories
 
-#: What a home's household has of every category that can be sampled there.
+#: By category that can be sampled in a home: the entries of its household.
 Living = Mapping[str, tuple[Hosted, ...]]
 _OUTSIDE = frozenset({"garage", "sauna"})
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """A placement that the sampler intends: entry, index of the placement in it, relation and anchor category."""
+    """A placement that the sampler tries.
+
+    Attributes:
+        entry: id of the entry.
+        index: of the placement in the entry.
+        relation: to the anchor.
+        anchor: its category.
+    """
 
     entry: str
     index: int
@@ -33,7 +40,7 @@ class Drawn:
 
 
 def home_kinds(spec: HomeSpec) -> tuple[str, ...]:
-    """The kinds of place that a home is, of those that entries are bound to."""
+    """The household kinds that a home counts as, such as ``house`` and ``garden``."""
     found = [spec.kind] if spec.kind in HOUSEHOLD_KINDS else []
     if any(room.outdoor or room.type in _OUTSIDE for room in spec.rooms):
         found.append("garden")
@@ -41,9 +48,15 @@ def home_kinds(spec: HomeSpec) -> tuple[str, ...]:
 
 
 def living_in(house: House, dataset: HabitDataset, part: Split | None = None) -> dict[str, tuple[Hosted, ...]]:
-    """What lives in a home, by category, without what would take away a support of the home itself.
+    """The household of a home by category, for the categories that can be sampled there.
 
-    A category needs a hosted entry to be sampled; the habits of its other entries belong to the household too.
+    A category needs an entry with realisable placements; the habits of its other entries belong to the household too.
+    Categories that other items stand on are left out.
+
+    Args:
+        house: the home.
+        dataset: the habits.
+        part: draw the household from the entries that this part may use; None: from all.
     """
     present, never = frozenset(house.categories), bearing_categories(house)
     home = house.spec.name
@@ -57,16 +70,28 @@ def living_in(house: House, dataset: HabitDataset, part: Split | None = None) ->
 
 
 def any_placement(living: Living, name: str, rng: np.random.Generator) -> list[Drawn]:
-    """All realisable placements of a category, whatever their context, in random order."""
+    """All realisable placements of a category, whatever their context, in random order.
+
+    Args:
+        living: the household, of :func:`living_in`.
+        name: the category.
+        rng: decides the order.
+    """
     drawn = [place for host in living[name] if host.ok for place in _all(host)]
     return [drawn[int(k)] for k in rng.permutation(len(drawn))]
 
 
 def placement_now(living: Living, name: str, context: Context, rng: np.random.Generator) -> list[Drawn]:
-    """The placements of one of a category's entries that hold in a context, in random order.
+    """The placements of one entry of a category that hold in a context, in random order.
 
-    Those with a context that is fulfilled come before those without any; one whose context is not fulfilled is never
-    used. The asker's own entry is taken where the category has one.
+    Placements with a fulfilled context come before those without any; those with an unfulfilled context are left out.
+    The asker's own entry is used where the category has one.
+
+    Args:
+        living: the household, of :func:`living_in`.
+        name: the category.
+        context: of the episode.
+        rng: decides entry and order.
     """
     hosts = [host for host in living[name] if host.ok]
     own = [host for host in hosts if host.entry.household == context.asker]
@@ -80,7 +105,14 @@ def placement_now(living: Living, name: str, context: Context, rng: np.random.Ge
 def placements_of(
     house: House, dataset: HabitDataset, entries: Iterable[Entry], context: Context | None
 ) -> list[Placement]:
-    """The placements of one category's entries among which the sampler draws in a home."""
+    """The placements among which the sampler draws for one category in a home.
+
+    Args:
+        house: the home.
+        dataset: the habits.
+        entries: the household's entries of the category.
+        context: of the episode, or None.
+    """
     hosts = hosted(entries, set(house.categories), importable, home=house.spec.name, verdicts=dataset.verdicts)
     ok = [host for host in hosts if host.ok]
     if context is None:
@@ -92,21 +124,28 @@ def placements_of(
 
 
 def occasions_of(living: Living, names: Iterable[str]) -> list[str]:
-    """Occasions that the placements of these categories depend on."""
+    """Occasions that the placements of some categories depend on, in alphabetical order."""
     places = [place for name in names for host in living[name] if host.ok for place in host.placements]
     found = {condition_of(place.context).occasion for place in places if place.context}
     return sorted(occasion for occasion in found if occasion)
 
 
 def drawn_context(living: Living, names: Sequence[str], target: str, rng: np.random.Generator) -> Context:
-    """A context for an episode about ``target``: who asks is one of its users, the occasion matters to them."""
+    """A random context for an episode: the asker uses the target, and the occasion matters to some placement.
+
+    Args:
+        living: the household, of :func:`living_in`.
+        names: categories to be placed.
+        target: the category to be found.
+        rng: random numbers.
+    """
     hosts = [host for host in living[target] if host.ok]
     asker = hosts[int(rng.integers(len(hosts)))].entry.household
     return draw_context(rng, occasions_of(living, [target]) or occasions_of(living, names), asker)
 
 
 def _active(host: Hosted, context: Context) -> tuple[list[Drawn], list[Drawn]]:
-    """Placements whose context is fulfilled, and those without one."""
+    """Placements of an entry whose context is fulfilled, and those without a context."""
     fulfilled, always = [], []
     for place, drawn in zip(host.placements, _all(host), strict=True):
         if place.context is None:
@@ -117,9 +156,11 @@ def _active(host: Hosted, context: Context) -> tuple[list[Drawn], list[Drawn]]:
 
 
 def _all(host: Hosted) -> list[Drawn]:
+    """The realisable placements of an entry."""
     places = host.entry.placements
     return [Drawn(host.entry.id, k, places[k].relation, places[k].anchor) for k in host.realisable]
 
 
 def _shuffled(group: list[Drawn], rng: np.random.Generator) -> list[Drawn]:
+    """The placements in random order."""
     return [group[int(k)] for k in rng.permutation(len(group))]

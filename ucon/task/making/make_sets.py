@@ -1,4 +1,4 @@
-"""Making and checking whole sets of episodes on several processes; the result does not depend on how many."""
+"""Making and checking whole sets of episodes in several processes; the result does not depend on their number."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ from ucon.task.making.set_plans import Order
 from ucon.task.rules import PAPER, task_rules
 from ucon.task.search import Pose, Search
 
+#: Added to the seed of an order that no episode could be sampled for.
 RETRY_SEED_STEP = 1 << 32
+#: Largest journal that is read, bytes.
 _MAX_JOURNAL = 1 << 30
 
 
@@ -37,12 +39,22 @@ def make_episodes(
     progress: Callable[[int, int], None] | None = None,
     journal: Path | None = None,
 ) -> list[Episode]:
-    """Sample every order, in order, under the rules ``task``, their context stated or not; by default of the book.
+    """Sample an episode for every order.
 
-    ``journal`` is a file in which episodes are noted as they are made: what an interrupted call noted is not made anew.
+    Args:
+        orders: what to sample.
+        dataset: the habits; the habit book by default.
+        task: rule set under which episodes must be solvable.
+        context: whether episodes state their context.
+        workers: processes.
+        progress: called with (done, total).
+        journal: file to which episodes are appended as they are made; those of an interrupted call are not made again.
+
+    Returns:
+        Episodes in the order of ``orders``.
 
     Raises:
-        EpisodeError: an order that no seed satisfies.
+        EpisodeError: no seed satisfies an order.
     """
     begin = (dataset, task, context)
     done = [] if journal is None else _noted(journal, orders, (dataset or book()).sha256)
@@ -61,6 +73,7 @@ def _collect(
     progress: Callable[[int, int], None] | None,
     journal: Path | None,
 ) -> list[Episode]:
+    """Append the results to ``done``, to the journal, and report progress."""
     with journal.open("a", encoding="utf-8") if journal else nullcontext() as notes:
         for episode in results:
             done.append(episode)
@@ -73,7 +86,7 @@ def _collect(
 
 
 def _noted(journal: Path, orders: Sequence[Order], habits_hash: str) -> list[Episode]:
-    """The episodes of the first orders that a journal holds; what does not belong to them is cut off."""
+    """The episodes of the first orders that a journal holds; the rest of the journal is removed."""
     found: list[Episode] = []
     raw = read_plain(journal, _MAX_JOURNAL) if journal.is_file() else b""
     for order, line in zip(orders, raw[: raw.rfind(b"\n") + 1].split(b"\n"), strict=False):
@@ -90,7 +103,7 @@ def _noted(journal: Path, orders: Sequence[Order], habits_hash: str) -> list[Epi
 
 
 def _begin(dataset: HabitDataset | None, task: str, context: bool) -> None:
-    """Give this process its sampler; a worker gets the dataset once, not with every order."""
+    """Make this process's sampler; a worker is sent the dataset once, not with every order."""
     global _sampler
     _sampler = EpisodeSampler(dataset or book(), rules=task_rules(task), context=context)
 
@@ -99,6 +112,7 @@ _sampler: EpisodeSampler | None = None
 
 
 def _sample(order: Order) -> Episode:
+    """The episode of an order; up to four seeds are tried."""
     if _sampler is None:
         raise RuntimeError("a worker without a sampler")
     last = ""
@@ -114,7 +128,11 @@ def _sample(order: Order) -> Episode:
 
 
 def verify_episode(episode: Episode) -> str:
-    """Walk the stored solution; the empty string if it succeeds as recorded, else what is wrong."""
+    """Walk an episode's stored solution.
+
+    Returns:
+        "" if it succeeds with the stored path length, else what is wrong.
+    """
     try:
         house = load_house(episode.scene)
         rules = task_rules(episode.task)
@@ -132,6 +150,7 @@ def verify_episode(episode: Episode) -> str:
 
 
 def _walk(search: Search, episode: Episode, max_steps: int) -> str:
+    """Walk the solution; "" or what is wrong."""
     moved = 0
     if len(episode.solution) > max_steps:
         return f"the solution has {len(episode.solution)} steps, expected at most {max_steps}"

@@ -1,4 +1,4 @@
-"""One's own household in a home of ours: an object, what its people say about it, and where it is kept."""
+"""A user's own household in a home: an object, sentences about it, and where it is kept."""
 
 from __future__ import annotations
 
@@ -24,16 +24,17 @@ from ucon.task.making.sampler import EpisodeSampler
 from ucon.task.rules import PAPER, TaskRules
 from ucon.task.spoken import spoken_place
 
+#: Name of the user's household, and of its dataset.
 HOUSEHOLD: Final = "you"
 NAME: Final = "own"
-#: Places that are tried, the likeliest by the habits first, until one takes the object.
+#: Most places that are tried, the most probable by the habits first.
 _TRIED: Final = 12
-#: From a target and its habits: names of A anchors, and (A, 4) how likely each is, by relation.
+#: From a target and its habits: names of A anchors, and the joint probability (A, 4) of anchor and relation.
 ReadPlaces = Callable[[str, Sequence[str]], tuple[Sequence[str], NDArray[np.float64]]]
 
 
 class FaultsError(UconError):
-    """All that is wrong with what was asked for, one line each."""
+    """All faults of a request, one line each; ``faults`` has them as a tuple."""
 
     def __init__(self, faults: Sequence[str]) -> None:
         super().__init__("\n".join(faults))
@@ -42,20 +43,32 @@ class FaultsError(UconError):
 
 @dataclass(frozen=True)
 class OwnPlacement:
-    """What somebody wants to try."""
+    """A request to keep an object in a home.
+
+    Attributes:
+        scene: name of the home.
+        target: category of the object.
+        habits: sentences about it.
+        place: where it is kept; None: where the habits say.
+    """
 
     scene: str
     target: str
     habits: tuple[str, ...]
     place: Placement | None = None
-    """Where it is kept; None: where the habits say."""
 
     @classmethod
     def of(cls, scene: str, target: str, habits: Sequence[str], place: str | None) -> OwnPlacement:
-        """Check the words of a command line; ``place`` is ``relation:anchor``.
+        """Check the arguments of a command line.
+
+        Args:
+            scene: name of a home.
+            target: category of the object.
+            habits: sentences about it.
+            place: ``relation:anchor``, or None.
 
         Raises:
-            FaultsError: with everything that is wrong.
+            FaultsError: with all faults.
         """
         faults = list(_scene_faults(scene))
         names = catalogue().names
@@ -78,6 +91,7 @@ class OwnPlacement:
 
 
 def _scene_faults(scene: str) -> Iterable[str]:
+    """The fault of a scene's name, if any."""
     try:
         parse_procedural(scene) if scene.startswith("procedural") else parse_scene(scene)
     except UconError as error:
@@ -85,6 +99,7 @@ def _scene_faults(scene: str) -> Iterable[str]:
 
 
 def _placement(text: str) -> Placement | str:
+    """The placement of ``relation:anchor``, or what is wrong with the text."""
     relation, colon, anchor = text.partition(":")
     if not colon:
         return f"expected RELATION:ANCHOR, as in nextto:laptop; relations are {', '.join(RELATIONS)}"
@@ -92,14 +107,20 @@ def _placement(text: str) -> Placement | str:
 
 
 def others_of(wish: OwnPlacement) -> list[Entry]:
-    """Entries of the habit book that the home has of everything else, in the order of the book."""
+    """The habit book's entries of the home's household for all other categories, in the order of the book."""
     living = living_in(load_house(wish.scene), book())
     found = {host.entry for name, hosts in living.items() if name != wish.target for host in hosts}
     return sorted(found, key=lambda entry: book().entry_number[entry.id])
 
 
 def own_household(wish: OwnPlacement, place: Placement, others: Sequence[Entry]) -> HabitDataset:
-    """The wish as an entry among those of the home: other things are kept, and told of, too."""
+    """The request as an entry of a dataset, with the household's other entries.
+
+    Args:
+        wish: the request.
+        place: where the object is kept.
+        others: entries of :func:`others_of`.
+    """
     habits = tuple(Habit(text, (0,)) for text in wish.habits)
     own = Entry(f"{wish.target}/own", wish.target, HOUSEHOLD, (place,), habits)
     entries = (own, *others)
@@ -110,9 +131,14 @@ def own_household(wish: OwnPlacement, place: Placement, others: Sequence[Entry])
 
 
 def likely_places(wish: OwnPlacement, read: ReadPlaces) -> list[tuple[Placement, float]]:
-    """Where the habits say that it is, of what stands in the home: likeliest first, with their probabilities.
+    """Places for the object in the home, the most probable first.
 
-    The place that the wish names is the only one.
+    Args:
+        wish: the request; a place named in it is the only one.
+        read: reads the habits.
+
+    Returns:
+        At most 12 placements and their probabilities.
     """
     if wish.place is not None:
         return [(wish.place, 1.0)]
@@ -131,10 +157,19 @@ def likely_places(wish: OwnPlacement, read: ReadPlaces) -> list[tuple[Placement,
 def own_episode(
     wish: OwnPlacement, read: ReadPlaces, seed: int = 0, rules: TaskRules = PAPER
 ) -> tuple[Episode, HabitDataset, Placement, float]:
-    """An episode of the wish, the dataset it belongs to, the place and how likely the habits made it.
+    """Make an episode of a request; places are tried by falling probability.
+
+    Args:
+        wish: the request.
+        read: reads the habits.
+        seed: of the episode.
+        rules: rule set under which it must be solvable.
+
+    Returns:
+        The episode, the dataset it belongs to, the place, and the place's probability by the habits.
 
     Raises:
-        ConfigError: no place takes the object.
+        ConfigError: the object can be put in no place, or not be found there.
     """
     reasons, others = [], others_of(wish)
     for place, chance in likely_places(wish, read):

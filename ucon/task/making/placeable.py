@@ -1,8 +1,8 @@
-"""Which placements of an imported dataset the homes can realise, and why the others not.
+"""Which placements of an imported dataset can be realised in the homes, and why the others cannot.
 
-Judged by the verdicts of really trying them where there are any, else by shapes alone: then a placement can be realised
-where its anchor stands in the entry's home, or can be brought in, and the shapes allow the relation. Nothing is settled
-for that: a home may still be too full when an episode is sampled.
+Where the placements were really tried, the recorded verdicts decide. Otherwise shapes decide: a placement can be
+realised if its anchor is in the entry's home or can be added, and the shapes allow the relation. That does not simulate
+anything: a home may still be too full when an episode is sampled.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ucon.sim.house import STRUCTURE
 from ucon.sim.placement import implausible, importable
 
 Group = Literal["implausible", "absent_anchor", "never_seen"]
-#: Reason of a placement that only lacks its anchor.
+#: Reason of a placement whose anchor is missing.
 ABSENT: Final = "absent_anchor"
 
 _PHRASES: Final = {
@@ -42,7 +42,13 @@ _Sizes = dict[str, tuple[Vec3 | None, ...]]
 
 @dataclass(frozen=True, slots=True)
 class Unplaced:
-    """A placement that cannot be realised: where it is written, a reason that can be counted, a phrase for people."""
+    """A placement that cannot be realised.
+
+    Attributes:
+        where: file and line.
+        reason: a key, for counting.
+        message: the reason as text.
+    """
 
     where: str
     reason: str
@@ -50,7 +56,7 @@ class Unplaced:
 
     @property
     def group(self) -> Group:
-        """The verdict that the reason stands for: the anchor is absent, the object is never seen, or implausible."""
+        """The reason's group: the anchor is absent, the object is never seen, or the placement is implausible."""
         return cast(Group, self.reason) if self.reason in (ABSENT, NEVER_SEEN) else "implausible"
 
     def __str__(self) -> str:
@@ -61,8 +67,8 @@ def unplaced(located: Iterable[Located], verdicts: Verdicts | None = None) -> li
     """The placements that cannot be realised in the homes that their entries are bound to.
 
     Args:
-        located: placements of a file.
-        verdicts: of trying them; None judges them by shapes.
+        located: placements with their file and line.
+        verdicts: results of trying them; None decides by shapes.
     """
     found = []
     for one in located:
@@ -74,7 +80,16 @@ def unplaced(located: Iterable[Located], verdicts: Verdicts | None = None) -> li
 
 
 def counted(located: Sequence[Located], rest: Iterable[Unplaced]) -> dict[str, int]:
-    """How many placements have which verdict: ``placed`` (``imported`` of them by an anchor brought in) and others."""
+    """Count placements by verdict.
+
+    Args:
+        located: all placements.
+        rest: those that cannot be realised.
+
+    Returns:
+        ``placed``, ``imported`` (those of them whose anchor is added), ``implausible``, ``absent_anchor``,
+        ``never_seen``.
+    """
     groups = {one.where: one.group for one in rest}
     placed = [one for one in located if one.where not in groups]
     counts = {"placed": len(placed), "imported": sum(one.placement.anchor not in _sizes(one.scene) for one in placed)}
@@ -83,13 +98,18 @@ def counted(located: Sequence[Located], rest: Iterable[Unplaced]) -> dict[str, i
 
 
 def refusal(scene: str, triple: Triple) -> str | None:
-    """Why a home cannot realise a triple, judged by shapes; None where nothing speaks against it."""
+    """Why a home cannot realise a placement, by shapes; None where it can.
+
+    Args:
+        scene: name of the home.
+        triple: category, relation, anchor.
+    """
     refused = _by_shape(scene, triple)
     return refused and refused[0]
 
 
 def _by_trial(scene: str, triple: Triple, verdicts: Verdicts) -> tuple[str, str] | None:
-    """What came of trying it in this very home; by shapes where it was not tried there."""
+    """Reason and message by the recorded verdict for this home; by shapes where it was not tried there."""
     verdict, shape = verdicts.of.get(triple), _by_shape(scene, triple)
     if verdict is None or scene not in SCENES:
         return shape
@@ -97,18 +117,19 @@ def _by_trial(scene: str, triple: Triple, verdicts: Verdicts) -> tuple[str, str]
     if reason is None:
         return None
     if shape is not None and shape[0] != ABSENT:
-        return shape  # says more than the reason by itself
+        return shape  # its message is more specific
     reason = ABSENT if reason == "not_importable" else reason
     return reason, _PHRASES.get(reason, "refused by every {anchor} of {scene}").format(anchor=triple[2], scene=scene)
 
 
 def _by_shape(scene: str, triple: Triple) -> tuple[str, str] | None:
+    """Reason and message by shapes; None where the placement can be realised."""
     category, relation, anchor = triple
     try:
         sizes = _sizes(scene).get(anchor, ())
     except (ConfigError, SceneError) as error:
         return ABSENT, str(error)
-    # Without the anchor at hand, its usual size still tells what can be nowhere from what only lacks its anchor.
+    # Without the anchor in the home, its usual size still tells implausible placements from those lacking an anchor.
     refusals = [implausible(category, cast(Relation, relation), anchor, size) for size in sizes or (None,)]
     if all(refusals):
         return next(refusal for refusal in refusals if refusal)

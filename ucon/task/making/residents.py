@@ -1,4 +1,4 @@
-"""Who lives in a home and what of it can be realised there, with the reason for everything that cannot: for reading."""
+"""The household of a home for reading: what can be realised there, and the reason where it cannot."""
 
 from __future__ import annotations
 
@@ -13,27 +13,33 @@ from ucon.task.making.draft import bearing_categories
 from ucon.task.making.living import home_kinds
 
 IMPORTED = "imported"
-"""Note of a placement whose anchor the home lacks, but can take."""
+"""Note of a placement whose anchor is not in the home but can be added."""
 BEARING = "bears what stands in the home, so it is never moved"
 UNHOSTED = f"no entry with {MIN_REALISABLE} placements that can be realised"
 
 
 @dataclass(frozen=True)
 class Resident:
-    """What a home's household has of one category."""
+    """The household's entries of one category in a home."""
 
     category: str
     hosts: tuple[Hosted, ...]
+    """The entries, with their realisable placements."""
     notes: Mapping[tuple[str, int], str]
-    """By entry and placement index: why it cannot be realised, or :data:`IMPORTED`; nothing where the anchor stands."""
+    """By entry and placement index: why it cannot be realised, or :data:`IMPORTED`; no key where nothing is amiss."""
     refusal: str | None
     """Why the category is never a target here; None where it may be one."""
 
 
 def residents(house: House, dataset: HabitDataset, seed: int = 0) -> list[Resident]:
-    """Everything that a home's household has, by category; with seed 0 those whom episodes meet.
+    """The household of a home by category, with reasons.
 
     Agrees with :func:`ucon.task.making.living.living_in` on what can be sampled.
+
+    Args:
+        house: the home.
+        dataset: the habits.
+        seed: of the household; 0 is the one that episodes use.
     """
     present, never = frozenset(house.categories), bearing_categories(house)
     home = house.spec.name
@@ -52,6 +58,7 @@ def residents(house: House, dataset: HabitDataset, seed: int = 0) -> list[Reside
 
 
 def _note(host: Hosted, index: int, present: frozenset[str], home: str, dataset: HabitDataset) -> str | None:
+    """Why a placement cannot be realised, :data:`IMPORTED`, or None."""
     place = host.entry.placements[index]
     if index in host.realisable:
         return None if place.anchor in present else IMPORTED

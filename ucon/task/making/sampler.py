@@ -1,4 +1,4 @@
-"""Sampling episodes: draw categories, put one of each where a habit says, choose a target and a start.
+"""Sampling episodes: draw categories, put one object of each where a habit says, choose a target and a start.
 
 Needs PyBullet (placements settle in it); replaying a stored episode does not.
 """
@@ -28,20 +28,22 @@ from ucon.task.rules import PAPER, TaskRules
 from ucon.task.search import Pose
 from ucon.task.solve import Solver
 
+#: Least path length from the start to success where the home allows it, metres.
 MIN_START_M = 2.0
 
 
 class EpisodeSampler:
-    """Samples episodes of one habit dataset.
-
-    Args:
-        dataset: habits to live by.
-        k: how many categories an episode places.
-        rules: rule set under which the episode must be solvable.
-        context: whether episodes state day, hour, season, occasion and asker, and placements follow them.
-    """
+    """Samples episodes of one habit dataset."""
 
     def __init__(self, dataset: HabitDataset, *, k: int = 20, rules: TaskRules = PAPER, context: bool = False) -> None:
+        """Choose dataset and rules.
+
+        Args:
+            dataset: the habits.
+            k: number of categories that an episode places.
+            rules: rule set under which the episode must be solvable.
+            context: whether episodes state day, hour, season, occasion and asker, and placements follow them.
+        """
         self.dataset, self.k, self.rules, self.context = dataset, k, rules, context
         self._eyes = RasterRenderer()
         self._living: dict[tuple[str, Split | None], Living] = {}
@@ -56,13 +58,13 @@ class EpisodeSampler:
         split: str = "",
         episode_id: str = "",
     ) -> Episode:
-        """One episode, the same for the same arguments.
+        """Sample one episode; the same for the same arguments.
 
         Args:
             scene: name of a home.
             seed: any integer.
             targets: categories that may be the target (default: all); at least one of them is placed.
-            part: draw people only from the entries that episodes of this part may use (default: from all).
+            part: draw the household from the entries that this part may use (default: from all).
             split: label to store.
             episode_id: label to store; default ``scene/seed``.
 
@@ -83,10 +85,16 @@ class EpisodeSampler:
         raise EpisodeError(f"{scene}, seed {seed}: no solvable episode in 8 attempts; use another seed")
 
     def target_categories(self, scene: str, part: Split | None = None) -> tuple[str, ...]:
-        """Categories that an episode in this home can place."""
+        """Categories that an episode in this home can place, in alphabetical order.
+
+        Args:
+            scene: name of a home.
+            part: draw the household from the entries that this part may use; None: from all.
+        """
         return tuple(sorted(self._household(load_house(scene), part)))
 
     def _household(self, house: House, part: Split | None) -> Living:
+        """The household of a home; computed once."""
         key = (house.spec.name, part)
         if key not in self._living:
             self._living[key] = living_in(house, self.dataset, part)
@@ -101,6 +109,7 @@ class EpisodeSampler:
         living: Living,
         wanted: set[str] | None,
     ) -> Episode | None:
+        """One attempt at an episode; None where nothing could be placed or found."""
         rng = stream(seed, "episode", scene, attempt)
         order = [str(name) for name in rng.permutation(sorted(living))]
         if wanted is not None:  # one wanted category comes first, so that it is among the sampled ones
@@ -111,7 +120,7 @@ class EpisodeSampler:
         draft, chosen = self._place_all(house, order, living, context, rng)
         if not draft.objects:
             return None
-        if context is not None:  # who asks is a user of the first category: that is what they ask for
+        if context is not None:  # the asker is a user of the first category, so that is the target
             wanted = {order[0]}
         episode = self._finish(house, scene, seed, draft, chosen, living, wanted, rng)
         return None if episode is None else replace(episode, context=context)
@@ -124,7 +133,7 @@ class EpisodeSampler:
         context: Context | None,
         rng: np.random.Generator,
     ) -> tuple[Draft, list[str]]:
-        """Place k categories in dependency order; what cannot be placed makes way for the next category."""
+        """Place k categories, anchors first. A category that cannot be placed is replaced by the next one."""
         waiting = list(order)
         chosen, waiting = waiting[: self.k], waiting[self.k :]
         draft = Draft(house, Arrangement(removed=instances_of(house, chosen)))
@@ -147,7 +156,7 @@ class EpisodeSampler:
     def _dependency_order(
         self, names: Sequence[str], living: Living, context: Context | None, rng: np.random.Generator
     ) -> list[tuple[str, list[Drawn]]]:
-        """Categories with their placements in drawn order, anchors before what stands by them."""
+        """Categories with their placements in random order; a category comes after the anchors it needs."""
         options = {
             name: any_placement(living, name, rng) if context is None else placement_now(living, name, context, rng)
             for name in names
@@ -167,6 +176,7 @@ class EpisodeSampler:
     def _place_one(
         self, house: House, name: str, options: list[Drawn], draft: Draft, chosen: set[str], rng: np.random.Generator
     ) -> bool:
+        """Place an object by the first of its placements that works; whether one did."""
         for drawn in options:
             if drawn.anchor == name:
                 continue
@@ -181,7 +191,7 @@ class EpisodeSampler:
     def _realise(
         self, house: House, name: str, drawn: Drawn, draft: Draft, chosen: set[str], rng: np.random.Generator
     ) -> None:
-        """Place an object by an instance of its anchor, bringing the anchor in where the home lacks it."""
+        """Place an object at an instance of its anchor; the anchor is added where the home lacks it."""
         saved = (draft.arrangement, list(draft.origins))
         anchors = anchor_instances(house, draft, drawn.anchor)
         if not anchors:
@@ -212,7 +222,7 @@ class EpisodeSampler:
         wanted: set[str] | None,
         rng: np.random.Generator,
     ) -> Episode | None:
-        """Choose a target that can be found and a start that is not yet there."""
+        """Choose a target that can be found, and a start."""
         arrangement = draft.arrangement
         world = SceneState(house, arrangement)
         self._eyes.load(house, arrangement)
@@ -248,7 +258,7 @@ class EpisodeSampler:
         return None
 
     def _start(self, solver: Solver, world: SceneState, rng: np.random.Generator) -> tuple[Start, float, str] | None:
-        """A random node at least 2 m of path from success (where there is one), and the solution from it."""
+        """A random node at least 2 m of path from success (where there is one), with its path length and solution."""
         moves = solver.field()
         for least in (MIN_START_M, 0.25):
             nodes = np.argwhere(moves * 0.25 >= least)

@@ -1,12 +1,12 @@
-"""The fixed sets: which home, seed and target categories every episode of a named set has.
+"""The fixed sets: home, seed and target categories of every episode of a named set.
 
-``test``: 250 episodes in each of seen / unseen category x seen / unseen scene, all people new; ``val`` 400 and ``mini``
-50 on homes and categories of their own. ``test_large``: 2,000 more episodes like those of ``test``, for differences too
-small for 1,000. Seen scenes are the canonical layouts of the 20 official training scenes;
-unseen ones are the two official test scenes and generated homes from a reserved range of seeds.
+``test``: 250 episodes in each of seen / unseen category x seen / unseen scene, all households new; ``val`` 400 and
+``mini`` 50 on homes and categories of their own. ``test_large``: 2,000 more episodes like those of ``test``, for
+differences too small for 1,000. Seen scenes are the canonical layouts of the 20 official training scenes; unseen ones
+are the two official test scenes and generated homes from a reserved range of seeds.
 
-``train``: 4,000 episodes to learn from, in 800 homes that no other set knows (other furnishings of the seen scenes, and
-generated homes), with targets and people of the ``train`` part alone.
+``train``: 4,000 episodes to learn from, in 800 homes that no other set uses (other furnishings of the seen scenes, and
+generated homes), with targets and households of the ``train`` part alone.
 """
 
 from __future__ import annotations
@@ -23,52 +23,70 @@ from ucon.task.making.sampler import EpisodeSampler
 from ucon.task.rules import PAPER
 from ucon.task.sets import set_name
 
-#: Episodes in each cell, and generated homes, of the test sets.
+#: By test set: episodes in each cell, and generated homes.
 TEST_SETS = {"test": (250, 20), "test_large": (500, 40)}
 #: First seed of the generated homes kept for testing; validation homes start 10,000 below.
 RESERVED_SEED = 900_000
 TRAIN = "train"
-#: Episodes in each of its two cells, other furnishings of each seen scene, generated homes, and their first seed.
+#: Of ``train``: episodes in each of two cells, other furnishings of each seen scene, generated homes, their first seed.
 N_TRAIN, N_VARIANTS, N_GENERATED, TRAIN_SEED = 2000, 20, 400, 100_000
 OFFICIAL, N_OFFICIAL = "official", 2000
-#: Targets of every second round of official episodes: (scene, category) pairs from which nothing is ever learned.
+#: Labels of official episodes. Held out are (scene, category) pairs that are never trained on.
 LEARNED, HELD_OUT = "official/learned", "official/held_out"
-#: Of such pairs alone.
+#: The set of held-out pairs alone.
 OFFICIAL_HELD_OUT, N_HELD_OUT = "official_held_out", 1000
 OFFICIAL_SETS = {OFFICIAL: N_OFFICIAL, OFFICIAL_HELD_OUT: N_HELD_OUT}
-#: Fewer held-out categories in a scene are not asked for: episodes would be all alike.
+#: Least number of held-out categories of a scene; with fewer, its episodes would be too much alike.
 MIN_HELD_OUT = 3
 PLANNED_HOMES = ("house", "flat", "house", "flat", "office", "house", "flat", "restaurant", "house", "shop")
 
 
 @dataclass(frozen=True)
 class Cell:
-    """One kind of episodes in a set."""
+    """One group of episodes of a set.
+
+    Attributes:
+        label: name of the group.
+        category_split: targets are of this part of the categories.
+        part: the household is drawn from the entries of :data:`ucon.habits.splits.PARTS_USED`.
+        scenes: names of homes, used in turn.
+        count: number of episodes.
+    """
 
     label: str
     category_split: Split
     part: Split
-    """Entries that its episodes may use: :data:`ucon.habits.splits.PARTS_USED`."""
     scenes: tuple[str, ...]
     count: int
 
 
 @dataclass(frozen=True)
 class Order:
-    """What to sample for one episode."""
+    """What to sample for one episode.
+
+    Attributes:
+        id: of the episode.
+        scene: name of its home.
+        seed: of the sampler.
+        split: label of its group.
+        targets: categories that may be the target; None: all.
+        part: draw the household from the entries that this part may use; None: from all.
+    """
 
     id: str
     scene: str
     seed: int
     split: str
     targets: tuple[str, ...] | None
-    """Categories that may be the target; None: all."""
     part: Split | None = None
-    """People are drawn from the entries that episodes of this part may use; None: from all."""
 
 
 def set_cells(name: str) -> tuple[Cell, ...]:
-    """The cells of a named set."""
+    """The groups of a named set.
+
+    Raises:
+        ConfigError: no such set, or an official one, which has none.
+    """
     seen = tuple(scene for scene in SCENES if scene_split(scene) == "seen")
     if name in TEST_SETS:
         count, homes = TEST_SETS[name]
@@ -95,7 +113,12 @@ def set_cells(name: str) -> tuple[Cell, ...]:
 
 
 def generated(first_seed: int, count: int) -> tuple[str, ...]:
-    """Names of generated homes of mixed kinds."""
+    """Names of generated homes of mixed kinds.
+
+    Args:
+        first_seed: of the first home.
+        count: number of homes.
+    """
     return tuple(f"procedural:{PLANNED_HOMES[k % len(PLANNED_HOMES)]}:{first_seed + k}" for k in range(count))
 
 
@@ -107,11 +130,21 @@ def set_orders(
     context: bool = False,
     left_out: Callable[[str], None] = lambda line: None,
 ) -> Iterator[Order]:
-    """What to sample for every episode of a named set under the rules ``task``, scenes taken in turn.
+    """What to sample for every episode of a named set.
 
-    Scenes and seeds are the same under all rules, so that the sets of two rule sets differ by the rules alone.
-    The sets ``official`` need a dataset whose entries are bound to scenes, as those of the official release are. A
-    scene that is no home, or where no category can be placed, is left out: ``left_out`` is given a line that says why.
+    Scenes are used in turn. Scenes and seeds are the same under all rules, so that the sets of two rule sets differ by
+    the rules alone. The ``official`` sets need a dataset whose entries are bound to scenes, such as the official
+    release.
+
+    Args:
+        name: of the set.
+        dataset: the habits.
+        task: rule set.
+        context: the version whose episodes state their context.
+        left_out: called with one line for each scene that is no home or where no category can be placed.
+
+    Raises:
+        ConfigError: no such set, or the dataset does not suit it.
     """
     label = set_name(name, task, context=context)
     if name in OFFICIAL_SETS:
@@ -126,6 +159,7 @@ def set_orders(
 
 
 def _official_orders(name: str, dataset: HabitDataset, label: str, left_out: Callable[[str], None]) -> Iterator[Order]:
+    """The orders of an ``official`` set."""
     if not dataset.scenes:
         raise ConfigError(
             f"episode set '{name}' with dataset '{dataset.name}', whose entries belong to no scene; "
