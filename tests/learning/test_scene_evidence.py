@@ -137,7 +137,7 @@ def test_what_reads_a_fold_learned_from_no_entry_of_it(data, folder, monkeypatch
         learned.append({(e.scene, e.category) for e in entries})
         return folder
 
-    monkeypatch.setattr(belief_readers, "kept_scene_evidence", note)
+    monkeypatch.setattr(belief_readers, "cached_scene_evidence", note)
     folds = belief_readers.scene_folds(data, scene_evidence=True)
     assert [fold.pairs for fold in folds] == [asked for asked, _ in pair_folds(data, 4)]
     for number, fold in enumerate(folds):
@@ -148,7 +148,7 @@ def test_what_reads_a_fold_learned_from_no_entry_of_it(data, folder, monkeypatch
 
 
 def test_a_head_keeps_what_reads_for_it(data, folder, tmp_path, monkeypatch):
-    monkeypatch.setattr(belief_readers, "kept_scene_evidence", lambda *_: folder)
+    monkeypatch.setattr(belief_readers, "cached_scene_evidence", lambda *_: folder)
     learner = BeliefLearner(partial(small_head), data, steps=4, households=1, n_kbs=2, scene_evidence=True)
     assert np.isfinite(learner.step()["loss"])
     files = learner.product()
