@@ -93,7 +93,7 @@ def _trained(
         Content of ``summary.json``, and seconds taken.
     """
     config = chosen.config
-    run = TrainingRun(chosen.folder, learner, plan, run_identity(config))
+    run = TrainingRun(chosen.folder, learner, plan, run_identity(chosen.stored or config))
     if chosen.checkpoint:
         run.resume(chosen.checkpoint, chosen.steps)
         if run.plan != plan:

@@ -217,6 +217,15 @@ def test_only_more_steps_are_taken_beside_resume(tmp_path):
             asked(tmp_path, f"training.steps={steps}", steps=steps)
 
 
+def test_a_run_of_an_older_version_is_built_by_todays_names_and_known_by_its_own(tmp_path):
+    old = STORED | {"learner": {"_target_": "ucon.learning.retriever.RetrieverLearner"}}
+    (tmp_path / CONFIG).write_text(OmegaConf.to_yaml(OmegaConf.create(old)))
+    asked = OmegaConf.create({"resume": str(tmp_path), "progress": False, "wandb": None, "tensorboard": False})
+    chosen = chosen_run(asked, [f"resume={tmp_path}"], None)
+    assert chosen.config["learner"]["_target_"] == "ucon.learning.retriever.learner.RetrieverLearner"
+    assert run_identity(chosen.stored) == run_identity(old)
+
+
 def test_a_new_run_is_not_extended(tmp_path):
     config = OmegaConf.create(
         {

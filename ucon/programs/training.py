@@ -35,12 +35,15 @@ class ChosenRun:
         folder: of the run.
         checkpoint: name of the checkpoint to go on from; "" for a new run.
         steps: new length of the run in steps; None: as planned.
+        stored: of a run to go on with, its configuration as its file has it: names of older versions are part of the
+            run's identity.
     """
 
     config: dict[str, Any]
     folder: Path
     checkpoint: str = ""
     steps: int | None = None
+    stored: Mapping[str, Any] | None = None
 
 
 def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) -> ChosenRun:
@@ -93,7 +96,7 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
         steps = Plan(cfg.training.steps).steps
         Plan.of(config["training"]).extend(0, steps)  # an early check; TrainingRun.resume checks against the steps done
     watched = {name: cfg[name] for name in ("progress", "wandb", "tensorboard")}
-    return ChosenRun({**config, **watched}, folder, checkpoint, steps)
+    return ChosenRun({**config, **watched}, folder, checkpoint, steps, _parsed(folder / CONFIG, raw))
 
 
 def _option(word: str) -> str:

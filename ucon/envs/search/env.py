@@ -62,7 +62,8 @@ class Returns:
 class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
     """Search a home by choosing among views.
 
-    ### Description Wraps ``UcON-v0``. A step chooses a view. The planner goes towards it and asks again after five
+    ### Description
+    Wraps ``UcON-v0``. A step chooses a view. The planner goes towards it and asks again after five
     actions. On the way it opens closed containers that are worth a step. As soon as the target is in view it walks up
     to it and calls Done. The habits are read once, at level ``context`` whenever their list changes; what was looked at
     in vain lowers the belief. Where there is at most one view to choose, the environment does not ask. Every primitive
