@@ -29,16 +29,24 @@ from ucon.programs.evaluating import Evaluation
 
 @hydra.main(version_base="1.3", config_path="configs", config_name="eval")
 def main(cfg: DictConfig) -> None:
-    """One run; Hydra calls it once for each combination of a sweep."""
+    """One run. Hydra calls it once for each combination of a sweep."""
     with one_line_errors("eval"):
         hydra_config = HydraConfig.get()
         evaluate_and_report(cfg, Path(hydra_config.runtime.output_dir), sweep=hydra_config.mode == RunMode.MULTIRUN)
 
 
 def evaluate_and_report(cfg: DictConfig, out: Path, *, sweep: bool) -> None:
-    """Play what is missing in the output folder ``out``, then write and print the results.
+    """Play the episodes that are missing in the output folder, then write and print the results.
 
-    In a sweep, an agent that reads no habits is played at its first habit level alone.
+    In a sweep, an agent that reads no habits is played at its first habit level only.
+
+    Args:
+        cfg: configuration.
+        out: output folder.
+        sweep: whether this run is part of a sweep.
+
+    Raises:
+        UconError: an error that the user can mend.
     """
     config: dict[str, Any] = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)  # type: ignore[assignment]
     run = Evaluation(config, out)

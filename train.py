@@ -11,8 +11,9 @@
     python train.py learner=retriever learner.initial=runs/train/RUN
 
 Writes config.yaml, metrics.jsonl, checkpoints/, model/, MODEL_CARD.md, summary.json and seconds.json to ``out=``.
-Ctrl-C and SIGTERM save and end; ``resume=`` goes on to the same bytes that an uninterrupted run would have written,
-with more ``training.steps`` also beyond its end. ``learner.initial=`` begins a new run with another's weights.
+Ctrl-C and SIGTERM save and end. ``resume=`` goes on, to the same bytes that an uninterrupted run would have written;
+with more ``training.steps`` it goes on beyond the planned end. ``learner.initial=`` starts a new run from the weights
+of another.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ from ucon.programs.training import ChosenRun, chosen_run, learner_name, run_iden
 
 @hydra.main(version_base="1.3", config_path="configs", config_name="train")
 def main(cfg: DictConfig) -> None:
-    """One run; Hydra calls it once for each combination of a sweep."""
+    """One run. Hydra calls it once for each combination of a sweep."""
     with one_line_errors("train"):
         hydra_config = HydraConfig.get()
         swept = Path(hydra_config.runtime.output_dir) if hydra_config.mode == RunMode.MULTIRUN else None
@@ -53,20 +54,29 @@ def main(cfg: DictConfig) -> None:
 
 
 def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None = None) -> None:
-    """Train to the end in ``out`` (of a sweep: ``swept``), or go on with the run that ``resume`` names."""
+    """Train to the end, or go on with the run that ``resume`` names, and print the best validation figures.
+
+    Args:
+        cfg: configuration.
+        overrides: options given on the command line.
+        swept: folder of this run in a sweep; None: ``out`` of the configuration.
+
+    Raises:
+        UconError: an error that the user can mend.
+    """
     chosen = chosen_run(cfg, overrides, swept)
     config: dict[str, Any] = chosen.config
     use_threads(config["threads"])
     keep_freed_memory()
-    plan = Plan.of(config["training"])  # before the learner, which takes seconds to build
+    plan = Plan.of(config["training"])  # check first: building the learner takes seconds
     check_wandb(config["wandb"])
     learner = Factory(config["learner"])()
-    settled: Mapping[str, str | int] = getattr(learner, "settled", {})
+    resolved: Mapping[str, str | int] = getattr(learner, "resolved_options", {})
     if not chosen.checkpoint:
-        config["learner"] |= settled
+        config["learner"] |= resolved
     try:
         with closing(learner), sole_writer(chosen.folder):
-            summary, seconds = _trained(chosen, learner, plan, settled)
+            summary, seconds = _trained(chosen, learner, plan, resolved)
     except Interrupted as stop:
         print(f"stopped after step {stop.step}, saved; go on with resume={chosen.folder}", file=sys.stderr)
         sys.exit(128 + stop.number)
@@ -75,9 +85,13 @@ def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None =
 
 
 def _trained(
-    chosen: ChosenRun, learner: Learner, plan: Plan, settled: Mapping[str, str | int]
+    chosen: ChosenRun, learner: Learner, plan: Plan, resolved: Mapping[str, str | int]
 ) -> tuple[dict[str, Any], float]:
-    """Start or resume, and run to the end; the content of ``summary.json``, and what it took in seconds."""
+    """Start or resume a run and train to the end.
+
+    Returns:
+        Content of ``summary.json``, and seconds taken.
+    """
     config = chosen.config
     run = TrainingRun(chosen.folder, learner, plan, run_identity(config))
     if chosen.checkpoint:
@@ -87,8 +101,8 @@ def _trained(
             print(run.extended(), file=sys.stderr)
     else:
         run.start(OmegaConf.to_yaml(OmegaConf.create(config)))
-    if settled:
-        print("computing with", ", ".join(f"{name} {value}" for name, value in settled.items()), file=sys.stderr)
+    if resolved:
+        print("computing with", ", ".join(f"{name} {value}" for name, value in resolved.items()), file=sys.stderr)
     with (
         wandb_log(config["wandb"], chosen.folder, config) as log,
         tensorboard_log(bool(config["tensorboard"]), chosen.folder) as write,
@@ -104,6 +118,8 @@ def _trained(
 
 
 def _each(*sinks: OnFigures) -> OnFigures:
+    """One callback that calls all given callbacks."""
+
     def tell(step: int, figures: Mapping[str, float]) -> None:
         for sink in sinks:
             sink(step, figures)

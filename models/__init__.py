@@ -1,1 +1,1 @@
-"""Agents and policies that search homes for UcON."""
+"""Agents that search homes, and the networks of the learned ones."""

@@ -1,10 +1,12 @@
-"""The habit policy: a transformer over what is known of the home and what its people do, scoring where to look next.
+"""The habit policy: a transformer over the map, the belief and the habits, which scores the views to go to next.
 
 Tokens are candidate views, things (closed containers among them), frontiers, habits and the agent's own state
-(:mod:`ucon.search.search_tokens`). Belief and evidence are arithmetic (:mod:`ucon.perception.belief.target_belief`):
-what was looked at in vain is in the numbers that tokens carry. The score of a view starts as its expected gain over its
-cost, which is how ``belief`` chooses. The network foretells which views lie on the way to the target, which knowing
-many homes can tell, and what they show of unexplored space counts by that; what it adds beside is learned as well.
+(:mod:`ucon.search.search_tokens`). Belief and evidence are computed by fixed rules
+(:mod:`ucon.perception.belief.target_belief`), so what was searched in vain is already in the tokens' numbers. The score
+of a view starts as its expected gain over its cost, which is how ``belief`` chooses. The network predicts which views
+lie on the way to the target, which can be learned from many homes; the gain of a view from unexplored space is scaled
+by
+that prediction. A further learned term is added to the score.
 """
 
 from __future__ import annotations
@@ -23,32 +25,31 @@ from ucon.search.search_tokens import N_EGO, N_FRONTIER, N_THING, THING_AHEAD
 from ucon.search.searcher import LOYALTY
 from ucon.search.view_tokens import AHEAD, IS_KEPT, N_VIEW
 
-#: Width of sentence and name embeddings.
+#: Size of sentence and name embeddings.
 TEXT = 384
-#: How much a view is preferred for being better than another one by gain over cost, at first.
+#: Initial factor of log(gain over cost) in the logits.
 _SHARPNESS: Final = 10.0
-#: Metres of one unit of position in tokens.
+#: Positions in tokens are in units of this many metres.
 _UNIT_M: Final = 5.0
 
 
-#: Preference for the view on its way, as :mod:`ucon.search.searcher` has it.
+#: Bonus, in log gain, of the view that the agent is on its way to, as in :mod:`ucon.search.searcher`.
 _KEPT: Final = math.log(LOYALTY)
 
 
 class Scores(NamedTuple):
-    """Of B decisions."""
+    """Outputs for B decisions with V views."""
 
     logits: Tensor
     """(B, V) float32; -inf where there is no view."""
     value: Tensor
-    """(B,) float32, the expected return."""
+    """(B,) float32, estimated return."""
     foresight: Tensor
-    """(B, V) float32, by how much going to each view is expected to shorten the way to the target: 1 right towards it,
-    -1 straight away. Not bounded."""
+    """(B, V) float32, predicted progress per move: 1 straight towards the target, -1 straight away. Not bounded."""
 
 
 class Attended(NamedTuple):
-    """Of B decisions: what share of a view's attention goes to each token, mean over blocks and heads; sums to 1."""
+    """Attention of each view to each token in B decisions, mean over blocks and heads; sums to 1 over all kinds."""
 
     ego: Tensor
     """(B, V, 1)."""
@@ -63,7 +64,7 @@ class Attended(NamedTuple):
 
 
 class HabitPolicy(nn.Module):
-    """Scores candidate views."""
+    """Scores candidate views from tokens of the search."""
 
     architecture = "habit_policy"
     chooses = "views"
@@ -71,17 +72,17 @@ class HabitPolicy(nn.Module):
     def __init__(
         self, width: int = 64, layers: int = 2, heads: int = 4, *, use_prior: bool = True, seed: int = 0
     ) -> None:
-        """Make the network.
+        """Build the network with random weights; the last layers are zero, so that it starts as gain over cost.
 
         Args:
             width: of the transformer.
-            layers: its blocks.
-            heads: of their attention.
-            use_prior: start from gain over cost; without, everything is learned.
-            seed: of the weights that learning begins with.
+            layers: number of its blocks.
+            heads: of attention in each block.
+            use_prior: True: logits start from gain over cost. False: everything is learned.
+            seed: of the initial weights.
 
         Raises:
-            ConfigError: a size below 1, or a width that the heads cannot share.
+            ConfigError: a size below 1, or a width that is no multiple of the heads.
         """
         super().__init__()
         check_heads("agent.policy", width, heads)
@@ -94,7 +95,7 @@ class HabitPolicy(nn.Module):
     def _build(self, width: int, layers: int, heads: int) -> None:
         self.view, self.thing = nn.Linear(N_VIEW, width), nn.Linear(N_THING, width)
         self.frontier = nn.Linear(N_FRONTIER, width)
-        self.state = nn.Linear(N_EGO, width)  # of ``ego``, by the name that it has in checkpoints
+        self.state = nn.Linear(N_EGO, width)  # embeds ``ego``; stored weights have this name
         self.name = nn.Linear(TEXT, width, bias=False)
         self.habit, self.relevance = nn.Linear(TEXT, width), nn.Linear(1, width, bias=False)
         self.body = TokenTransformer(width, layers, heads, 2 * width)
@@ -109,11 +110,15 @@ class HabitPolicy(nn.Module):
             nn.init.zeros_(head.bias)
 
     def forward(self, tokens: Mapping[str, Tensor]) -> Scores:
-        """Score B decisions.
+        """Score B decisions of up to V views.
 
         Args:
-            tokens: what ``UcONSearch-v0`` observes, as float32 tensors with a batch dimension, with ``thing_names``
-                (B, T, 384), the embeddings of their names, in place of ``thing_rows``.
+            tokens: observations of ``UcONSearch-v0`` as float32 tensors (B, ...) by name, but with ``thing_names`` (B,
+                T, 384),
+                embeddings of the things' names, in place of ``thing_rows``.
+
+        Returns:
+            Logits (B, V), -inf where there is no view, values (B,) and foresight (B, V).
         """
         x = self.body(torch.cat(self._embedded(tokens), 1), *_positions(tokens))
         own, seen = x[:, :1], x[:, 1 : 1 + tokens["views"].shape[1]]
@@ -126,7 +131,11 @@ class HabitPolicy(nn.Module):
         return Scores(logits, self.worth(own[:, 0])[..., 0], foresight)
 
     def attention(self, tokens: Mapping[str, Tensor]) -> Attended:
-        """What the views attend to in B decisions, for people: no part of this reaches a score."""
+        """Attention of the views to all tokens in B decisions, for display only.
+
+        Args:
+            tokens: as for :meth:`forward`.
+        """
         parts = self._embedded(tokens)
         weights = self.body.attention(torch.cat(parts, 1), *_positions(tokens)).mean((0, 2))  # (B, N, N)
         of_views = weights[:, 1 : 1 + tokens["views"].shape[1]]
@@ -134,33 +143,33 @@ class HabitPolicy(nn.Module):
 
     @property
     def adds(self) -> bool:
-        """Whether the transformer says anything beside gain over cost: it begins with weights that say nothing."""
+        """Whether the transformer changes any score: False while its last layers are zero, as at initialisation."""
         last = (self.score[-1], self.foresee[-1])
         return any(bool(parameter.any()) for layer in last for parameter in layer.parameters())
 
     def _embedded(self, tokens: Mapping[str, Tensor]) -> list[Tensor]:
-        """Ego, views, things, frontiers and habits: (B, N, width) each."""
+        """Embeddings of ego, views, things, frontiers and habits: (B, N, width) each."""
         own = self.state(tokens["ego"]) + self.name(tokens["target"])
         habits = self.habit(tokens["habits"]) + self.relevance(tokens["habits_relevance"][..., None])
         things = self.thing(tokens["things"]) + self.name(tokens["thing_names"])
         return [own[:, None], self.view(tokens["views"]), things, self.frontier(tokens["frontiers"]), habits]
 
     def _redirected(self, tokens: Mapping[str, Tensor], foresight: Tensor) -> Tensor:
-        """What is added to the logarithm of a gain whose part in unexplored space counts more on the way to the target.
+        """Correction of the log gain, (B, V): its share from unexplored space is scaled by the predicted progress.
 
-        No gradient reaches the foresight, which is told the truth and is to stay it.
+        The foresight is detached: only its own loss, against the true progress, trains it.
         """
         factor = (self.trust.exp() * foresight.detach().clamp(-1, 1)).exp()
         return (1 + tokens["unexplored"] * (factor - 1)).log()
 
     @property
     def use_prior(self) -> bool:
-        """Whether scores start from gain over cost."""
+        """Whether logits start from gain over cost."""
         return bool(self.arguments["use_prior"])
 
 
 def _positions(tokens: Mapping[str, Tensor]) -> tuple[Tensor, Tensor, Tensor]:
-    """Positions of all tokens in metres (B, N, 2), which have one, and which are there, (B, N) bool each."""
+    """Positions of all tokens in metres (B, N, 2), which tokens have one, and which exist, (B, N) bool each."""
     zero = torch.zeros_like(tokens["ego"][:, None, :2])
     nowhere = torch.zeros_like(tokens["habits"][..., :2])
     xy = [zero, tokens["views"][..., AHEAD], tokens["things"][..., THING_AHEAD], tokens["frontiers"][..., :2], nowhere]

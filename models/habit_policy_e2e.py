@@ -1,9 +1,9 @@
 """The end-to-end habit policy: frames, detections and habits in, one of the seven actions out.
 
 An RGB-D encoder, detections as tokens that attend to the habits, a belief over anchors, a map memory and an LSTM. The
-map is a neural map: fixed rules write it into the recurrent state, convolutions read it. A mixture over places to go
-(:mod:`models.nets.end_to_end.places_to_go`) turns it into action preferences by shortest ways over what was seen;
-nothing of the home that the agent has not seen enters. Done is held back where no target is seen nearby.
+map is part of the recurrent state: fixed rules write it, convolutions read it. A mixture over places to go to
+(:mod:`models.nets.end_to_end.places_to_go`) gives action preferences by shortest paths over what was seen; nothing that
+the agent has not seen enters. Done is suppressed where no target is seen nearby.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from models.nets.end_to_end.advice import Advisor
 from models.nets.end_to_end.ego_view import THING_FEATURES
 from models.nets.end_to_end.floor_memory import CHANNELS, N_TRACKS, REACH, FloorMemory, MemoryStep, Window
 from models.nets.end_to_end.frames_of_reference import from_here, target_at, turned
-from models.nets.end_to_end.inside import Inside
+from models.nets.end_to_end.inside import PolicyTrace
 from models.nets.end_to_end.one_frame import one_frame
 from models.nets.end_to_end.places_to_go import PlacesToGo, Ways
 from models.nets.end_to_end.read_habits import SUMMARY_FEATURES, read_habits, words
@@ -42,16 +42,16 @@ from ucon.task.actions import Action
 
 _MAX_STEPS = 300.0
 _N_LOOKS = 5
-#: Log odds of Done where the target is not near, whatever the network says. A number taken off its logit instead is
-#: outgrown in training, since some solutions end farther off: of 10, and of 30, nothing was left.
+#: Log odds of Done where the target is not near, whatever the network says. Subtracting a constant from its logit does
+#: not work: some solutions end farther off, so training raised the logit until constants of 10 and of 30 were undone.
 _NEVER = -15.0
-#: Where, ahead, right, left and here stand in the map around the agent, by its heading: (4 headings, 4, 2).
+#: Offsets (i, j) of the nodes ahead, right, left and here in the window around the agent: (4 headings, 4, 2).
 _BESIDE = np.array([[(c, s), (s, -c), (-s, c), (0, 0)] for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1))])
 _N_STATUS = _N_LOOKS + 8 + 2 + 5 + 8 + len(SUMMARY_FEATURES)
 
 
 class HabitPolicyE2E(PolicyModule):
-    """See the module."""
+    """Recurrent policy over the seven actions that reads habits (see the module)."""
 
     architecture = "habit_policy_e2e"
     uses_habits = True
@@ -76,20 +76,20 @@ class HabitPolicyE2E(PolicyModule):
         clip: ClipEye | None = None,
         seed: int = 0,
     ) -> None:
-        """Build it with random weights.
+        """Build the network with random weights.
 
         Args:
-            reader: reads the habits; by default what is shipped: the belief head, or
-            head: False, the fitted reader (ablation).
-            image_px: side of the image that the visual encoder sees; divides the camera's, a multiple of 16.
+            reader: reads the habits; by default the shipped one that ``head`` names.
+            head: True: the belief head reads the habits. False: the fitted anchor reader does (ablation).
+            image_px: side of the image that the visual encoder reads; divides the camera's, a multiple of 16.
             width: of tokens.
-            hidden: of the LSTM.
+            hidden: size of the LSTM's state.
             rgb: False blanks the image (ablation).
-            plan: False takes away the places to go (ablation).
-            attend: False takes away the habits' vectors, leaving the belief (ablation).
+            plan: False leaves out the places to go to (ablation).
+            attend: False zeroes the habits' vectors, which leaves the belief (ablation).
             scores: retrieval scores as a feature of habits.
-            advisor: a language model's choice among the anchors as a feature of things.
-            clip: a frozen image encoder beside the learned one.
+            advisor: a language model's choice among anchors as a feature of things.
+            clip: a frozen CLIP image encoder beside the learned one.
             seed: of the weights.
 
         Raises:
@@ -118,7 +118,7 @@ class HabitPolicyE2E(PolicyModule):
         self.join = nn.Sequential(nn.Linear(looks + 3 * width + facts, hidden), nn.ReLU())
         self.lstm = nn.LSTM(hidden, hidden)
         last = nn.Linear(hidden, N_ACTIONS)
-        nn.init.normal_(last.weight, std=0.01)  # at first the places to go decide
+        nn.init.normal_(last.weight, std=0.01)  # small, so that at first the places to go to decide
         self.choose = nn.Sequential(nn.Linear(hidden + facts, hidden), nn.ReLU(), last)
         self.plan_weight = nn.Parameter(torch.tensor([1.0, 1.0, 1.0, 0.2, 0.2, 0.2, 0.2]))
         self.judge = nn.Sequential(nn.Linear(hidden + facts, hidden // 2), nn.ReLU(), nn.Linear(hidden // 2, 1))
@@ -126,31 +126,34 @@ class HabitPolicyE2E(PolicyModule):
 
     @property
     def reader(self) -> Reader:
-        """Of the habits."""
+        """Reader of the habits: the one given, or the shipped one."""
         if self._reader is not None:
             return self._reader
-        return default_head_reader() if self._head else default_reader()  # one per process: a copy takes none along
+        return default_head_reader() if self._head else default_reader()  # cached per process, so copies stay small
 
     @property
     def arguments(self) -> Mapping[str, Any]:
-        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
+        """Plain values that its weights depend on: sizes, ablations, and names of advisor and CLIP."""
         named = {"advisor": self._advisor, "clip": self._clip}
         return self._arguments | {name: None if part is None else part.name for name, part in named.items()}
 
     def check(self) -> None:
-        """See :class:`models.nets.policy_defaults.PolicyModule`."""
+        """Raise an error of one line where weights of the advisor or of CLIP are missing."""
         for part in (self._advisor, self._clip):
             if part is not None:
                 part.check()
 
     def fingerprint(self) -> str | None:
-        """See :class:`models.nets.policy_defaults.PolicyModule`."""
+        """Hashes of advisor, CLIP and reader; None where some weights are missing."""
         parts = [part.fingerprint() for part in (self._advisor, self._clip) if part is not None]
         parts.append(str(fingerprint_of(self.reader)))
         return None if None in parts else " ".join(part for part in parts if part)
 
     def context(self, info: Mapping[str, Any]) -> Arrays:
-        """See :func:`models.nets.end_to_end.read_habits.read_habits`."""
+        """Arrays of :func:`models.nets.end_to_end.read_habits.read_habits`, and ``advice`` (n + 1,) float16.
+
+        ``advice`` is the advisor's probability of each category, relative to the best one; 0 without an advisor.
+        """
         arrays = read_habits(self.reader, info, scores=self._scores)
         if not self._attend:
             arrays["habit_features"] = np.zeros_like(arrays["habit_features"])
@@ -162,11 +165,11 @@ class HabitPolicyE2E(PolicyModule):
         return arrays | {"advice": advised}
 
     def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:
-        """See :func:`models.nets.end_to_end.one_frame.one_frame`."""
+        """Arrays of one step; see :func:`models.nets.end_to_end.one_frame.one_frame`."""
         return one_frame(observation, info, self._image_px, with_rgb=self._clip is not None)
 
     def features(self, frames: Tensors) -> Tensors:
-        """With CLIP: ``clip`` (..., dim) float16 in place of ``rgb``."""
+        """With CLIP: ``clip`` (..., dim) float16 in place of ``rgb``; else the frames unchanged."""
         if self._clip is None or "clip" in frames:
             return frames
         rgb = frames["rgb"]
@@ -174,12 +177,12 @@ class HabitPolicyE2E(PolicyModule):
         return {name: tensor for name, tensor in frames.items() if name != "rgb"} | {"clip": vectors}
 
     def augment(self, frames: Tensors, generator: torch.Generator) -> Tensors:
-        """The map's axes are those of the start, which always looks along the first: turn them at random."""
+        """Turn each episode by a random number of quarter turns: the map's axes are those of the start pose."""
         quarters = torch.randint(4, (frames["pose"].shape[1],), generator=generator).to(frames["pose"].device)
         return {**frames, "pose": turned(frames["pose"], quarters)}
 
     def initial_state(self, batch: int) -> Tensors:
-        """Empty maps, nothing opened, no target seen, zeros of the LSTM."""
+        """Recurrent state at the start: empty maps, no container opened, no target seen, LSTM states of 0."""
         device = self.device
         return {
             **self.memory.initial_state(batch, device),
@@ -189,11 +192,17 @@ class HabitPolicyE2E(PolicyModule):
         }
 
     def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> PolicyOutputs:
-        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
+        """Read T steps of B episodes; shapes as in :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
         return self.think(frames, context, state)[0]
 
-    def think(self, frames: Tensors, context: Tensors, state: Tensors) -> tuple[PolicyOutputs, Inside]:
-        """The outputs, and what led to them."""
+    def think(self, frames: Tensors, context: Tensors, state: Tensors) -> tuple[PolicyOutputs, PolicyTrace]:
+        """As :meth:`forward`, but also returns the intermediate results that explain the action.
+
+        Args:
+            frames: (T, B, ...) by name.
+            context: (B, ...) by name.
+            state: recurrent state before the first step, (B, ...) by name.
+        """
         frames, given = self.features(frames), dict(context)
         things, mass = frames["things"].float(), self._masses(frames["thing_ids"], given)
         new, opened, windows, remembered = self._remember(frames, things, mass, given, state)
@@ -210,16 +219,26 @@ class HabitPolicyE2E(PolicyModule):
         thought = torch.cat([hidden, facts], -1)
         planned = torch.cat([log_p[..., :3], log_p[..., 3:].expand(*log_p.shape[:-1], 4)], -1)
         logits = self.choose(thought) + self.plan_weight * planned
-        others, done = logits[..., : Action.DONE], logits[..., Action.DONE]  # Done is the last
+        others, done = logits[..., : Action.DONE], logits[..., Action.DONE]  # Done is the last action
         done = torch.where(seen.near, done, others.logsumexp(-1) + _NEVER)
         logits = torch.cat([others, done[..., None]], -1)
         value = self.judge(thought).squeeze(-1)
-        return PolicyOutputs(logits.float(), value.float(), {**new, **memory}), Inside(seen, ways)
+        return PolicyOutputs(logits.float(), value.float(), {**new, **memory}), PolicyTrace(seen, ways)
 
     def picture(
         self, info: Mapping[str, Any], frames: Tensors, context: Tensors, state: Tensors
     ) -> NDArray[np.uint8] | None:
-        """See :mod:`models.nets.policy_defaults`; drawn by :mod:`models.nets.end_to_end.draw_reasons`."""
+        """Picture of the last step of one episode, drawn by :mod:`models.nets.end_to_end.draw_reasons`.
+
+        Args:
+            info: of the episode's reset.
+            frames: (1, 1, ...) by name.
+            context: (1, ...) by name.
+            state: recurrent state before the step, (1, ...) by name.
+
+        Returns:
+            (384, W, 3) uint8.
+        """
         from models.nets.end_to_end.draw_reasons import draw_reasons
         from models.nets.end_to_end.reasons import reasons
 
@@ -229,7 +248,10 @@ class HabitPolicyE2E(PolicyModule):
         return draw_reasons(why, str(info["target"]), outputs.state["cells"][0], (i, j, heading))
 
     def _masses(self, ids: Tensor, context: dict[str, Tensor]) -> Tensor:
-        """Belief (T, B, N, 4) that the target is on, beside, in or shut in a thing, relative to the best category."""
+        """Belief (T, B, N, 4) that the target is on, beside, in (open) or in (closed) each thing.
+
+        Values are relative to the category with the highest belief.
+        """
         belief = nn.functional.pad(context["belief"].float(), (0, 0, 0, 1))  # (B, n + 1, 4)
         best = belief.sum(-1).amax(-1)[:, None, None].clamp(min=1e-6)
         row = ids.clamp(min=0).long()
@@ -243,7 +265,13 @@ class HabitPolicyE2E(PolicyModule):
     def _remember(
         self, frames: Tensors, things: Tensor, mass: Tensor, context: dict[str, Tensor], state: Tensors
     ) -> tuple[dict[str, Tensor], Tensor, list[Window], Tensor]:
-        """Write T frames into the memory, step by step; what it was at each of them."""
+        """Write T frames into the map memory, step by step.
+
+        Returns:
+            The new state; which things were opened (T, B, N); the window around the agent at each step; and the
+            remembered
+            target relative to the agent, (T, B, 4).
+        """
         new = {name: state[name].clone() for name in ("cells", "what", "opened", "target_at")}
         just, opened, windows, remembered = things[..., THING_FEATURES.index("just_opened")] > 0.5, [], [], []
         for t, ids in enumerate(frames["thing_ids"]):
@@ -269,7 +297,7 @@ class HabitPolicyE2E(PolicyModule):
         return new, torch.stack(opened), windows, torch.stack(remembered)
 
     def _status(self, frames: Tensors, context: dict[str, Tensor], windows: list[Window], remembered: Tensor) -> Tensor:
-        """Numbers (T, B, _N_STATUS): pose, last action, collision, step, remembered target, ways beside, belief."""
+        """Features (T, B, _N_STATUS): look, last action, step, collision, remembered target, nodes around, belief."""
         pose, status = frames["pose"].long(), frames["status"].long()
         look = nn.functional.one_hot(pose[..., 3] + 2, _N_LOOKS)
         last = nn.functional.one_hot(status[..., 2], 8)
@@ -286,6 +314,7 @@ class HabitPolicyE2E(PolicyModule):
         return torch.cat([look, last, step, remembered, beside, summary], -1)
 
     def _ways(self, frames: Tensors, windows: list[Window], status: Tensor) -> tuple[Ways, Tensor]:
+        """Places to go to with their weights, and log-probabilities of moves (T, B, 4)."""
         joined = Window(torch.cat([w.cells for w in windows]), torch.cat([w.free for w in windows]))
         step, found = status[..., _N_LOOKS + 8, None], status[..., _N_LOOKS + 10, None]
         given = torch.cat([status[..., -len(SUMMARY_FEATURES) :], step, found], -1).flatten(0, 1)

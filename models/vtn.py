@@ -1,11 +1,11 @@
-"""VTN: the Visual Transformer Network (Du, Yu, Zheng, ICLR 2021), with the sizes of its released code.
+"""VTN: the Visual Transformer Network (Du, Yu and Zheng, ICLR 2021), with the sizes of its released code.
 
-Kept: all sizes, the order of the layers, initialisation, the target as a mark on tokens of its label and nothing else,
-the last action as the policy's own probabilities. Different here, because the task is: seven actions in place of six;
-frames of 128 pixels, enlarged to 224 for the frozen ResNet-18, in place of 300; labels of the catalogue, scaled to
-VTNet's range. By default tokens come from the environment's detector with a learned feature a category, since DETR's
-weights are not shipped (:mod:`models.nets.vision.detr_tokens` reads them). Habits are not read: the paper's table has
-none.
+As in the release: all sizes, the order of layers, initialisation, the target only as a mark on tokens with its label,
+and the last action as the policy's own probabilities. Different, because of the task: seven actions instead of six;
+frames of 128 pixels, enlarged to 224 for the frozen ResNet-18, instead of 300; labels of the catalogue, scaled to
+VTNet's range. By default tokens come from the environment's detector with a learned feature per category, since DETR's
+weights are not shipped (:mod:`models.nets.vision.detr_tokens` reads them). Habits are not read, as in the paper's
+table.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ Tokens = LabelTokens | DetrTokens
 
 
 class _Seeing(PolicyModule):
-    """Tokens, frozen map and visual transformer: what VTN and its pre-training share."""
+    """Tokens, frozen feature map and visual transformer: the part that VTN and its pre-training share."""
 
     def __init__(self, tokens: Tokens | None, backbone: FrozenResNet18 | None, dropout: float) -> None:
         super().__init__()
@@ -47,35 +47,35 @@ class _Seeing(PolicyModule):
 
     @property
     def arguments(self) -> Mapping[str, Any]:
-        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
+        """Names of the tokens' source and of the frozen backbone, with hashes where they have weights."""
         return {"tokens": self.tokens.name, "backbone": self._backbone.name}
 
     def check(self) -> None:
-        """See :class:`models.nets.policy_defaults.PolicyModule`."""
+        """Raise an error of one line where weights of tokens or backbone are missing."""
         self.tokens.check()
         self._backbone.check()
 
     def fingerprint(self) -> str | None:
-        """See :class:`models.nets.policy_defaults.PolicyModule`."""
+        """Hashes of tokens and backbone; None where some weights are missing."""
         parts = self.tokens.fingerprint(), self._backbone.fingerprint()
         return None if None in parts else "".join(part for part in parts if part)
 
     def context(self, info: Mapping[str, Any]) -> Arrays:
-        """``target`` () int64: the label that is looked for."""
+        """``target`` () int64: the label of the target."""
         return {"target": np.array(self.tokens.label_of(str(info["target"])), np.int64)}
 
     def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:
-        """``rgb`` (H, W, 3) uint8 and what the tokens need.
+        """``rgb`` (H, W, 3) uint8, and the inputs of the tokens.
 
         Raises:
-            ConfigError: the environment shows no images.
+            ConfigError: the environment gives no images.
         """
         if "rgb" not in observation:
             raise ConfigError(f"agent {self.architecture}: observations without images; give env.observe=pixels")
         return {"rgb": observation["rgb"], **self.tokens.frame(observation, info)}
 
     def features(self, frames: Tensors) -> Tensors:
-        """``map`` (..., 512, 7, 7) float16 in place of ``rgb``, and tokens; 50 kB a frame."""
+        """``map`` (..., 512, 7, 7) float16 in place of ``rgb``, and tokens; 50 kB per frame."""
         if "map" in frames:
             return frames
         rgb = frames["rgb"]
@@ -83,7 +83,7 @@ class _Seeing(PolicyModule):
         return {name: t for name, t in self.tokens.features(frames).items() if name != "rgb"} | {"map": maps}
 
     def seen(self, frames: Tensors, context: Tensors) -> Tensor:
-        """What T x B frames show (T, B, 3136)."""
+        """Output of the visual transformer for T x B frames, (T, B, 3136) float32."""
         frames = self.features(frames)
         steps, batch = frames["map"].shape[:2]
         flat = {name: tensor.flatten(0, 1) for name, tensor in frames.items()}
@@ -94,7 +94,10 @@ class _Seeing(PolicyModule):
 
 
 class VTN(_Seeing):
-    """17.9 M parameters, 9.7 M of them in the LSTM, which reads 3200 numbers: 49 regions of 64, and 64 of actions."""
+    """Recurrent policy with 17.9 M parameters, 9.7 M of them in the LSTM.
+
+    The LSTM reads 3200 numbers: 49 regions of 64, and 64 of the last action.
+    """
 
     architecture = "vtn"
 
@@ -107,15 +110,20 @@ class VTN(_Seeing):
         pretrained: str | None = None,
         seed: int = 0,
     ) -> None:
-        """Build it with random weights.
+        """Build the network with random weights.
 
         Args:
             tokens: source of local tokens; None: :class:`LabelTokens`.
             backbone: frozen network of the frame; None: random weights.
-            dropout: of the visual transformer while training.
-            pretrained: weights of :class:`VTNPretraining`, a run of ``train.py agent=vtn_pretraining``; training of
-                all at once is said to collapse.
+            dropout: of the visual transformer in training.
+            pretrained: weights of :class:`VTNPretraining`, or a run of ``train.py agent=vtn_pretraining``; the release
+                says
+                that training collapses without.
             seed: of the weights.
+
+        Raises:
+            ConfigError: a dropout outside [0, 1).
+            DataError: no weights in ``pretrained``, or those of another network.
         """
         super().__init__(tokens, backbone, dropout)
         self.action_embed = nn.Linear(N_ACTIONS, _ACTION_WIDTH)
@@ -126,14 +134,17 @@ class VTN(_Seeing):
             torch.manual_seed(derived_seed(seed, self.architecture))
             _initialise(self)
         if pretrained is not None:
-            self._take_over(VTNPretraining(self.tokens, self._backbone), pretrained)
+            self._load_pretrained(VTNPretraining(self.tokens, self._backbone), pretrained)
 
     def initial_state(self, batch: int) -> Tensors:
-        """LSTM ``hidden`` and ``cell`` (B, 2, 512), and the last ``probabilities`` (B, 7): zeros."""
+        """LSTM ``hidden`` and ``cell`` (B, 2, 512), and the last action's ``probabilities`` (B, 7); all 0."""
         return lstm_state(batch, self.lstm) | {"probabilities": torch.zeros(batch, N_ACTIONS, device=self.device)}
 
     def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> PolicyOutputs:
-        """See :mod:`ucon.learning.policies.action_policy`. Steps go one by one: each reads the last one's answer."""
+        """Read T steps of B episodes, one by one: each step reads the action probabilities of the one before.
+
+        Shapes as in :class:`ucon.learning.policies.action_policy.ActionPolicy`.
+        """
         logits, hidden = [], []
         for seen in self.seen(frames, context):  # (B, 3136)
             inputs = torch.cat([seen, relu(self.action_embed(state["probabilities"]))], -1)
@@ -143,22 +154,24 @@ class VTN(_Seeing):
             state = memory | {"probabilities": logits[-1].softmax(-1)}
         return PolicyOutputs(torch.stack(logits), self.critic(torch.stack(hidden))[..., 0].float(), state)
 
-    def _take_over(self, pretraining: VTNPretraining, path: str) -> None:
+    def _load_pretrained(self, pretraining: VTNPretraining, path: str) -> None:
+        """Load the pre-trained visual transformer."""
         load_network(path, pretraining, how="train it with `python train.py agent=vtn_pretraining learner=imitation`")
         self.visual.load_state_dict(pretraining.visual.state_dict())
 
 
 class VTNPretraining(_Seeing):
-    """The visual transformer alone, which is to tell the expert's action from one frame and the target.
+    """Pre-training of the visual transformer: predicts the expert's action from one frame and the target.
 
-    VTNet's supervised stage: no memory, no dropout, a linear head of 3136 to 7; AdamW at 1e-4, weight decay 1e-4,
-    batches of 128 frames, the rate divided by ten every ten epochs, gradients clipped at 0.1.
+    VTNet's supervised stage: no memory, no dropout, a linear head from 3136 to 7; AdamW at 1e-4, weight decay 1e-4,
+    batches
+    of 128 frames, the rate divided by ten every ten epochs, gradients clipped at 0.1.
     """
 
     architecture = "vtn_pretraining"
 
     def __init__(self, tokens: Tokens | None = None, backbone: FrozenResNet18 | None = None, *, seed: int = 0) -> None:
-        """As :class:`VTN`."""
+        """Build the network with random weights; arguments as of :class:`VTN`."""
         super().__init__(tokens, backbone, dropout=0.0)
         self.head = nn.Linear(VISUAL_WIDTH, N_ACTIONS)
         with torch.random.fork_rng(devices=[]):
@@ -166,13 +179,13 @@ class VTNPretraining(_Seeing):
             _initialise(self)
 
     def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> PolicyOutputs:
-        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`; values are 0."""
+        """Logits (T, B, 7) of T steps of B episodes, each frame by itself; values are 0."""
         logits = self.head(self.seen(frames, context)).float()
         return PolicyOutputs(logits, torch.zeros_like(logits[..., 0]), {})
 
 
 def _initialise(policy: _Seeing) -> None:
-    """VTNet's rules: Glorot; rows of the actor of length 0.01, of the critic 1; an LSTM without bias."""
+    """VTNet's initialisation: Glorot; rows of the actor with norm 0.01, of the critic 1; an LSTM without bias."""
     policy.apply(glorot_)
     for module in policy.modules():
         if isinstance(module, nn.Embedding):

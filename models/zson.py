@@ -1,10 +1,10 @@
 """ZSON: zero-shot object navigation with multimodal goal embeddings (Majumdar et al., NeurIPS 2022).
 
-Kept: all sizes and the order of the layers, running mean and variance of the colours, augmentation, initialisation as
-in Habitat's baselines. Different here, because the task is: seven actions, and training by imitation with the goal as
-text, where ZSON learned image goals by reinforcement over 500 M frames; the encoder starts from random weights, where
-ZSON's came from self-supervision (OVRL). The goal is CLIP's text vector where its weights lie here, then the LSTM
-reads 1568 numbers as in the paper; by default it is the shipped sentence encoder's, with 928. Habits are not read.
+As in the release: all sizes and the order of layers, running mean and variance of the colours, augmentation, and
+initialisation as in Habitat's baselines. Different, because of the task: seven actions; training by imitation with the
+goal as text, where ZSON learned image goals by reinforcement over 500 M frames; an encoder with random initial weights,
+where ZSON's were self-supervised (OVRL). With CLIP's weights at hand the goal is CLIP's text vector, and the LSTM reads
+1568 numbers as in the paper; by default it is the shipped sentence encoder's vector, with 928. Habits are not read.
 """
 
 from __future__ import annotations
@@ -24,25 +24,25 @@ from ucon.core.errors import ConfigError
 from ucon.core.rng import derived_seed
 from ucon.learning.policies.action_policy import Arrays, PolicyOutputs, Tensors
 
-#: Side of a frame: the encoder's last map is 4 x 4, and its 2048 numbers are read as a whole.
+#: Side of a frame in pixels; the encoder's last map is then 4 x 4 with 128 channels, flattened to 2048 numbers.
 FRAME_PX = 128
 _VISUAL, _ACTION_WIDTH, _HIDDEN = 512, 32, 512
 _JITTER, _SHIFT_PX = 0.3, 4
 
 
 class ZSON(PolicyModule):
-    """About 14 M parameters; a frame, the goal and the last action through a 2-layer LSTM."""
+    """Recurrent policy with about 14 M parameters; a 2-layer LSTM reads frame, goal and last action."""
 
     architecture = "zson"
 
     reads_goal_images = True
 
     def __init__(self, goal: SentenceGoal | ClipGoal | None = None, *, augmented: bool = True, seed: int = 0) -> None:
-        """Build it with random weights.
+        """Build the network with random weights.
 
         Args:
-            goal: makes the goal's vector of the target's name; None: :class:`SentenceGoal`.
-            augmented: whether training shows changed colours and shifted frames.
+            goal: embeds the target's name; None: :class:`SentenceGoal`.
+            augmented: whether training changes colours and shifts frames.
             seed: of the weights.
         """
         super().__init__()
@@ -63,28 +63,28 @@ class ZSON(PolicyModule):
 
     @property
     def arguments(self) -> Mapping[str, Any]:
-        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
+        """Name and size of the goal's embedding, which the weights depend on."""
         return {"goal": self._goal.name, "goal_dim": self._goal.dim}
 
     def check(self) -> None:
-        """See :class:`models.nets.policy_defaults.PolicyModule`."""
+        """Raise an error of one line where weights of the goal's encoder are missing."""
         self._goal.check()
 
     def fingerprint(self) -> str | None:
-        """See :class:`models.nets.policy_defaults.PolicyModule`."""
+        """Hash of the goal's encoder; None where its weights are missing."""
         return self._goal.fingerprint()
 
     def context(self, info: Mapping[str, Any]) -> Arrays:
-        """``goal`` (D,) float32, of length 1: the target's name, or the image to be reached where one is given."""
+        """``goal`` (D,) float32 with norm 1: embedding of the target's name, or of the goal image if there is one."""
         if "goal_image" in info:
             return {"goal": self._goal.encode_image(info["goal_image"])}
         return {"goal": self._goal.encode(str(info["target"]))}
 
     def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:
-        """``rgb`` (128, 128, 3) uint8 and ``last_action`` () int64: 0 at the start, else the action + 1.
+        """``rgb`` (128, 128, 3) uint8, and ``last_action`` () int64: 0 at the start, else the action + 1.
 
         Raises:
-            ConfigError: no images, or of another size.
+            ConfigError: no images, or images of another size.
         """
         rgb = observation.get("rgb")
         if rgb is None or rgb.shape != (FRAME_PX, FRAME_PX, 3):
@@ -96,7 +96,10 @@ class ZSON(PolicyModule):
         return {"rgb": rgb, "last_action": np.array((last + 1) % (N_ACTIONS + 1), np.int64)}
 
     def augment(self, frames: Tensors, generator: torch.Generator) -> Tensors:
-        """Colours at 0.3 and a shift of up to 4 pixels (:mod:`models.nets.vision.augment`); ``rgb`` stays uint8."""
+        """Frames with colour jitter of 0.3 and a shift of up to 4 pixels; ``rgb`` stays uint8.
+
+        The T steps of an episode are changed alike (:mod:`models.nets.vision.augment`).
+        """
         if not self._augmented:
             return frames
         images = frames["rgb"].permute(0, 1, 4, 2, 3).float() / 255
@@ -104,15 +107,15 @@ class ZSON(PolicyModule):
         return {**frames, "rgb": (images * 255).round().to(torch.uint8).permute(0, 1, 3, 4, 2)}
 
     def update_statistics(self, frames: Tensors) -> None:
-        """Colours, to be normalised by."""
+        """Update the running mean and variance of the colours from ``rgb`` (N, 128, 128, 3)."""
         self.normalise.update_statistics(_channels_first(frames["rgb"]))
 
     def initial_state(self, batch: int) -> Tensors:
-        """LSTM ``hidden`` and ``cell`` (B, 2, 512): zeros."""
+        """LSTM ``hidden`` and ``cell`` (B, 2, 512), all 0."""
         return lstm_state(batch, self.lstm)
 
     def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> PolicyOutputs:
-        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
+        """Read T steps of B episodes; shapes as in :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
         steps, batch = frames["rgb"].shape[:2]
         images = _channels_first(frames["rgb"].flatten(0, 1))
         seen = self.visual(self.compression(self.encoder(self.normalise(images))))  # (T * B, 512)
@@ -122,7 +125,7 @@ class ZSON(PolicyModule):
         return PolicyOutputs(self.actor(hidden).float(), self.critic(hidden)[..., 0].float(), state)
 
     def _initialise(self) -> None:
-        """Habitat's rules: Kaiming for what sees, orthogonal for what remembers and decides, no bias."""
+        """Habitat's initialisation: Kaiming for convolutions and linear layers, orthogonal for LSTM and heads."""
         relu_gain = nn.init.calculate_gain("relu")
         for module in [*self.encoder.modules(), *self.compression.modules(), *self.visual.modules()]:
             if isinstance(module, nn.Conv2d | nn.Linear):

@@ -34,20 +34,19 @@ def modules() -> dict[str, Path]:
 MODULES = modules()
 
 
-def imported(path: Path, at_once: bool) -> Iterator[str]:
-    """Modules of the product that a file imports; ``at_once``: when it is imported itself, or for types alone."""
+def imported(path: Path) -> Iterator[str]:
+    """Modules of the product that a file imports: at once, for types alone, or within a function."""
 
-    def walk(node: ast.AST, inside: bool) -> Iterator[str]:
+    def walk(node: ast.AST) -> Iterator[str]:
         for child in ast.iter_child_nodes(node):
-            later = inside or isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef)
-            if isinstance(child, ast.Import) and not (at_once and inside):
+            if isinstance(child, ast.Import):
                 yield from (name.name for name in child.names if name.name in MODULES)
-            elif isinstance(child, ast.ImportFrom) and child.module in MODULES and not (at_once and inside):
+            elif isinstance(child, ast.ImportFrom) and child.module in MODULES:
                 whole = (f"{child.module}.{name.name}" for name in child.names)
                 yield from (name if name in MODULES else child.module for name in whole)
-            yield from walk(child, later)
+            yield from walk(child)
 
-    return walk(ast.parse(path.read_text(encoding="utf-8")), False)
+    return walk(ast.parse(path.read_text(encoding="utf-8")))
 
 
 def layer(module: str) -> int:
@@ -57,12 +56,13 @@ def layer(module: str) -> int:
 
 @pytest.mark.parametrize("name", sorted(MODULES.keys() - {"ucon"}))
 def test_imports_go_down_only(name: str) -> None:
-    upwards = [to for to in imported(MODULES[name], at_once=False) if to != "ucon" and layer(to) > layer(name)]
+    upwards = [to for to in imported(MODULES[name]) if to != "ucon" and layer(to) > layer(name)]
     assert upwards == []
 
 
 def test_modules_import_each_other_in_no_circle() -> None:
-    graph = {name: {to for to in imported(path, at_once=True) if to != name} for name, path in MODULES.items()}
+    """Neither when they are imported, nor for types, nor later within a function."""
+    graph = {name: {to for to in imported(path) if to != name} for name, path in MODULES.items()}
     for name, to in graph.items():  # a package is imported with what it imports, a module of it is not
         graph[name] = {one for one in to if one != "ucon" and not name.startswith(f"{one}.")}
     try:

@@ -6,7 +6,7 @@ imported until one is made, and Gymnasium only where the program has imported it
 
 import sys
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 if "gymnasium" in sys.modules:
     import ucon.envs  # noqa: F401 (registers UcON-v0)

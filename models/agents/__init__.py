@@ -1,1 +1,1 @@
-"""Search agents: one file, one class."""
+"""Search agents, one class per file."""

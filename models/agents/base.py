@@ -1,4 +1,4 @@
-"""Agents (:class:`ucon.task.agent.Agent`) made of one independent controller for each environment of the batch."""
+"""Base of agents (:class:`ucon.task.agent.Agent`) with an independent controller for each environment of a batch."""
 
 from __future__ import annotations
 
@@ -16,12 +16,17 @@ class Controller(Protocol):
     """Plays one episode in one environment."""
 
     def act(self, observation: Observation, info: Info) -> int:
-        """The next action (0..6)."""
+        """The next action, 0 to 6 (:class:`ucon.task.actions.Action`).
+
+        Args:
+            observation: of the reset or the last step.
+            info: of the same.
+        """
         ...
 
 
 class ControllerAgent:
-    """An agent made of one independent controller a slot, which a subclass makes in :meth:`start`."""
+    """An agent with one controller per slot (environment of the batch); a subclass makes it in :meth:`start`."""
 
     name = "controllers"
 
@@ -29,33 +34,55 @@ class ControllerAgent:
         self.controllers: dict[int, Controller] = {}
 
     def start(self, info: Info) -> Controller:
-        """A fresh controller for the episode whose first ``info`` is given."""
+        """A new controller for an episode.
+
+        Args:
+            info: of the environment's reset.
+        """
         raise NotImplementedError
 
     def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
-        """See :class:`ucon.task.agent.Agent`."""
+        """Start episodes in some slots.
+
+        Args:
+            infos: of the environments' resets.
+            slots: their numbers; None: the first ones.
+        """
         for slot, info in zip(slots_of(infos, slots), infos, strict=True):
             self.controllers[slot] = self.start(info)
 
     def act(
         self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
     ) -> list[int]:
-        """See :class:`ucon.task.agent.Agent`."""
+        """The next action in some slots.
+
+        Args:
+            observations: one for each slot.
+            infos: one for each slot.
+            slots: their numbers; None: the first ones.
+
+        Returns:
+            Actions from 0 to 6, in the order of the slots.
+        """
         return [
             self.controllers[slot].act(observation, info)
             for slot, observation, info in zip(slots_of(infos, slots), observations, infos, strict=True)
         ]
 
     def decisions(self, slot: int) -> list[DecisionRecord]:
-        """What was chosen in a slot since its reset; [] where nothing is chosen but actions."""
+        """Decisions in a slot since its reset; [] where the controller only chooses actions."""
         return list(getattr(self.controllers[slot], "decisions", ()))
 
     def picture(self, slot: int) -> NDArray[np.uint8] | None:
-        """For videos: what it thinks after its last action in a slot, (384, W, 3); None where it shows nothing."""
+        """For videos: a picture of the agent's state after its last action in a slot.
+
+        Returns:
+            (384, W, 3) uint8, or None where the controller draws nothing.
+        """
         drawn = getattr(self.controllers[slot], "picture", None)
         return None if drawn is None else drawn()
 
 
 def slots_of(infos: Sequence[Info], slots: Sequence[int] | None) -> Sequence[int]:
-    """The slots meant: those given, or the first ones."""
+    """Numbers of the slots: those given, or the first ``len(infos)``."""
     return range(len(infos)) if slots is None else slots

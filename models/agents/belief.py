@@ -1,8 +1,10 @@
-"""``belief``: reads the habits once, spreads its belief over the things it sees, searches by probability over cost.
+"""``belief``: reads the habits once, keeps a belief over the target's place, and searches by probability over cost.
 
-The reader says how probable each category is as the target's anchor, and by which relation. An anchor's share goes to
-its instances seen so far, the rest waits in unexplored space. What a frame shows empty is lowered by the chance that
-it would have shown the target; a flat tail makes the search fall back to coverage once the habits are spent.
+The reader gives the probability of each category as the target's anchor, with the relation. An anchor's probability is
+divided among its instances seen so far; the rest stays in unexplored space. Where a frame shows no target, belief falls
+by the chance that it would have shown it. A uniform part makes the search fall back to coverage once all places named
+by
+the habits were searched.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ from ucon.task.agent import Info
 
 
 class BeliefAgent(ControllerAgent):
-    """Searches by what the habits say."""
+    """Searches the places that the habits name, by probability over cost."""
 
     name = "belief"
 
@@ -35,15 +37,16 @@ class BeliefAgent(ControllerAgent):
         *,
         tour: bool = False,
     ) -> None:
-        """Describe the agent.
+        """Set up the agent.
 
         Args:
             locate: gives the distribution over places; by default it is read from the habits.
-            weights: how belief becomes expected mass.
-            coverage: what is expected without any belief.
-            costs: of moves, turns and looks.
-            tour: it knows the home, as one who walked through it before the target was put there: privileged, to
-                measure what knowing the map is worth.
+            weights: how belief becomes expected gain.
+            coverage: gain of exploring, without any belief.
+            costs: of moves, turns and looks, in actions.
+            tour: True: the agent gets a map of the home from a walk before the target was placed. Privileged; it
+                measures
+                what knowing the map is worth.
         """
         super().__init__()
         self._locate = locate or ReadHabits()
@@ -55,11 +58,15 @@ class BeliefAgent(ControllerAgent):
             self.name = f"{self.name} (knows the home)"
 
     def fingerprint(self) -> str:
-        """Which trained reader says where the target may be, see :mod:`ucon.evaluation.playing.needed_weights`."""
+        """Hash of the trained reader's weights; see :mod:`ucon.evaluation.playing.needed_weights`."""
         return str(fingerprint_of(self._locate))
 
     def start(self, info: Info) -> Controller:
-        """See :class:`models.agents.base.ControllerAgent`."""
+        """A controller with the belief that the habits in ``info`` give.
+
+        Raises:
+            ConfigError: ``tour`` in an environment that is not privileged.
+        """
         believing = expecting(info, self._locate, self._coverage, self._weights)
         controller = SearchController(info, believing, self._costs)
         if self._tour:
@@ -68,10 +75,10 @@ class BeliefAgent(ControllerAgent):
 
 
 def tour_of(info: Info) -> Iterable[tuple[dict[str, Any], dict[str, Any]]]:
-    """Frames of a walk through the home.
+    """Frames of a walk through the home, from the privileged ``info``: (observation, info) pairs.
 
     Raises:
-        ConfigError: the environment tells nobody.
+        ConfigError: the environment is not privileged.
     """
     try:
         frames: Iterable[tuple[dict[str, Any], dict[str, Any]]] = info["privileged"]["tour"]()

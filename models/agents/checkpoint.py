@@ -1,4 +1,4 @@
-"""Where an agent's network takes its weights from: a run of ``train.py``, what is shipped, or nobody trained it."""
+"""Weights of an agent's network: from a run of ``train.py``, shipped with the code, or untrained."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from ucon.core.errors import ConfigError
 from ucon.core.files import sha256_file
 from ucon.learning.run.network_files import WEIGHTS, Network, load_network, model_folder
 
-#: In place of a folder: play the weights that training would begin with.
+#: In place of a folder: play the network's initial weights.
 UNTRAINED: Final = "untrained"
-#: In place of a folder: the weights of this architecture that come with the code.
+#: In place of a folder: the shipped weights of this architecture.
 SHIPPED: Final = "shipped"
 FOLDER: Final = Path(__file__).parents[2] / "checkpoints"
 
 
 class NetworkCheckpoint:
-    """Of one network.
+    """Where the weights of one network come from.
 
     Args:
         network: whose weights.
-        checkpoint: folder of them, or a run of ``train.py``; ``shipped``; ``untrained``; None: still to be trained.
+        checkpoint: folder of weights or run of ``train.py``; ``shipped``; ``untrained``; None: there are none yet.
     """
 
     def __init__(self, network: Network, checkpoint: str | None) -> None:
@@ -30,16 +30,16 @@ class NetworkCheckpoint:
 
     @property
     def untrained(self) -> bool:
-        """Whether the network is to be played as it is."""
+        """Whether the network is played with its initial weights."""
         return self.checkpoint == UNTRAINED
 
     @property
     def name(self) -> str:
-        """The architecture, and whether nobody trained it."""
+        """Name for tables: the architecture, with "(untrained)" where that applies."""
         return self._network.architecture + (f" ({UNTRAINED})" if self.untrained else "")
 
     def sha256(self) -> str | None:
-        """Hash of the file of weights; "" where nobody trained them, None where there is none."""
+        """SHA-256 of the file of weights; "" for an untrained network, None where there is no file."""
         if self.untrained:
             return ""
         path = self._path
@@ -47,11 +47,11 @@ class NetworkCheckpoint:
         return None if folder is None or not (folder / WEIGHTS).is_file() else sha256_file(folder / WEIGHTS)
 
     def load(self) -> None:
-        """Give them to the network.
+        """Load the weights into the network; nothing to do for ``untrained``.
 
         Raises:
-            ConfigError: none were named.
-            DataError: there are none, they are damaged, or those of another network.
+            ConfigError: no checkpoint was named.
+            DataError: there are no weights, they are damaged, or those of another network.
         """
         if self.untrained:
             return

@@ -1,4 +1,7 @@
-"""``frontier``: explores the nearest unknown, looks at what it passes, opens what is closed. Reads no habits."""
+"""``frontier``: explores the nearest unknown space, looks at what it passes, opens closed containers.
+
+Reads no habits.
+"""
 
 from __future__ import annotations
 
@@ -10,17 +13,22 @@ from ucon.task.agent import Info
 
 
 class FrontierAgent(ControllerAgent):
-    """Searches by coverage alone."""
+    """Searches by coverage: every place not yet seen is equally likely to hold the target."""
 
     name = "frontier"
     uses_habits = False
 
     def __init__(self, weights: CoverageWeights | None = None, costs: Costs | None = None) -> None:
-        """What coverage expects, and what actions cost."""
+        """Set up the agent.
+
+        Args:
+            weights: expected gain of unexplored space, surfaces and containers.
+            costs: of moves, turns and looks, in actions.
+        """
         super().__init__()
         self._weights = weights or CoverageWeights()
         self._costs = costs or Costs()
 
     def start(self, info: Info) -> Controller:
-        """See :class:`models.agents.base.ControllerAgent`."""
+        """A controller that searches by coverage; only the target in ``info`` is used."""
         return SearchController(info, Coverage(str(info["target"]), self._weights), self._costs)

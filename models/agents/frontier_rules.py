@@ -1,7 +1,7 @@
-"""``frontier_nearest``, ``frontier_utility``, ``frontier_weighted``: frontiers by geometry alone, as controls.
+"""``frontier_nearest``, ``frontier_utility``, ``frontier_weighted``: baselines that choose frontiers by geometry alone.
 
-The edge of what is known is most of what map-based agents go by; an agent that asks a language model is worth its
-calls only where it beats these. They use no habits, open what is closed where they arrive, and look around there.
+Much of what map-based agents achieve comes from frontiers; asking a language model is worth its calls only where it
+beats these baselines. They read no habits, open closed containers where they arrive, and look around there.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ RULES = ("nearest", "utility", "weighted")
 
 
 class FrontierRuleAgent(WaypointAgent):
-    """Goes to the nearest frontier, to that of greatest utility (L3MVN's), or to the largest for its cost."""
+    """Goes to the nearest frontier, to the one of highest utility (L3MVN's), or to the largest for its cost."""
 
     uses_habits = False
 
@@ -35,16 +35,17 @@ class FrontierRuleAgent(WaypointAgent):
         opens: bool = True,
         seed: int = 0,
     ) -> None:
-        """Describe the agent.
+        """Set up the agent.
 
         Args:
-            rule: ``nearest`` by actions; ``utility``: the first on L3MVN's 5 cm map; ``weighted``: most cells of the
-                edge for each action, ``overhead`` of which every look costs.
-            overhead: actions.
+            rule: ``nearest``: fewest actions; ``utility``: the first by L3MVN's utility on its 5 cm map; ``weighted``:
+                most
+                cells per action, where ``overhead`` is added to the actions.
+            overhead: actions that every look costs in addition.
             look_around: turn through four headings at the start and on arrival.
-            replan_steps: actions after which a new choice is due; 0: on arrival only.
-            opens: Open on arrival.
-            seed: of the places drawn where there is no frontier.
+            replan_steps: actions after which it chooses anew; 0: only on arrival.
+            opens: open a closed container on arrival.
+            seed: of the random places where there is no frontier.
 
         Raises:
             ConfigError: an unknown rule.
@@ -56,11 +57,16 @@ class FrontierRuleAgent(WaypointAgent):
         self.name = f"frontier_{rule}"
 
     def strategy(self, info: Info) -> Strategy:
-        """See :class:`models.agents.waypoint.WaypointAgent`."""
+        """Candidates of an episode: frontiers of the task's grid, or of L3MVN's 5 cm map for ``utility``."""
         return FineFrontiers(Body.of(info)) if self._rule == "utility" else Frontiers()
 
     def choose(self, decisions: Sequence[Decision], slots: Sequence[int]) -> list[Chosen]:
-        """See :class:`models.agents.waypoint.WaypointAgent`; of equals the first."""
+        """The candidate of highest value in each decision; the first among equals.
+
+        Args:
+            decisions: one for each slot where a choice is due.
+            slots: of the decisions.
+        """
         out = []
         for decision in decisions:
             values = [self._value(candidate) for candidate in decision.candidates]

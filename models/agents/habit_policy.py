@@ -1,4 +1,4 @@
-"""``habit_policy``: belief, map and walking are arithmetic; where to look next is learned."""
+"""``habit_policy``: belief, map and walking are computed by fixed rules; the choice of the next view is learned."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ucon.core.files import sha256_bytes
 from ucon.core.fingerprint import fingerprint_of
 from ucon.core.rng import stream
 from ucon.evaluation.kept.decisions import DecisionRecord
-from ucon.learning.policies.action_policy import comparable
+from ucon.learning.policies.action_policy import rounded_logits
 from ucon.perception.belief.from_habits import Locate, ReadHabits, expecting
 from ucon.perception.drawing.map_picture import Image
 from ucon.perception.views.viewpoints import Choice
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class _Search:
-    """One slot's episode."""
+    """State of one slot's episode."""
 
     episode: str
     searcher: Searcher
@@ -44,16 +44,16 @@ class _Search:
     said: EpisodeTextTokens
     log: SearchLog
     chosen: tuple[Tokens, int] | None = None
-    """What the network last chose among, and the row that it chose."""
+    """Tokens of the network's last choice, and the row that it chose."""
 
     def go(self, choice: Choice | None, also: str = "") -> Action:
-        """Go where ``choice`` says, and write down why."""
+        """Set out for ``choice`` and record why; the first action."""
         self.log.chose(self.searcher, self.searcher.decision(), choice, also)
         return self.searcher.choose(choice)
 
 
 class HabitPolicyAgent:
-    """Scores views by the habit policy, for many slots in one forward."""
+    """Lets the habit policy choose among views, for many slots in one forward pass."""
 
     uses_habits = True
 
@@ -70,19 +70,23 @@ class HabitPolicyAgent:
         seed: int = 0,
         device: str = "cpu",
     ) -> None:
-        """Describe the agent; weights are read when they are needed.
+        """Set up the agent; weights are loaded when they are first needed.
 
         Args:
             policy: the network.
-            checkpoint: folder of its weights, or a run of ``train.py``; ``shipped``; ``untrained`` plays the policy as
-                it is; None: they are still to be trained.
-            locate: says where the target may be; by default it is read from the habits.
-            miss: chance that a look at a place misses the target there; at 1 what was found empty teaches nothing.
-            sizes: rows of the tokens, as in training.
+            checkpoint: folder of weights or run of ``train.py``; ``shipped``; ``untrained`` plays the initial weights;
+                None:
+                there are no weights yet.
+            locate: gives the distribution over the target's places; by default it is read from the habits.
+            miss: probability that a look at a place misses a target there; at 1, empty places do not change the belief.
+            sizes: numbers of rows of the tokens, as in training.
             text: embeds names and habits, as in training.
-            sample: draw views by the policy's probabilities; each draw is a function of seed, episode and decision.
+            sample: draw views from the policy's probabilities; each draw is a function of seed, episode and decision.
             seed: of the draws.
             device: ``cpu``, ``cuda``, ``cuda:1``; ``auto`` is a GPU if there is one.
+
+        Raises:
+            ConfigError: ``miss`` out of range.
         """
         self.policy = policy
         self._weights = NetworkCheckpoint(policy, checkpoint)
@@ -96,28 +100,36 @@ class HabitPolicyAgent:
 
     @property
     def name(self) -> str:
-        """The architecture, and whether nobody trained it."""
+        """Name for tables: the architecture, with "(untrained)" where that applies."""
         return self._weights.name
 
     def check(self) -> None:
-        """Fail in one line where weights or the device are missing, or weights do not fit.
+        """Raise an error of one line where weights or the device are missing, or weights do not fit.
 
         Raises:
-            ConfigError: no such device, or no weights were named.
+            ConfigError: no such device, or no checkpoint was named.
             DataError: no weights there, damaged ones, or those of another network.
         """
         torch_device(self._device, "agent.device")
         self._weights.load()
 
     def fingerprint(self) -> str | None:
-        """Which weights these are, see :mod:`ucon.evaluation.playing.needed_weights`."""
+        """Hash of the network's and the reader's weights; None where the network's are missing.
+
+        See :mod:`ucon.evaluation.playing.needed_weights`.
+        """
         reader, own = str(fingerprint_of(self._locate)), self._weights.sha256()
         if own is None:
             return None
         return sha256_bytes(f"{own} {reader}".encode()) if own else reader
 
     def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
-        """See :class:`ucon.task.agent.Agent`."""
+        """Start episodes in some slots: read the habits, begin an empty map.
+
+        Args:
+            infos: of the environments' resets.
+            slots: their numbers; None: the first ones.
+        """
         self._prepare()
         for slot, info in zip(slots_of(infos, slots), infos, strict=True):
             believing = expecting(info, self._locate)
@@ -129,7 +141,19 @@ class HabitPolicyAgent:
     def act(
         self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
     ) -> list[int]:
-        """See :class:`ucon.task.agent.Agent`."""
+        """The next action in some slots; where views are to be chosen, the network scores all slots at once.
+
+        Args:
+            observations: one for each slot.
+            infos: one for each slot.
+            slots: their numbers; None: the first ones.
+
+        Returns:
+            Actions from 0 to 6, in the order of the slots.
+
+        Raises:
+            DataError: the network's scores are NaN.
+        """
         numbers = list(slots_of(infos, slots))
         actions: dict[int, Action | None] = {}
         due: dict[int, Tokens] = {}
@@ -150,22 +174,22 @@ class HabitPolicyAgent:
         return [int(actions[slot]) for slot in numbers]  # type: ignore[arg-type]
 
     def decisions(self, slot: int) -> list[DecisionRecord]:
-        """What was chosen in a slot since its reset."""
+        """Decisions in a slot since its reset."""
         return self._searches[slot].log.decisions
 
     def picture(self, slot: int) -> Image:
-        """What it thinks; see :func:`ucon.search.picture.draw_search`.
+        """Picture of the map and belief in a slot, (384, W, 3) uint8; see :func:`ucon.search.picture.draw_search`.
 
-        Belief over cost is what drives the search: the habits shown are those that the belief head was moved by. Of a
-        transformer that adds something to that, which the shipped one does not, a last line says what the chosen view
-        attends to.
+        Belief over cost drives the search, so the habits shown are those that the belief head relied on. If the
+        transformer adds
+        anything to that (the shipped one does not), a last line gives the attention of the chosen view.
         """
         from ucon.search.picture import draw_search
 
         return draw_search(self._searches[slot].searcher, also=self._attending(slot))
 
     def _attending(self, slot: int) -> str:
-        """Shares of the attention of the view that was chosen last, by kind of token; "" where none is told."""
+        """Attention of the last chosen view by kind of token, in words; "" where there is nothing to tell."""
         import torch
 
         search = self._searches[slot]
@@ -178,18 +202,18 @@ class HabitPolicyAgent:
         return "attends to: " + ", ".join(f"{kind} {share:.0%}" for kind, share in shares.items() if kind != "ego")
 
     def _chosen(self, due: dict[int, Tokens]) -> list[int]:
-        """Rows of the views that are chosen in the slots where a choice is due."""
+        """Row of the chosen view in each slot of ``due``."""
         import torch
 
         if not due:
             return []
         with torch.inference_mode():
             scores = self.policy(self._tensors(due))
-        logits = comparable(scores.logits)
+        logits = rounded_logits(scores.logits)
         return [self._choose(row, self._searches[slot]) for slot, row in zip(due, logits, strict=True)]
 
     def _tensors(self, due: dict[int, Tokens]) -> dict[str, Tensor]:
-        """What the network reads of the decisions in some slots."""
+        """Network inputs of the decisions in some slots, (B, ...) float32 by name."""
         import torch
 
         rows = [{**tokens.arrays, **self._searches[slot].said()} for slot, tokens in due.items()]
@@ -199,17 +223,19 @@ class HabitPolicyAgent:
         return tensors | {"thing_names": torch.from_numpy(names).to(self._device)}
 
     def _choose(self, logits: np.ndarray[Any, np.dtype[np.float64]], search: _Search) -> int:
+        """Row of the highest logit (V,), or a sampled one."""
         if np.isnan(logits).any():
             step = search.searcher.map.step
             raise DataError(f"agent {self.name}: scores that are no numbers at step {step}; train it anew")
         if not self._sample:
             return int(logits.argmax())
-        heat = np.exp(logits - logits.max())
+        weights = np.exp(logits - logits.max())
         draw = stream(self._seed, self.policy.architecture, search.episode, search.searcher.decisions)
-        return int(draw.choice(len(heat), p=heat / heat.sum()))
+        return int(draw.choice(len(weights), p=weights / weights.sum()))
 
     @cached_property
     def _names(self) -> np.ndarray[Any, np.dtype[np.float32]]:
+        """Embeddings of category names, (n + 1, 384) float32; the last row stands for no category."""
         return name_table(self._text.encoder)
 
     def _prepare(self) -> None:

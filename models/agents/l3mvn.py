@@ -1,18 +1,24 @@
 """``l3mvn``: goes to the frontier near which a language model expects the target (Yu, Kasaei and Cao, IROS 2023).
 
-On a 5 cm map it finds at most four frontiers, rated by their size and nearness. For each that has things near it, the
-model is asked how probable the target is in "a room containing" these, among a set of labels. A frontier whose
-probability is clearly above chance is taken; otherwise the first, in the order of utility, that is not below it. The
-target is taken as soon as a pixel of it is mapped.
+On a 5 cm map it finds at most four frontiers and ranks them by utility (size and nearness). For each frontier with
+things
+near it, the model gives the probability of the target in "a room containing" these things, among a set of labels. A
+frontier whose probability is clearly above chance is taken; else the first by utility that is not clearly below chance.
+The target is approached as soon as a pixel of it is mapped.
 
-What differs from the paper and its code, and why. The label set is the target and 19 other categories drawn once from
-the catalogue, where L3MVN has its six targets: hundreds of targets leave no fixed head to train, so this is the
-zero-shot form, and its thresholds (0.3 and 0.1 of six labels) are scaled by the number of labels. Habits are put before
-the sentence, as many as fit, since there is no prompt. Walking is by the planner that all agents share; a choice is due
-on arrival, or after 10 actions as in the code. It turns through four headings at the start and on arrival, which L3MVN
-does not (``look_around``); the square around a frontier whose things are told is 4 m wide, as in its zero-shot form (6
-m with a trained head; ``square_m``). The first frontier found counts as well (its loop skips one). Open on arrival,
-which L3MVN has not (``opens``). Where there is no frontier it goes to a random place, as L3MVN does.
+Differences from the paper and its code, and their reasons:
+- Labels are the target and 19 other categories drawn once from the catalogue; L3MVN has its six targets. With hundreds
+of
+  targets there is no fixed head to train, so this is the zero-shot form. Its thresholds (0.3 and 0.1 of six labels) are
+  scaled by the number of labels.
+- Habits precede the sentence, as many as fit, since there is no prompt.
+- Walking is by the planner that all agents share. A choice is due on arrival, or after 10 actions as in the code.
+- It turns through four headings at the start and on arrival, which L3MVN does not (``look_around``).
+- The square around a frontier whose things are listed is 4 m wide, as in the zero-shot form (6 m with a trained head;
+  ``square_m``).
+- The first frontier found counts as well; L3MVN's loop skips one.
+- It opens containers on arrival, which L3MVN cannot (``opens``).
+- Without a frontier it goes to a random place, as L3MVN does.
 """
 
 from __future__ import annotations
@@ -32,13 +38,13 @@ from ucon.perception.mapping.fine_frontiers import SQUARE_M
 from ucon.search import Decision, FineFrontiers, Manner, Strategy
 from ucon.task.agent import Info
 
-#: L3MVN's number of labels, to which its thresholds belong.
+#: Number of labels in L3MVN; its thresholds are for that number.
 LABELS_THERE = 6
 MOST_THINGS = 20
 
 
 class L3MVNAgent(AskingAgent):
-    """Frontiers by utility and by what a language model expects behind them."""
+    """Chooses frontiers by utility and by the target's probability near them."""
 
     name = "l3mvn"
 
@@ -56,22 +62,23 @@ class L3MVNAgent(AskingAgent):
         seed: int = 0,
         prompt: str = "l3mvn",
     ) -> None:
-        """Describe the agent; see :class:`models.agents.asking.AskingAgent` for the rest.
+        """Set up the agent; :class:`models.agents.asking.AskingAgent` has the rest.
 
         Args:
-            language: answers; must give scores.
-            sure: above it the best frontier is taken, by its probability among six labels.
-            possible: above it the first frontier in order of utility is taken.
+            language: the language model; has to give scores.
+            sure: a best frontier above this probability (scaled to six labels) is taken.
+            possible: else the first frontier by utility above this one is taken.
             n_labels: size of the label set.
-            square_m: side of the square around a frontier whose things are told.
-            replan_steps: actions after which a new choice is due; 0: on arrival only.
-            look_around: turn through four headings at the start and on arrival (L3MVN sees less at once: 79 degrees).
-            opens: Open on arrival.
-            seed: of what is drawn at random.
-            prompt: its file.
+            square_m: side of the square around a frontier whose things are listed, in metres.
+            replan_steps: actions after which it chooses anew; 0: only on arrival.
+            look_around: turn through four headings at the start and on arrival (L3MVN's camera sees less at once: 79
+                degrees).
+            opens: open a closed container on arrival.
+            seed: of random choices.
+            prompt: name of its file.
 
         Raises:
-            ConfigError: the model only names an option.
+            ConfigError: the model gives no scores.
         """
         if not language.gives_scores:
             raise ConfigError(
@@ -83,12 +90,17 @@ class L3MVNAgent(AskingAgent):
         self._sure, self._possible, self._n_labels, self._square_m = sure, possible, n_labels, square_m
 
     def strategy(self, info: Info) -> Strategy:
-        """See :class:`models.agents.waypoint.WaypointAgent`."""
+        """Candidates of an episode: frontiers of the 5 cm map, by falling utility."""
         return FineFrontiers(Body.of(info), self._square_m)
 
     def questions(self, decision: Decision, slot: int) -> list[Question]:
-        """One question for each frontier that has things near it."""
-        target, habits, system = self._told[slot]
+        """One question for each frontier that has things near it.
+
+        Args:
+            decision: has the frontiers as candidates.
+            slot: of the decision.
+        """
+        target, habits, system = self._constant_prompt[slot]
         options = tuple(Option(name, (name,)) for name in label_set(decision.target, self._n_labels))
         names = ", ".join(option.name for option in options)
         out = []
@@ -102,7 +114,15 @@ class L3MVNAgent(AskingAgent):
         return out
 
     def conclude(self, decision: Decision, questions: Sequence[Question], answers: Sequence[Answer]) -> Chosen:
-        """The frontier by L3MVN's rule."""
+        """The frontier that L3MVN's rule chooses.
+
+        A frontier without things near it scores 0.1 to 0.2, by its utility.
+
+        Args:
+            decision: has the frontiers as candidates.
+            questions: as :meth:`questions` gave them.
+            answers: one for each question; log-probabilities as scores.
+        """
         utility = [candidate.utility for candidate in decision.candidates]
         described = iter(answers)
         scores, fallback = [], False
@@ -118,7 +138,13 @@ class L3MVNAgent(AskingAgent):
 
 
 def select(scores: Sequence[float], sure: float, possible: float) -> int:
-    """The best frontier if it is sure, else the first possible one, else the first; they come by falling utility."""
+    """Index of the chosen frontier: the best one if above ``sure``, else the first above ``possible``, else the first.
+
+    Args:
+        scores: probabilities scaled to six labels, by falling utility.
+        sure: threshold of the best frontier.
+        possible: threshold of the others.
+    """
     best = int(np.argmax(scores))
     if scores[best] > sure:
         return best

@@ -1,16 +1,20 @@
 """``lgx``: asks a language model which direction to take (Dorbala, Mullen and Manocha, RA-L 2024).
 
-In each round it turns through four headings, takes the target if one of them shows it, and otherwise asks: the things
-seen in each free direction (or, ``mode="object"``, one list of the things seen in free directions), one answer, and
-walks to a point drawn from the free nodes in view that way; a thing means the first free direction that shows it.
+In each round it turns through four headings and approaches the target if one of them shows it. Otherwise it asks one
+question, with the things seen in each free direction (``mode="direction"``) or one list of all of them
+(``mode="object"``), and walks to a random free node in view in the answered direction. An answered thing means the
+first free direction that shows it.
 
-What differs from the paper and its code, and why: four views at 90 degrees instead of thirteen at 30 (the turns of the
-task); rounds until the steps are used up instead of five (300 steps are given); labels from the detector in use instead
-of YOLOv5 and GLIP; the prompt lists things by direction and leaves blocked directions out, as the UcON paper describes
-it, while LGX's object mode gives one list of all that is seen (here of what stands in free directions), and both walk
-in the thing's direction; walking by the common planner, which every agent shares; success is the task's (an approach
-and Done within 1 m) instead of an oracle's within 2 m; Open on arrival, which LGX has not (``manner.opens``). Nothing
-is remembered from round to round (``memory`` is an addition, off).
+Differences from the paper and its code, and their reasons:
+- Four views at 90 degrees instead of thirteen at 30: the turns of the task.
+- Rounds until the steps are used up instead of five: 300 steps are given.
+- Labels from the detector in use instead of YOLOv5 and GLIP.
+- The prompt lists things by direction and leaves blocked directions out, as the UcON paper describes it; LGX's object
+  mode gives one list of everything seen (here: in free directions). Both walk in the thing's direction.
+- Walking is by the planner that all agents share.
+- Success is the task's (an approach, and Done within 1 m) instead of an oracle's within 2 m.
+- It opens containers on arrival, which LGX cannot (``opens``).
+- Nothing is remembered between rounds (``memory`` is an addition, off by default).
 """
 
 from __future__ import annotations
@@ -30,12 +34,12 @@ from ucon.search import Decision, Manner, Strategy, Views
 from ucon.task.agent import Info
 
 Mode = Literal["direction", "object"]
-#: Names of directions, by quarter turns to the left.
+#: Names of directions; the index is the number of quarter turns to the left.
 SIDES = ("front", "left", "behind", "right")
 
 
 class LGXAgent(AskingAgent):
-    """Language-guided exploration."""
+    """Language-guided exploration: chooses a direction, then a random node that way."""
 
     name = "lgx"
 
@@ -52,18 +56,18 @@ class LGXAgent(AskingAgent):
         seed: int = 0,
         prompt: str = "lgx",
     ) -> None:
-        """Describe the agent; see :class:`models.agents.asking.AskingAgent` for the rest.
+        """Set up the agent; :class:`models.agents.asking.AskingAgent` has the rest.
 
         Args:
-            language: answers.
+            language: the language model.
             mode: choose among directions, or among the things seen.
             goal: which of the free nodes in view to walk to.
-            reach_m: how far it may be.
-            temperature: of the choice.
-            memory: say which directions lead back to where it was.
-            opens: Open on arrival.
-            seed: of what is drawn at random.
-            prompt: its file.
+            reach_m: largest distance of that node, in metres.
+            temperature: of the choice, where the model gives scores.
+            memory: mark directions that lead to visited nodes.
+            opens: open a closed container on arrival.
+            seed: of random choices.
+            prompt: name of its file.
 
         Raises:
             ConfigError: an unknown mode or goal.
@@ -77,12 +81,17 @@ class LGXAgent(AskingAgent):
         self._mode, self._goal, self._reach_m, self._memory = mode, goal, reach_m, memory
 
     def strategy(self, info: Info) -> Strategy:
-        """See :class:`models.agents.waypoint.WaypointAgent`."""
+        """Candidates of an episode: the free ones of four directions."""
         return Views(self._goal, most_m=self._reach_m)
 
     def questions(self, decision: Decision, slot: int) -> list[Question]:
-        """See :class:`models.agents.asking.AskingAgent`."""
-        target, habits, system = self._told[slot]
+        """One question about the directions, or about the things in them.
+
+        Args:
+            decision: has the free directions as candidates.
+            slot: of the decision.
+        """
+        target, habits, system = self._constant_prompt[slot]
         options = self._options(decision)
         names = ", ".join(option.name for option in options)
         things = listed([(name, 1) for name in dict.fromkeys(n for c in decision.candidates for n, _ in c.things)], 99)
@@ -99,7 +108,13 @@ class LGXAgent(AskingAgent):
         ]
 
     def conclude(self, decision: Decision, questions: Sequence[Question], answers: Sequence[Answer]) -> Chosen:
-        """See :class:`models.agents.asking.AskingAgent`; a thing means the first direction that shows it."""
+        """The answered direction; an answered thing means the first direction that shows it.
+
+        Args:
+            decision: has the free directions as candidates.
+            questions: the one question.
+            answers: its answer.
+        """
         if self._mode == "direction":
             return super().conclude(decision, questions, answers)
         options = tuple(option.name for option in questions[0].options)
@@ -132,5 +147,5 @@ class LGXAgent(AskingAgent):
 
 
 def side_of(here: View, candidate: Candidate) -> str:
-    """The name of a candidate's direction, seen from ``here``."""
+    """Name of a candidate's direction relative to the heading of ``here``: front, left, behind or right."""
     return SIDES[(candidate.view.heading - here.heading) % 4]

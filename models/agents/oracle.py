@@ -1,4 +1,4 @@
-"""``oracle``: replays the stored shortest solution; it shows what the episode sets allow."""
+"""``oracle``: replays the stored shortest solution; SR and SPL show what the episode sets allow."""
 
 from __future__ import annotations
 
@@ -22,13 +22,17 @@ class _Replay:
 
 
 class OracleAgent(ControllerAgent):
-    """Knows map and target: an upper bound, not a competitor."""
+    """Replays the shortest solution, which uses the true map and target place: an upper bound of SPL."""
 
     name = "oracle"
     uses_habits = False
 
     def start(self, info: Info) -> Controller:
-        """See :class:`models.agents.base.ControllerAgent`."""
+        """A controller that replays the solution in the privileged ``info``.
+
+        Raises:
+            ConfigError: the environment is not privileged.
+        """
         try:
             return _Replay(str(info.get("episode", "")), str(info["privileged"]["solution"]))
         except KeyError:

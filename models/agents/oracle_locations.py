@@ -1,4 +1,4 @@
-"""``oracle_locations``: knows all places where this household keeps the target, and searches like ``belief``."""
+"""``oracle_locations``: is given the true distribution of the target's places, and searches like ``belief``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,14 @@ from ucon.task.agent import Info
 
 
 def true_locations(info: Info) -> Locations:
-    """The household's own distribution over (anchor, relation), as the episode was drawn from it."""
+    """The household's distribution over (anchor, relation), from which the episode was drawn.
+
+    Args:
+        info: of the reset of a privileged environment.
+
+    Raises:
+        ConfigError: the environment is not privileged.
+    """
     try:
         places = info["privileged"]["locations"]
     except KeyError:
@@ -27,11 +34,15 @@ def true_locations(info: Info) -> Locations:
 
 
 class OracleLocationsAgent(BeliefAgent):
-    """What perfect reading would give: it knows neither the map, nor where anchors stand, nor which place it is now."""
+    """An upper bound of reading habits: knows the places a household uses, but not the map or which place it is now."""
 
     name = "oracle_locations"
     uses_habits = False
 
     def __init__(self, *, tour: bool = False) -> None:
-        """It has nothing to read. ``tour``: it knows the map as well."""
+        """Set up the agent.
+
+        Args:
+            tour: True: it also gets a map of the home beforehand; see :class:`models.agents.belief.BeliefAgent`.
+        """
         super().__init__(true_locations, tour=tour)

@@ -1,17 +1,22 @@
-"""``pixelnav``: asks which of four views to go into, and walks to a pixel in it (Cai et al., ICRA 2024).
+"""``pixelnav``: asks a language model which of four views to enter, and walks to a pixel in it (Cai et al., ICRA 2024).
 
-In each round it turns through four headings and asks: ``inputs="labels"`` tells a language model what the detector saw
-in each view (the paper's planner; variant 2 of the UcON paper), ``inputs="images"`` shows the four views as one picture
-with their angles (the released planner; variant 1). In the chosen view the goal pixel is the target if the view shows
-it, else the middle of the largest patch of floor. On arrival it says Done if the view had shown the target, and asks
-again otherwise. There is no memory, and nothing seen on the way changes the plan (``interrupt_on_sight`` does).
+In each round it turns through four headings and asks. ``inputs="labels"`` lists what the detector saw in each view (the
+paper's planner; variant 2 of the UcON paper). ``inputs="images"`` shows the four views as one picture with their angles
+(the released planner; variant 1). In the chosen view, the goal pixel is the target if the view shows it, else the
+middle
+of the largest patch of floor. On arrival it says Done if the view had shown the target, and asks again otherwise.
+Nothing is remembered, and nothing seen on the way changes the plan (unless ``interrupt_on_sight``).
 
-What differs from the paper and its code, and why: four views at 90 degrees instead of twelve at 30 (the task's turns);
-views without a reachable node of the map in sight at 1 to 5 m are left out of the question, for its first rule, which
-leaves out views without floor to walk on; labels of the detector in use instead of Grounding DINO and SAM; the planner
-that all agents share instead of the learned pixel policy, as the UcON paper has it, to the reachable node in view that
-is nearest to the goal pixel, 5 m away at most; Open on arrival, which PixelNav has not (``opens``); answers are one of
-the listed angles, without a reason, so that small models can be used.
+Differences from the paper and its code, and their reasons:
+- Four views at 90 degrees instead of twelve at 30: the task's turns.
+- Views without a reachable node in sight at 1 to 5 m are left out of the question; PixelNav's first rule leaves out
+views
+  without floor to walk on.
+- Labels of the detector in use instead of Grounding DINO and SAM.
+- Walking is by the planner that all agents share instead of the learned pixel policy, as in the UcON paper; the goal is
+  the reachable node in view nearest to the goal pixel, at most 5 m away.
+- It opens containers on arrival, which PixelNav cannot (``opens``).
+- Answers are one of the listed angles without a reason, so that small models can be used.
 """
 
 from __future__ import annotations
@@ -37,7 +42,7 @@ _RED = (220, 30, 30)
 
 
 class PixelNavAgent(AskingAgent):
-    """Chooses a view, then a pixel in it."""
+    """Chooses a view, then walks to a pixel in it."""
 
     name = "pixelnav"
 
@@ -53,20 +58,20 @@ class PixelNavAgent(AskingAgent):
         seed: int = 0,
         prompt: str = "",
     ) -> None:
-        """Describe the agent; see :class:`models.agents.asking.AskingAgent` for the rest.
+        """Set up the agent; :class:`models.agents.asking.AskingAgent` has the rest.
 
         Args:
-            language: answers.
-            inputs: what it is told of the views.
-            reach_m: farthest goal.
-            interrupt_on_sight: take the target as soon as it is seen, not only where its view was chosen.
-            opens: Open on arrival.
-            temperature: of the choice.
-            seed: of what is drawn at random.
-            prompt: its file; by default that of the inputs.
+            language: the language model.
+            inputs: ``labels`` or ``images``: how the views are described.
+            reach_m: largest distance of a goal, in metres.
+            interrupt_on_sight: approach the target as soon as it is seen, not only where its view was chosen.
+            opens: open a closed container on arrival.
+            temperature: of the choice, where the model gives scores.
+            seed: of random choices.
+            prompt: name of its file; by default that of the inputs.
 
         Raises:
-            ConfigError: unknown inputs, or images for a model that sees none.
+            ConfigError: unknown inputs, or images for a model that reads none.
         """
         if inputs not in get_args(Inputs):
             raise ConfigError(unknown_name("inputs of agent pixelnav", inputs, get_args(Inputs)))
@@ -82,12 +87,17 @@ class PixelNavAgent(AskingAgent):
             self.name = "pixelnav_images"
 
     def strategy(self, info: Info) -> Strategy:
-        """See :class:`models.agents.waypoint.WaypointAgent`."""
+        """Candidates of an episode: those of four views with floor to walk on."""
         return Views("floor", most_m=self._reach_m, images=self._inputs == "images")
 
     def questions(self, decision: Decision, slot: int) -> list[Question]:
-        """See :class:`models.agents.asking.AskingAgent`."""
-        target, habits, system = self._told[slot]
+        """One question about the views, as labels or as a picture.
+
+        Args:
+            decision: has the views as candidates.
+            slot: of the decision.
+        """
+        target, habits, system = self._constant_prompt[slot]
         here = decision.known.view
         options = tuple(
             Option(str(angle_of(here, c.view.heading)), tuple(phrase(name) for name, _ in c.things))
@@ -103,7 +113,7 @@ class PixelNavAgent(AskingAgent):
 
 
 def angle_of(here: View, heading: int) -> int:
-    """Degrees to turn right from where the agent looks to a heading: 0, 90, 180 or 270."""
+    """Degrees to turn right from the heading of ``here`` to another: 0, 90, 180 or 270."""
     return 90 * ((here.heading - heading) % 4)
 
 
@@ -112,7 +122,10 @@ def _line(here: View, candidate: Candidate) -> str:
 
 
 def mosaic(decision: Decision) -> NDArray[np.uint8]:
-    """The four views, 2 x 2 with gaps of 10 pixels, each with its angle in red, (H, W, 3) uint8.
+    """The four views in one picture, 2 x 2 with gaps of 10 pixels, each with its angle in red.
+
+    Returns:
+        (2 H + 10, 2 W + 10, 3) uint8.
 
     Raises:
         ConfigError: the environment gives no images.
@@ -125,7 +138,7 @@ def mosaic(decision: Decision) -> NDArray[np.uint8]:
     out = np.full((2 * height + _GAP_PX, 2 * width + _GAP_PX, 3), 255, np.uint8)
     for angle, rgb in tiles.items():
         row, column = divmod(angle // 90, 2)
-        tile = rgb.copy()  # the frame is the observation's own
+        tile = rgb.copy()  # do not draw into the observation
         size = height / 160
         place = (round(6 * size), round(24 * size))
         cv2.putText(tile, str(angle), place, cv2.FONT_HERSHEY_SIMPLEX, 0.7 * size, _RED, max(1, round(2 * size)))

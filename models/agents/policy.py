@@ -1,4 +1,4 @@
-"""Any policy over the seven actions as an agent: many environments in one forward, a recurrent state for each."""
+"""Any policy over the seven actions as an agent: many environments in one forward pass, a recurrent state for each."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import sha256_bytes
 from ucon.core.rng import stream
-from ucon.learning.policies.action_policy import Arrays, Tensors, comparable, stacked, tensors_of
+from ucon.learning.policies.action_policy import Arrays, Tensors, rounded_logits, stacked, tensors_of
 from ucon.task.agent import Info, Observation
 
 if TYPE_CHECKING:
@@ -24,24 +24,25 @@ if TYPE_CHECKING:
 
 @dataclass
 class _Episode:
-    """What a slot remembers of its episode."""
+    """State of one slot's episode."""
 
     info: Info
-    """Of its reset."""
+    """``info`` of its reset."""
     context: Tensors
-    """Tensors (...), without a batch axis."""
+    """Context tensors (...), without a batch axis."""
     state: Tensors
-    """Tensors (...), without a batch axis."""
+    """Recurrent state, tensors (...), without a batch axis."""
     steps: int = 0
     last: tuple[Tensors, Tensors] | None = None
-    """The frame that it acted on, and the state before it: enough to think the same again, for a picture."""
+    """The last frame and the recurrent state before it, from which a picture is computed."""
 
 
 class PolicyAgent:
-    """Plays a policy: the action of the highest logit, or one drawn by them.
+    """Plays a policy: takes the action of the highest logit, or samples.
 
-    Records are the same bytes with ``batch=1``, whatever the workers. In a larger batch sums may differ in their last
-    bits, and with them an action where two are as good as equal.
+    Records are byte-equal with ``batch=1``, for any number of workers. In a larger batch sums may differ in their last
+    bits,
+    and with them an action where two logits are almost equal.
     """
 
     def __init__(
@@ -54,20 +55,22 @@ class PolicyAgent:
         seed: int = 0,
         device: str = "cpu",
     ) -> None:
-        """Describe the agent; weights are read when they are needed.
+        """Set up the agent; weights are loaded when they are first needed.
 
         Args:
             policy: the network.
-            checkpoint: folder of its weights, or a run of ``train.py``; ``shipped``; ``untrained`` plays the policy as
-                it is; None: they are still to be trained.
-            sample: draw actions by the policy's probabilities instead of taking the best; each draw is a function of
-                seed, episode and step.
-            temperature: logits are divided by it before a draw: below 1 the likely becomes likelier.
+            checkpoint: folder of weights or run of ``train.py``; ``shipped``; ``untrained`` plays the initial weights;
+                None:
+                there are no weights yet.
+            sample: draw actions from the policy's probabilities instead of taking the best; each draw is a function of
+                seed,
+                episode and step.
+            temperature: logits are divided by it before a draw; below 1, likely actions become likelier.
             seed: of the draws.
             device: ``cpu``, ``cuda``, ``cuda:1``; ``auto`` is a GPU if there is one.
 
         Raises:
-            ConfigError: a temperature that is none.
+            ConfigError: a temperature out of range.
         """
         if type(temperature) not in (int, float) or not 0.01 <= temperature <= 100:
             raise ConfigError(f"agent.temperature={brief(temperature)}: expected a number from 0.01 to 100")
@@ -79,19 +82,19 @@ class PolicyAgent:
 
     @property
     def name(self) -> str:
-        """The architecture, and whether nobody trained it."""
+        """Name for tables: the architecture, with "(untrained)" where that applies."""
         return self._weights.name
 
     @property
     def uses_habits(self) -> bool:
-        """Whether the policy reads them."""
+        """Whether the policy's outputs depend on the habits."""
         return self.policy.uses_habits
 
     def check(self) -> None:
-        """Fail in one line where weights or the device are missing, or weights do not fit.
+        """Raise an error of one line where weights or the device are missing, or weights do not fit.
 
         Raises:
-            ConfigError: no such device.
+            ConfigError: no such device, or no checkpoint was named.
             DataError: no weights, damaged ones, or those of another network.
         """
         torch_device(self._device, "agent.device")
@@ -99,17 +102,24 @@ class PolicyAgent:
         self._weights.load()
 
     def fingerprint(self) -> str | None:
-        """Which weights these are, see :mod:`ucon.evaluation.playing.needed_weights`."""
+        """Hash of the trained and frozen weights; None where some are missing.
+
+        See :mod:`ucon.evaluation.episodes.needed_weights`.
+        """
         frozen, own = self.policy.fingerprint(), self._weights.sha256()
         if frozen is None or own is None:
             return None
         return sha256_bytes(f"{own} {frozen}".encode()) if own else frozen
 
     def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
-        """See :class:`ucon.task.agent.Agent`.
+        """Start episodes in some slots, with fresh recurrent states.
+
+        Args:
+            infos: of the environments' resets.
+            slots: their numbers; None: the first ones.
 
         Raises:
-            ConfigError: more habits than the weights learned from.
+            ConfigError: more habits than the weights were trained with.
         """
         self._prepare()
         for slot, info in zip(slots_of(infos, slots), infos, strict=True):
@@ -121,18 +131,30 @@ class PolicyAgent:
     def act(
         self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
     ) -> list[int]:
-        """See :class:`ucon.task.agent.Agent`."""
+        """The next action in some slots, in one forward pass.
+
+        Args:
+            observations: one for each slot.
+            infos: one for each slot.
+            slots: their numbers; None: the first ones.
+
+        Returns:
+            Actions from 0 to 6, in the order of the slots.
+
+        Raises:
+            DataError: logits that are not finite.
+        """
         import torch
 
-        playing = [self._episodes[slot] for slot in slots_of(infos, slots)]
+        episodes = [self._episodes[slot] for slot in slots_of(infos, slots)]
         frames = [self._tensors(self.policy.frame(o, i)) for o, i in zip(observations, infos, strict=True)]
         with torch.inference_mode():
             steps = {name: tensor[None] for name, tensor in stacked(frames).items()}  # (1, B, ...)
-            context, state = stacked([e.context for e in playing]), stacked([e.state for e in playing])
+            context, state = stacked([e.context for e in episodes]), stacked([e.state for e in episodes])
             outputs = self.policy(steps, context, state)
-            logits = comparable(outputs.logits[0])  # (B, 7)
+            logits = rounded_logits(outputs.logits[0])  # (B, 7)
         actions = []
-        for row, (episode, values) in enumerate(zip(playing, logits, strict=True)):
+        for row, (episode, values) in enumerate(zip(episodes, logits, strict=True)):
             actions.append(self._choose(values, episode))
             episode.last = frames[row], episode.state
             episode.state = {name: tensor[row] for name, tensor in outputs.state.items()}
@@ -140,7 +162,11 @@ class PolicyAgent:
         return actions
 
     def picture(self, slot: int) -> NDArray[np.uint8] | None:
-        """For videos: what the policy thought at its last step in a slot, (384, W, 3); None where it shows nothing."""
+        """For videos: a picture of the policy's last step in a slot.
+
+        Returns:
+            (384, W, 3) uint8, or None where the policy draws nothing.
+        """
         import torch
 
         episode = self._episodes[slot]
@@ -156,9 +182,9 @@ class PolicyAgent:
             raise DataError(f"agent {self.name}: logits that are no numbers at step {episode.steps}; train it anew")
         if not self._sample:
             return int(logits.argmax())
-        heat = np.exp((logits - logits.max()) / self._temperature)
+        weights = np.exp((logits - logits.max()) / self._temperature)
         draw = stream(self._seed, self.policy.architecture, str(episode.info.get("episode", "")), episode.steps)
-        return int(draw.choice(len(heat), p=heat / heat.sum()))
+        return int(draw.choice(len(weights), p=weights / weights.sum()))
 
     def _check_length(self, info: Info) -> None:
         n, most = len(info.get("habits", ())), self.policy.max_habits

@@ -1,4 +1,4 @@
-"""``random``: the floor of every comparison."""
+"""``random``: random actions, the lower bound of every comparison."""
 
 from __future__ import annotations
 
@@ -22,7 +22,15 @@ class _Dice:
 
 
 class RandomAgent(ControllerAgent):
-    """Draws among the seven actions; an episode's draws depend on the seed and the episode only."""
+    """Draws among the seven actions; an episode's draws depend only on the seed and the episode.
+
+    Args:
+        seed: of the draws.
+        done_probability: of Done; the other six share the rest equally.
+
+    Raises:
+        ConfigError: a probability outside [0, 1].
+    """
 
     name = "random"
     uses_habits = False
@@ -34,5 +42,5 @@ class RandomAgent(ControllerAgent):
         self._seed, self._done = seed, done_probability
 
     def start(self, info: Info) -> Controller:
-        """See :class:`models.agents.base.ControllerAgent`."""
+        """A controller with the random stream of the episode."""
         return _Dice(stream(self._seed, "random", str(info.get("episode", ""))), self._done)

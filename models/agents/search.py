@@ -1,4 +1,4 @@
-"""The searching controller that ``frontier`` and ``belief`` share: of all views, that of the most gain for its cost."""
+"""The controller that ``frontier`` and ``belief`` share: goes to the view of the highest expected gain over cost."""
 
 from __future__ import annotations
 
@@ -11,22 +11,31 @@ from ucon.search.searcher import SearchDecision, Searcher
 from ucon.task.actions import Action
 from ucon.task.agent import Info, Observation
 
-#: Digits kept of a score.
+#: Digits of a score in ``decisions.jsonl``.
 _DIGITS = 6
 
 
 class SearchLog:
-    """What one search chose, for ``decisions.jsonl``: a line where it goes for something else than before."""
+    """Decisions of one search for ``decisions.jsonl``: one line whenever its goal changes."""
 
     def __init__(self, info: Info) -> None:
-        """``info``: of the reset."""
+        """Start an empty log.
+
+        Args:
+            info: of the reset.
+        """
         self.decisions: list[DecisionRecord] = []
         self._episode = str(info.get("episode", ""))
         self._going: Choice | None = None
         self._taking = False
 
     def looked(self, searcher: Searcher, action: Action | None) -> None:
-        """After a frame: what is done without a choice of views."""
+        """Record, after a frame, what is done without choosing a view: approaching the target, or opening on the way.
+
+        Args:
+            searcher: has taken in the frame.
+            action: that follows at once; None where a view is to be chosen.
+        """
         if searcher.taking:
             if not self._taking:
                 self._taking = True
@@ -35,7 +44,14 @@ class SearchLog:
             self._add(searcher, aim_to_open(searcher))
 
     def chose(self, searcher: Searcher, decision: SearchDecision, choice: Choice | None, also: str = "") -> None:
-        """Before the search goes where ``choice`` says; ``also``: more of why."""
+        """Record a chosen view before the search goes there; nothing where it is the same as before.
+
+        Args:
+            searcher: of the search.
+            decision: the views.
+            choice: the chosen one; None where there is none left.
+            also: text added to the reason.
+        """
         going = self._going
         if choice is not None and going is not None and (going.view, going.opens) == (choice.view, choice.opens):
             return
@@ -56,14 +72,25 @@ class SearchLog:
 
 
 class SearchController:
-    """Searches one home for one target."""
+    """Searches one home for one target.
+
+    Args:
+        info: of the reset.
+        expecting: gives the expected gain of looking at a place.
+        costs: of moves, turns and looks, in actions.
+    """
 
     def __init__(self, info: Info, expecting: Expecting, costs: Costs | None = None) -> None:
         self.searcher = Searcher(info, expecting, costs)
         self._log = SearchLog(info)
 
     def act(self, observation: Observation, info: Info) -> int:
-        """The next action."""
+        """The next action, 0 to 6: continue on the way, or choose the best view and set out.
+
+        Args:
+            observation: of the reset or the last step.
+            info: of the same.
+        """
         action = self.searcher.look(observation, info)
         self._log.looked(self.searcher, action)
         if action is None:
@@ -74,11 +101,11 @@ class SearchController:
 
     @property
     def decisions(self) -> list[DecisionRecord]:
-        """What it went for so far."""
+        """Decisions so far, one whenever the goal changed."""
         return self._log.decisions
 
     def picture(self) -> Image:
-        """What it thinks; see :func:`ucon.search.picture.draw_search`."""
+        """Picture of the map and belief, (384, W, 3) uint8; see :func:`ucon.search.picture.draw_search`."""
         from ucon.search.picture import draw_search
 
         return draw_search(self.searcher)

@@ -1,4 +1,4 @@
-"""Agents that choose where to look next: an explorer walks in each slot, and one chooser answers for all of them."""
+"""Base of agents that choose where to look next: an explorer walks in each slot, one method chooses for all slots."""
 
 from __future__ import annotations
 
@@ -16,7 +16,16 @@ from ucon.task.agent import Info, Observation
 
 @dataclass(frozen=True, slots=True)
 class Chosen:
-    """The candidate that was chosen, and how."""
+    """The chosen candidate of a decision, and how it was chosen; stored in ``decisions.jsonl``.
+
+    Args:
+        number: index of the candidate.
+        options: names of the options, where they are not the candidates.
+        scores: one for each option, or none.
+        answers: of the language model, if it was asked.
+        fallback: True where an unusable answer was replaced at random.
+        answered: index of the answered option; -1 where none was.
+    """
 
     number: int
     options: tuple[str, ...] = ()
@@ -24,38 +33,61 @@ class Chosen:
     answers: tuple[Answer, ...] = ()
     fallback: bool = False
     answered: int = -1
-    """Number of the option that was answered; -1 where none was."""
+    """Index of the answered option; -1 where none was."""
 
 
 class WaypointAgent:
-    """A subclass says what may be chosen (:meth:`strategy`) and chooses (:meth:`choose`), for many slots at once."""
+    """Walks to chosen candidates. A subclass says what they are (:meth:`strategy`) and chooses (:meth:`choose`)."""
 
     name = "waypoint"
     uses_habits = True
 
     def __init__(self, manner: Manner | None = None, seed: int = 0) -> None:
-        """``manner``: how choices are carried out; ``seed``: of what is drawn at random."""
+        """Set up the agent.
+
+        Args:
+            manner: how choices are carried out: looking around, opening, replanning.
+            seed: of random choices.
+        """
         self._manner, self._seed = manner or Manner(), seed
         self._explorers: dict[int, Explorer] = {}
         self._episodes: dict[int, str] = {}
         self._decided: dict[int, list[DecisionRecord]] = {}
 
     def strategy(self, info: Info) -> Strategy:
-        """What the candidates of an episode are; ``info`` is that of its reset."""
+        """What the candidates of an episode are, such as frontiers or views.
+
+        Args:
+            info: of its reset.
+        """
         raise NotImplementedError
 
     def start(self, slot: int, info: Info) -> None:
-        """Called at the start of an episode, for what a subclass keeps of it."""
+        """Called at the start of an episode, for what a subclass stores about it.
+
+        Args:
+            slot: of the episode.
+            info: of its reset.
+        """
 
     def choose(self, decisions: Sequence[Decision], slots: Sequence[int]) -> list[Chosen]:
-        """Choose a candidate in each decision; ``slots`` tell whose they are.
+        """Choose a candidate in each decision.
 
-        :meth:`act` raises :class:`ConfigError` for a number that is none of the candidates'.
+        A number out of range makes :meth:`act` raise :class:`ConfigError`.
+
+        Args:
+            decisions: one for each slot where a choice is due.
+            slots: of the decisions.
         """
         raise NotImplementedError
 
     def reset(self, infos: Sequence[Info], slots: Sequence[int] | None = None) -> None:
-        """See :class:`ucon.task.agent.Agent`."""
+        """Start episodes in some slots, with an empty map each.
+
+        Args:
+            infos: of the environments' resets.
+            slots: their numbers; None: the first ones.
+        """
         for slot, info in zip(slots_of(infos, slots), infos, strict=True):
             self._explorers[slot] = Explorer(info, self.strategy(info), self._manner, self._seed)
             self._episodes[slot] = str(info.get("episode", ""))
@@ -65,7 +97,19 @@ class WaypointAgent:
     def act(
         self, observations: Sequence[Observation], infos: Sequence[Info], slots: Sequence[int] | None = None
     ) -> list[int]:
-        """See :class:`ucon.task.agent.Agent`."""
+        """The next action in some slots; all choices that are due are made together.
+
+        Args:
+            observations: one for each slot.
+            infos: one for each slot.
+            slots: their numbers; None: the first ones.
+
+        Returns:
+            Actions from 0 to 6, in the order of the slots.
+
+        Raises:
+            ConfigError: a subclass chose a candidate that does not exist.
+        """
         numbers = list(slots_of(infos, slots))
         actions = {
             slot: self._explorers[slot].look(observation, info)
@@ -81,18 +125,18 @@ class WaypointAgent:
         return [int(actions[slot]) for slot in numbers]  # type: ignore[arg-type]
 
     def decisions(self, slot: int) -> list[DecisionRecord]:
-        """What was chosen in a slot since its reset."""
+        """Decisions in a slot since its reset."""
         return self._decided.get(slot, [])
 
     def language_usage(self, slot: int) -> tuple[int, int, float]:
-        """Calls, tokens and seconds of language models in a slot since its reset."""
+        """Calls, tokens and seconds of the language model in a slot since its reset."""
         made = self.decisions(slot)
         tokens = sum(d.prompt_tokens + d.completion_tokens for d in made)
         return sum(d.asked for d in made), tokens, sum(d.seconds for d in made)
 
 
 def _check(name: str, chosen: Chosen, n: int) -> None:
-    """Raise :class:`ConfigError` for a choice that is none of ``n`` candidates, or a number of scores that is wrong."""
+    """Raise :class:`ConfigError` for a choice outside ``n`` candidates, or a wrong number of scores."""
     if not 0 <= chosen.number < n:
         raise ConfigError(f"agent {name} chose number {chosen.number} of {n} candidates, which count from 0")
     options = len(chosen.options) or n

@@ -1,1 +1,1 @@
-"""Networks of the learned policies: blocks that they share."""
+"""Networks of the learned policies and the layers that they share."""

@@ -1,4 +1,4 @@
-"""What policies over the seven actions have in common: defaults of their protocol (``ActionPolicy``)."""
+"""Defaults of the interface of policies over the seven actions (``ActionPolicy``)."""
 
 from __future__ import annotations
 
@@ -17,86 +17,112 @@ N_ACTIONS = 7
 
 
 class PolicyModule(nn.Module):
-    """A network that reads no habits, has nothing frozen and asks for no augmentation, until a subclass says else.
+    """Base of networks; by default one that reads no habits, has no frozen networks and asks for no augmentation.
 
-    Frozen networks are no submodules of it: parameters, gradients and saved weights are those that are learned.
+    Frozen networks must not be submodules: parameters, gradients and stored weights are only those that are trained.
     """
 
     architecture = ""
     chooses: Choice = "actions"
     uses_habits = False
     max_habits: int | None = None
-    """Of one that reads habits, the longest list of them that it may have learned from; learners set it."""
+    """For a network that reads habits, the longest list of them in training; learners set it."""
 
     @property
     def arguments(self) -> Mapping[str, Any]:
-        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
+        """No arguments; see :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
         return {}
 
     @property
     def device(self) -> torch.device:
-        """Where its weights are."""
+        """Device of its parameters."""
         return next(self.parameters()).device
 
     def check(self) -> None:
-        """Fail in one line where frozen weights that it names are missing; reads none."""
+        """Raise an error of one line where frozen weights that it needs are missing; loads none."""
 
     def fingerprint(self) -> str | None:
-        """Hash of its frozen weights: "" without any, None where they are missing."""
+        """Hash of its frozen weights: "" if it has none, None where they are missing."""
         return ""
 
     def context(self, info: Mapping[str, Any]) -> Arrays:
-        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
+        """Arrays that stay the same for an episode; a subclass has to give them.
+
+        See :class:`ucon.learning.policies.action_policy.ActionPolicy`.
+        """
         raise NotImplementedError
 
     def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:
-        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
+        """Arrays of one step; a subclass has to give them.
+
+        See :class:`ucon.learning.policies.action_policy.ActionPolicy`.
+        """
         raise NotImplementedError
 
     def features(self, frames: Tensors) -> Tensors:
-        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
+        """The frames unchanged: no network is frozen."""
         return frames
 
     def augment(self, frames: Tensors, generator: torch.Generator) -> Tensors:
-        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
+        """The frames unchanged: no augmentation."""
         return frames
 
     def picture(
         self, info: Mapping[str, Any], frames: Tensors, context: Tensors, state: Tensors
     ) -> NDArray[np.uint8] | None:
-        """For videos: what it thinks at one step of one episode, (384, W, 3); None where it shows nothing.
+        """For videos: a picture of one step of one episode.
 
         Args:
             info: of the episode's reset.
-            frames: of that step, (1, 1, ...).
-            context: (1, ...).
-            state: before the step, (1, ...).
+            frames: of that step, (1, 1, ...) by name.
+            context: (1, ...) by name.
+            state: recurrent state before the step, (1, ...) by name.
+
+        Returns:
+            (384, W, 3) uint8, or None where the policy draws nothing.
         """
         return None
 
     def update_statistics(self, frames: Tensors) -> None:
-        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
+        """Does nothing: there are no running statistics."""
 
     def initial_state(self, batch: int) -> Tensors:
-        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
+        """Empty: there is no recurrent state."""
         return {}
 
     def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> PolicyOutputs:
-        """See :class:`ucon.learning.policies.action_policy.ActionPolicy`."""
+        """Read T steps of B episodes; a subclass has to implement it.
+
+        See :class:`ucon.learning.policies.action_policy.ActionPolicy`.
+        """
         raise NotImplementedError
 
 
 def lstm_state(batch: int, lstm: nn.LSTM) -> dict[str, Tensor]:
-    """Zeros (B, layers, hidden) of an LSTM, as :mod:`ucon.learning.policies.action_policy` carries them."""
+    """Initial state of an LSTM: ``hidden`` and ``cell`` (B, layers, hidden) float32 of 0.
+
+    Args:
+        batch: B.
+        lstm: has the sizes and the device.
+    """
     zeros = torch.zeros(batch, lstm.num_layers, lstm.hidden_size, device=next(lstm.parameters()).device)
     return {"hidden": zeros, "cell": zeros.clone()}
 
 
 def run_lstm(lstm: nn.LSTM, inputs: Tensor, state: Tensors) -> tuple[Tensor, dict[str, Tensor]]:
-    """T steps: ``inputs`` (T, B, in) and a state (B, layers, hidden) to outputs (T, B, hidden) and the state after.
+    """Run an LSTM for T steps.
 
-    The state is float32 whatever autocast computes in. A processor without bfloat16 computes in float32: oneDNN has no
-    such LSTM for it, and fails.
+    The state is float32, whatever autocast computes in. On a processor without bfloat16 the LSTM runs in float32:
+    oneDNN
+    has no bfloat16 LSTM there and fails.
+
+    Args:
+        lstm: without ``batch_first``.
+        inputs: (T, B, in).
+        state: ``hidden`` and ``cell`` (B, layers, hidden).
+
+    Returns:
+        Outputs (T, B, hidden), and the state after the last step.
     """
     before = tuple(state[name].transpose(0, 1).contiguous() for name in ("hidden", "cell"))
     if inputs.device.type == "cpu" and not _has_bfloat16():

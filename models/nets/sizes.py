@@ -1,4 +1,4 @@
-"""Sizes of networks, which configurations give."""
+"""Checks of network sizes that configurations give."""
 
 from __future__ import annotations
 
@@ -6,12 +6,16 @@ from typing import Final
 
 from ucon.core.errors import ConfigError, brief
 
-#: Far beyond what a machine holds or would build in an hour.
+#: Upper bound of any size.
 MOST: Final = 4096
 
 
 def check_sizes(owner: str, **sizes: int) -> None:
-    """Refuse sizes below 1 or beyond all bounds; ``owner`` is where they are given, such as ``agent.policy``.
+    """Refuse sizes that are no whole numbers from 1 to 4096.
+
+    Args:
+        owner: where they are given, such as ``agent.policy``.
+        sizes: by name.
 
     Raises:
         ConfigError: naming the size.
@@ -22,7 +26,12 @@ def check_sizes(owner: str, **sizes: int) -> None:
 
 
 def check_heads(owner: str, width: int, heads: int) -> None:
-    """Refuse a width that the heads of an attention cannot share.
+    """Refuse a width that is no multiple of the number of attention heads.
+
+    Args:
+        owner: where they are given, such as ``agent.policy``.
+        width: of the tokens.
+        heads: of attention.
 
     Raises:
         ConfigError: naming both.

@@ -1,4 +1,4 @@
-"""A transformer over tokens of different kinds that know where they are: attention may fade with distance."""
+"""A transformer over tokens of several kinds with positions in the plane; attention may depend on distance."""
 
 from __future__ import annotations
 
@@ -6,12 +6,16 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-#: Metres at which the distance between two tokens is measured by soft steps.
+#: Thresholds, in metres, of the soft steps that encode the distance between two tokens.
 _STEPS_M = (0.5, 1.0, 2.0, 3.0, 4.5, 6.5, 9.0, 13.0)
 
 
 class DistanceBias(nn.Module):
-    """What the distance between two tokens adds to their attention, for every head."""
+    """Learned bias of attention logits by the distance between two tokens, for every head.
+
+    Args:
+        heads: number of heads.
+    """
 
     steps: Tensor
 
@@ -22,7 +26,15 @@ class DistanceBias(nn.Module):
         nn.init.zeros_(self.weight.weight)
 
     def forward(self, xy: Tensor, placed: Tensor) -> Tensor:
-        """(B, H, N, N) from positions (B, N, 2) in metres and which tokens have one (B, N) bool."""
+        """Bias of all pairs of N tokens.
+
+        Args:
+            xy: (B, N, 2) positions in metres.
+            placed: (B, N) bool, True for tokens with a position.
+
+        Returns:
+            (B, heads, N, N).
+        """
         apart = torch.cdist(xy, xy)[..., None]  # (B, N, N, 1)
         both = (placed[:, :, None] & placed[:, None, :])[..., None].to(xy.dtype)
         steps = torch.sigmoid((apart - self.steps) / (0.4 * self.steps)) * both
@@ -30,7 +42,13 @@ class DistanceBias(nn.Module):
 
 
 class TransformerBlock(nn.Module):
-    """Pre-norm self-attention with a bias, and a feed-forward part."""
+    """Pre-norm self-attention with a bias, and a feed-forward layer.
+
+    Args:
+        width: of tokens.
+        heads: of attention.
+        inner: units of the feed-forward layer.
+    """
 
     def __init__(self, width: int, heads: int, inner: int) -> None:
         super().__init__()
@@ -40,7 +58,7 @@ class TransformerBlock(nn.Module):
         self.inner = nn.Sequential(nn.Linear(width, inner), nn.GELU(), nn.Linear(inner, width))
 
     def forward(self, x: Tensor, bias: Tensor) -> Tensor:
-        """Tokens (B, N, D) and what is added to the attention (B, H, N, N)."""
+        """Update tokens (B, N, D); ``bias`` (B, heads, N, N) is added to the attention logits."""
         b, n, d = x.shape
         q, k, v = self._qkv(x)
         seen = functional.scaled_dot_product_attention(q, k, v, attn_mask=bias)
@@ -48,19 +66,26 @@ class TransformerBlock(nn.Module):
         return x + self.inner(self.norm_inner(x))
 
     def attention(self, x: Tensor, bias: Tensor) -> Tensor:
-        """Weights (B, H, N, N) by which each token attends to the others: what :meth:`forward` does not keep."""
+        """Attention weights (B, heads, N, N), which :meth:`forward` does not return."""
         q, k, _ = self._qkv(x)
         return (q @ k.transpose(2, 3) / q.shape[-1] ** 0.5 + bias).softmax(-1)
 
     def _qkv(self, x: Tensor) -> Tensor:
-        """(3, B, H, N, D / H)."""
+        """Queries, keys and values, (3, B, heads, N, D / heads)."""
         b, n, d = x.shape
         qkv: Tensor = self.qkv(self.norm_attention(x)).view(b, n, 3, self.heads, d // self.heads)
         return qkv.permute(2, 0, 3, 1, 4)
 
 
 class TokenTransformer(nn.Module):
-    """Blocks that share one bias by distance; tokens that are not there are attended by none."""
+    """Transformer blocks that share one bias by distance; tokens that do not exist are attended to by none.
+
+    Args:
+        width: of tokens.
+        layers: number of blocks.
+        heads: of attention.
+        inner: units of the feed-forward layers.
+    """
 
     def __init__(self, width: int, layers: int, heads: int, inner: int) -> None:
         super().__init__()
@@ -69,14 +94,24 @@ class TokenTransformer(nn.Module):
         self.norm = nn.LayerNorm(width)
 
     def forward(self, x: Tensor, xy: Tensor, placed: Tensor, there: Tensor) -> Tensor:
-        """Tokens (B, N, D), positions (B, N, 2) metres, which have one and which are there (B, N) bool."""
+        """Update tokens.
+
+        Args:
+            x: (B, N, D) tokens.
+            xy: (B, N, 2) positions in metres.
+            placed: (B, N) bool, True for tokens with a position.
+            there: (B, N) bool, False for padding.
+
+        Returns:
+            (B, N, D).
+        """
         bias = self._bias(xy, placed, there)
         for block in self.blocks:
             x = block(x, bias)
         return self.norm(x)
 
     def attention(self, x: Tensor, xy: Tensor, placed: Tensor, there: Tensor) -> Tensor:
-        """Weights (L, B, H, N, N) of every block, of the same tokens: for people, nothing in use needs them."""
+        """Attention weights of every block, (layers, B, heads, N, N), for display; arguments as of :meth:`forward`."""
         bias, weights = self._bias(xy, placed, there), []
         for block in self.blocks:
             assert isinstance(block, TransformerBlock)

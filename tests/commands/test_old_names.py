@@ -10,7 +10,8 @@ import yaml
 from hydra.utils import get_object
 
 from ucon.configuration import old_names
-from ucon.configuration.old_names import GONE, MOVED, in_todays_names
+from ucon.configuration.arguments import arguments_of
+from ucon.configuration.old_names import GONE, MOVED, RENAMED, in_todays_names
 from ucon.core.errors import DataError
 
 RESULTS = Path(__file__).resolve().parents[2] / "results"
@@ -34,6 +35,13 @@ def test_every_new_name_is_there_and_no_old_one_is() -> None:
             get_object(old)
 
 
+def test_every_renamed_argument_has_its_new_name_alone() -> None:
+    for target, names in RENAMED.items():
+        known = arguments_of(target).keys()
+        assert set(names.values()) <= known
+        assert not names.keys() & known
+
+
 def test_every_argument_that_is_gone_is_gone() -> None:
     for target, arguments in GONE.items():
         assert not arguments.keys() & inspect.signature(get_object(target)).parameters.keys()
@@ -49,6 +57,8 @@ def test_at_any_depth(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(old_names, "MOVED", {"a.Old": "b.New"})
     monkeypatch.setattr(old_names, "GONE", {"b.New": {"shape": "round"}})
     stored = {"x": [{"_target_": "a.Old", "shape": "round", "size": {"_target_": "c.Kept"}}], "y": 1}
+    monkeypatch.setattr(old_names, "RENAMED", {"b.New": {"length": "size"}})
+    assert in_todays_names({"_target_": "b.New", "length": 2}, "f") == {"_target_": "b.New", "size": 2}
     assert in_todays_names(stored, "f") == {"x": [{"_target_": "b.New", "size": {"_target_": "c.Kept"}}], "y": 1}
     with pytest.raises(DataError, match=r"^f: shape=square of b.New is no longer there"):
         in_todays_names({"x": {"_target_": "a.Old", "shape": "square"}}, "f")

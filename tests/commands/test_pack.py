@@ -70,6 +70,7 @@ def test_a_packed_set_is_played_without_bullet_by_its_name(pack: Path, tmp_path:
     assert done.stdout.strip() == f"{scene} True", done.stderr[-2000:]
 
 
+@pytest.mark.slow
 def test_a_packed_set_is_learned_from_without_bullet(pack: Path, tmp_path: Path) -> None:
     validation = ("episodes=few", "n_play=0", "n_demonstrations=1", "choose=loss")
     options = ("episodes=few", "levels=[gt]", "batch=1", "device=cpu", *(f"validation.{o}" for o in validation))

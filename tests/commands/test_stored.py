@@ -20,6 +20,7 @@ from tests.commands.test_cli import run
 from tests.evaluation.records import reseal
 from tests.test_bad_input import command
 from ucon.configuration.constructors import places
+from ucon.configuration.old_names import in_todays_names
 from ucon.configuration.stored import checked, has_to_be_said
 from ucon.core.errors import DataError, UconError
 from ucon.evaluation.kept.finished import read_config
@@ -56,7 +57,7 @@ def test_every_recorded_run_may_be_built() -> None:
     assert len(recorded) > 50
     for path in recorded:
         config = yaml.load(path.read_text(), yaml.CSafeLoader)
-        assert checked(config, str(path), BUILT, {}, "--set ") == config
+        assert checked(config, str(path), BUILT, {}, "--set ") == in_todays_names(config, str(path))
 
 
 def test_a_new_file_is_permitted_without_being_listed(tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ assert ucon.envs  # registers the environments
     ids=["retrieval", "full"],
 )
 def test_homes_of_other_shapes_are_played_side_by_side(name: str, options: dict[str, object], kind: str) -> None:
-    envs = gym.make_vec(name, num_envs=2, vectorization_mode=kind, **options)
+    envs = gym.make_vec(name, num_envs=2, vectorization_mode=kind, texts=True, **options)
     try:
         _, infos = envs.reset(seed=0)
         navs = list(infos["nav"])

@@ -16,7 +16,7 @@ from models.agents.random import RandomAgent
 from ucon.core.errors import ConfigError, EpisodeError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.evaluation.kept.record import to_lines
-from ucon.evaluation.playing.crew import Crew
+from ucon.evaluation.playing.crew import WorkerPool
 from ucon.evaluation.playing.play import RunSpec
 from ucon.evaluation.playing.runner import evaluate
 from ucon.task.sets import load_episodes
@@ -76,11 +76,11 @@ def alone() -> str:
 def impatient(monkeypatch):
     """One second for a process that stands still, and for one that is only slow on a busy machine all the time."""
 
-    def limit(crew: Crew, worker) -> float:
+    def limit(crew: WorkerPool, worker) -> float:
         stat = Path(f"/proc/{worker.process.pid}/stat")
         return 1.0 if stat.is_file() and stat.read_text().rpartition(")")[2].split()[0] in "Tt" else math.inf
 
-    monkeypatch.setattr(Crew, "_limit_s", limit)
+    monkeypatch.setattr(WorkerPool, "_limit_s", limit)
 
 
 def target(number: int) -> str:
@@ -126,10 +126,10 @@ def test_the_limit_itself(alone, tmp_path):
 
 def test_environments_that_take_turns_have_the_limit_each():
     worker = SimpleNamespace(left=[(number, None) for number in range(3)])
-    assert Crew(spec(RandomAgent), 10.0)._limit_s(worker) == 10.0
-    assert Crew(spec(RandomAgent, batch=2), 10.0)._limit_s(worker) == 20.0
-    assert Crew(spec(RandomAgent, batch=8), 10.0)._limit_s(worker) == 30.0
-    assert Crew(spec(RandomAgent), 10.0)._limit_s(SimpleNamespace(left=[])) == 10.0
+    assert WorkerPool(spec(RandomAgent), 10.0)._limit_s(worker) == 10.0
+    assert WorkerPool(spec(RandomAgent, batch=2), 10.0)._limit_s(worker) == 20.0
+    assert WorkerPool(spec(RandomAgent, batch=8), 10.0)._limit_s(worker) == 30.0
+    assert WorkerPool(spec(RandomAgent), 10.0)._limit_s(SimpleNamespace(left=[])) == 10.0
 
 
 def test_ctrl_c_ends_a_run_with_a_stopped_worker(tmp_path):

@@ -16,7 +16,7 @@ from ucon.__main__ import main
 from ucon.commands.compare import print_sweep
 from ucon.evaluation.figures.markdown import read_run
 from ucon.evaluation.figures.report import results_table, summary
-from ucon.evaluation.kept.naming import NameParts, answers_something, level, parts_of, player
+from ucon.evaluation.kept.naming import NameParts, agent_label, is_worth_comparing, level, parts_of
 from ucon.language.models.encoder import EncoderModel
 from ucon.perception.detectors.gt import GtDetector
 
@@ -48,12 +48,12 @@ def test_parts_are_read_off_what_plays() -> None:
     ],
 )
 def test_the_name_of_a_player(parts: dict[str, Any], name: str) -> None:
-    assert player(said("lgx", **parts)) == name
+    assert agent_label(said("lgx", **parts)) == name
 
 
 def test_summaries_of_before_still_have_names() -> None:
     old = {"agent": "frontier", "habit_level": "full"}
-    assert (player(old), level(old)) == ("frontier", "full")
+    assert (agent_label(old), level(old)) == ("frontier", "full")
 
 
 @pytest.mark.parametrize(
@@ -74,7 +74,7 @@ def test_summaries_of_before_still_have_names() -> None:
     ],
 )
 def test_what_is_compared(a: dict[str, Any], b: dict[str, Any], wanted: bool) -> None:
-    assert answers_something(a, b) == wanted
+    assert is_worth_comparing(a, b) == wanted
 
 
 @pytest.mark.parametrize("at", ["none", "retrieval"])

@@ -9,14 +9,14 @@ import pytest
 from tests.evaluation.records import record
 from ucon.core.errors import DataError
 from ucon.evaluation.figures.metrics import summarise
-from ucon.evaluation.kept.replayed import Kept, replayed
+from ucon.evaluation.kept.replayed import StoredRun, replayed
 
 RECORDS = [record(0), record(1, success=False)]
 FIGURES = summarise(RECORDS)
 
 
 def compared(**changes: object) -> tuple[str, ...]:
-    return replayed(Kept("belief", FIGURES | changes, None), RECORDS).differing
+    return replayed(StoredRun("belief", FIGURES | changes, None), RECORDS).differing
 
 
 def test_figures_that_are_the_same_differ_in_nothing() -> None:
@@ -45,11 +45,11 @@ def test_every_figure_that_differs_is_named(changes: dict[str, object]) -> None:
 
 def test_figures_that_older_summaries_lack_are_no_difference() -> None:
     kept = {name: value for name, value in FIGURES.items() if name not in ("soft_spl", "retrieval")}
-    assert replayed(Kept("belief", kept, None), RECORDS).same
+    assert replayed(StoredRun("belief", kept, None), RECORDS).same
 
 
 def test_episodes_are_compared_one_by_one() -> None:
-    kept = Kept("belief", FIGURES, RECORDS)
+    kept = StoredRun("belief", FIGURES, RECORDS)
     assert replayed(kept, RECORDS).same
     found = replayed(kept, [RECORDS[0], replace(RECORDS[1], steps=299)])
     assert (found.by, found.differing, found.same, found.n) == ("episodes", ("e1",), False, 2)
@@ -57,10 +57,10 @@ def test_episodes_are_compared_one_by_one() -> None:
 
 
 def test_a_part_can_be_played_only_where_episodes_are_kept() -> None:
-    Kept("belief", FIGURES, RECORDS).check(["e0"], every=2)
+    StoredRun("belief", FIGURES, RECORDS).check(["e0"], every=2)
     with pytest.raises(DataError, match="other episodes are kept"):
-        Kept("belief", FIGURES, RECORDS).check(["e1"], every=2)
+        StoredRun("belief", FIGURES, RECORDS).check(["e1"], every=2)
     with pytest.raises(DataError, match="no episodes are kept"):
-        Kept("belief", FIGURES, None).check(["e0"], every=2)
+        StoredRun("belief", FIGURES, None).check(["e0"], every=2)
     with pytest.raises(DataError, match="other episodes are kept"):
-        Kept("belief", FIGURES, None).check(["e0"])
+        StoredRun("belief", FIGURES, None).check(["e0"])

@@ -154,7 +154,7 @@ def test_a_dataset_without_labels_is_refused(verifier):
 def test_weights(tmp_path):
     assert WEIGHTS.stat().st_size < 1e6
     arrays, _ = load_arrays(WEIGHTS)
-    with pytest.raises(DataError, match=r"no head.*fit_verifier"):
+    with pytest.raises(DataError, match=r"no head.*data fit-verifier"):
         Verifier({name: value for name, value in arrays.items() if name != "head"})
     with pytest.raises(DataError, match="do not fit this version"):
         Verifier(arrays | {"head": arrays["head"][:-1]})

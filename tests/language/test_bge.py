@@ -18,6 +18,7 @@ import tiny_bge  # (the path above)
 from ucon.core.errors import ConfigError, DataError
 from ucon.habits import KnowledgeBase, book
 from ucon.language.bge import BgeM3, bge_folder
+from ucon.language.phrases import query_text
 from ucon.language.sparse import SparseRows
 from ucon.readers.sampled_homes import sampled_kb
 from ucon.retrieval import BgeRetriever, base
@@ -147,7 +148,7 @@ def test_match_is_the_sum_over_shared_tokens() -> None:
 
 def test_ranking_mixes_both(folder: Path, encoder: BgeM3, small: KnowledgeBase, tmp_path: Path) -> None:
     target = next(iter(small.entries))
-    query = base.query_text(target)
+    query = query_text(target)
     (vector, *vectors), sparse = encoder.encode_both([query, *small.texts])
     cosine = np.asarray(vectors, np.float64) @ vector.astype(np.float64)
     lexical = sparse.dot(*sparse.row(0))[1:]

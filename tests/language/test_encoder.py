@@ -12,10 +12,9 @@ from tests.timing import fastest_s
 from ucon.core.errors import DataError
 from ucon.fitting.text_tables import QUERY, table_texts, vocabulary
 from ucon.habits import book
-from ucon.language import MiniLM, StoredEncoder
+from ucon.language import MiniLM, StoredEncoder, phrases
 from ucon.language.encoder import minilm_folder
 from ucon.language.store import DATA, VectorTable, default_encoder, shipped_table
-from ucon.retrieval import base
 
 
 class Counting:
@@ -50,14 +49,15 @@ def test_table_holds_the_default_texts_in_order_and_loads_fast():
     assert [table.row(t) for t in texts[: len(book())]] == list(range(len(book())))
     assert min(table.row(t) for t in texts) >= 0
     assert (DATA / "embeddings.npy").stat().st_size < 20e6, "the vectors alone; the keys come on top"
-    assert QUERY == base.QUERY
+    assert QUERY == phrases.QUERY
     norms = np.linalg.norm(table.vectors[::97].astype(np.float32), axis=1)
     assert np.allclose(norms, 1, atol=2e-3)
 
 
 def test_default_texts_need_no_torch():
     code = (
-        "import sys; from ucon.habits import *; from ucon.retrieval import *; d = book(); h = household('Rs_int', d);"
+        "import sys; from ucon.habits import *; from ucon.retrieval import *;"
+        "from ucon.readers import AnchorReader; d = book(); h = household('Rs_int', d);"
         "kb = KnowledgeBase.build(d, {c: h[c] for c in d.categories[::25]}, 0); t = d.categories[0];"
         "r = AnchorReader(); r.belief(t, kb.texts[:20], r.known);"
         "rows = habits_at_level('retrieval', kb, t, DenseRetriever()); assert len(rows) == 20;"

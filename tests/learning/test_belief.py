@@ -83,7 +83,7 @@ def test_state_of_another_head_is_refused():
 
 
 def test_a_head_of_homes_keeps_their_common_sense(tmp_path):
-    learner = BeliefLearner(partial(small_head), in_two_homes(), 4, households=1, n_kbs=2)
+    learner = BeliefLearner(partial(small_head), in_two_homes(), steps=4, households=1, n_kbs=2)
     files = learner.product()
     for name, content in files.items():
         (tmp_path / name).write_bytes(content)
@@ -190,7 +190,7 @@ def test_only_training_entries_teach_and_others_are_asked_about_alone(dataset):
 def test_habits_of_homes_are_read_by_the_shipped_parts(monkeypatch):
     """Nothing was fitted on them, so there is nothing to hold out."""
     monkeypatch.setattr("ucon.learning.belief_head.held_out_readers.book_folds", None)
-    learner = BeliefLearner(partial(small_head), in_two_homes(), 4, parts=plain_parts(), households=1, n_kbs=2)
+    learner = BeliefLearner(partial(small_head), in_two_homes(), steps=4, parts=plain_parts(), households=1, n_kbs=2)
     before = learner.validate()["score"]
     assert learner.step()["loss"] > 0
     assert learner.validate()["score"] != before
@@ -228,7 +228,7 @@ def test_all_that_stands_in_a_scene_may_be_a_place():
 def test_folds_of_habits_that_belong_to_scenes_are_refused(option):
     ((name, value),) = option.items()
     with pytest.raises(ConfigError, match=rf"learner\.{name}={value}.* homes is dealt by scene") as caught:
-        BeliefLearner(partial(small_head), in_two_homes(), 4, **option)
+        BeliefLearner(partial(small_head), in_two_homes(), steps=4, **option)
     assert "\n" not in str(caught.value)
 
 
@@ -305,5 +305,5 @@ def test_product_says_how_to_build_it():
 
 
 def test_one_of_everything_is_enough_to_begin():
-    learner = BeliefLearner(partial(small_head), in_two_homes(), 1, households=1, n_kbs=1, warm_up=1)
+    learner = BeliefLearner(partial(small_head), in_two_homes(), steps=1, households=1, n_kbs=1, warm_up=1)
     assert learner.step()["loss"] > 0

@@ -7,7 +7,7 @@ import pytest
 from tests.learning.test_imitation import files
 from tests.learning.tiny_policy import ENV, TinyPolicy, tiny_dagger
 from ucon.core.errors import ConfigError, DataError
-from ucon.learning.imitation.dagger import Collections
+from ucon.learning.imitation.dagger import DaggerRollouts
 from ucon.learning.run.training_run import Plan, TrainingRun
 from ucon.task.actions import Action
 from ucon.task.expert import Expert
@@ -112,4 +112,4 @@ def test_a_state_with_other_episodes_is_refused(learner):
 )
 def test_rollouts_that_make_no_sense(options, message):
     with pytest.raises(ConfigError, match=message):
-        Collections(**options)
+        DaggerRollouts(**options)

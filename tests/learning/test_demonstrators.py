@@ -13,7 +13,7 @@ from models.agents.frontier import FrontierAgent
 from tests.learning.tiny_policy import tiny_dagger, tiny_imitation
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
-from ucon.learning.imitation.demonstrators import Searches, Solutions
+from ucon.learning.imitation.demonstrators import AgentDemonstrator, SolutionDemonstrator
 from ucon.learning.imitation.trajectories import Replayer
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
@@ -26,7 +26,7 @@ def mini() -> tuple[Episode, ...]:
 
 
 def test_searches_end_in_success_and_can_be_played_again() -> None:
-    shown = Searches(BeliefAgent(), ENV)
+    shown = AgentDemonstrator(BeliefAgent(), ENV)
     found = [shown(episode, "retrieval") for episode in mini()]
     assert any(t.actions != t.episode.solution for t in found), "nothing was searched for"
     for trajectory in found:
@@ -48,11 +48,11 @@ def test_who_finds_nothing_shows_the_stored_solution() -> None:
             return [1 for _ in infos]
 
     episode = mini()[0]
-    assert Searches(Idle(), ENV)(episode, "none") == Solutions()(episode, "none")
+    assert AgentDemonstrator(Idle(), ENV)(episode, "none") == SolutionDemonstrator()(episode, "none")
 
 
 def test_what_it_does_depends_on_what_it_is_told() -> None:
-    reads, explores = (Searches(agent, ENV) for agent in (BeliefAgent(), FrontierAgent()))
+    reads, explores = (AgentDemonstrator(agent, ENV) for agent in (BeliefAgent(), FrontierAgent()))
     same = {True: 0, False: 0}
     for shown, told in ((reads, True), (explores, False)):
         same[told] = sum(shown(e, "none").actions == shown(e, "gt").actions for e in mini())
@@ -60,7 +60,7 @@ def test_what_it_does_depends_on_what_it_is_told() -> None:
 
 
 def test_a_run_learns_from_it_and_repeats_itself(tmp_path: Path) -> None:
-    learners = [tiny_imitation(tmp_path, demonstrator=Searches(BeliefAgent(), ENV)) for _ in range(2)]
+    learners = [tiny_imitation(tmp_path, demonstrator=AgentDemonstrator(BeliefAgent(), ENV)) for _ in range(2)]
     first, second = ([learner.step() for _ in range(2)] for learner in learners)
     assert first == second
     plain = tiny_imitation(tmp_path)
@@ -71,7 +71,7 @@ def test_a_run_learns_from_it_and_repeats_itself(tmp_path: Path) -> None:
 
 
 def test_what_was_seen_is_what_was_shown(tmp_path: Path) -> None:
-    learner = tiny_imitation(tmp_path, demonstrator=Searches(FrontierAgent(), ENV))
+    learner = tiny_imitation(tmp_path, demonstrator=AgentDemonstrator(FrontierAgent(), ENV))
     trajectory = next(learner.batches())[0]
     assert len(Replayer(learner.act, ENV)(trajectory)) == len(trajectory.actions)
 
@@ -80,10 +80,10 @@ def test_what_is_no_agent_and_who_has_no_weights_is_said(tmp_path: Path) -> None
     from models.agents.habit_policy import HabitPolicyAgent
     from models.habit_policy import HabitPolicy
 
-    with pytest.raises(ConfigError, match=r"learner.demonstrator.agent: Solutions is no agent"):
-        Searches(Solutions(), ENV)  # type: ignore[arg-type]
+    with pytest.raises(ConfigError, match=r"learner.demonstrator.agent: SolutionDemonstrator is no agent"):
+        AgentDemonstrator(SolutionDemonstrator(), ENV)  # type: ignore[arg-type]
     with pytest.raises(ConfigError, match="no trained weights"):
-        Searches(HabitPolicyAgent(HabitPolicy()), ENV)
-    assert "untrained" in Searches(HabitPolicyAgent(HabitPolicy(), UNTRAINED), ENV).fingerprint()
+        AgentDemonstrator(HabitPolicyAgent(HabitPolicy()), ENV)
+    assert "untrained" in AgentDemonstrator(HabitPolicyAgent(HabitPolicy(), UNTRAINED), ENV).fingerprint()
     with pytest.raises(ConfigError, match=r"learner.demonstrator: for learner=imitation"):
-        tiny_dagger(tmp_path, demonstrator=Solutions())
+        tiny_dagger(tmp_path, demonstrator=SolutionDemonstrator())

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from ucon.fitting.language_encoder import _Batch, cases, fit, measured, nats, shared_out, single
+from ucon.fitting.language_encoder import _Batch, cases, fit, four_options, measured, nats, single
 from ucon.language.models.encoder import EncoderModel, EncoderWeights
 from ucon.retrieval.levels import FIXED_LEVELS
 
@@ -34,12 +34,12 @@ def test_it_finds_better_weights(found):
 
 def test_a_home_is_shared_out_among_four_options(found):
     for case in found:
-        question, right = shared_out(case, "none")
+        question, right = four_options(case, "none")
         labels = [label for option in question.options for label in option.labels]
         assert sorted(labels) == sorted(case.categories)
         assert case.categories[case.right] in question.options[right].labels
-        few, same = shared_out(case, "none", 3)
+        few, same = four_options(case, "none", 3)
         assert same == right
         assert case.categories[case.right] in few.options[right].labels
         assert max(len(option.labels) for option in few.options) == 3
-        assert shared_out(case, "none", hide=True)[0].options[0].labels == ()
+        assert four_options(case, "none", hide=True)[0].options[0].labels == ()

@@ -16,12 +16,12 @@ from ucon.learning.ppo.foresight import ForesightLoss, progress
 from ucon.search.view_tokens import N_VIEW, moves_to
 
 
-def decision(moves: list[float], to_go: list[float], here: float) -> dict[str, torch.Tensor]:
+def decision(moves: list[float], distance_to_goal: list[float], here: float) -> dict[str, torch.Tensor]:
     """One decision among some views, and a row where there is none."""
     views = torch.zeros(1, len(moves) + 1, N_VIEW)
     views[0, :-1, 6] = (torch.tensor(moves) / 40).sqrt()
     mask = torch.tensor([[1] * len(moves) + [0]], dtype=torch.int8)
-    return {"views": views, "action_mask": mask, "to_go": torch.tensor([[*to_go, -1.0, here]])}
+    return {"views": views, "action_mask": mask, "distance_to_goal": torch.tensor([[*distance_to_goal, -1.0, here]])}
 
 
 def test_labels_are_the_part_of_each_move_that_counts() -> None:
@@ -76,8 +76,8 @@ def test_the_loss_counts_what_is_told_alone() -> None:
         ForesightLoss(-1.0)
 
 
-def search(to_go: bool) -> UcONSearchEnv:
-    return UcONSearchEnv("mini", to_go=to_go)
+def search(distance_to_goal: bool) -> UcONSearchEnv:
+    return UcONSearchEnv("mini", distance_to_goal=distance_to_goal)
 
 
 def test_it_is_learned_while_playing(tmp_path: Path) -> None:

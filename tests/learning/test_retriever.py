@@ -282,8 +282,8 @@ def test_card_and_bad_options(bert):
     assert "`test` entries were not read" in card.text
     json.dumps(dict(tiny_learner(bert).identity))
     with pytest.raises(ConfigError, match="unknown precision 'float16'"):
-        RetrieverLearner(some_habits(), 1, precision="float16")
+        RetrieverLearner(some_habits(), steps=1, precision="float16")
     with pytest.raises(ConfigError, match=r"learner\.dataset=book: .* habits="):
-        RetrieverLearner("book", 1)
+        RetrieverLearner("book", steps=1)
     with pytest.raises(ConfigError, match="must be above 0"):
-        RetrieverLearner(some_habits(), 1, rank=0)
+        RetrieverLearner(some_habits(), steps=1, rank=0)

@@ -9,7 +9,7 @@ from ucon.core.errors import ConfigError
 from ucon.learning.imitation.feeding import Feeder
 from ucon.learning.imitation.sequence_loss import SequenceLoss
 from ucon.learning.imitation.trajectories import IGNORED, Trajectory, demonstration
-from ucon.learning.policies.sequences import Batch, cut
+from ucon.learning.policies.sequences import Batch, detached_state
 from ucon.task.sets import load_episodes
 
 EPISODES = sorted(load_episodes("mini"), key=lambda episode: len(episode.solution))[:6:2]
@@ -23,7 +23,7 @@ def pairs():
     return next(iter(Feeder(TinyPolicy(), ENV)([trajectories])))
 
 
-def logits_of(policy, pairs, steps, state_of=cut):
+def logits_of(policy, pairs, steps, state_of=detached_state):
     """Logits of every step by episode id, read in chunks of ``steps``."""
     batch = Batch(pairs, 0.99, "cpu")
     order = sorted(pairs, key=lambda pair: -len(pair[1]))
@@ -77,7 +77,7 @@ def test_the_loss_is_that_of_torch_over_labels_and_steps(pairs):
         policy.initial_state(len(pairs)),
     )
     for chunk in batch.chunks(4):
-        out = policy(chunk.frames, chunk.context, cut(state, chunk.labels.shape[1]))
+        out = policy(chunk.frames, chunk.context, detached_state(state, chunk.labels.shape[1]))
         state = out.state
         loss, found = LOSS(out, chunk, LOSS.scale(batch))
         total, sums = total + loss, sums + found

@@ -8,7 +8,7 @@ from torch import nn
 
 from models.nets.policy_defaults import PolicyModule, lstm_state, run_lstm
 from ucon.envs.ucon_env import UcONEnv
-from ucon.learning.imitation.dagger import Collections, DaggerLearner
+from ucon.learning.imitation.dagger import DaggerLearner, DaggerRollouts
 from ucon.learning.imitation.learner import ImitationLearner
 from ucon.learning.imitation.sequence_loss import SequenceLoss
 from ucon.learning.policies.action_policy import PolicyOutputs
@@ -98,5 +98,5 @@ def tiny_imitation(folder, policy=None, kind=ImitationLearner, **options):
 
 def tiny_dagger(folder, policy=None, rollouts=None, **options):
     standard = {"per_iteration": 3, "episodes": 4, "max_steps": 25, "slots": 3}
-    chosen = Collections(**standard | (rollouts or {}))
+    chosen = DaggerRollouts(**standard | (rollouts or {}))
     return tiny_imitation(folder, policy, functools.partial(DaggerLearner, chosen), **options)

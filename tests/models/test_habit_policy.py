@@ -139,11 +139,11 @@ def test_its_picture_says_what_the_chosen_view_attends_to() -> None:
 
 @torch.no_grad()
 def test_what_only_a_trainer_knows_is_not_read() -> None:
-    env = UcONSearchEnv("mini", habit_level="retrieval", to_go=True)
+    env = UcONSearchEnv("mini", habit_level="retrieval", distance_to_goal=True)
     obs, _ = env.reset(options={"episode": 0})
     policy = ViewPolicy(random_policy())
     frames = {name: torch.as_tensor(array)[None, None] for name, array in policy.frame(obs, {}).items()}
-    labels = {name: frames[name] for name in ("to_go",)}
+    labels = {name: frames[name] for name in ("distance_to_goal",)}
     told, lied = (policy(frames | {name: tensor + by for name, tensor in labels.items()}, {}, {}) for by in (0, 50))
     assert told.logits.equal(lied.logits)
     assert told.value.equal(lied.value)

@@ -95,10 +95,10 @@ def twice(agent: AskingAgent) -> list[tuple[Chosen, Chosen]]:
 
     def listen(decisions: list[Decision], slots: list[int]) -> list[Chosen]:
         (decision,), (slot,) = decisions, slots
-        random, told = decision.draw.bit_generator.state, agent._told[slot]
-        agent._tell(slot, told[0], ())
+        random, told = decision.draw.bit_generator.state, agent._constant_prompt[slot]
+        agent._write_constant_prompt(slot, told[0], ())
         without = choose(decisions, slots)
-        decision.draw.bit_generator.state, agent._told[slot] = random, told
+        decision.draw.bit_generator.state, agent._constant_prompt[slot] = random, told
         chosen = choose(decisions, slots)
         if chosen[0].answers:
             heard.append((chosen[0], without[0]))

@@ -38,8 +38,9 @@ def _choices(episode: int) -> Iterator[Known]:
     while not over:
         action = explorer.look(obs, info)
         if action is None:
+            offered = explorer.decision().candidates  # brings the planner up to date
             yield deepcopy((explorer.map, explorer.planner, explorer.strategy._places))  # type: ignore[attr-defined]
-            action = explorer.choose(int(draw.integers(len(explorer.decision().candidates))))
+            action = explorer.choose(int(draw.integers(len(offered))))
         obs, _, terminated, truncated, info = env.step(int(action))
         over = terminated or truncated
 

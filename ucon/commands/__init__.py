@@ -1,1 +1,1 @@
-"""The commands of ``python -m ucon``, one file each, and what the entry points share. Heavy imports happen inside."""
+"""The commands of ``python -m ucon``, one file each. Heavy imports happen inside functions."""

@@ -1,4 +1,4 @@
-"""``python -m ucon bench``: renderer, environment and agent speed, measured in one process on one core."""
+"""``python -m ucon bench``: speed of renderer, environments and agent, in one process on one core."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import ucon
 
 _TIMES: Final = "times as fast as TinyRenderer"
 _STEPS: Final = "steps a second"
-#: What each figure of ``--json`` is, and its unit.
+#: Description and unit of each figure of ``--json``.
 _FIGURES: Final = {
     "renderer_ratio_128": ("frames of 128 x 128 pixels", _TIMES),
     "renderer_ratio_128_flat": ("frames of 128 x 128 pixels, no textures", _TIMES),
@@ -31,13 +31,20 @@ _FIGURES: Final = {
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the command's options to its parser."""
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--no-renderer", action="store_true", help="skip the comparison with PyBullet's TinyRenderer")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Measure and print."""
+    """Measure, and print a line per figure, or JSON.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0.
+    """
     from ucon.core.output import stdout_to_stderr
 
     with stdout_to_stderr():
@@ -52,20 +59,29 @@ def run(args: argparse.Namespace) -> int:
 
 
 def said(name: str, value: float) -> str:
-    """A figure with its unit, in a line."""
+    """One line with a figure and its unit.
+
+    Args:
+        name: key in ``--json``; ``_worst`` at its end means the slowest home.
+        value: of the figure.
+    """
     what, unit = _FIGURES[name.removesuffix("_worst")]
     slowest = ", slowest home" if name.endswith("_worst") else ""
     return f"{what + slowest:<52} {value:>9.1f} {unit}"
 
 
 def measure(*, renderer: bool = True) -> dict[str, Any]:
-    """All figures; ratios are to TinyRenderer, rates are per CPU second."""
+    """All figures by name; ratios are to TinyRenderer, rates are per CPU second.
+
+    Args:
+        renderer: False leaves out the comparison with TinyRenderer.
+    """
     from ucon.core.progress import Progress
     from ucon.evaluation.bench_env import STAGES, bench_environment
     from ucon.task.sets import load_episodes
 
     figures: dict[str, Any] = {}
-    agent = _belief()
+    agent = _belief_agent()
     stages = count(1)
     with Progress("bench", renderer + STAGES + (agent is not None), unit="parts") as progress:
         if renderer:
@@ -77,8 +93,8 @@ def measure(*, renderer: bool = True) -> dict[str, Any]:
         return figures | bench_environment(load_episodes("mini"), agent, lambda: progress.update(next(stages)))
 
 
-def _belief() -> Any:
-    """Factory of the agent that decisions are counted with; None outside a clone, where there are no agents."""
+def _belief_agent() -> Any:
+    """Factory of ``agent=belief``, whose speed is measured; None outside a clone, where there are no agents."""
     configs = Path(ucon.__file__).parents[1] / "configs"
     if not configs.is_dir():
         return None

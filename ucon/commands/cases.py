@@ -1,6 +1,6 @@
-"""``python -m ucon cases RETRIEVAL GT``: episodes found where a habit about a thing beside the target was given.
+"""``python -m ucon cases RETRIEVAL GT``: episodes where a habit about a thing beside the target was given.
 
-The habits are those that the retrieval run was given: its folder says by which retriever, of which knowledge base.
+The habits are read as the retrieval run read them: its folder names retriever and knowledge base.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the command's options to its parser."""
     from ucon.configuration.stored import add_said
 
     parser.add_argument("retrieval", metavar="RETRIEVAL", type=Path, help="run folder of an agent at level retrieval")
@@ -24,7 +24,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print the cases."""
+    """Print the episodes with the landmark and its habit, or JSON lines.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0.
+
+    Raises:
+        ConfigError: runs that differ in more than their habit level, or of the wrong levels.
+        DataError: a run that cannot be read.
+    """
     from ucon.configuration.stored import checked, said_in
     from ucon.configuration.wiring import Factory
     from ucon.core.output import stdout_to_stderr
@@ -65,9 +76,9 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _require_one_setting(retrieval: dict[str, Any], own: dict[str, Any]) -> None:
-    """Refuse runs that differ in more than their habit level: what they show would not be the habits' doing.
+    """Refuse runs that differ in more than their habit level (the retriever may differ; level ``gt`` uses none).
 
-    The retriever may differ too: level ``gt`` asks none.
+    Otherwise a difference in results might not be due to the habits.
     """
     from ucon.core.errors import ConfigError
     from ucon.evaluation.kept.twins import without_level

@@ -1,4 +1,4 @@
-"""``python -m ucon catalogue``: the object catalogue as figures, or as a labelled contact sheet."""
+"""``python -m ucon catalogue``: the object catalogue as counts, as JSON, or as a labelled contact sheet."""
 
 from __future__ import annotations
 
@@ -9,14 +9,21 @@ from pathlib import Path
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the command's options to its parser."""
     parser.add_argument("--category", action="append", metavar="NAME", help="only this category (may be repeated)")
     parser.add_argument("--sheet", type=Path, metavar="FILE.png", help="draw a labelled contact sheet into a picture")
     parser.add_argument("--json", action="store_true", help="print the categories as JSON")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Count the catalogue, print it, or draw it."""
+    """Print counts or JSON, and draw the sheet if asked for.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0.
+    """
     from dataclasses import asdict
 
     from ucon.objects.catalogue import catalogue

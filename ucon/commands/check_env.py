@@ -1,4 +1,4 @@
-"""``python -m ucon check-env ID_OR_MODULE:CLASS``: whether an environment keeps what the task promises."""
+"""``python -m ucon check-env ID_OR_MODULE:CLASS``: checks that an environment keeps the task's interface and rules."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the command's options to its parser."""
     parser.add_argument("environment", metavar="ID_OR_MODULE:CLASS", help="UcON-v0, or my_module:MyWrapper")
     parser.add_argument(
         "--around", default="UcON-v0", metavar="ID", help="the environment that a wrapper is put around (UcON-v0)"
@@ -20,7 +20,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print one line a check; 0 where all promises are kept, 1 where one is not."""
+    """Print one line per check.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0 if all checks pass, 1 if one fails.
+    """
     import ucon.envs  # noqa: F401 (registers the environments)
     from ucon.envs.checking import check, subject_of
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Mapping
 from dataclasses import asdict
 from itertools import combinations, permutations
 from pathlib import Path
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the command's options to its parser."""
     parser.add_argument("runs", nargs="+", metavar="RUN", type=Path, help="run folders (two or more)")
     parser.add_argument(
         "--against",
@@ -39,7 +40,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print the differences of every pair, the first run minus the later one."""
+    """Print the paired differences of runs, the first minus the second.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0.
+
+    Raises:
+        ConfigError: fewer than two runs, or runs without a common episode.
+        DataError: a run that cannot be read.
+    """
     from ucon.core.errors import ConfigError
     from ucon.core.output import wide_console
     from ucon.evaluation.figures.markdown import markdown_page, read_runs
@@ -72,7 +84,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _json(pairs: list[Comparison], runs: dict[Path, Run], way: tuple[Run, Run] | None) -> Any:
-    """A list of the differences; with a way, beside what every run has closed of it."""
+    """The list of differences; with start and goal, a mapping that also has what every run has closed."""
     from ucon.evaluation.figures.gap_closed import carried_over, distance_closed
 
     differences = [pair.to_json() for pair in pairs]
@@ -81,45 +93,49 @@ def _json(pairs: list[Comparison], runs: dict[Path, Run], way: tuple[Run, Run] |
     start, goal = way
     shares = {
         str(folder): {
-            "closed": {k: _told(v) for k, v in distance_closed(run.records, start.records, goal.records).items()},
-            "carried_over": {k: _told(v) for k, v in carried_over(run.records, goal.records).items()},
+            "closed": _plain_values(distance_closed(run.records, start.records, goal.records)),
+            "carried_over": _plain_values(carried_over(run.records, goal.records)),
         }
         for folder, run in runs.items()
     }
     return {"differences": differences, "from": start.label, "to": goal.label, "runs": shares}
 
 
-def _told(shares: Any) -> Any:
-    """A dataclass of numbers as JSON has them: null for NaN, which is no JSON."""
+def _plain_values(shares: Mapping[str, Any]) -> dict[str, Any]:
+    """Dataclasses of numbers by name as plain values; NaN becomes null."""
 
     def known(value: Any) -> Any:
         if isinstance(value, dict):
             return {name: known(inner) for name, inner in value.items()}
         return None if value != value else value
 
-    return known(asdict(shares))
+    return {name: known(asdict(share)) for name, share in shares.items()}
 
 
 def print_sweep(folder: Path) -> None:
-    """Tables of all finished runs below a sweep's folder, and what habits and agents are worth in it."""
+    """Print the tables of all finished runs of a sweep: results, and the paired differences worth comparing.
+
+    Args:
+        folder: of the sweep; its subfolders are runs.
+    """
     from ucon.core.output import wide_console
     from ucon.evaluation.figures.paired import compare_records, comparison_table
     from ucon.evaluation.figures.report import results_table
     from ucon.evaluation.kept.finished import FinishedRun
-    from ucon.evaluation.kept.naming import answers_something, level, player
+    from ucon.evaluation.kept.naming import agent_label, is_worth_comparing, level
     from ucon.evaluation.kept.seal import SUMMARY
 
     paths = sorted(p.parent for p in folder.glob(f"*/{SUMMARY}"))
     if len(paths) < 2:
         return
     runs = [(run.summary, run.records or ()) for run in map(FinishedRun.read, paths)]
-    runs.sort(key=lambda run: (player(run[0]), _LEVEL_ORDER.get(level(run[0]), 9)))
+    runs.sort(key=lambda run: (agent_label(run[0]), _LEVEL_ORDER.get(level(run[0]), 9)))
     console = wide_console()
     console.print(results_table([summary for summary, _ in runs], title=str(folder)))
     pairs = [
-        compare_records(records_a, records_b, (f"{player(a)} {level(a)}", f"{player(b)} {level(b)}"))
+        compare_records(records_a, records_b, (f"{agent_label(a)} {level(a)}", f"{agent_label(b)} {level(b)}"))
         for (a, records_a), (b, records_b) in permutations(runs, 2)
-        if answers_something(a, b) and {r.episode for r in records_a} & {r.episode for r in records_b}
+        if is_worth_comparing(a, b) and {r.episode for r in records_a} & {r.episode for r in records_b}
     ]
     if pairs:
         console.print(comparison_table(pairs, ("success_rate", "spl")))

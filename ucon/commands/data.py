@@ -1,4 +1,4 @@
-"""``python -m ucon data ACTION``: the programs that fit, measure and ship what comes with the package."""
+"""``python -m ucon data ACTION``: programs that fit, measure and ship the package's own weights and tables."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import argparse
 import importlib
 from typing import Final
 
-#: The actions: the module whose ``main(words)`` carries it out, and what it does.
+#: By action: the module whose ``main(words)`` runs it, and its help text.
 _ACTIONS: Final[dict[str, tuple[str, str]]] = {
     "text-tables": ("ucon.fitting.text_tables", "embed the habit book and the catalogue"),
     "fit-reader": ("ucon.fitting.anchor_reader", "fit the anchor reader"),
@@ -22,15 +22,22 @@ _ACTIONS: Final[dict[str, tuple[str, str]]] = {
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the command's actions to its parser; their options are parsed by the actions themselves."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     for name, (_, text) in _ACTIONS.items():
-        action = actions.add_parser(name, help=text, add_help=False, prefix_chars="\0")  # options are the action's own
+        action = actions.add_parser(name, help=text, add_help=False, prefix_chars="\0")  # the action parses its options
         action.add_argument("words", nargs="*")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Carry out the chosen action."""
+    """Run the chosen action.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0.
+    """
     name, _ = _ACTIONS[args.action]
     importlib.import_module(name).main(args.words)
     return 0

@@ -9,20 +9,27 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from ucon.task.episode import Episode
 
-#: Number in ``mini`` of a search that shows the point. What habits are worth on average is in results/.
+#: Index in ``mini`` of an episode where habits help. What they are worth on average is in results/.
 _EPISODE = 12
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the command's options to its parser."""
     parser.add_argument("--agent", default="belief", help="who searches, a file of configs/agent/ (belief)")
     parser.add_argument("--out", type=Path, default=Path("runs/demo"), help="folder of the results (runs/demo)")
     parser.add_argument("--video", action=argparse.BooleanOptionalAction, default=True, help="film both searches")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Play it twice, tell."""
-    from ucon.commands.two_searches import search_twice, tell
+    """Play the episode at levels ``none`` and ``retrieval``, print both results, and film them.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0.
+    """
+    from ucon.commands.two_searches import print_searches, search_twice
     from ucon.core.output import stdout_to_stderr
     from ucon.task.sets import load_episodes, save_episodes
 
@@ -33,15 +40,15 @@ def run(args: argparse.Namespace) -> int:
         save_episodes([episode], file)
         words = (f"agent={args.agent}", f"episodes={file}")
         searches = search_twice(words, args.out, ("none", "retrieval"), films=args.video)
-    print(_said(episode))
-    tell(searches)
+    print(_introduction(episode))
+    print_searches(searches)
     print("\nChosen to show the point. What habits are worth on average: results/README.md;")
     print('your own object and habits: python -m ucon try --object mug --habit "..."')
     return 0
 
 
-def _said(episode: Episode) -> str:
-    """What is searched, where it is, and which of the household's sentences say so."""
+def _introduction(episode: Episode) -> str:
+    """Lines about the episode: the target, its place, and the household's sentences that name it."""
     from ucon.habits import book
     from ucon.task.spoken import spoken_place
 

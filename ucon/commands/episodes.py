@@ -1,6 +1,7 @@
-"""``python -m ucon episodes make SET`` and ``episodes verify SET``: the fixed sets.
+"""``python -m ucon episodes make SET`` and ``episodes verify SET``: makes and verifies sets of episodes.
 
-What was made so far stands in a file beside the set's (``.part``): the same command goes on after an interruption.
+Episodes made so far are stored in a file beside the set's (``.part``): the same command continues after an
+interruption.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ _SHOWN = 20
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the command's options to its parser."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     maker = actions.add_parser("make", help="sample, check and write a set")
     maker.add_argument(
@@ -40,7 +41,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Carry out the chosen action; ``verify`` ends with 1 where an episode does not hold."""
+    """Run the chosen action.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0, or 1 if an episode does not verify.
+    """
     from ucon.core.output import stdout_to_stderr
 
     with stdout_to_stderr():
@@ -55,7 +63,7 @@ def _make(args: argparse.Namespace) -> int:
     from ucon.task.making.set_plans import OFFICIAL_SETS, set_orders
     from ucon.task.sets import save_episodes, set_name, set_path
 
-    # The sets `official` are made of no other habits, so their own place is right; a part belongs elsewhere.
+    # The official sets need --habits, so they may be written to their own place; a part of a set may not.
     other = [("--habits", args.habits and args.name not in OFFICIAL_SETS), ("--limit", args.limit is not None)]
     if args.out is None and (given := [option for option, value in other if value]):
         raise ConfigError(f"{given[0]} without --out: set '{args.name}' itself would be replaced; give --out FILE")

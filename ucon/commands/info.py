@@ -1,4 +1,4 @@
-"""``python -m ucon info [EPISODE]``: the seven actions; of an episode, whose home it is and what is searched there."""
+"""``python -m ucon info [EPISODE]``: the seven actions; for an episode also its home, household and target."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the command's options to its parser."""
     parser.add_argument("episode", metavar="EPISODE", nargs="?", help="its name, or its number in the set")
     parser.add_argument("--episodes", metavar="SET", default="mini", help="its set or file (default mini)")
     parser.add_argument("--task", help="rules: paper, released_code (default: those of the episode, or paper)")
@@ -21,24 +21,34 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print what is known."""
+    """Print the information as text or JSON.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0.
+
+    Raises:
+        ConfigError: an unknown episode, set or task.
+    """
     from ucon.configuration.wiring import load_dataset
     from ucon.core.output import stdout_to_stderr
     from ucon.task.rules import PAPER, task_rules
     from ucon.task.sets import load_episodes
 
-    told: dict[str, Any] = {}
+    facts: dict[str, Any] = {}
     with stdout_to_stderr():
         rules = task_rules(args.task or PAPER.name)
         if args.episode is not None:
             episode = _chosen(args.episode, load_episodes(args.episodes, rules.name))
             rules = task_rules(args.task or episode.task)
-            told = _episode(episode, load_dataset(args.habits))
-    told |= {"task": rules.name, "steps": rules.max_steps, "actions": rules.actions()}
+            facts = _episode(episode, load_dataset(args.habits))
+    facts |= {"task": rules.name, "steps": rules.max_steps, "actions": rules.actions()}
     if args.json:
-        print(json.dumps(told, indent=1, ensure_ascii=False))
+        print(json.dumps(facts, indent=1, ensure_ascii=False))
     else:
-        _print(told)
+        _print(facts)
     return 0
 
 
@@ -49,12 +59,12 @@ def _chosen(word: str, episodes: tuple[Episode, ...]) -> Episode:
 
 
 def _episode(episode: Episode, dataset: HabitDataset) -> dict[str, Any]:
-    """The home, its people and the target; of people only where their habits are those of ``dataset``."""
+    """Home, household and target of an episode; the household only if its habits are those of ``dataset``."""
     from ucon.sim.cache import load_house
     from ucon.task.spoken import target_place
 
     spec = load_house(episode.scene).spec
-    told = {
+    facts = {
         "episode": episode.id,
         "home": episode.scene,
         "kind": spec.kind,
@@ -65,28 +75,28 @@ def _episode(episode: Episode, dataset: HabitDataset) -> dict[str, Any]:
         "habits_of": episode.habits,
     }
     if episode.habits_hash != dataset.sha256:
-        return told | {"household": None, "people": None, "habits": None}
+        return facts | {"household": None, "people": None, "habits": None}
     entries = [dataset.entries[dataset.entry_number[name]] for name in episode.entries]
     name, _ = episode.placed_by[episode.target]
     owner = dataset.entries[dataset.entry_number[name]] if name else None
-    return told | {
+    return facts | {
         "household": owner and owner.household,
         "people": len({entry.household for entry in entries}),
         "habits": sum(len(entry.habits) for entry in entries),
     }
 
 
-def _print(told: dict[str, Any]) -> None:
-    if "episode" in told:
-        target = told["target"].replace("_", " ")
-        print(f"{told['episode']}: find the {target}; shortest path {told['shortest_m']:.2f} m")
-        print(f"home: {told['home']} ({told['kind']}), rooms: {', '.join(told['rooms'])}")
-        if told["people"] is None:
-            print(f"whose: people of the habit dataset '{told['habits_of']}'; give it by --habits PATH")
+def _print(facts: dict[str, Any]) -> None:
+    if "episode" in facts:
+        target = facts["target"].replace("_", " ")
+        print(f"{facts['episode']}: find the {target}; shortest path {facts['shortest_m']:.2f} m")
+        print(f"home: {facts['home']} ({facts['kind']}), rooms: {', '.join(facts['rooms'])}")
+        if facts["people"] is None:
+            print(f"whose: people of the habit dataset '{facts['habits_of']}'; give it by --habits PATH")
         else:
-            print(f"whose {target}: {told['household']}")
-            print(f"{told['people']} households are told of in {told['habits']} habits")
-        print(f"kept {told['place']} (what no agent is told)\n")
-    print(f"task={told['task']}: at most {told['steps']} steps, each one of seven actions")
-    for number, action in enumerate(told["actions"]):
+            print(f"whose {target}: {facts['household']}")
+            print(f"{facts['people']} households are told of in {facts['habits']} habits")
+        print(f"kept {facts['place']} (what no agent is told)\n")
+    print(f"task={facts['task']}: at most {facts['steps']} steps, each one of seven actions")
+    for number, action in enumerate(facts["actions"]):
         print(f"  {number}  {action['name']:<13} {action['effect']}")

@@ -1,4 +1,4 @@
-"""``python -m ucon pack``: episode sets and their homes as small files, so that they load anywhere without PyBullet."""
+"""``python -m ucon pack``: packs episode sets and their homes into small files that load without PyBullet."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the command's options to its parser."""
     parser.add_argument("names", nargs="*", metavar="SET_OR_HOME", help="episode sets, or homes (default: mini)")
     parser.add_argument("--episodes", action="append", metavar="SET", help="a set by name or file; may be repeated")
     parser.add_argument(
@@ -16,7 +16,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write the homes and, into a folder that is named, the sets."""
+    """Write the homes and, with ``--out``, the sets.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0.
+
+    Raises:
+        ConfigError: an unknown set or home.
+    """
     from ucon.core.errors import ConfigError, unknown_name
     from ucon.core.output import stdout_to_stderr
     from ucon.scenes import SCENES

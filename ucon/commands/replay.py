@@ -1,4 +1,4 @@
-"""``python -m ucon replay RUN ...``: play finished runs again and say whether their numbers come out the same."""
+"""``python -m ucon replay RUN ...``: plays finished runs again and reports whether their numbers are reproduced."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ucon.configuration.kept_config import add_places, bad, configuration_of, places_in
 
 if TYPE_CHECKING:
-    from ucon.evaluation.kept.replayed import Replayed
+    from ucon.evaluation.kept.replayed import ReplayResult
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the command's options to its parser."""
     parser.add_argument("runs", nargs="+", metavar="RUN", type=Path, help="folders of results/, or of eval.py")
     parser.add_argument(
         "--every", type=int, default=1, metavar="K", help="play every K-th of their episodes (default: all)"
@@ -29,7 +29,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Play each; 0 where all came out as they were kept, 1 where some did not or could not be played."""
+    """Play each run again, and print a line for each.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0 if all runs are reproduced, 1 if one differs or could not be played.
+
+    Raises:
+        ConfigError: a wrong option.
+    """
     from hydra.errors import HydraException
 
     from ucon.configuration.stored import said_in
@@ -46,25 +56,25 @@ def run(args: argparse.Namespace) -> int:
             again = _replay(folder, out, args.every, configuration_of(folder, places, said), args.workers)
         except (UconError, HydraException, WorkerError) as error:
             ok = False
-            # A worker's failure is a bug, which keeps its traceback.
+            # A WorkerError is a bug and keeps its traceback; other errors are printed as one line.
             why = str(error) if isinstance(error, WorkerError) else " ".join(str(error).split())
             print(f"{folder}: not played: {why}", file=sys.stderr, flush=True)
         else:
             ok = ok and again.found.same
-            print(json.dumps(again.to_json(folder)) if args.json else f"{folder}: {_told(again)}", flush=True)
+            print(json.dumps(again.to_json(folder)) if args.json else f"{folder}: {_line(again)}", flush=True)
     return 0 if ok else 1
 
 
 class _Again(NamedTuple):
-    """A run that was played again."""
+    """Result of playing a run again."""
 
-    found: Replayed
+    found: ReplayResult
     n_new: int
-    """Episodes played now; the others before an interruption."""
+    """Number of episodes played by this call; the others were played before an interruption."""
     out: Path
 
     def to_json(self, folder: Path) -> dict[str, Any]:
-        """What ``--json`` prints."""
+        """Plain values for ``--json``."""
         new = {"run": str(folder), "out": str(self.out), "played": self.n_new, "same": self.found.same}
         return new | asdict(self.found)
 
@@ -72,10 +82,10 @@ class _Again(NamedTuple):
 def _replay(folder: Path, out: Path, every: int, config: dict[str, Any], workers: str) -> _Again:
     from ucon.core.output import stdout_to_stderr
     from ucon.evaluation.kept.record import read_records
-    from ucon.evaluation.kept.replayed import Kept, replayed
+    from ucon.evaluation.kept.replayed import StoredRun, replayed
     from ucon.programs.evaluating import Evaluation
 
-    kept = Kept.read(folder)
+    kept = StoredRun.read(folder)
     limit = config["limit"]
     config |= {
         "every": config["every"] * every,
@@ -91,8 +101,8 @@ def _replay(folder: Path, out: Path, every: int, config: dict[str, Any], workers
     return _Again(replayed(kept, read_records(run.out), every), run.n_new, run.out)
 
 
-def _told(again: _Again) -> str:
-    """One line for a person."""
+def _line(again: _Again) -> str:
+    """One line of text about the result."""
     found, earlier = again.found, again.found.n - again.n_new
     what = f"{found.label}, {found.n} episodes played" + (f" ({earlier} before an interruption)" if earlier else "")
     if found.same:

@@ -1,4 +1,4 @@
-"""``python -m ucon scenes``: the homes as a list, as JSON, or as a sheet of plans and first-person views."""
+"""``python -m ucon scenes``: the homes as a table, as JSON, or as a sheet of plans and first-person views."""
 
 from __future__ import annotations
 
@@ -9,14 +9,21 @@ from typing import Any
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the command's options to its parser."""
     parser.add_argument("--scene", action="append", metavar="NAME", help="only this home (may be repeated)")
     parser.add_argument("--sheet", type=Path, metavar="FILE.png", help="draw plans and views into a picture")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
 def run(args: argparse.Namespace) -> int:
-    """List the homes, or draw them."""
+    """Print the homes, and draw the sheet if asked for.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0.
+    """
     from ucon.core.output import say_written, stdout_to_stderr, wide_console
     from ucon.scenes import SCENES
 
@@ -39,7 +46,11 @@ def run(args: argparse.Namespace) -> int:
 
 
 def describe(name: str) -> dict[str, Any]:
-    """Figures of one home, from its specification."""
+    """Figures of a home from its specification: kind, split, rooms, area in square metres, items, categories, hash.
+
+    Args:
+        name: of the home.
+    """
     from ucon.scenes import home_spec, scene_split
 
     spec = home_spec(name)
@@ -56,7 +67,12 @@ def describe(name: str) -> dict[str, Any]:
 
 
 def draw(names: tuple[str, ...], path: Path) -> None:
-    """Write the sheet."""
+    """Draw plans and views of some homes into a picture.
+
+    Args:
+        names: of the homes.
+        path: of the PNG file.
+    """
     from ucon.sim.sheets import scene_sheet
 
     scene_sheet(names, path)

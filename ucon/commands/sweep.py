@@ -1,4 +1,4 @@
-"""Hydra callback of sweeps (``eval.py -m``)."""
+"""Hydra callback for sweeps (``eval.py -m``)."""
 
 from __future__ import annotations
 
@@ -12,8 +12,13 @@ from ucon.commands.compare import print_sweep
 
 
 class CompareAtEnd(Callback):
-    """After a sweep, one table of all runs and the paired differences that answer its question."""
+    """Prints a table of all runs and their paired differences after a sweep."""
 
     def on_multirun_end(self, config: DictConfig, **kwargs: Any) -> None:
-        """Print the tables of the sweep's folder."""
+        """Print the tables of the sweep's folder. Called by Hydra.
+
+        Args:
+            config: of the sweep.
+            kwargs: unused.
+        """
         print_sweep(Path(config.hydra.sweep.dir))

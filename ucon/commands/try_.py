@@ -1,4 +1,4 @@
-"""``python -m ucon try``: one's own habits, searched without and with them."""
+"""``python -m ucon try``: searches for an object with the user's own habits, without and with them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the command's options to its parser."""
     parser.description = (
         "Put an object where your habits say (or --place), search it without habits and with those that are "
         "retrieved among the whole household's, and show both."
@@ -36,8 +36,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Place, play twice, tell."""
-    from ucon.commands.two_searches import search_twice, tell
+    """Place the object, search it at level ``none`` and another level, and print both results.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0; 2 if the wish has faults, which are printed one per line.
+    """
+    from ucon.commands.two_searches import print_searches, search_twice
     from ucon.core.output import stdout_to_stderr
     from ucon.habits.datafile import save_dataset
     from ucon.task.making.own_household import FaultsError, OwnPlacement, own_episode
@@ -60,10 +67,10 @@ def run(args: argparse.Namespace) -> int:
         searches = search_twice(words, out, ("none", args.level), films=args.video)
     read = "" if wish.place else f", as your habits are read ({100 * chance:.0f} %; --place says otherwise)"
     name = args.object.replace("_", " ")
-    told = sum(len(dataset.entries[dataset.entry_number[entry]].habits) for entry in episode.entries)
+    n_habits = sum(len(dataset.entries[dataset.entry_number[entry]].habits) for entry in episode.entries)
     print(f"{name} in {args.scene}: kept {spoken_place(place.relation, place.anchor)}{read}")
-    print(f"{len(args.habit)} of your habits among {told - len(args.habit)} others of the household\n")
-    tell(searches)
+    print(f"{len(args.habit)} of your habits among {n_habits - len(args.habit)} others of the household\n")
+    print_searches(searches)
     print(f"\nOne search says little: another --seed starts elsewhere, among other things. All of it: {out}")
     return 0
 

@@ -1,4 +1,4 @@
-"""One episode searched at two habit levels, filmed and told: what ``try`` and ``demo`` show."""
+"""Searches one episode at two habit levels, with films and a table; used by ``try`` and ``demo``."""
 
 from __future__ import annotations
 
@@ -14,12 +14,18 @@ Search = tuple[Path, "EpisodeRecord"]
 
 
 def search_twice(words: Sequence[str], out: Path, levels: Sequence[str], *, films: bool) -> list[Search]:
-    """Play as ``eval.py WORDS`` would, once at each level.
+    """Play one episode as ``eval.py WORDS`` would, once at each level.
 
-    What another call left in ``out`` stays as it is.
+    What an earlier call left in ``out`` is not changed; the new run goes into a folder beside it.
+
+    Args:
+        words: options of ``eval.py``.
+        out: folder of the runs.
+        levels: habit levels.
+        films: whether to make videos.
 
     Raises:
-        ConfigError: outside a clone, or as ``eval.py`` does.
+        ConfigError: not in a clone, or a wrong option.
     """
     from ucon.evaluation.kept.finished import FinishedRun
     from ucon.programs.evaluating import Evaluation
@@ -36,8 +42,8 @@ def search_twice(words: Sequence[str], out: Path, levels: Sequence[str], *, film
     return found
 
 
-def tell(searches: Sequence[Search]) -> None:
-    """Print a small table, and where the films are."""
+def print_searches(searches: Sequence[Search]) -> None:
+    """Print a table of the searches, and the paths of the films."""
     print(f"{'habits':<12}{'found':>6}{'steps':>8}{'metres':>9}{'shortest':>10}")
     for _, record in searches:
         print(
@@ -49,7 +55,7 @@ def tell(searches: Sequence[Search]) -> None:
 
 
 def _config(*words: str) -> dict[str, Any]:
-    """A configuration of ``eval.py``."""
+    """Configuration of ``eval.py`` with some options."""
     from hydra import compose, initialize_config_dir
     from hydra.errors import HydraException
     from omegaconf import OmegaConf

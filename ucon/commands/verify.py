@@ -1,4 +1,4 @@
-"""``python -m ucon verify RUN ...``: recompute the figures of finished runs from their records."""
+"""``python -m ucon verify RUN ...``: recomputes the figures of finished runs from their records."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ucon.evaluation.kept.recompute import Verified
+    from ucon.evaluation.kept.recompute import Verification
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the command's options to its parser."""
     parser.add_argument("runs", nargs="+", metavar="RUN", type=Path, help="folders of eval.py, or of results/")
     parser.add_argument(
         "--seal",
@@ -26,7 +26,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Check each; 0 where all figures and checksums are right, 1 where one differs, lacks or cannot be read."""
+    """Check each run, and print a line for each.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0 if all figures and checksums are right, 1 if one differs, is missing or cannot be read.
+    """
     from ucon.core.errors import UconError
     from ucon.evaluation.kept.recompute import verify
 
@@ -39,13 +46,13 @@ def run(args: argparse.Namespace) -> int:
             print(f"error: {error}", file=sys.stderr, flush=True)
         else:
             good = good and found.good
-            told = json.dumps({"run": str(folder), "good": found.good, **asdict(found)}) if args.json else _told(found)
+            told = json.dumps({"run": str(folder), "good": found.good, **asdict(found)}) if args.json else _line(found)
             print(told if args.json else f"{folder}: {told}", flush=True)
     return 0 if good else 1
 
 
-def _told(found: Verified) -> str:
-    """One line for a person."""
+def _line(found: Verification) -> str:
+    """One line of text about a run."""
     what = f"{found.label}, {found.n} episodes: "
     if found.differing:
         return f"{what}{len(found.differing)} figures are not what the records say ({', '.join(found.differing)})"

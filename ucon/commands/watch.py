@@ -1,4 +1,4 @@
-"""``python -m ucon watch RUN [EPISODE]``: the episodes of a finished run; what one of them chose, and a film."""
+"""``python -m ucon watch RUN [EPISODE]``: lists a run's episodes, or films one and prints its decisions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the command's options to its parser."""
     parser.add_argument("run", metavar="RUN", type=Path, help="folder of eval.py, or of results/ with its episodes")
     parser.add_argument(
         "episode", metavar="EPISODE", nargs="?", help="its name or its number; without it all are listed"
@@ -31,7 +31,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """List, or film; 1 where what was filmed is not what was kept."""
+    """List the episodes, or film the chosen one.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0, or 1 if the filmed episode differs from the stored one.
+
+    Raises:
+        DataError: the run stores no episodes.
+        ConfigError: an unknown episode.
+    """
     from ucon.core.errors import DataError
     from ucon.evaluation.kept.finished import FinishedRun
 
@@ -55,7 +66,11 @@ def _list(records: Sequence[EpisodeRecord], *, lost: bool) -> None:
 
 
 def number_of(word: str, names: Sequence[str]) -> int:
-    """Number of an episode among those of some names, by its number or name.
+    """Index of an episode, given by its number or name.
+
+    Args:
+        word: number or name.
+        names: of all episodes.
 
     Raises:
         ConfigError: it is neither.
@@ -83,7 +98,7 @@ def _film(args: argparse.Namespace, kept: FinishedRun, number: int) -> int:
     record = kept.records[number]
     with stdout_to_stderr():
         config = configuration_of(args.run, places_in(args), said_in(args))
-        if args.actions:  # neither its networks nor its language model are needed
+        if args.actions:  # the recorded actions need neither networks nor a language model
             config["agent"] = {"_target_": "ucon.evaluation.playing.recorded.RecordedAgent", "actions": record.actions}
         run = Evaluation(config, args.out / "run", anew=True)
         if [episode.id for episode in run.episodes] != [r.episode for r in kept.records]:

@@ -1,1 +1,1 @@
-"""What configurations may say: kinds of values, permitted constructors, names of older versions, help."""
+"""What configurations may contain: kinds of values, permitted constructors, names of older versions; and help pages."""

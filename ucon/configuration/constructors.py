@@ -1,9 +1,9 @@
-"""Which constructors ``configs/`` names at which place: all that a stored configuration may have built there.
+"""Which constructors ``configs/`` names at which place: all that a stored configuration may build there.
 
-A place is a dotted name, such as ``env.detector``. Every file under ``configs/`` says what may stand where, by its
-package and by the interpolations in it: ``env.detector: ${detector}`` permits at ``env.detector`` whatever a file of
-``configs/detector/`` names, and by ``learner.env.config: ${env}`` at ``learner.env.config.detector`` too. So a new
-agent or detector, which is a file in ``configs/``, needs no mention anywhere else.
+A place is a dotted name, such as ``env.detector``. Each file under ``configs/`` says, by its package and its
+interpolations, what may stand where: ``env.detector: ${detector}`` permits at ``env.detector`` everything that files in
+``configs/detector/`` name, and by ``learner.env.config: ${env}`` at ``learner.env.config.detector`` too. So a new agent
+or detector, which is a file in ``configs/``, needs no entry anywhere else.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import yaml
 import ucon
 from ucon.core.errors import DataError
 
-#: The clone's, beside the package; a wheel has none.
+#: Folder of the configurations, beside the package in a clone; a wheel has none.
 CONFIGS: Final = Path(ucon.__file__).resolve().parents[1] / "configs"
 
 Place = tuple[str, ...]
@@ -33,16 +33,19 @@ _TAKEN: Final = re.compile(r"\$\{(?:oc\.select:)?([\w.]+)(?:,[^${}]*)?\}")
 
 @dataclass(frozen=True)
 class Call:
-    """A constructor and how Hydra is told to call it: ``_partial_``, ``_recursive_``, all keys with a leading ``_``."""
+    """A constructor and how Hydra is told to call it.
+
+    The latter are all keys with a leading ``_`` beside ``_target_``, such as ``_partial_`` and ``_recursive_``.
+    """
 
     target: str
     manner: tuple[tuple[str, str], ...]
 
     @classmethod
     def of(cls, node: Mapping[Any, Any]) -> Call | None:
-        """The call that a node of a configuration is; None where it is none.
+        """The call that a node of a configuration describes; None where it describes none.
 
-        Values count by their ``repr``, since a stranger's may be anything.
+        Values are compared by their ``repr``, since untrusted ones may be of any type.
         """
         manner = {str(name): repr(value) for name, value in node.items() if str(name).startswith("_")}
         if not manner:
@@ -53,15 +56,20 @@ class Call:
 
 @dataclass(frozen=True)
 class PermittedConstructors:
-    """What stands where in ``configs/``."""
+    """What may be built at which place."""
 
     calls: Mapping[Place, frozenset[Call]]
-    """By place, what is built there."""
+    """Permitted calls by place."""
     taken: Mapping[Place, frozenset[Place]]
-    """By place, the places whose content it takes over."""
+    """Places whose content is also permitted at a place, by interpolation."""
 
     def within(self, above: Iterable[Place], name: str) -> frozenset[Place]:
-        """All names of the entry ``name`` of a node that has the names ``above``: its own, and those it takes over."""
+        """All places of the entry ``name`` of a node: its own, and those that it takes over by interpolation.
+
+        Args:
+            above: all places of the node.
+            name: key of the entry.
+        """
         found: set[Place] = set()
         waiting = [(*place, name) for place in above]
         while waiting:
@@ -71,13 +79,16 @@ class PermittedConstructors:
         return frozenset(found)
 
     def permitted(self, names: Iterable[Place]) -> frozenset[Call]:
-        """What may be built at a node that has these names."""
+        """Calls that are permitted at a node with these places."""
         return frozenset(call for name in names for call in self.calls.get(name, ()))
 
 
 @cache
 def places(configs: Path = CONFIGS) -> PermittedConstructors:
-    """The places of all files under ``configs``.
+    """Permitted constructors by all files under ``configs``.
+
+    Args:
+        configs: folder with YAML files.
 
     Raises:
         DataError: there are none, or one cannot be read.
@@ -96,7 +107,7 @@ def places(configs: Path = CONFIGS) -> PermittedConstructors:
         if isinstance(content, dict):
             for place, source in _placed(content.pop("defaults", [])):
                 taken[place].add(source)
-            content.pop("hydra", None)  # of the command line alone
+            content.pop("hydra", None)  # settings of the command line, which build nothing of a run
             _collect(content, _package(text, file.parent.relative_to(configs)), calls, taken)
     return PermittedConstructors(
         {place: frozenset(found) for place, found in calls.items()},
@@ -105,7 +116,7 @@ def places(configs: Path = CONFIGS) -> PermittedConstructors:
 
 
 def _package(text: str, group: Path) -> Place:
-    """Where a file's content goes: its group, unless it says otherwise."""
+    """Place of a file's content: its group, or what ``@package`` says."""
     said = _PACKAGE.search(text)
     if said is None:
         return group.parts
@@ -113,7 +124,10 @@ def _package(text: str, group: Path) -> Place:
 
 
 def _placed(defaults: Any) -> Iterable[tuple[Place, Place]]:
-    """Entries of a defaults list that put a group elsewhere: ``/agent/habit_policy@learner.demonstrator.agent``."""
+    """Entries of a defaults list that put a group elsewhere.
+
+    Such as ``/agent/habit_policy@learner.demonstrator.agent``.
+    """
     for entry in defaults if isinstance(defaults, list) else ():
         path, _, package = (entry if isinstance(entry, str) else next(iter(entry))).partition("@")
         if package and package != "_global_":
@@ -124,7 +138,7 @@ def _placed(defaults: Any) -> Iterable[tuple[Place, Place]]:
 def _collect(
     node: Any, place: Place, calls: defaultdict[Place, set[Call]], taken: defaultdict[Place, set[Place]]
 ) -> None:
-    """Enter what ``node`` builds and takes over at ``place``, at any depth."""
+    """Add what ``node`` builds and takes over at ``place``, at any depth."""
     if isinstance(node, Mapping):
         if (call := Call.of(node)) is not None:
             calls[place].add(call)

@@ -1,4 +1,4 @@
-"""What ``eval.py --help`` and ``train.py --help`` print: the options with what the comments in ``configs/`` say."""
+"""Text of ``eval.py --help`` and ``train.py --help``: the options, with the comments in ``configs/``."""
 
 from __future__ import annotations
 
@@ -11,30 +11,36 @@ from typing import Final, NamedTuple
 _WIDTH: Final = 80
 _KEY = re.compile(r"( *)([\w/]+):(?: +([^#\n]*?))? *(?:#.*)?$")
 _GROUP = re.compile(r" *- (\w+): *([\w/${}]+)")
-#: What the comments of a file are not about, and what is no option of a user.
+#: Keys that are no options for users.
 _LEFT_OUT: Final = ("defaults", "hydra", "_target_")
 
 
 class HelpEntry(NamedTuple):
-    """An option with a comment."""
+    """An option with its comment."""
 
     name: str
-    """Dotted."""
+    """Dotted name."""
     value: str
     comment: str
 
 
 def help_page(configs: Path, name: str, words: Sequence[str] = ()) -> str:
-    """The page of ``configs/NAME.yaml``; ``words`` are others of the command line: ``agent=lgx`` adds what that has."""
+    """The help page of ``configs/NAME.yaml``.
+
+    Args:
+        configs: folder of the configurations.
+        name: of the main file.
+        words: other words of the command line; ``agent=lgx`` adds the options of that file.
+    """
     text = (configs / f"{name}.yaml").read_text(encoding="utf-8")
     lines = [*_head(text), "", "Options (name=value):", ""]
     for option in options_of(text):
-        lines += _told(f"{option.name}={option.value}", option.comment)
+        lines += _entry_lines(f"{option.name}={option.value}", option.comment)
     lines += ["", "Groups (group=name); `GROUP=NAME --help` adds the options of one:"]
     for group, chosen in _groups(text):
         lines += ["", f"{group}={chosen}"]
         for path in sorted((configs / group).glob("*.yaml")):
-            lines += _told(path.stem, _first_sentence(_comment(path)))
+            lines += _entry_lines(path.stem, _first_sentence(_comment(path)))
     for word in words:
         group, _, one = word.partition("=")
         path = configs / group / f"{one}.yaml"
@@ -42,12 +48,16 @@ def help_page(configs: Path, name: str, words: Sequence[str] = ()) -> str:
             lines += ["", f"Options of {word}:", ""]
             for option in options_of(path.read_text(encoding="utf-8")):
                 full = option.name if option.name.startswith(f"{group}.") else f"{group}.{option.name}"
-                lines += _told(f"{full}={option.value}", option.comment)
+                lines += _entry_lines(f"{full}={option.value}", option.comment)
     return "\n".join(lines) + "\n"
 
 
 def options_of(text: str) -> Iterator[HelpEntry]:
-    """Keys of a YAML file that have a comment right above them."""
+    """Keys of a YAML file that have a comment directly above them.
+
+    Args:
+        text: of the file.
+    """
     above: list[str] = []
     path: list[tuple[int, str]] = []
     for line in text.splitlines():
@@ -64,7 +74,7 @@ def options_of(text: str) -> Iterator[HelpEntry]:
 
 
 def _head(text: str) -> list[str]:
-    """The comment that the file begins with."""
+    """Lines of the comment at the start of a file."""
     out = []
     for line in text.splitlines():
         if not line.startswith("#"):
@@ -74,7 +84,7 @@ def _head(text: str) -> list[str]:
 
 
 def _groups(text: str) -> Iterator[tuple[str, str]]:
-    """Groups of the defaults list, and what is chosen of each."""
+    """Groups of the defaults list, and what is chosen in each."""
     for line in text.partition("\ndefaults:")[2].splitlines():
         if line and not line.startswith(" "):
             return
@@ -91,8 +101,8 @@ def _first_sentence(text: str) -> str:
     return re.split(r"(?<=\.) ", text, maxsplit=1)[0]
 
 
-def _told(name: str, comment: str) -> list[str]:
-    """An option or a choice, and beside it what it is; below where its name is long."""
+def _entry_lines(name: str, comment: str) -> list[str]:
+    """Lines of an option or choice and its comment: beside it, or below where its name is long."""
     column = 24
     body = textwrap.wrap(comment, _WIDTH - column, break_long_words=False, break_on_hyphens=False) or [""]
     first = f"  {name}"

@@ -1,4 +1,4 @@
-"""The configuration of a finished run, as what plays by it again takes it."""
+"""The configuration of a finished run, checked and completed so that the run can be played again."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-#: Options that older configurations lack, at what they were then.
-_LATER = {"limit": None, "every": 1, "batch": 1, "seed": 0, "worker_timeout_s": 3600.0}
-#: What a configuration must say, and how: nobody would notice before the middle of a run.
+#: Options that older configurations lack, with the values that applied then.
+_DEFAULTS_OF_OLDER_RUNS = {"limit": None, "every": 1, "batch": 1, "seed": 0, "worker_timeout_s": 3600.0}
+#: Options that a configuration must have, and their types; otherwise the error would come in the middle of a run.
 _NEEDED: Mapping[str, type] = {
     "episodes": str,
     "agent._target_": str,
@@ -23,7 +23,7 @@ _NEEDED: Mapping[str, type] = {
 
 
 def add_places(parser: argparse.ArgumentParser) -> None:
-    """``--path``, and what only a command line may say."""
+    """Add the options ``--path`` and ``--set`` to a command."""
     from ucon.configuration.stored import add_said
 
     parser.add_argument(
@@ -37,16 +37,25 @@ def add_places(parser: argparse.ArgumentParser) -> None:
 
 
 def places_in(args: argparse.Namespace) -> dict[str, str]:
-    """What ``--path`` said, new places by old ones."""
+    """New paths by old ones, as given with ``--path``.
+
+    Raises:
+        ConfigError: a word that is not OLD=NEW.
+    """
     return dict(_place(word) for word in args.path)
 
 
 def configuration_of(folder: Path, places: Mapping[str, str], said: Mapping[str, Any]) -> dict[str, Any]:
-    """A run's own, with what it names where that lies here.
+    """The configuration of a run, in today's names and with paths as they are here.
+
+    Args:
+        folder: of the run.
+        places: new paths by old ones.
+        said: values from the command line that a stored configuration must not decide.
 
     Raises:
         DataError: there is none, it lacks something, or it would build what it must not.
-        ConfigError: it needs what has to be said again, or chooses no part of its episodes.
+        ConfigError: a value has to be given on the command line, or ``limit`` and ``every`` are out of range.
     """
     from ucon.configuration.known_options import EVALUATION, check_options
     from ucon.configuration.stored import checked
@@ -54,7 +63,7 @@ def configuration_of(folder: Path, places: Mapping[str, str], said: Mapping[str,
     from ucon.evaluation.kept.finished import read_config
     from ucon.evaluation.kept.seal import CONFIG
 
-    where, config = folder / CONFIG, {**_LATER, **_moved(read_config(folder), places)}
+    where, config = folder / CONFIG, {**_DEFAULTS_OF_OLDER_RUNS, **_with_paths(read_config(folder), places)}
     if missing := [name for name, kind in _NEEDED.items() if not isinstance(_at(config, name), kind)]:
         raise DataError(f"{where}: no usable {', '.join(missing)} in it; restore it or evaluate again")
     allowed: dict[str, Any] = checked(config, str(where), ("agent", "env"), said, "--set ")
@@ -63,18 +72,18 @@ def configuration_of(folder: Path, places: Mapping[str, str], said: Mapping[str,
 
 
 def _at(config: Any, name: str) -> Any:
-    """What stands under a dotted name; None where nothing does."""
+    """Value of a dotted name; None where there is none."""
     for part in name.split("."):
         config = config.get(part) if isinstance(config, dict) else None
     return config
 
 
-def _moved(value: Any, places: Mapping[str, str]) -> Any:
-    """A configuration whose paths begin where they lie here."""
+def _with_paths(value: Any, places: Mapping[str, str]) -> Any:
+    """A configuration with its paths replaced."""
     if isinstance(value, dict):
-        return {name: _moved(inner, places) for name, inner in value.items()}
+        return {name: _with_paths(inner, places) for name, inner in value.items()}
     if isinstance(value, list):
-        return [_moved(inner, places) for inner in value]
+        return [_with_paths(inner, places) for inner in value]
     if isinstance(value, str):
         for old, new in places.items():
             if value == old or value.startswith(f"{old}/"):
@@ -83,7 +92,13 @@ def _moved(value: Any, places: Mapping[str, str]) -> Any:
 
 
 def bad(option: str, value: str, expected: str) -> Exception:
-    """The error for a word of the command line that is not what was expected."""
+    """The error about a value of a command-line option.
+
+    Args:
+        option: name of the option.
+        value: as given.
+        expected: in words.
+    """
     from ucon.core.errors import ConfigError
 
     return ConfigError(f"{option} {value}: expected {expected}")

@@ -1,7 +1,7 @@
-"""Kinds of values that options take: each tells a value of it from another, and how it is called in a message.
+"""Kinds of option values: each can test a value, and has a description for messages.
 
-They come from annotations (``float | None``, ``Sequence[str]``, ``Literal["a", "b"]``) or are put together here, with
-bounds. A class that is none of Python's own is a part: what a ``_target_`` describes.
+They are derived from annotations (``float | None``, ``Sequence[str]``, ``Literal["a", "b"]``) or composed here, with
+bounds. A class that is not one of Python's own means a part: a mapping with ``_target_``.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-#: Whole numbers beyond fit in no array, and texts with longer names in no file system.
+#: Upper bounds: of whole numbers, so that they fit into arrays, and of the length of names and texts.
 _MOST: Final = 2**63
 _LONGEST_NAME: Final = 255
 _LONGEST: Final = 4096
@@ -23,50 +23,63 @@ _LONGEST: Final = 4096
 
 @dataclass(frozen=True)
 class Kind:
-    """What a value must be."""
+    """A kind of values."""
 
     expected: str
-    """As messages say it."""
+    """Description in messages, such as "a whole number from 1 up"."""
     takes: Callable[[Any], bool]
 
 
 def whole(least: int = 1 - _MOST, most: int = _MOST - 1) -> Kind:
-    """Whole numbers within bounds; true and false are none."""
+    """Whole numbers within bounds; bool does not count as one.
+
+    Args:
+        least: smallest.
+        most: largest.
+    """
     bounds = "" if least == 1 - _MOST else f" from {least} up" if most == _MOST - 1 else f" from {least} to {most}"
     return Kind(f"a whole number{bounds}", lambda value: type(value) is int and least <= value <= most)
 
 
 def one_of(*values: Any) -> Kind:
-    """One of some texts or numbers."""
+    """One of the given texts or numbers, of the same type."""
     return Kind(" or ".join(map(str, values)), lambda value: any(value == v and type(value) is type(v) for v in values))
 
 
 def either(kinds: Iterable[Kind]) -> Kind:
-    """What any of several takes."""
+    """Values of any of several kinds."""
     several = tuple(kinds)
-    told = list(dict.fromkeys(kind.expected for kind in several))
-    return Kind(" or ".join(told), lambda value: any(kind.takes(value) for kind in several))
+    descriptions = list(dict.fromkeys(kind.expected for kind in several))
+    return Kind(" or ".join(descriptions), lambda value: any(kind.takes(value) for kind in several))
 
 
 def _is_number(value: Any) -> bool:
-    """Finite, and not so large that no float is near it."""
+    """Whether a value is a finite number below 2 ** 63."""
     return (type(value) is float and math.isfinite(value)) or (type(value) is int and abs(value) < _MOST)
 
 
 def is_text(value: Any) -> bool:
-    """A text of one line that could name a file: with no longer name or path than there can be."""
+    """Whether a value is a text of one line that could be a path.
+
+    It has no control characters, at most 4,096 characters, and names of at most 255 bytes.
+    """
     if type(value) is not str or len(value) > _LONGEST or any(unicodedata.category(letter) == "Cc" for letter in value):
         return False
     return all(len(name.encode("utf-8", "replace")) <= _LONGEST_NAME for name in value.split("/"))
 
 
 def is_part(value: Any) -> bool:
-    """What a configuration has built."""
+    """Whether a value is a mapping with ``_target_``, which a configuration builds."""
     return isinstance(value, Mapping) and isinstance(value.get("_target_"), str)
 
 
 def sequence(of: Kind, length: int | None = None) -> Kind:
-    """Lists."""
+    """Lists of values of one kind.
+
+    Args:
+        of: kind of the values.
+        length: of the list; None: any.
+    """
     counted = "a list" if length is None else f"a list of {length}"
     return Kind(
         f"{counted}, each {of.expected}",
@@ -75,7 +88,7 @@ def sequence(of: Kind, length: int | None = None) -> Kind:
 
 
 def mapping(of: Kind) -> Kind:
-    """Names with values."""
+    """Mappings from names to values of one kind; no parts."""
     return Kind(
         f"names, each with {of.expected}",
         lambda value: (
@@ -108,11 +121,11 @@ _NAMED: Final = {
 
 
 def kind_of(annotation: Any, names: Mapping[str, Any]) -> Kind | None:
-    """The kind that an annotation describes; None where there is none, or nobody can tell.
+    """The kind that an annotation describes; None where there is no annotation, or it cannot be interpreted.
 
     Args:
-        annotation: a text, as it is where annotations are not evaluated, or what it was evaluated to.
-        names: of the module that it stands in, for aliases such as ``Mode = Literal[...]``.
+        annotation: a text, as with postponed evaluation, or an evaluated annotation.
+        names: of its module, to resolve aliases such as ``Mode = Literal[...]``.
     """
     if not isinstance(annotation, str):
         return _of_object(annotation)
@@ -163,7 +176,7 @@ def _generic(name: str, inside: Sequence[Kind | None]) -> Kind | None:
 
 
 def _of_object(annotation: Any) -> Kind | None:
-    """Of an annotation that was evaluated."""
+    """Kind of an evaluated annotation."""
     origin = typing.get_origin(annotation)
     if origin is typing.Literal:
         return one_of(*typing.get_args(annotation))

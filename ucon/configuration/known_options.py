@@ -1,7 +1,7 @@
-"""Kinds and ranges of the options of ``eval.yaml`` and ``train.yaml`` that are no constructor's arguments.
+"""Kinds and ranges of the options of ``eval.yaml`` and ``train.yaml`` that are no arguments of a constructor.
 
-Those of constructors are annotated where they are made, see :mod:`ucon.configuration.arguments`. A test holds every
-option of both files against one of the two.
+Arguments of constructors are annotated there (:mod:`ucon.configuration.arguments`). A test requires that every option
+of both files is in one of the two.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ucon.configuration.kinds import (
 )
 from ucon.core.errors import ConfigError, brief, unknown_name
 
-#: More threads than any machine has; torch fails on far larger numbers.
+#: Highest number of threads; torch fails on far larger ones.
 MOST_THREADS: Final = 1024
 
 EVALUATION: Final[Mapping[str, Kind]] = {
@@ -66,7 +66,7 @@ TRAINING: Final[Mapping[str, Kind]] = {
     "training.validate_every": whole(1),
     "training.save_every": whole(1),
     "training.keep": whole(1),
-    "training.extended": ANYTHING,  # of runs that were: the plan reads it
+    "training.extended": ANYTHING,  # of runs that were extended; checked by Plan
     "agent": either([PART, NOTHING]),
     "collector": PART,
     "detector": PART,
@@ -80,9 +80,9 @@ TRAINING: Final[Mapping[str, Kind]] = {
 
 
 def check_options(config: Mapping[str, Any], kinds: Mapping[str, Kind]) -> None:
-    """Refuse values of other kinds, and names of options that are none.
+    """Refuse values of the wrong kind, and unknown options.
 
-    Options that a configuration lacks are not judged: older runs have fewer.
+    Missing options are accepted: older runs have fewer.
 
     Args:
         config: resolved, as plain data.
@@ -100,7 +100,7 @@ def check_options(config: Mapping[str, Any], kinds: Mapping[str, Kind]) -> None:
 
 
 def _leaves(config: Mapping[str, Any], kinds: Mapping[str, Kind]) -> list[tuple[str, Any]]:
-    """Options with their values: of groups without a ``_target_`` those in them, and parts that are named."""
+    """Options with their values: those within groups without ``_target_``, and parts with their listed options."""
     out: list[tuple[str, Any]] = []
     for name, value in config.items():
         groups = {known.partition(".")[2] for known in kinds if known.startswith(f"{name}.")}

@@ -1,7 +1,7 @@
-"""Names that stored configurations may have, and what they are called now.
+"""Names in configurations of older versions, and what they are called now.
 
-Runs are kept for years, and code moves. A configuration that was stored before a move or a removal is read as if it had
-been written today; whatever reads one (:mod:`ucon.configuration.stored`) does so by this table alone.
+Stored runs are read for years while code moves. A stored configuration is read as if it had been written today;
+everything that reads one (:mod:`ucon.configuration.stored`) uses these tables.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from ucon.core.errors import DataError, brief
 
-#: Constructors that moved: from where, and where to.
+#: Constructors that moved or were renamed: today's name by the old one.
 MOVED: Final[Mapping[str, str]] = {
     "models.nets.advice.Advisor": "models.nets.end_to_end.advice.Advisor",
     "models.nets.belief_head.BeliefHead": "models.nets.belief.belief_head.BeliefHead",
@@ -34,9 +34,11 @@ MOVED: Final[Mapping[str, str]] = {
     "ucon.learning.collecting.InProcess": "ucon.learning.ppo.collecting.InProcess",
     "ucon.learning.collecting.InWorkers": "ucon.learning.ppo.collecting.InWorkers",
     "ucon.learning.dagger.DaggerLearner": "ucon.learning.imitation.dagger.DaggerLearner",
-    "ucon.learning.dagger.Rollouts": "ucon.learning.imitation.dagger.Collections",
-    "ucon.learning.demonstrators.Searches": "ucon.learning.imitation.demonstrators.Searches",
+    "ucon.learning.dagger.Rollouts": "ucon.learning.imitation.dagger.DaggerRollouts",
+    "ucon.learning.demonstrators.Searches": "ucon.learning.imitation.demonstrators.AgentDemonstrator",
     "ucon.learning.foresight.ForesightLoss": "ucon.learning.ppo.foresight.ForesightLoss",
+    "ucon.learning.imitation.dagger.Collections": "ucon.learning.imitation.dagger.DaggerRollouts",
+    "ucon.learning.imitation.demonstrators.Searches": "ucon.learning.imitation.demonstrators.AgentDemonstrator",
     "ucon.learning.imitation.ImitationLearner": "ucon.learning.imitation.learner.ImitationLearner",
     "ucon.learning.ppo.PPOLearner": "ucon.learning.ppo.learner.PPOLearner",
     "ucon.learning.ppo_loss.PPOLoss": "ucon.learning.ppo.clipped_loss.PPOLoss",
@@ -47,23 +49,29 @@ MOVED: Final[Mapping[str, str]] = {
     "ucon.perception.reading.ReadHabits": "ucon.perception.belief.from_habits.ReadHabits",
 }
 
-#: Arguments that are gone, by the constructor's name of today: the value that did nothing.
+#: Removed arguments, by today's name of the constructor: the value that had no effect.
 GONE: Final[Mapping[str, Mapping[str, Any]]] = {
     "ucon.perception.belief.from_habits.ReadHabits": {"follow": 0.0},
     "ucon.learning.ppo.learner.PPOLearner": {"expert": None},
     "ucon.envs.search.env.UcONSearchEnv": {"expert": False},
 }
 
+#: Renamed arguments, by today's name of the constructor: new name by the old one.
+RENAMED: Final[Mapping[str, Mapping[str, str]]] = {
+    "ucon.envs.search.env.UcONSearchEnv": {"to_go": "distance_to_goal"},
+    "ucon.learning.belief_head.learner.BeliefLearner": {"own_places": "scene_evidence"},
+}
+
 
 def in_todays_names(node: Any, where: str) -> Any:
-    """A stored configuration as it would be written today, at any depth.
+    """A stored configuration with today's names, at any depth.
 
     Args:
         node: plain data.
-        where: names its file.
+        where: names its file, for the error.
 
     Raises:
-        DataError: it uses an argument that is gone.
+        DataError: it uses a removed argument with a value that had an effect.
     """
     if isinstance(node, list | tuple):
         return [in_todays_names(inner, where) for inner in node]
@@ -74,6 +82,7 @@ def in_todays_names(node: Any, where: str) -> Any:
     if not isinstance(target, str):
         return out
     target = out["_target_"] = MOVED.get(target, target)
+    out = {RENAMED.get(target, {}).get(name, name): value for name, value in out.items()}
     for name, nothing in GONE.get(target, {}).items():
         if name in out and out[name] != nothing:
             raise DataError(

@@ -1,9 +1,8 @@
-"""What a run's folder may have built: folders are passed on, so their configurations are a stranger's.
+"""What a run's folder may have built. Folders are passed on, so their configurations are not trusted.
 
-``replay``, ``cases`` and ``train.py resume=`` build objects by a configuration that lies in a folder. It may name, at
-each place, only what ``configs/`` names there. And whatever reaches beyond this process (programs, servers, downloads)
-is never taken from it: whoever plays the run says it again on the command line. Classes declare such arguments
-themselves, by ``from_command_line``.
+``replay``, ``cases`` and ``train.py resume=`` build objects from a configuration in a folder. At each place it may name
+only what ``configs/`` names there. Values that reach beyond this process (programs, servers, downloads) are never taken
+from it: they have to be given again on the command line. Classes list such arguments in ``from_command_line``.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from ucon.core.errors import ConfigError, DataError, brief
 
 
 def add_said(parser: argparse.ArgumentParser) -> None:
-    """The option by which a command takes what a folder must not decide."""
+    """Add the option ``--set`` to a command, for values that a folder must not decide."""
     parser.add_argument(
         "--set",
         action="append",
@@ -30,7 +29,11 @@ def add_said(parser: argparse.ArgumentParser) -> None:
 
 
 def said_in(args: argparse.Namespace) -> dict[str, Any]:
-    """What was said by that option; raises :class:`ConfigError` where it is none of those."""
+    """Values given with ``--set``, by option.
+
+    Raises:
+        ConfigError: a word that is not OPTION=VALUE, or an option that the folder does decide.
+    """
     said: dict[str, Any] = {}
     for word in args.set:
         name, sign, value = word.partition("=")
@@ -46,23 +49,25 @@ def said_in(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def checked(config: Mapping[str, Any], where: str, built: Sequence[str], said: Mapping[str, Any], how: str) -> Any:
-    """A stored configuration in today's names that builds nothing but what it may, with what the command line said.
+    """A stored configuration in today's names, checked, with the values from the command line.
 
     Args:
-        config: what is stored, as plain data.
-        where: names its file.
-        built: names of the parts of it that are going to be built; others are looked through for constructors only.
-        said: values of options from the command line, by the names that a new run takes them by (``detector.python``).
-        how: what goes before such a name on the command line, such as ``--set ``.
+        config: as stored, plain data; not trusted.
+        where: names its file, for errors.
+        built: names of the parts that are going to be built; only these get values from the command line.
+        said: values from the command line, by the names that a new run has for them (``detector.python``).
+        how: how such a value is given on the command line, such as ``--set ``.
 
     Raises:
         DataError: naming a key that builds what it must not, or holds an interpolation.
-        ConfigError: naming the options that have to be said again.
+        ConfigError: naming options that have to be given again.
     """
     config = in_todays_names(config, where)
     _check_calls(config, where)
     needed: dict[str, Any] = {}
-    out = {name: _with(said, needed, config[name], places().within(ROOT, name)) for name in config if name in built}
+    out = {
+        name: _with_values(said, needed, config[name], places().within(ROOT, name)) for name in config if name in built
+    }
     if needed:
         told = " ".join(f"{how}{name}={brief(value)}" for name, value in sorted(needed.items()))
         raise ConfigError(
@@ -72,21 +77,21 @@ def checked(config: Mapping[str, Any], where: str, built: Sequence[str], said: M
 
 
 def has_to_be_said(option: str) -> bool:
-    """Whether an option, by the name that a new run takes it by, is one that a stored run does not decide."""
+    """Whether an option, by the name that a new run has for it, must be given on the command line."""
     *place, name = option.split(".")
-    return any(name in _beyond(call.target) for call in places().calls.get(tuple(place), ()))
+    return any(name in _restricted_arguments(call.target) for call in places().calls.get(tuple(place), ()))
 
 
-def _with(said: Mapping[str, Any], needed: dict[str, Any], node: Any, names: frozenset[Place]) -> Any:
-    """``node`` with what was said; what was not, but has to be, goes into ``needed``."""
+def _with_values(said: Mapping[str, Any], needed: dict[str, Any], node: Any, names: frozenset[Place]) -> Any:
+    """``node`` with values from the command line; required ones that are missing are added to ``needed``."""
     if isinstance(node, list | tuple):
-        return [_with(said, needed, inner, places().within(names, str(k))) for k, inner in enumerate(node)]
+        return [_with_values(said, needed, inner, places().within(names, str(k))) for k, inner in enumerate(node)]
     if not isinstance(node, Mapping):
         return node
-    out = {name: _with(said, needed, inner, places().within(names, str(name))) for name, inner in node.items()}
+    out = {name: _with_values(said, needed, inner, places().within(names, str(name))) for name, inner in node.items()}
     target = node.get("_target_")
-    for name in _beyond(target):
-        option = ".".join((*_home(names, target), name))
+    for name in _restricted_arguments(target):
+        option = ".".join((*_own_place(names, target), name))
         if option in said:
             out[name] = said[option]
         elif node.get(name):
@@ -94,16 +99,16 @@ def _with(said: Mapping[str, Any], needed: dict[str, Any], node: Any, names: fro
     return out
 
 
-def _home(names: frozenset[Place], target: Any) -> Place:
-    """The one of a node's names under which ``configs/`` itself describes such a part."""
+def _own_place(names: frozenset[Place], target: Any) -> Place:
+    """The place of a node under which ``configs/`` itself describes such a part."""
     calls = places().calls
     return min(name for name in names if any(call.target == target for call in calls.get(name, ())))
 
 
 def _check_calls(config: Any, where: str) -> None:
-    """Refuse what ``configs/`` would not build at its place, and interpolations, at any depth.
+    """Refuse calls that ``configs/`` does not make at their place, and interpolations, at any depth.
 
-    Interpolations could hide a call; no run's configuration has any, since it is stored resolved.
+    Interpolations could hide a call; stored configurations are resolved and have none.
     """
     known = places()
     for key, node, names in _nodes(config, (), ROOT):
@@ -127,7 +132,7 @@ def _check_calls(config: Any, where: str) -> None:
 
 
 def _nodes(node: Any, key: Place, names: frozenset[Place]) -> Iterator[tuple[Place, Any, frozenset[Place]]]:
-    """All nodes: the keys that lead there, what is there, and all names of the place."""
+    """All nodes at any depth: keys that lead there, the node, and all its places."""
     yield key, node, names
     inner = enumerate(node) if isinstance(node, list | tuple) else node.items() if isinstance(node, Mapping) else ()
     for name, value in inner:
@@ -138,14 +143,14 @@ def _dotted(key: Place) -> str:
     return ".".join(key) or "the configuration"
 
 
-def _beyond(target: Any) -> Sequence[str]:
-    """Arguments of a permitted constructor that reach beyond this process."""
+def _restricted_arguments(target: Any) -> Sequence[str]:
+    """Arguments of a constructor that reach beyond this process."""
     if not isinstance(target, str):
         return ()
     from hydra.utils import get_object
 
     try:
         found = get_object(target)
-    except Exception:  # building it says so
+    except Exception:  # building it gives the error
         return ()
     return tuple(getattr(found, "from_command_line", ()))

@@ -1,4 +1,4 @@
-"""From configuration to objects: picklable factories that workers call, and habit datasets by path."""
+"""From configuration to objects: picklable factories for workers, and habit datasets by path."""
 
 from __future__ import annotations
 
@@ -17,22 +17,31 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Factory:
-    """Builds the object that a configuration with ``_target_`` describes, each time anew.
+    """Builds the object that a configuration with ``_target_`` describes, a new one at each call.
 
-    Plain data, so it can be sent to a worker. ``extra`` are arguments that are objects already.
+    Plain data, so it can be pickled and sent to a worker.
+
+    Args:
+        config: the mapping.
+        extra: further arguments that are objects already.
     """
 
     config: dict[str, Any]
     extra: Mapping[str, Any] = field(default_factory=dict)
 
     def __call__(self) -> Any:
-        """Build it; raises :class:`ConfigError` where the target or an argument does not exist, or is of no use."""
+        """Build the object.
+
+        Raises:
+            ConfigError: the target or an argument does not exist, or a value is of the wrong type.
+            UconError: raised by the constructor, unchanged.
+        """
         from hydra.errors import InstantiationException
         from hydra.utils import instantiate
 
         check_arguments(self.config)
         try:
-            # Partial, so that Hydra resolves the configuration but never looks into `extra`.
+            # Partial, so that Hydra resolves the configuration but does not process `extra`.
             return instantiate(self.config | {"_partial_": True}, _convert_="all")(**self.extra)
         except InstantiationException as error:
             _raise_users_error(error.__cause__, self.config["_target_"])
@@ -43,7 +52,10 @@ class Factory:
 
 
 def _raise_users_error(error: BaseException | None, target: str) -> None:
-    """Raise the :class:`UconError` among the causes, or one about ``target`` or an argument that it does not take."""
+    """Raise the :class:`UconError` among the causes, or one about ``target`` or a wrong argument.
+
+    Return if there is none.
+    """
     while error is not None:
         if isinstance(error, UconError):
             raise error from None
@@ -55,7 +67,7 @@ def _raise_users_error(error: BaseException | None, target: str) -> None:
 
 
 def _missing(target: str, module: str) -> str:
-    """What is wrong where importing ``target`` ends in no such ``module``."""
+    """The problem, in words, where importing ``target`` fails for lack of ``module``."""
     owner, _, name = target.rpartition(".")
     if module == target:
         return f"{owner} has no {name}; see its file in configs/"
@@ -65,11 +77,20 @@ def _missing(target: str, module: str) -> str:
 
 
 def official_habits(path: str) -> HabitDataset:
-    """Dataset of the official release at ``path``, without what is not in the catalogue.
+    """Dataset of the official release, without entries that are not in the catalogue.
 
-    What is left out, and why, is told in one line, and also where most sentences are not English. Its verdicts are
-    those of the shapes, so that sampling gives the same on every machine; the sampler settles what it places anyway.
-    What really trying them says is told by ``habits import``.
+    Prints one line about what is left out, and one if most sentences are not English. Placements are judged by shapes,
+    so
+    that sampling gives the same on every machine; the sampler tries each placement anyway. ``habits import`` reports
+    what
+    trying them in PyBullet gives.
+
+    Args:
+        path: task file, or the folder that holds it.
+
+    Raises:
+        ConfigError: there is no such path.
+        DataError: the file is damaged.
     """
     from ucon.generation.kept import shape_verdicts
     from ucon.habits import official
@@ -83,9 +104,16 @@ def official_habits(path: str) -> HabitDataset:
 
 
 def folder_habits(path: str) -> HabitDataset:
-    """Dataset of a file of ``habits build``, or of a folder in the habit book's format (not validated then).
+    """Dataset of a file of ``habits build``, or of a folder in the habit book's format.
 
-    What the catalogue lacks, and what breaks a rule of the format, is an error in either.
+    Placements of a folder are not validated.
+
+    Args:
+        path: the file or folder.
+
+    Raises:
+        ConfigError: there is no such path.
+        DataError: a category that is not in the catalogue, or a violation of the format.
     """
     from ucon.habits.book import read_book
     from ucon.habits.datafile import SUFFIX, load_dataset_file
@@ -107,7 +135,15 @@ def _warn_of_language(dataset: HabitDataset) -> None:
 
 
 def existing(path: str, option: str) -> Path:
-    """``path`` as a path that exists; raises :class:`ConfigError` naming the option otherwise."""
+    """``path`` as an existing path.
+
+    Args:
+        path: as given; ``~`` is expanded.
+        option: name of the option, for the error.
+
+    Raises:
+        ConfigError: there is nothing at ``path``.
+    """
     found = Path(path).expanduser()
     if not found.exists():
         raise ConfigError(f"{option}={path}: no such file or folder; give the path of an existing one")
@@ -115,7 +151,16 @@ def existing(path: str, option: str) -> Path:
 
 
 def load_dataset(path: str | None) -> HabitDataset:
-    """The dataset at a path: ``*.habits.xz`` a built file, JSON the official release, a folder of text a book."""
+    """The dataset at a path.
+
+    Args:
+        path: a built file (``*.habits.xz``), a task file (JSON) of the official release, or a book folder; None: the
+            shipped habit book.
+
+    Raises:
+        ConfigError: there is no such path.
+        DataError: the dataset is damaged.
+    """
     from ucon.habits import book
     from ucon.habits.datafile import SUFFIX
 

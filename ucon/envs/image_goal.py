@@ -44,9 +44,10 @@ class ImageGoalReward:
 class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
     """Reach the pose that an image shows.
 
-    ### Description Homes, starts, observations and actions are those of ``UcON-v0`` with images. ``info["goal_image"]``
-    at reset is the camera's image at the goal: a reachable node at least ``least_m`` away, and a heading, drawn by the
-    episode's id. The episode's target and habits have no meaning here.
+    ### Description
+    Homes, starts, observations and actions are those of ``UcON-v0`` with images. ``info["goal_image"]`` at reset is the
+    camera's image at the goal: a reachable node at least ``least_m`` away, and a heading, drawn by the episode's id.
+    The episode's target and habits have no meaning here.
 
     ### Action space, observation space
     Those of ``UcON-v0``.

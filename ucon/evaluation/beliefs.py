@@ -1,7 +1,7 @@
-"""Measures a reader of habits: how its belief stands to the distribution that placements are drawn from.
+"""Measures a reader of habits: its belief against the true distribution that placements are drawn from.
 
-Figures are exact expectations over that distribution, not over one drawn place, among given candidates. The oracle
-knows the distribution itself; whoever does better has seen it, which is an alarm and no result.
+Figures are exact expectations over that distribution, not over one drawn place, among given candidates. The oracle's
+belief is the true distribution itself; a reader that does better has had access to it, which is reported as an error.
 """
 
 from __future__ import annotations
@@ -26,22 +26,29 @@ from ucon.retrieval.levels import FIXED_LEVELS, Level, habits_at_level
 
 Array = NDArray[np.floating]
 ORACLE: Final = "oracle"
-#: More than rounding.
+#: Tolerance for rounding.
 _SLACK = 1e-6
 
 
 @dataclass
 class Measured:
-    """Of one level, a value for each target in the order they were asked."""
+    """Figures of one habit level, a value for each target in the order of measurement."""
 
     values: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in FIGURES})
     stated: list[Array] = field(default_factory=list)
     true: list[Array] = field(default_factory=list)
     clusters: list[str] = field(default_factory=list)
-    """Target (and scene): knowledge bases share them, so intervals draw whole clusters."""
+    """Scene and target of each value. Knowledge bases share them, so intervals resample whole clusters."""
 
     def add(self, p: Array, relation: Array, truth: Mapping[tuple[str, str], float], names: Sequence[str]) -> None:
-        """Take in one belief: ``p`` (C,) that adds up to 1, ``relation`` (C, 4)."""
+        """Add one belief.
+
+        Args:
+            p: (C,) probabilities, which add up to 1.
+            relation: (C, 4) p(relation | anchor).
+            truth: probability of each (anchor, relation).
+            names: the C candidates.
+        """
         y = np.zeros((len(names), len(RELATIONS)))
         number = {name: i for i, name in enumerate(names)}
         for (anchor, how), value in truth.items():
@@ -55,11 +62,11 @@ class Measured:
 
     @property
     def calibration_error(self) -> float:
-        """Expected calibration error over the best candidates of every belief."""
+        """Expected calibration error over the 20 best candidates of every belief."""
         return calibration_error(np.concatenate(self.stated), np.concatenate(self.true))
 
     def intervals(self) -> dict[str, Interval]:
-        """Each figure with its bootstrap interval."""
+        """Mean of each figure with its bootstrap interval."""
         return {name: mean_interval(values, clusters=self.clusters) for name, values in self.values.items()}
 
 
@@ -71,9 +78,17 @@ def measure_beliefs(
     about: Callable[[Entry], bool] = lambda _: True,
     levels: Sequence[Level] = FIXED_LEVELS,
 ) -> dict[str, Measured]:
-    """By level, and the oracle's; every target whose entries are all chosen by ``about``.
+    """Figures by habit level, and of the oracle.
 
-    Belief is over the candidates alone, which hold all true anchors: what a reader keeps for others is shared out.
+    Beliefs are normalised over the candidates, which include all true anchors.
+
+    Args:
+        kbs: knowledge bases.
+        reader: what is measured.
+        retriever: for level ``retrieval``.
+        candidates: names of a knowledge base's candidate anchors.
+        about: which entries count; a target needs all its entries to count.
+        levels: habit levels.
 
     Raises:
         DataError: a level is better than the oracle, or there is no target.
@@ -100,13 +115,13 @@ def measure_beliefs(
 
 
 def _oracle(truth: Mapping[tuple[str, str], float], names: Sequence[str]) -> tuple[Array, Array]:
-    """The true distribution as a belief."""
+    """The true distribution as a belief: (C,) and (C, 4)."""
     y = np.asarray([[truth.get((name, how), 0.0) for how in RELATIONS] for name in names])
     return y.sum(1), y
 
 
 def _alarm(found: Mapping[str, Measured]) -> None:
-    """Refuse figures that only a leak explains.
+    """Refuse figures that are better than the oracle's.
 
     Raises:
         DataError: naming level and figure.

@@ -1,4 +1,4 @@
-"""How fast environments and agents run: steps per CPU second, one process, one core, through the Gymnasium API."""
+"""Speed of environments and agents: steps per CPU second in one process on one core, through the Gymnasium API."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from ucon.task.agent import Agent
 from ucon.task.episode import Episode
 
 _STEPS = 600
-#: Stages without an agent's.
+#: Number of stages without an agent.
 STAGES = 4
-#: Chances of the actions of a walk without Done, in the order of :class:`Action`: mostly ahead, as agents move.
+#: Probabilities of the actions of a random walk without Done, in the order of :class:`Action`; mostly MoveAhead.
 _WALK = (0.55, 0.15, 0.15, 0.06, 0.06, 0.03)
 
-assert ucon.envs  # imported for its effect
+assert ucon.envs  # the import registers the environments
 
 
 def bench_environment(
@@ -34,10 +34,12 @@ def bench_environment(
     """The environment's figures of ``python -m ucon bench``.
 
     Args:
-        episodes: one is taken for each scene; the figure is the median over them, ``..._worst`` the lowest. For
-            ``UcONSearch-v0`` a choice at random is one decision.
-        agent: for ``decisions_per_s``: steps of a whole search, detector, map and choice included.
+        episodes: one per scene is used. A figure is the median over them, ``..._worst`` the lowest.
+        agent: for ``decisions_per_s``: steps per second of whole searches, with detector, map and choice.
         on_stage: called at the end of each of ``STAGES`` stages, and of the agent's.
+
+    Returns:
+        Figures by name, rounded to one digit; for ``UcONSearch-v0`` a random choice counts as one decision.
     """
     chosen = list({episode.scene: episode for episode in episodes}.values())[:8]
     figures: dict[str, float] = {}
@@ -60,7 +62,7 @@ def _make(episodes: Sequence[Episode], **options: Any) -> gym.Env[Any, Any]:
 
 
 def _walk(episode: Episode, observe: str) -> float:
-    """Steps per CPU second of a random walk, resets not counted."""
+    """Steps per CPU second of a random walk, without resets."""
     env = _make([episode], observe=observe)
     actions = stream(0, "bench", episode.id).choice(len(_WALK), size=_STEPS, p=_WALK).tolist()
     env.reset(seed=0, options={"episode": 0})
@@ -78,7 +80,7 @@ def _walk(episode: Episode, observe: str) -> float:
 
 
 def _with_resets(episodes: Sequence[Episode]) -> float:
-    """Steps per CPU second with pixels over whole stored solutions, a reset for each."""
+    """Steps per CPU second with pixels over whole stored solutions, resets included."""
     env = _make(episodes)
     env.reset(seed=0, options={"episode": 0})
     steps = 0
@@ -95,7 +97,7 @@ def _with_resets(episodes: Sequence[Episode]) -> float:
 
 
 def _decisions(episodes: Sequence[Episode], make_agent: Callable[[], Agent]) -> float:
-    """Steps per CPU second of an agent's own searches, resets not counted."""
+    """Steps per CPU second of an agent's own searches, without environment resets."""
     agent = make_agent()
     env = _make(episodes, observe="symbolic", detector=True)
     decided, spent = 0, 0.0
@@ -113,7 +115,7 @@ def _decisions(episodes: Sequence[Episode], make_agent: Callable[[], Agent]) -> 
 
 
 def _choices(episodes: Sequence[Episode]) -> dict[str, float]:
-    """Choices at random per CPU second in ``UcONSearch-v0``, and the steps of a choice, all of them inside it."""
+    """Random choices per CPU second in ``UcONSearch-v0``, and steps per choice."""
     rates, decided, walked = [], 0, 0
     for episode in ticked("choices", episodes):
         env = gym.make("UcONSearch-v0", episodes=(episode,), disable_env_checker=True)

@@ -1,1 +1,1 @@
-"""Programs that fit and measure what is shipped: ``python -m ucon data``."""
+"""Programs that fit and measure the shipped weights and tables: ``python -m ucon data``."""

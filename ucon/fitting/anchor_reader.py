@@ -1,7 +1,7 @@
 """Fits the anchor reader and writes ``data/reader.npz``: ``python -m ucon data fit-reader``.
 
-Only training entries of the habit book teach the prior, the evidence and the gate; validation categories set the
-few weights that mix them; test entries are not touched. Everything is seeded; about five minutes on one core.
+Prior, evidence and gate are fitted on train entries of the habit book only; the few weights that mix them, on val
+categories; test entries are not used. Everything is seeded; about five minutes on one core.
 """
 
 from __future__ import annotations
@@ -40,11 +40,21 @@ Arrays = dict[str, NDArray]
 MIN_COUNT, MAX_GRAMS = 5, 48
 N_CLUTTER = 40
 HALF = frozenset({"dense", "gate_habit", "gate_target"})
-"""What is kept in fp16."""
+"""Arrays that are stored in float16."""
 
 
 def fit_prior(data: HabitDataset, pairs: PairReader, anchors: Sequence[str], l2: float = 1e-4) -> Arrays:
-    """p(anchor | name) by softmax regression, p(relation | anchor) by smoothed counts over allowed relations."""
+    """Fit p(anchor | name) by softmax regression, and p(relation | anchor) by smoothed counts over allowed relations.
+
+    Args:
+        data: the dataset; its train entries are used.
+        pairs: encodes names.
+        anchors: A names.
+        l2: penalty of the weights.
+
+    Returns:
+        ``prior_dense`` (D, A), ``prior_bias`` (A,) and ``relation_prior`` (A, 4).
+    """
     parts = entry_parts(data)
     names = split_categories(data.categories, "train")
     x = torch.tensor(pairs.encoder.encode([phrase(name) for name in names]))
@@ -76,7 +86,17 @@ def fit_prior(data: HabitDataset, pairs: PairReader, anchors: Sequence[str], l2:
 
 
 def fit_evidence(data: HabitDataset, pairs: PairReader, anchors: Sequence[str], epochs: int = 9) -> Arrays:
-    """Which anchor and relation a habit speaks for: words, word pairs, sentence vector and pair features."""
+    """Fit which anchor and relation a habit speaks for, from words, word pairs, sentence vector and pair features.
+
+    Args:
+        data: the dataset; its train entries are used.
+        pairs: encodes sentences and pairs.
+        anchors: A names.
+        epochs: passes over the sentences.
+
+    Returns:
+        Arrays of the evidence reader by name.
+    """
     torch.manual_seed(0)
     parts = entry_parts(data)
     rows = np.asarray([r for r in range(len(data)) if parts[data.entry_of(r).id] == "train"])
@@ -114,7 +134,7 @@ def fit_evidence(data: HabitDataset, pairs: PairReader, anchors: Sequence[str], 
             loss = loss - 0.5 * (relation[batch] * logits[:, n + 1 :].log_softmax(1)).sum(1).mean()
             _step(optimiser, loss)
         _say(f"evidence: epoch {epoch + 1} of {epochs}, last loss {float(loss.detach()):.3f}")
-    # Dropout halves the words seen in training; at use all are there, which the validation part prefers unscaled.
+    # Dropout halves the words in training. In use all words count, unscaled: that is better on the validation part.
     return {
         "vocabulary": pack_names(vocabulary),
         "bow": bow.weight.detach().numpy()[1:].astype(np.float16),
@@ -126,12 +146,21 @@ def fit_evidence(data: HabitDataset, pairs: PairReader, anchors: Sequence[str], 
 
 
 def batched_features(pairs: PairReader, texts: Sequence[str], names: Sequence[str]) -> NDArray[np.float32]:
-    """Pair features (n, C, 6) of many texts."""
+    """Pair features (n, C, 6) of n texts with C names, computed in batches of 1,000 texts."""
     return np.concatenate([pairs.features(texts[i : i + 1000], names) for i in range(0, len(texts), 1000)])
 
 
 def spoken_labels(data: HabitDataset, rows: NDArray, anchors: Sequence[str]) -> tuple[torch.Tensor, torch.Tensor]:
-    """Distribution over anchors and "no place", (R, A + 1), and over relations, (R, 4), zero without a place."""
+    """Labels of sentences: what they support.
+
+    Args:
+        data: the dataset.
+        rows: (R,) sentences.
+        anchors: A names.
+
+    Returns:
+        Distribution over anchors and "no place", (R, A + 1), and over relations, (R, 4), 0 where there is no place.
+    """
     spoken, relation = torch.zeros(len(rows), len(anchors) + 1), torch.zeros(len(rows), len(RELATIONS))
     for i, row in enumerate(rows):
         placements = data.supports(int(row))
@@ -143,7 +172,7 @@ def spoken_labels(data: HabitDataset, rows: NDArray, anchors: Sequence[str]) -> 
 
 
 def _fit_any(features: torch.Tensor, spoken: torch.Tensor) -> NDArray:
-    """Logistic regression of "speaks for this anchor" on pair features alone, over habits that speak for one."""
+    """Logistic regression of "speaks for this anchor" on pair features only, over habits that speak for a place."""
     x, y = features[spoken.sum(1) > 0], (spoken[spoken.sum(1) > 0] > 0).float()
     weight = torch.zeros(x.shape[2] + 1, requires_grad=True)
     optimiser = torch.optim.LBFGS([weight], max_iter=60)
@@ -159,7 +188,20 @@ def _fit_any(features: torch.Tensor, spoken: torch.Tensor) -> NDArray:
 
 
 def fit_gate(data: HabitDataset, pairs: PairReader, n_kbs: int = 30, epochs: int = 6, width: int = 64) -> Arrays:
-    """Is a habit about the target? Learned mostly from habits that speak for a place, whosever it is."""
+    """Fit the relevance gate: is a habit about the target?
+
+    Habits that support a placement weigh 21 times as much as others.
+
+    Args:
+        data: the dataset; its train entries are used.
+        pairs: encodes sentences and pairs.
+        n_kbs: number of knowledge bases.
+        epochs: passes over them.
+        width: of the learned likeness.
+
+    Returns:
+        Arrays ``gate_*`` by name.
+    """
     rng = torch.Generator().manual_seed(0)
     start = torch.randn(384, width, generator=rng) / width**0.5
     habit, target = start.clone().requires_grad_(), start.clone().requires_grad_()
@@ -193,7 +235,20 @@ def _gate_samples(data: HabitDataset, pairs: PairReader, n_kbs: int) -> Any:
 
 
 def fit_mix(data: HabitDataset, arrays: Arrays, pairs: PairReader, n_kbs: int = 30, epochs: int = 12) -> Arrays:
-    """Weights of prior and evidence, on validation categories at all habit levels; calibrates the belief as well."""
+    """Fit the weights that mix prior and evidence, on val categories at all habit levels.
+
+    This also calibrates the belief.
+
+    Args:
+        data: the dataset.
+        arrays: of the other parts.
+        pairs: encodes sentences and pairs.
+        n_kbs: number of knowledge bases.
+        epochs: passes over the samples.
+
+    Returns:
+        Arrays ``mix_*`` by name.
+    """
     blank = {
         "mix_hidden": np.zeros((N_MIX, 8)),
         "mix_hidden_bias": np.zeros(8),
@@ -234,9 +289,9 @@ def _mix_cases(data: HabitDataset, n_kbs: int) -> Any:
 def _mix_sample(
     reader: AnchorReader, target: str, texts: list[str], trusted: bool, truth: dict[str, float], rng: Any
 ) -> tuple[NDArray, NDArray]:
-    """Inputs (A + N_CLUTTER, 6) and truth of the known anchors and of other things that stand about in homes.
+    """Inputs (A + N_CLUTTER, 6) and true probabilities of the known anchors and of random other categories.
 
-    In every second case a tenth of the anchors is read as if never met, so that unknown names can win by evidence.
+    In every second sample a tenth of the anchors is treated as unknown, so that unknown names can win by evidence.
     """
     reading = reader.read(target, texts, trusted=trusted)
     hidden = [name for name in reader.known if rng.random() < 0.1] if rng.random() < 0.5 else []
@@ -259,14 +314,18 @@ def _say(text: str) -> None:
 
 
 def stored(name: str, value: NDArray) -> NDArray:
-    """An array as it is kept: the large matrices in fp16, the rest in float32 (names as they are)."""
+    """An array as it is stored: large matrices in float16, other floats in float32, names unchanged."""
     if name in HALF:
         return value.astype(np.float16)
     return value.astype(np.float32) if value.dtype == np.float64 else value
 
 
 def main(words: Sequence[str]) -> None:
-    """Fit all parts and write them."""
+    """Fit all parts and write them.
+
+    Args:
+        words: of the command line.
+    """
     argparse.ArgumentParser(prog="ucon data fit-reader").parse_args(words)
     torch.set_num_threads(1)
     data, pairs = book(), default_pair_reader()

@@ -1,9 +1,9 @@
 """Measures retrievers on held-out entries: ``python -m ucon data measure-retrieval --help``.
 
-Knowledge bases hold one entry of each of 20 categories. Of the habit book: test categories (nothing of them was
-learned from), and test entries of all categories. Of the official release: homes whose (scene, category) pairs are
-held out, among the other habits of their scene; targets are the held-out pairs, and those of them whose category
-stands in no training entry are also given apart.
+Knowledge bases hold one entry for each of 20 categories. On the habit book: test categories (never trained on), and
+test
+entries of all categories. On the official release: held-out (scene, category) pairs among other habits of their scene;
+pairs whose category is in no train entry are also reported separately.
 """
 
 from __future__ import annotations
@@ -25,15 +25,22 @@ from ucon.retrieval.base import Retriever
 from ucon.retrieval.dense import DenseRetriever
 from ucon.retrieval.tuned import tuned_encoder
 
-#: Seeds of measurements start here; those of training and of choosing lie elsewhere.
+#: First seed of measurements; training and validation use other seeds.
 FIRST_SEED = 10_000
 
 
 def held_out(data: HabitDataset, retriever: Retriever, part: Split = "test", n_kbs: int = 20) -> dict[str, Row]:
-    """Figures of a retriever by kind of target; each row also has the mean size ``n`` of the knowledge bases.
+    """Figures of a retriever by kind of target, with the mean size ``n`` of the knowledge bases.
+
+    Args:
+        data: the dataset.
+        retriever: what is measured.
+        part: ``val`` or ``test``.
+        n_kbs: number of knowledge bases.
 
     Raises:
-        ConfigError: no knowledge base is wanted. DataError: the dataset has no entry in that part.
+        ConfigError: ``n_kbs`` below 1.
+        DataError: the dataset has no entry in that part.
     """
     if n_kbs < 1:
         raise ConfigError(f"--kbs {n_kbs}: expected a number of knowledge bases from 1 up")
@@ -58,7 +65,11 @@ def held_out(data: HabitDataset, retriever: Retriever, part: Split = "test", n_k
 
 
 def main(words: Sequence[str]) -> None:
-    """Print a line per row, or JSON."""
+    """Run the command: print a line per kind of target, or JSON.
+
+    Args:
+        words: of the command line.
+    """
     parser = argparse.ArgumentParser(
         prog="ucon data measure-retrieval", description="Measure retrieval on held-out habits."
     )

@@ -1,10 +1,12 @@
 """Fits the embedded language model: ``python -m ucon data fit-language-encoder``, some minutes on one core.
 
-From the stored ``val`` episodes: the options are the distinct categories that stand in the home, the right one is that
-by which the target really was put. First the temperatures by maximum likelihood over the levels none, full, gt and
-retrieval together; then the value of an option without labels, from questions of four options that share the home's
-categories out at random, show five of each (the right one among them), and none of the first. The figures go into
-:class:`ucon.language.models.encoder.EncoderWeights`; those of ``test`` are only measured.
+Uses the stored ``val`` episodes: options are the distinct categories that stand in the home; the right one is the
+anchor
+that the target was placed at. First the temperatures are fitted by maximum likelihood over the levels none, full, gt
+and
+retrieval together. Then the score of an option without labels is fitted, on questions with four options among which the
+home's categories are dealt at random: each shows five (the right one among them), the first shows none. The results go
+into :class:`ucon.language.models.encoder.EncoderWeights`; on ``test`` they are only measured.
 """
 
 from __future__ import annotations
@@ -30,26 +32,31 @@ from ucon.task.sets import load_episodes
 
 _OPTIONS: Final = 4
 _SHOWN: Final = 5
-"""Labels of an option at most, where a frame would show few."""
+"""Most labels of an option, where a frame would show few."""
 _ABSENT: Final = -1e9
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """What is known of one episode, as plain names."""
+    """One episode as plain names."""
 
     id: str
     target: str
     categories: tuple[str, ...]
     """Distinct categories that stand in the home, without the target's, in alphabetical order, with spaces."""
     right: int
-    """Number of the category by which the target was put."""
+    """Index of the category that the target was placed at."""
     habits: dict[str, tuple[str, ...]]
-    """By level."""
+    """Habits by level."""
 
 
 def case_of(episode: Episode, source: HabitSource) -> Case:
-    """The case of an episode. Privileged: for fitting and measuring, not for agents."""
+    """The case of an episode. Privileged: it reads the target's place, for fitting and measuring only.
+
+    Args:
+        episode: stored episode.
+        source: gives the habits.
+    """
     house, placed = load_house(episode.scene), episode.arrangement.objects
     standing = {item.category for item in house.spec.items} | {thing.category for thing in placed}
     names = sorted(standing - {episode.target_category})
@@ -61,19 +68,27 @@ def case_of(episode: Episode, source: HabitSource) -> Case:
 
 
 def cases(name: str, limit: int | None = None) -> list[Case]:
-    """The cases of a stored set of episodes."""
+    """Cases of a stored set of episodes.
+
+    Args:
+        name: of the set.
+        limit: number of episodes; None: all.
+    """
     source = HabitSource()
     return [case_of(episode, source) for episode in load_episodes(name)[:limit]]
 
 
-def shared_out(case: Case, level: str, most: int | None = None, *, hide: bool = False) -> tuple[Question, int]:
-    """A question of four options among which the home's categories are shared out, and the number of the right one.
+def four_options(case: Case, level: str, most: int | None = None, *, hide: bool = False) -> tuple[Question, int]:
+    """A question with four options among which the home's categories are dealt at random.
 
     Args:
         case: the episode.
-        level: of the habits.
-        most: labels of an option at most; the right category is always among them.
-        hide: the first option shows none of its labels, as an open door does.
+        level: habit level.
+        most: most labels of an option; the right category is always among them.
+        hide: True: the first option shows no labels, as an open door does.
+
+    Returns:
+        The question, and the index of the right option.
     """
     order = stream(0, "encoder", case.id).permutation(len(case.categories))
     dealt = [list(order[i::_OPTIONS]) for i in range(_OPTIONS)]
@@ -115,7 +130,10 @@ class _Batch:
         self.right = torch.tensor([case.right for case in found])[:, None]
 
     def loss(self, x: Any) -> Any:
-        """Mean negative log-likelihood over levels; ``x`` (5,): beta, then log tau, tau_none, tau_habit, sigma."""
+        """Mean negative log-likelihood over levels, a scalar.
+
+        ``x`` (5,): beta, then log of tau, tau_none, tau_habit, sigma.
+        """
         import torch
 
         tau, tau_none, tau_habit, sigma = torch.exp(x[1:])
@@ -129,7 +147,11 @@ class _Batch:
 
 
 def fit(found: Sequence[Case]) -> EncoderWeights:
-    """The weights that make the true anchors most probable."""
+    """Weights that make the true anchors most probable.
+
+    Args:
+        found: cases to fit on.
+    """
     start = np.array([1.0, *np.log([0.1, 1.0, 0.06, 0.06])])
     bounds = [(0.0, 3.0), *[tuple(np.log(pair)) for pair in ((0.02, 1), (0.02, 20), (0.01, 1), (0.01, 1))]]
     best = minimised(_Batch(found).loss, start, bounds, 40)
@@ -138,15 +160,20 @@ def fit(found: Sequence[Case]) -> EncoderWeights:
 
 
 def fit_empty(weights: EncoderWeights, found: Sequence[Case]) -> EncoderWeights:
-    """The same weights with the constants of options without labels that make the true options most probable."""
+    """Add the fitted scores of options without labels to the weights.
+
+    Args:
+        weights: with everything else fitted.
+        found: cases to fit on.
+    """
     from scipy.optimize import minimize_scalar
 
-    # With a constant of 0 the logit of an empty option is 0, so the constant is added to its score afterwards.
+    # With a constant of 0 an empty option has logit 0, so the constant can be added to its score afterwards.
     bare = EncoderModel(replace(weights, empty=0.0, empty_none=0.0))
     best: dict[bool, float] = {}
-    for told in (False, True):
-        levels = FIXED_LEVELS[1:] if told else FIXED_LEVELS[:1]
-        asked = [shared_out(case, level, _SHOWN, hide=True) for case in found for level in levels]
+    for with_habits in (False, True):
+        levels = FIXED_LEVELS[1:] if with_habits else FIXED_LEVELS[:1]
+        asked = [four_options(case, level, _SHOWN, hide=True) for case in found for level in levels]
         scores = np.array([answer.scores for answer in bare.answer([question for question, _ in asked])])
         right = np.array([number for _, number in asked])
 
@@ -154,30 +181,40 @@ def fit_empty(weights: EncoderWeights, found: Sequence[Case]) -> EncoderWeights:
             moved = scores + np.eye(_OPTIONS)[0] * constant
             return float((np.logaddexp.reduce(moved, 1) - moved[np.arange(len(moved)), right]).mean())
 
-        best[told] = float(minimize_scalar(loss, bounds=(-30.0, 60.0), method="bounded").x)
+        best[with_habits] = float(minimize_scalar(loss, bounds=(-30.0, 60.0), method="bounded").x)
     empty, none = best[True] * weights.tau, best[False] * weights.tau_none
     return replace(weights, empty=round(empty, 3), empty_none=round(none, 3))
 
 
 def nats(model: EncoderModel, asked: Sequence[tuple[Question, int]]) -> float:
-    """Mean negative log-likelihood of the right options."""
+    """Mean negative log-likelihood of the right options.
+
+    Args:
+        model: what is measured.
+        asked: questions, each with the index of the right option.
+    """
     answers = model.answer([question for question, _ in asked])
     return -float(np.mean([answer.scores[right] for answer, (_, right) in zip(answers, asked, strict=True)]))
 
 
 def single(case: Case, level: str) -> tuple[Question, int]:
-    """A question with one option for each category of the home, and the number of the right one."""
+    """A question with one option per category of the home, and the index of the right one."""
     options = tuple(Option(name, (name,)) for name in case.categories)
     return Question(case.target, case.habits[level], options, "", ""), case.right
 
 
 def measured(found: Sequence[Case], weights: EncoderWeights) -> list[str]:
-    """Nats by level: one option a category, four options, four options of which one is empty."""
+    """Lines of text: nats by habit level for four kinds of questions.
+
+    Args:
+        found: cases to measure on.
+        weights: of the model.
+    """
     kinds = {
         "categories": single,
-        "four options": shared_out,
-        "four of few": lambda case, level: shared_out(case, level, _SHOWN),
-        "four of few, one without": lambda case, level: shared_out(case, level, _SHOWN, hide=True),
+        "four options": four_options,
+        "four of few": lambda case, level: four_options(case, level, _SHOWN),
+        "four of few, one without": lambda case, level: four_options(case, level, _SHOWN, hide=True),
     }
     lines = []
     for kind, ask in kinds.items():
@@ -189,7 +226,11 @@ def measured(found: Sequence[Case], weights: EncoderWeights) -> list[str]:
 
 
 def main(words: Sequence[str]) -> None:
-    """Fit on ``val``, measure on ``val`` and ``test``."""
+    """Fit on ``val``, measure on ``val`` and ``test``, print.
+
+    Args:
+        words: of the command line.
+    """
     argparse.ArgumentParser(prog="ucon data fit-language-encoder").parse_args(words)
     val = cases("val")
     weights = fit(val)

@@ -1,8 +1,7 @@
-"""Places of the stored episodes' homes, as L3MVN would see them: what stands near, and at which the target is.
+"""Places in the homes of stored episodes, as L3MVN would see them: the categories near each, and where the target is.
 
-Privileged: for fitting and measuring, not for agents. A place is the square of 4 m around a piece of furniture. The
-first place of a case is that around the thing by which the target was put, the others are around furniture drawn at
-random outside that square.
+Privileged: for fitting and measuring only. A place is the square of 4 m around a piece of furniture. The first place of
+a case is around the target's anchor; the others are around random furniture outside that square.
 """
 
 from __future__ import annotations
@@ -32,19 +31,24 @@ THINGS: Final = 20
 
 @dataclass(frozen=True, eq=False)
 class PlaceCase:
-    """What is known of one episode, as plain names with spaces."""
+    """One episode as plain names with spaces."""
 
     id: str
     labels: tuple[str, ...]
-    """The target first."""
+    """Labels to choose from, the target first."""
     places: tuple[tuple[str, ...], ...]
-    """Categories near each place, those that cover most floor first; the true place first."""
+    """Categories near each place, by falling floor area; the true place first."""
     habits: dict[str, tuple[str, ...]]
-    """By level."""
+    """Habits by level."""
 
 
 def case_of(episode: Episode, source: HabitSource) -> PlaceCase | None:
-    """The case of an episode; None where the home has too little furniture to compare."""
+    """The case of an episode; None where the home has too little furniture to compare.
+
+    Args:
+        episode: stored episode.
+        source: gives the habits.
+    """
     house, placed = load_house(episode.scene), episode.arrangement.objects
     names = [*house.categories, *(thing.category for thing in placed)]
     boxes = arrangement_boxes(house, episode.arrangement)
@@ -67,7 +71,10 @@ def case_of(episode: Episode, source: HabitSource) -> PlaceCase | None:
 def _near(
     xy: NDArray[np.float64], names: list[str], boxes: NDArray[np.float64], shown: NDArray[np.bool_]
 ) -> tuple[str, ...]:
-    """The rule of :func:`ucon.perception.mapping.fine_frontiers.labels_near`, of all that stands there."""
+    """Categories within the square around ``xy``.
+
+    By the rule of :func:`ucon.perception.mapping.fine_frontiers.labels_near`, applied to everything that stands there.
+    """
     half = 0.5 * SIDE_M
     over = shown & (boxes[:, :2] <= xy + half).all(1) & (boxes[:, 3:5] >= xy - half).all(1)
     area: dict[str, float] = {}
@@ -77,14 +84,24 @@ def _near(
 
 
 def place_cases(name: str, limit: int | None = None) -> list[PlaceCase]:
-    """The cases of a stored set of episodes."""
+    """Cases of a stored set of episodes, without those that give none.
+
+    Args:
+        name: of the set.
+        limit: number of episodes; None: all.
+    """
     source = HabitSource()
     found = (case_of(episode, source) for episode in load_episodes(name)[:limit])
     return [case for case in found if case is not None]
 
 
 def asked(case: PlaceCase, level: str) -> list[Question]:
-    """The question of L3MVN about each place; the right answer to the first is the first label."""
+    """L3MVN's question about each place; the right answer for the first place is the first label.
+
+    Args:
+        case: the episode.
+        level: habit level.
+    """
     options = tuple(Option(label, (label,)) for label in case.labels)
     habits = case.habits[level]
     return [Question(case.labels[0], habits, options, "", "", things=things) for things in case.places]

@@ -1,9 +1,10 @@
 """Fits the embedded language model's answers about places: ``python -m ucon data fit-location-model``, some minutes.
 
-L3MVN compares the probability of one label between places, so that is what is fitted: of four places of a home, one of
-them around the thing by which the target was put, the true one is to be the most probable by ``log p(target)``. (Fitted
-on the label instead, the model learns that habits are mostly about the target, and raises it everywhere alike.) The
-levels none, full, gt and retrieval of ``val`` count the same; ``test`` is only measured. The figures go into
+L3MVN compares the probability of one label between places, and that is what is fitted: of four places of a home, one of
+them around the target's anchor, the true one is to have the highest ``log p(target)``. (Fitted on the label instead,
+the
+model learns that habits are mostly about the target, and raises it everywhere alike.) The levels none, full, gt and
+retrieval of ``val`` have equal weight; ``test`` is only measured. The results go into
 :class:`ucon.language.models.keeping.LocationWeights`.
 """
 
@@ -23,7 +24,7 @@ from ucon.language.models.keeping import LocationWeights, furniture_names
 from ucon.language.store import default_encoder
 from ucon.retrieval.levels import FIXED_LEVELS
 
-#: A likeness that is too small to count, and finite.
+#: Cosine of padding: gives no weight, and is finite.
 _ABSENT = -1e3
 
 
@@ -76,7 +77,7 @@ class _Batch:
         return weight * torch.log((doubt + fits) / (doubt + share.sum(2, keepdim=True)))
 
     def loss(self, x: Any) -> Any:
-        """Mean negative log-likelihood of the true places over levels."""
+        """Mean negative log-likelihood of the true places over levels, a scalar."""
         import torch
 
         targets = [torch.log_softmax(self.logits(x, level), 1)[:, 0] for level in FIXED_LEVELS]
@@ -84,7 +85,11 @@ class _Batch:
 
 
 def fit(found: Sequence[PlaceCase]) -> LocationWeights:
-    """The weights that make the true places most probable."""
+    """Weights that make the true places most probable.
+
+    Args:
+        found: cases to fit on.
+    """
     ranges = ((0.01, 1), (0.03, 1), (0.05, 10), (0.001, 100))
     about, sigma, weight, doubt = (tuple(np.log(pair)) for pair in ranges)
     bounds = [(0.0, 50.0), (0.0, 1.5), about, (0.0, 1.0), sigma, weight, doubt]
@@ -93,19 +98,30 @@ def fit(found: Sequence[PlaceCase]) -> LocationWeights:
 
 
 def weights_of(x: NDArray[np.float64]) -> LocationWeights:
-    """The weights that a point (7,) of the search stands for."""
+    """The weights that a point (7,) of the search stands for, rounded."""
     about, sigma, weight, doubt = (float(np.round(value, 4)) for value in np.exp(x[[2, 4, 5, 6]]))
     like, other, named = (round(float(value), 3) for value in x[[0, 1, 3]])
     return LocationWeights(like, other, about, named, sigma, weight, doubt)
 
 
 def target_scores(found: Sequence[PlaceCase], level: str, model: EncoderModel) -> NDArray[np.float64]:
-    """``log p(target)`` (N, places), as the model says it."""
+    """``log p(target)`` at each place, (N, places), as the model answers.
+
+    Args:
+        found: N cases.
+        level: habit level.
+        model: what is asked.
+    """
     return np.array([[answer.scores[0] for answer in model.answer(asked(case, level))] for case in found])
 
 
 def measured(found: Sequence[PlaceCase], weights: LocationWeights) -> list[str]:
-    """By level: share of true places found, nats of the true place and of the target there, probabilities."""
+    """Lines of text by habit level: share of true places found, nats, and quantiles of p.
+
+    Args:
+        found: cases to measure on.
+        weights: of the model.
+    """
     model, lines = EncoderModel(keeping=weights), []
     for level in FIXED_LEVELS:
         scores = target_scores(found, level, model)
@@ -119,7 +135,11 @@ def measured(found: Sequence[PlaceCase], weights: LocationWeights) -> list[str]:
 
 
 def main(words: Sequence[str]) -> None:
-    """Fit on ``val``, measure on ``val`` and ``test``."""
+    """Fit on ``val``, measure on ``val`` and ``test``, print.
+
+    Args:
+        words: of the command line.
+    """
     argparse.ArgumentParser(prog="ucon data fit-location-model").parse_args(words)
     val = place_cases("val")
     weights = fit(val)

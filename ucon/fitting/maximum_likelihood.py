@@ -1,4 +1,4 @@
-"""Fitting a few figures by maximum likelihood: a loss in torch, minimised within bounds."""
+"""Fitting a few parameters by maximum likelihood: a loss in torch, minimised within bounds."""
 
 from __future__ import annotations
 
@@ -14,7 +14,17 @@ Bounds = Sequence[tuple[float, float]]
 def minimised(
     loss: Callable[[Any], Any], start: NDArray[np.float64], bounds: Bounds, steps: int
 ) -> NDArray[np.float64]:
-    """The figures (n,) at which ``loss`` (a torch tensor in, a scalar tensor out) is least, by L-BFGS-B."""
+    """Parameters with the least loss, by L-BFGS-B.
+
+    Args:
+        loss: maps a float32 tensor (n,) to a scalar tensor.
+        start: (n,) initial values.
+        bounds: lower and upper bound of each.
+        steps: most iterations.
+
+    Returns:
+        (n,) float64.
+    """
     import torch
     from scipy.optimize import minimize
 

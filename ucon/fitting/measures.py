@@ -1,7 +1,8 @@
 """Measures retrieval and the anchor reader on held-out categories: ``python -m ucon data measure-readers [--json]``.
 
-Each knowledge base holds 20 test categories; the truth is the distribution over placements that the sampler draws
-from. Candidates are all known anchors; lines marked "clutter" add 85 other things of the catalogue, as a home would.
+Each knowledge base holds 20 test categories; the truth is the distribution over placements that episodes are drawn
+from.
+Candidates are all known anchors; lines marked "clutter" add 85 other categories of the catalogue, as a home would.
 """
 
 from __future__ import annotations
@@ -32,9 +33,14 @@ Row = dict[str, float]
 def measure_retrieval(
     kbs: Sequence[KnowledgeBase], retriever: Retriever, about: Callable[[Entry], bool] = lambda _: True
 ) -> Row:
-    """Means over all targets: MRR, recall of the target's habits, recall of its supporting habits where they are known.
+    """Means over all targets: MRR, recall of the target's habits at 10 and 20, and of its supporting habits at 20.
 
-    ``about`` chooses the targets: those with all entries chosen, say the entries of one part.
+    The last one is left out where supports are unknown.
+
+    Args:
+        kbs: knowledge bases.
+        retriever: what is measured.
+        about: which entries count; a target needs all its entries to count.
     """
     rows: list[Row] = []
     for kb in kbs:
@@ -50,9 +56,16 @@ def measure_retrieval(
 def measure_reader(
     kbs: Sequence[KnowledgeBase], level: str, reader: AnchorReader, retriever: Retriever, clutter: Sequence[str] = ()
 ) -> Row:
-    """Means over all targets: hit@1, hit@5, NLL, expected visits, relation accuracy, stated against true top mass.
+    """Means over all targets: hit@1, hit@5, NLL, expected visits, relation accuracy, mass of the top three.
 
-    ``clutter`` adds candidates that are no anchors of the book, as homes have them.
+    The last one is given as stated and as true.
+
+    Args:
+        kbs: knowledge bases.
+        level: habit level.
+        reader: what is measured.
+        retriever: for level ``retrieval``.
+        clutter: candidates that are no anchors of the book.
     """
     rows: list[Row] = []
     for kb in kbs:
@@ -94,7 +107,15 @@ def _means(rows: Sequence[Row]) -> Row:
 def measure(
     data: HabitDataset, split: Split = "test", n_kbs: int = 20, modes: Sequence[Mode] = MODES, say: Callable = print
 ) -> dict[str, dict[str, Row]]:
-    """All figures by mode; ``say`` is called with a line for each."""
+    """All figures, by mode of the knowledge bases and then by method or habit level.
+
+    Args:
+        data: the dataset.
+        split: ``val`` or ``test``.
+        n_kbs: knowledge bases per mode.
+        modes: ``task``, ``category``.
+        say: is called with a line of text for each.
+    """
     dense, reader = DenseRetriever(), AnchorReader()
     clutter = [name for name in catalogue().names if name not in reader.number][::9]
     out: dict[str, dict[str, Row]] = {}
@@ -111,7 +132,11 @@ def measure(
 
 
 def main(words: Sequence[str]) -> None:
-    """Print a line per figure, or JSON."""
+    """Run the command: print a line per method, or JSON.
+
+    Args:
+        words: of the command line.
+    """
     parser = argparse.ArgumentParser(prog="ucon data measure-readers")
     parser.add_argument("--json", action="store_true", help="print JSON")
     args = parser.parse_args(words)

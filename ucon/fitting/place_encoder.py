@@ -1,10 +1,11 @@
-"""Teaches the encoder to tell which place a sentence speaks for: ``python -m ucon data fit-place-encoder``.
+"""Fits the encoder that reads which place a sentence speaks for: ``python -m ucon data fit-place-encoder``.
 
-Words that were never met beside a place ("the cistern's lid", "where the kettle boils") say nothing to the weights of
-:mod:`ucon.fitting.anchor_reader`; an encoder knows what they are near to. So all-MiniLM-L6-v2 gets a low-rank adapter,
-trained on the sentences of the habit book's train entries to name the anchor (or none) and the relation they speak for.
-The anchors' own names are where its last layer starts. Writes the adapter, the last layer, and what is said of every
-sentence of the book, so that the book needs no encoder. Everything is seeded; about half an hour on one core.
+Words never met beside a place ("the cistern's lid", "where the kettle boils") have no weight in
+:mod:`ucon.fitting.anchor_reader`, but an encoder knows what they are similar to. So all-MiniLM-L6-v2 gets a low-rank
+adapter, trained on sentences of the habit book's train entries to predict the anchor (or none) and the relation that
+they speak for. The last layer is initialised with the anchors' name vectors. Written are the adapter, the last layer,
+and the logits of all sentences of the book, which then need no encoder. Everything is seeded; about half an hour on one
+core.
 """
 
 from __future__ import annotations
@@ -43,18 +44,24 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True)
 class PlaceRecipe:
-    """How the encoder is taught."""
+    """How the encoder is trained. Its text is part of the cache's key of cross-fitted folds."""
 
     epochs: int = 4
     rank: int = 16
     batch: int = 64
     hidden: float = 0.15
-    """Share of the tokens that are masked."""
+    """Share of tokens that are masked in training."""
     precision: torch.dtype = torch.bfloat16
 
 
 class PlaceNet(nn.Module):
-    """The adapted encoder with a last layer over anchors, "no place" and relations, and pair features beside."""
+    """The adapted encoder with a linear layer over anchors, "no place" and relations, plus weighted pair features.
+
+    Args:
+        anchors: A names.
+        pairs: encodes names.
+        recipe: has rank and precision.
+    """
 
     def __init__(self, anchors: Sequence[str], pairs: PairReader, recipe: PlaceRecipe) -> None:
         super().__init__()
@@ -70,7 +77,14 @@ class PlaceNet(nn.Module):
             self.last.bias.zero_()
 
     def forward(self, texts: Sequence[str], features: Tensor, hidden: float = 0.0, seed: int = 0) -> Tensor:
-        """Logits (n, A + 5) of texts and their pair features (n, A, 6)."""
+        """Logits (n, A + 5).
+
+        Args:
+            texts: n sentences.
+            features: (n, A, 6) pair features.
+            hidden: share of tokens to mask.
+            seed: of the masks.
+        """
         logits = self.last(SCALE * self.encode(texts, hidden, seed))
         n = features.shape[1]
         return torch.cat([logits[:, :n] + features @ self.pair, logits[:, n:]], 1)
@@ -79,7 +93,15 @@ class PlaceNet(nn.Module):
 def fit_places(
     data: HabitDataset, pairs: PairReader, anchors: Sequence[str], recipe: PlaceRecipe | None = None, say: Say = print
 ) -> PlaceNet:
-    """Learn from the train entries of a dataset that says what its habits support."""
+    """Train on the train entries of a dataset that says what its habits support.
+
+    Args:
+        data: the dataset.
+        pairs: encodes names and pairs.
+        anchors: A names.
+        recipe: how to train.
+        say: prints progress.
+    """
     recipe, parts = recipe or PlaceRecipe(), entry_parts(data)
     torch.manual_seed(0)
     net = PlaceNet(anchors, pairs, recipe)
@@ -111,7 +133,16 @@ def fit_places(
 
 
 def predicted(net: PlaceNet, texts: Sequence[str], pairs: PairReader, anchors: Sequence[str]) -> NDArray[np.float32]:
-    """Logits (n, A + 5) of many texts in batches, whose last bits depend on the batch: for training and measuring."""
+    """Logits (n, A + 5) of many texts, in batches of 1,000; their last bits depend on the batch.
+
+    For training and measuring only.
+
+    Args:
+        net: trained.
+        texts: n sentences.
+        pairs: pair features.
+        anchors: A names.
+    """
     out = []
     with torch.no_grad():
         for at in range(0, len(texts), 1000):
@@ -121,7 +152,7 @@ def predicted(net: PlaceNet, texts: Sequence[str], pairs: PairReader, anchors: S
 
 
 def last_layer(net: PlaceNet, anchors: Sequence[str]) -> Mapping[str, NDArray]:
-    """Arrays of what follows the encoder."""
+    """Arrays of the layer after the encoder, by name, as they are stored."""
     return {
         "anchors": pack_names(list(anchors)),
         "dense": (SCALE * net.last.weight.detach().numpy().T).astype(np.float32),
@@ -131,7 +162,11 @@ def last_layer(net: PlaceNet, anchors: Sequence[str]) -> Mapping[str, NDArray]:
 
 
 def main(words: Sequence[str]) -> None:
-    """Fit, and write adapter, last layer and the table of the book; ``--table`` writes the table alone."""
+    """Fit, and write adapter, last layer and the table of the book; with ``--table`` write only the table.
+
+    Args:
+        words: of the command line.
+    """
     parser = argparse.ArgumentParser(prog="ucon data fit-place-encoder")
     parser.add_argument("--table", action="store_true", help="write the table alone, by the adapter that is there")
     args = parser.parse_args(words)
@@ -152,7 +187,7 @@ def main(words: Sequence[str]) -> None:
 
 
 def table_logits(texts: Sequence[str], pairs: PairReader, say: Say) -> NDArray[np.float64]:
-    """Logits (n, A + 5) by the adapter as it was written, many texts at a time in full precision."""
+    """Logits (n, A + 5) float64 by the stored adapter, in batches of 1,000 texts, in full precision."""
     tokenizer, model = AdaptedMiniLM(ADAPTER).parts()
     encode = BatchEncoder(tokenizer, model, torch.float32)
     evidence, out = TunedEvidence(default_weights(), pairs, table=None), []

@@ -1,4 +1,4 @@
-"""The learning rate over a run: a rise, then half a cosine."""
+"""Learning-rate schedule: linear warm-up, then half a cosine down to zero."""
 
 from __future__ import annotations
 
@@ -6,7 +6,13 @@ import math
 
 
 def schedule(step: int, steps: int, warm_up: int) -> float:
-    """Share of the learning rate at ``step``: a linear rise, then half a cosine down to zero."""
+    """Factor of the learning rate at a step.
+
+    Args:
+        step: from 0.
+        steps: length of the run.
+        warm_up: steps of the linear rise.
+    """
     if step < warm_up:
         return (step + 1) / warm_up
     return 0.5 * (1 + math.cos(math.pi * (step - warm_up) / max(1, steps - warm_up)))

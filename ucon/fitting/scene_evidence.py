@@ -1,11 +1,13 @@
-"""Teaches the encoder which places the sentences of a dataset speak for, by where its things are kept.
+"""Fits an encoder on a dataset's own sentences: which places do they speak for? It uses only where things are kept.
 
-Nothing says which sentence tells a place. So an entry's sentences are read together: a thing is by an anchor with a
-probability that grows with how much its sentences speak for it, in sum, beside what is usual; what is learned is what
-makes the true places likely (multiple-instance learning). Besides, every sentence is to be told whose it is among some
-things of the scene. For both all-MiniLM-L6-v2 gets one low-rank adapter; names are compared with sentences by their
-own vectors, so that a name never met can be asked about. Everything is seeded; minutes on one core, kept in the user's
-cache under the hash of what it depends on.
+Such a dataset does not say which sentence names a place. So an entry's sentences are read together (multiple-instance
+learning): the probability that a thing is at an anchor grows with the sum of evidence of its sentences, plus the prior;
+fitted is what makes the true places likely. In addition every sentence has to be assigned to its owner among some
+things
+of the scene. For both tasks all-MiniLM-L6-v2 gets one low-rank adapter. Names are compared with sentences by their
+vectors, so unknown names can be asked about. Everything is seeded; minutes on one core, kept in the user's cache under
+a
+hash of everything that it depends on.
 """
 
 from __future__ import annotations
@@ -51,41 +53,51 @@ from ucon.readers.reader_weights import pack_names
 from ucon.readers.sampled_homes import anchor_distribution
 from ucon.readers.scene_evidence import ADAPTER, LAST, SCALE
 
-#: Raised whenever the fitting changes: what was kept before is fitted anew.
+#: Part of the cache's key; raise it when the fitting changes, so that nothing fitted before is used.
 EDITION: Final = 2
-#: Folds of the common sense that entries are read with.
+#: Number of folds of the prior that is used in training.
 _PRIOR_FOLDS: Final = 4
 Say = Callable[[str], None]
 
 
-def say_aloud(text: str) -> None:
-    """Progress, beside what a program prints."""
+def print_progress(text: str) -> None:
+    """Print progress to stderr."""
     print(text, file=sys.stderr, flush=True)  # noqa: T201
 
 
 @dataclass(frozen=True)
 class SceneRecipe:
-    """How the encoder is taught."""
+    """How the encoder is trained. Its text is part of the cache's key."""
 
     epochs: int = 3
     rank: int = 16
     entries: int = 8
-    """Of one step: of one scene, each of another category."""
+    """Entries of one step: of one scene, each of another category."""
     hidden: float = 0.15
-    """Share of the tokens that are masked."""
+    """Share of tokens that are masked in training."""
     lr: float = 1e-3
     few_lr: float = 5e-3
-    """Of biases and single weights."""
+    """Learning rate of biases and single weights."""
     mixed: float = 0.5
-    """Weight of finding places among the sentences of all entries of a step, beside that of doing so by one's own."""
+    """Weight of the loss where places are found among the sentences of all entries of a step.
+
+    1 for those of each entry.
+    """
     owner: float = 0.3
-    """Weight of telling whose a sentence is."""
+    """Weight of the loss of assigning sentences to their owners."""
     decay: float = 0.01
     precision: torch.dtype = torch.bfloat16
 
 
 class SceneEvidenceNet(nn.Module):
-    """See the module. ``anchors`` are met in training, ``owners`` are the categories that sentences are about."""
+    """The network (see the module).
+
+    Args:
+        anchors: A categories that are anchors in training.
+        owners: categories that sentences are about.
+        pairs: encodes names.
+        recipe: has rank and precision.
+    """
 
     def __init__(self, anchors: Sequence[str], owners: Sequence[str], pairs: PairReader, recipe: SceneRecipe) -> None:
         super().__init__()
@@ -100,21 +112,33 @@ class SceneEvidenceNet(nn.Module):
         self.silence, self.silence_bias = nn.Parameter(torch.zeros(d)), nn.Parameter(torch.tensor(0.6))
         self.pair, self.owner_pair = nn.Parameter(torch.ones(N_FEATURES)), nn.Parameter(torch.zeros(N_FEATURES))
         self.usual = nn.Parameter(torch.tensor([0.0, 1.0]))
-        """Logarithm of how much common sense weighs against one's own sentences, against all."""
+        """Log weight of the prior against the evidence of an entry's own sentences, and of all sentences."""
 
     def spoken(self, vectors: Tensor, columns: Tensor, features: Tensor) -> Tensor:
-        """(H, C) probability that sentences (H, D) speak for anchors (C,), with pair features (H, C, 6)."""
+        """Probability (H, C) that sentences speak for anchors.
+
+        Args:
+            vectors: (H, D) of the sentences.
+            columns: (C,) indices of anchors.
+            features: (H, C, 6) pair features.
+        """
         rows = self.name[columns] @ self.turn + self.added[columns]
         silence = vectors @ self.silence + self.silence_bias
         score = SCALE * (vectors @ rows.T - silence[:, None]) + self.bias[columns] + features @ self.pair
         return score.sigmoid()
 
     def about(self, vectors: Tensor, owners: Tensor, features: Tensor) -> Tensor:
-        """(H, T) scores of what sentences (H, D) may be about, owners (T,), with pair features (H, T, 6)."""
+        """Scores (H, T) of which owner each sentence is about.
+
+        Args:
+            vectors: (H, D) of the sentences.
+            owners: (T,) indices of owners.
+            features: (H, T, 6) pair features.
+        """
         return vectors @ (self.owner[owners] @ self.ask).T + features @ self.owner_pair
 
     def arrays(self) -> dict[str, NDArray[np.generic]]:
-        """What :class:`~ucon.readers.scene_evidence.SceneEvidence` reads by, but for the adapter."""
+        """Arrays that :class:`~ucon.readers.scene_evidence.SceneEvidence` reads, float16; without the adapter."""
         names = {"anchors": pack_names(self.anchors), "owners": pack_names(self.owners)}
         learned = ("added", "bias", "turn", "silence", "silence_bias", "pair", "ask", "owner_pair")
         return {**names, **{n: getattr(self, n).detach().numpy().astype(np.float16) for n in learned}}
@@ -126,15 +150,22 @@ def _vectors(names: Sequence[str], pairs: PairReader) -> Tensor:
 
 @dataclass(frozen=True, eq=False)
 class _Asked:
-    """Some entries of one scene, among what stands there."""
+    """One training step: some entries of a scene, with all candidate places of the scene."""
 
-    texts: list[str]  # H
-    whose: Tensor  # (H,) the entry of each
-    names: list[str]  # C
-    columns: Tensor  # (C,) their numbers
-    owners: Tensor  # (E,) numbers of the categories
-    truth: Tensor  # (E, C)
-    usual: Tensor  # (E, C) common sense; 0 for the thing itself
+    texts: list[str]
+    """H sentences."""
+    whose: Tensor
+    """(H,) index of each sentence's entry."""
+    names: list[str]
+    """C candidate places."""
+    columns: Tensor
+    """(C,) their indices among the network's anchors."""
+    owners: Tensor
+    """(E,) indices of the entries' categories."""
+    truth: Tensor
+    """(E, C) true distribution."""
+    usual: Tensor
+    """(E, C) prior; 0 for the thing itself."""
 
 
 def fit_scene_evidence(
@@ -142,12 +173,19 @@ def fit_scene_evidence(
     entries: Sequence[Entry],
     pairs: PairReader,
     recipe: SceneRecipe | None = None,
-    say: Say = say_aloud,
+    say: Say = print_progress,
 ) -> SceneEvidenceNet:
-    """Learn from entries of ``data``, which belong to scenes whose things are known (``data.standing``).
+    """Train on entries of ``data``, which are bound to scenes with known content (``data.standing``).
+
+    Args:
+        data: the dataset.
+        entries: to train on.
+        pairs: encodes names and pairs.
+        recipe: how to train.
+        say: prints progress.
 
     Raises:
-        DivergedError: at numbers that are none.
+        DivergedError: the loss is not finite.
     """
     recipe = recipe or SceneRecipe()
     torch.manual_seed(0)
@@ -176,7 +214,7 @@ def fit_scene_evidence(
 
 
 def _standing(data: HabitDataset, entries: Sequence[Entry]) -> dict[str, list[str]]:
-    """What may be a place, by scene: what stands there, and what the entries say is one."""
+    """Candidate places by scene: what stands there, and the anchors of the entries."""
     found: dict[str, set[str]] = defaultdict(set)
     for entry in entries:
         found[entry.scene or ""] |= {place.anchor for place in entry.placements}
@@ -184,7 +222,7 @@ def _standing(data: HabitDataset, entries: Sequence[Entry]) -> dict[str, list[st
 
 
 def _priors(entries: Sequence[Entry], pairs: PairReader) -> list[tuple[list[Entry], AnchorPrior]]:
-    """Entries, and the common sense of the others."""
+    """Folds of entries, each with the prior of all other entries."""
     out = []
     for fold in scene_category_folds(entries, _PRIOR_FOLDS, "places"):
         asked = [e for e in entries if (e.scene or "", e.category) in fold]
@@ -193,7 +231,7 @@ def _priors(entries: Sequence[Entry], pairs: PairReader) -> list[tuple[list[Entr
 
 
 def _batches(entries: Sequence[Entry], epoch: int, size: int) -> list[list[Entry]]:
-    """All entries in an order of the epoch: those of a step share the scene and differ in category."""
+    """All entries in random order; those of a batch share the scene and differ in category."""
     rng = stream(0, "own places", epoch)
     by_scene: dict[str, list[Entry]] = defaultdict(list)
     for i in rng.permutation(len(entries)):
@@ -247,31 +285,46 @@ def _loss(net: SceneEvidenceNet, asked: _Asked, pairs: PairReader, recipe: Scene
 
 
 def _places_loss(said: Tensor, asked: _Asked, usual: Tensor) -> Tensor:
-    """Cross-entropy of the places that sentences (E, C) and common sense make likely, to where things are."""
+    """Cross-entropy of the distribution from evidence (E, C) and prior to the true places."""
     mass = said * (asked.usual > 0) + usual.exp() * asked.usual
     p = mass / mass.sum(1, keepdim=True)
     return -(asked.truth * p.clamp_min(1e-9).log()).sum(1).mean()
 
 
-class Told:
-    """Vectors of sentences that were made beforehand, many at a time: for training."""
+class PrecomputedVectors:
+    """Sentence vectors computed beforehand.
+
+    Args:
+        texts: n sentences.
+        vectors: (n, D) float16.
+    """
 
     def __init__(self, texts: Sequence[str], vectors: NDArray[np.float16]) -> None:
         self._row, self._vectors = {text: i for i, text in enumerate(texts)}, vectors
 
     def encode_half(self, texts: Sequence[str]) -> NDArray[np.float16]:
-        """Unit vectors (n, D)."""
+        """Unit vectors (n, D) float16 of texts, which have to be among those given."""
         return self._vectors[[self._row[text] for text in texts]]
 
 
-def kept_scene_evidence(
+def cached_scene_evidence(
     data: HabitDataset,
     entries: Sequence[Entry],
     pairs: PairReader,
     recipe: SceneRecipe | None = None,
-    say: Say = say_aloud,
+    say: Say = print_progress,
 ) -> Path:
-    """Folder with adapter and last layer learned from ``entries``; fitted once, then found again."""
+    """Folder with adapter and last layer fitted on ``entries``.
+
+    Fitted on the first call, then found in the user's cache.
+
+    Args:
+        data: the dataset.
+        entries: to train on.
+        pairs: encodes names and pairs.
+        recipe: how to train.
+        say: prints progress.
+    """
     recipe = recipe or SceneRecipe()
     ids, standing = sorted(e.id for e in entries), {scene: list(names) for scene, names in data.standing.items()}
     made_of = [EDITION, data.sha256, standing, ids, pairs.encoder.name, str(asdict(recipe))]
@@ -287,8 +340,16 @@ def kept_scene_evidence(
     return folder
 
 
-def told_beforehand(folder: Path, texts: Sequence[str]) -> Told:
-    """Vectors of many sentences by the adapter in ``folder``, kept below it."""
+def precomputed_vectors(folder: Path, texts: Sequence[str]) -> PrecomputedVectors:
+    """Vectors of many sentences by the adapter in ``folder``, cached below it.
+
+    Args:
+        folder: with the adapter.
+        texts: sentences.
+
+    Raises:
+        DataError: the cached file is damaged.
+    """
     distinct = list(dict.fromkeys(texts))
     path = folder / f"texts-{sha256_bytes(canonical_json(distinct).encode())[:16]}" / "vectors.npy"
     if not (path.parent / MANIFEST).is_file():
@@ -300,6 +361,6 @@ def told_beforehand(folder: Path, texts: Sequence[str]) -> Told:
         write_atomic(path, buffer.getvalue())
         write_manifest(path.parent, [path.name])
     try:
-        return Told(distinct, read_array(read_verified(path)))
+        return PrecomputedVectors(distinct, read_array(read_verified(path)))
     except UnpackError as error:
         raise DataError(f"{path}: {error}; remove its folder, it is made again") from None

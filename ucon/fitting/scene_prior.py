@@ -1,4 +1,4 @@
-"""Fits the common sense of a dataset of its own (:mod:`ucon.readers.anchor_prior`), in seconds."""
+"""Fits a dataset's own prior (:mod:`ucon.readers.anchor_prior`), in seconds."""
 
 from __future__ import annotations
 
@@ -16,12 +16,18 @@ from ucon.readers.anchor_prior import AnchorPrior, scene_anchors
 from ucon.readers.reader_weights import Array
 from ucon.readers.sampled_homes import anchor_distribution
 
-#: Placements of knowing nothing about a relation.
+#: Pseudo-count of placements, spread over the relations.
 _DOUBT: Final = 2.0
 
 
 def fit_scene_prior(entries: Sequence[Entry], pairs: PairReader, l2: float = 2e-4) -> AnchorPrior:
-    """p(anchor | target) of entries that are bound to scenes: each against the anchors of its scene alone."""
+    """Fit p(anchor | target) on entries bound to scenes; each competes only with the anchors of its scene.
+
+    Args:
+        entries: to fit on.
+        pairs: encodes names.
+        l2: penalty of the weights.
+    """
     standing = scene_anchors(entries)
     names = tuple(sorted(set().union(*standing.values())))
     number = {name: i for i, name in enumerate(names)}
@@ -48,7 +54,7 @@ def fit_scene_prior(entries: Sequence[Entry], pairs: PairReader, l2: float = 2e-
 
 
 def _relations(entries: Sequence[Entry], names: Sequence[str]) -> Array:
-    """p(relation | anchor) (A, 4) by smoothed counts."""
+    """p(relation | anchor), (A, 4), by smoothed counts."""
     number = {name: i for i, name in enumerate(names)}
     counts = np.full((len(names), len(RELATIONS)), _DOUBT / len(RELATIONS))
     for entry in entries:

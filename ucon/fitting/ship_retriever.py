@@ -1,4 +1,4 @@
-"""Makes a trained retriever the shipped one: ``python -m ucon data ship-retriever RUN``."""
+"""Copies a trained retriever into the package: ``python -m ucon data ship-retriever RUN``."""
 
 from __future__ import annotations
 
@@ -18,6 +18,9 @@ MAX_BYTES = 5_000_000
 def ship(run: Path) -> None:
     """Copy adapter and model card of a finished run into the package's data.
 
+    Args:
+        run: folder of the run.
+
     Raises:
         DataError: no finished run there, a file was altered, or the adapter is over 5 MB.
     """
@@ -33,7 +36,11 @@ def ship(run: Path) -> None:
 
 
 def main(words: Sequence[str]) -> None:
-    """Ship the run that is named."""
+    """Ship the run named on the command line.
+
+    Args:
+        words: of the command line.
+    """
     parser = argparse.ArgumentParser(prog="ucon data ship-retriever")
     parser.add_argument("run", type=Path, help="folder of a finished run of learner=retriever")
     ship(parser.parse_args(words).run)

@@ -1,8 +1,8 @@
-"""Makes the shipped tables from the habit book and the catalogue: ``python -m ucon data text-tables``.
+"""Computes the shipped tables of vectors for the habit book and the catalogue: ``python -m ucon data text-tables``.
 
-Rows of ``embeddings``: the book's habits by row number, then each catalogue name, then the retrieval query of each of
-the book's categories. The words of all these texts go to ``words.npz``. About ten minutes on one core; what the cache
-holds is not repeated.
+Rows of ``embeddings``: the book's habits by row number, each catalogue name, then the retrieval query of each of the
+book's categories. The words of all these texts go to ``words.npz``. About ten minutes on one core; vectors in the cache
+are not computed again.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from ucon.language.store import DATA, StoredEncoder, write_manifest_of, write_ta
 from ucon.language.words import tokens
 from ucon.objects.catalogue import catalogue
 
-#: The paper's query; equal to ``ucon.retrieval.QUERY``, which lies a floor above (a test compares them).
+#: The paper's query; equal to ``ucon.retrieval.QUERY`` (a test compares them).
 QUERY = "Please retrieve the habit about {target}."
 
 
 def table_texts() -> list[str]:
-    """Texts of the table in order."""
+    """Texts of the table, in order."""
     names = [name.replace("_", " ") for name in catalogue().names]
     targets = [name.replace("_", " ") for name in book().categories]
     return [*book().texts, *names, *(QUERY.format(target=name) for name in targets)]
@@ -42,7 +42,11 @@ def vocabulary() -> list[str]:
 
 
 def main(words: Sequence[str]) -> None:
-    """Encode and write."""
+    """Encode all texts and write the tables.
+
+    Args:
+        words: of the command line.
+    """
     argparse.ArgumentParser(prog="ucon data text-tables").parse_args(words)
     encoder = StoredEncoder(MiniLM())
     texts, words = table_texts(), vocabulary()

@@ -1,9 +1,8 @@
-"""Fits the verifier and measures it: ``python -m ucon data fit-verifier [--json]``, a minute on one core.
+"""Fits and measures the verifier: ``python -m ucon data fit-verifier [--json]``, a minute on one core.
 
-Evidence is learned from the habit book's training entries; the logistic model on top from its validation categories,
-whose sentences the evidence has not seen; test categories are only measured on. Negatives of a sentence: anchors drawn
-by their frequency among those that its entry does not use, the entry's other placements, and for sentences that support
-nothing all placements of their entry.
+Evidence is fitted on the habit book's train entries; the logistic model on top of it on val categories, whose sentences
+the evidence has not seen; test categories are only measured. Negatives of a sentence: anchors that its entry does not
+use, drawn by frequency; other placements of the entry; and, for sentences that support nothing, all placements of it.
 """
 
 from __future__ import annotations
@@ -31,9 +30,9 @@ from ucon.objects.model import RELATIONS
 from ucon.readers.reader_weights import Array, pack_names
 
 SWAPPED: Final = 4
-"""Swapped anchors a supporting sentence."""
+"""Swapped anchors per supporting sentence."""
 _DRAWN: Final = 16
-"""Swapped anchors an entry, which its sentences share."""
+"""Swapped anchors per entry, which its sentences share."""
 PAIR_KINDS: Final = ("supported", "swapped", "other", "distractor")
 _INPUTS_OF_EVIDENCE: Final = ("vocabulary", "dense", "bias", "pair", "any")
 Arrays = dict[str, NDArray]
@@ -41,18 +40,23 @@ Arrays = dict[str, NDArray]
 
 @dataclass(frozen=True)
 class Pairs:
-    """Inputs of the logistic model for (sentence, placement) pairs, by what the pair is; each (n, inputs)."""
+    """Inputs of the logistic model for (sentence, placement) pairs, by kind of pair; each (n, inputs)."""
 
     of: dict[str, Array]
 
     def auroc(self, head: Array, kind: str) -> float:
-        """Chance that a supported pair scores higher than one of another kind."""
+        """Probability that a supported pair scores higher than one of another kind.
+
+        Args:
+            head: (inputs + 1,) weights and bias.
+            kind: of :data:`PAIR_KINDS`.
+        """
         right, wrong = self.of["supported"] @ head[:-1], self.of[kind] @ head[:-1]
         return auroc(right, wrong)
 
 
 def frequencies(entries: Sequence[Entry], anchors: Sequence[str]) -> Array:
-    """How often each anchor is used, (A,), smoothed, sums to 1."""
+    """Smoothed frequency of each anchor in the entries' placements, (A,); sums to 1."""
     counts = np.full(len(anchors), 0.5)
     number = {name: i for i, name in enumerate(anchors)}
     for entry in entries:
@@ -62,7 +66,14 @@ def frequencies(entries: Sequence[Entry], anchors: Sequence[str]) -> Array:
 
 
 def labelled_pairs(verifier: Verifier, entries: Sequence[Entry], frequency: Array, seed: int = 0) -> Pairs:
-    """All kinds of pairs of some entries. Swaps are drawn by entry, so other entries do not change them."""
+    """All kinds of pairs of some entries. Swaps are drawn per entry, so other entries do not change them.
+
+    Args:
+        verifier: computes the inputs.
+        entries: whose sentences and placements.
+        frequency: (A,) of the anchors.
+        seed: of the swaps.
+    """
     found: dict[str, list[Array]] = {kind: [] for kind in PAIR_KINDS}
     anchors = list(verifier.known)
     for entry in entries:
@@ -87,7 +98,15 @@ def _swap(anchor: str, rng: np.random.Generator) -> Placement:
 
 
 def fit_head(pairs: Pairs, l2: float = 1e-3) -> Array:
-    """Weights (inputs + 1,) of logistic regression, supported against all others."""
+    """Logistic regression of supported pairs against all others.
+
+    Args:
+        pairs: inputs by kind.
+        l2: penalty of the standardised weights.
+
+    Returns:
+        (inputs + 1,) weights and bias.
+    """
     import torch
 
     x = np.concatenate([pairs.of[kind] for kind in PAIR_KINDS])
@@ -111,7 +130,12 @@ def fit_head(pairs: Pairs, l2: float = 1e-3) -> Array:
 
 
 def fit(data: HabitDataset, pairs: PairReader) -> Arrays:
-    """All arrays of a verifier."""
+    """All arrays of a verifier, by name.
+
+    Args:
+        data: the dataset.
+        pairs: encodes sentences and pairs.
+    """
     anchors, parts = list(data.anchors), entry_parts(data)
     frequency = frequencies([e for e in data.entries if parts[e.id] == "train"], anchors)
     evidence = fit_evidence(data, pairs, anchors)
@@ -124,7 +148,13 @@ def fit(data: HabitDataset, pairs: PairReader) -> Arrays:
 
 
 def measure(data: HabitDataset, verifier: Verifier, wanted: Callable[[Entry], bool]) -> dict[str, float]:
-    """AUROC of supported pairs against each other kind, and how many pairs of each kind there are."""
+    """AUROC of supported pairs against each other kind, and the number of pairs of each kind.
+
+    Args:
+        data: the dataset.
+        verifier: what is measured.
+        wanted: which entries count.
+    """
     entries = [entry for entry in data.entries if wanted(entry)]
     pairs = labelled_pairs(verifier, entries, verifier.frequency, seed=1)
     out = {f"auroc_{kind}": round(pairs.auroc(verifier.head, kind), 4) for kind in PAIR_KINDS[1:]}
@@ -132,7 +162,7 @@ def measure(data: HabitDataset, verifier: Verifier, wanted: Callable[[Entry], bo
 
 
 def held_out(data: HabitDataset) -> dict[str, Callable[[Entry], bool]]:
-    """Entries by part: validation, test categories, and the test entries of training categories."""
+    """Which entries count, by part: val, test categories, and test entries of train categories."""
     parts = entry_parts(data)
     return {
         "val": lambda e: parts[e.id] == "val",
@@ -144,14 +174,18 @@ def held_out(data: HabitDataset) -> dict[str, Callable[[Entry], bool]]:
 
 
 def auroc(right: Array, wrong: Array) -> float:
-    """Chance that a value of ``right`` exceeds one of ``wrong``; ties count half."""
+    """Probability that a value of ``right`` exceeds one of ``wrong``; ties count half."""
     below = np.sort(wrong)
     wins = np.searchsorted(below, right, "left") + np.searchsorted(below, right, "right")
     return float(wins.mean() / (2 * len(wrong)))
 
 
 def main(words: Sequence[str]) -> None:
-    """Fit, write, and print the figures."""
+    """Fit, write, and print the figures.
+
+    Args:
+        words: of the command line.
+    """
     parser = argparse.ArgumentParser(prog="ucon data fit-verifier")
     parser.add_argument("--json", action="store_true", help="print JSON")
     args = parser.parse_args(words)

@@ -12,15 +12,17 @@ allow. A file must end with a line break; one that does not was cut off.
 
 from __future__ import annotations
 
+import copyreg
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Final, cast
+from typing import Any, Final, cast
 
 from ucon.core.errors import DataError, unknown_name
 from ucon.core.files import read_verified
+from ucon.core.sharing import is_the_one
 from ucon.core.untrusted.plain_file import read_bounded
 from ucon.habits.datafile import load_dataset_file
 from ucon.habits.rules import (
@@ -308,6 +310,14 @@ def book_anchors() -> dict[str, frozenset[str]]:
 def book() -> HabitDataset:
     """The shipped habit book: 24,423 habits of 497 categories, checked against its checksum; read once."""
     return load_dataset_file(BOOK_FILE, verified=True)
+
+
+def _pickled(dataset: HabitDataset) -> Any:
+    """Pickles name the habit book, which every installation has; other datasets they hold."""
+    return (the_book, (dataset.sha256,)) if is_the_one(book, dataset) else dataset.__reduce_ex__(4)
+
+
+copyreg.pickle(HabitDataset, _pickled)
 
 
 def the_book(sha256: str) -> HabitDataset:

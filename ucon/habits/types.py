@@ -9,14 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError, unknown_name
 from ucon.core.files import canonical_json, sha256_bytes
-from ucon.core.sharing import Shared, is_the_one
+from ucon.core.sharing import Shared
 from ucon.habits.verdicts import NO_VERDICTS, Verdicts
 from ucon.objects.model import Relation
 
@@ -78,12 +77,6 @@ class HabitDataset(Shared):
     part of the hash."""
     standing: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Categories in each scene, where the source lists them. Not part of the hash."""
-
-    def __reduce_ex__(self, protocol: Any) -> Any:
-        """Pickle the habit book by its hash, since every installation has it; other datasets whole."""
-        from ucon.habits.book import book, the_book
-
-        return (the_book, (self.sha256,)) if is_the_one(book, self) else super().__reduce_ex__(protocol)
 
     @cached_property
     def sha256(self) -> str:

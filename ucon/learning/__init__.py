@@ -1,7 +1,8 @@
-"""Training: learners, checkpoints, and runs that can be interrupted anywhere.
+"""Training: learners, checkpoints, and runs that can be interrupted at any step.
 
-A learner is known by its protocol (:class:`~ucon.learning.run.protocol.Learner`): one update at a time, its state as
-named tensors and plain values. Everything else (the run folder, resuming, signals, the model card) is the same for all.
+A learner implements one protocol (:class:`~ucon.learning.run.protocol.Learner`): it does one update at a time, and its
+state is named tensors and plain values. The run folder, resuming, signals and the model card are shared by all
+learners.
 """
 
 from ucon.learning.run.protocol import Learner, State

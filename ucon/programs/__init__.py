@@ -1,1 +1,1 @@
-"""``eval.py`` and ``train.py`` behind their first line."""
+"""What ``eval.py`` and ``train.py`` do: choosing and checking a run, playing it, and errors in one line."""

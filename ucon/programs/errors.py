@@ -1,4 +1,4 @@
-"""What ``eval.py`` and ``train.py`` share: errors in one line, with the nearest names that exist."""
+"""Errors of ``eval.py`` and ``train.py`` as one line, with the nearest existing names."""
 
 from __future__ import annotations
 
@@ -16,22 +16,27 @@ from typing import Any, NoReturn
 from ucon.configuration.help_page import help_page
 from ucon.core.errors import UconError, unknown_name
 
-#: Exit code of errors that the user can mend; 130 is the shell's code for Ctrl-C.
+#: Exit codes: of errors that the user can mend, and of Ctrl-C (the shell's code).
 USER_ERROR, INTERRUPTED = 2, 130
-#: What is wrong with the disk, not with the program.
+#: Error numbers that mean a problem of the disk, not a bug.
 _OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO)
 
 
 def run_entry(main: Callable[[], Any], config_name: str) -> None:
-    """Run a Hydra main whose errors before it begins, and of :func:`one_line_errors`, end in one line.
+    """Run a Hydra main, with errors that occur before it begins as one line; prints the help page for ``--help``.
 
-    Before it begins Hydra composes the configuration and makes the folder ``out``: what fails there is the user's.
+    Before it begins, Hydra composes the configuration and makes the folder ``out``; errors there are the user's to
+    mend.
+
+    Args:
+        main: decorated by Hydra; uses :func:`one_line_errors` inside.
+        config_name: ``eval`` or ``train``.
     """
     words = sys.argv[1:]
     if {"-h", "--help"} & set(words):
         sys.stdout.write(help_page(_configs(), config_name, words))
         return
-    os.environ.setdefault("HYDRA_FULL_ERROR", "1")  # else Hydra prints its own text and exits
+    os.environ.setdefault("HYDRA_FULL_ERROR", "1")  # otherwise Hydra prints its own message and exits
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
 
@@ -53,9 +58,12 @@ def run_entry(main: Callable[[], Any], config_name: str) -> None:
 
 @contextmanager
 def one_line_errors(config_name: str) -> Iterator[None]:
-    """Inside a Hydra main: errors that a user can mend end the program in one line with exit code 2.
+    """Context manager within a Hydra main: errors that a user can mend end the program in one line, with exit code 2.
 
-    Leaving by SystemExit keeps Hydra from adding lines of its own. Bugs keep their traceback.
+    Ending by SystemExit keeps Hydra from printing lines of its own. Bugs keep their traceback.
+
+    Args:
+        config_name: ``eval`` or ``train``.
     """
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
@@ -79,7 +87,7 @@ def one_line_errors(config_name: str) -> Iterator[None]:
 
 
 def _within(main: Callable[[], Any], error: BaseException) -> bool:
-    """Whether an error comes from within a decorated main, in this process or another."""
+    """Whether an error occurred within a decorated main, in this process or another."""
     code = getattr(inspect.unwrap(main), "__code__", None)
     return error.__cause__ is not None or any(
         frame.f_code is code for frame, _ in traceback.walk_tb(error.__traceback__)
@@ -93,7 +101,13 @@ def _what_is_kept(config_name: str) -> str:
 
 
 def explain(error: BaseException, configs: Path, config_name: str) -> str:
-    """One line for a configuration error, with the nearest names that exist."""
+    """One line for a configuration error, with the nearest existing names.
+
+    Args:
+        error: of Hydra or OmegaConf.
+        configs: folder of the configurations.
+        config_name: ``eval`` or ``train``.
+    """
     text = str(error)
     if type(error).__name__ in ("MissingMandatoryValue", "InterpolationToMissingValueError"):
         key = getattr(error, "full_key", None) or text.rsplit(" ", 1)[-1]
@@ -127,7 +141,7 @@ def _options(configs: Path, config_name: str) -> list[str]:
 
 
 def _configs() -> Path:
-    """Folder of the configurations: beside the script."""
+    """Folder of the configurations, beside the script."""
     return Path(sys.argv[0]).resolve().parent / "configs"
 
 

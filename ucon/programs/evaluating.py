@@ -1,4 +1,4 @@
-"""One run of ``eval.py``: from its configuration to a folder with results; ``python -m ucon replay`` plays by it."""
+"""One run of ``eval.py``, from its configuration to a folder with results; also used by ``python -m ucon replay``."""
 
 from __future__ import annotations
 
@@ -32,17 +32,22 @@ from ucon.task.sets import load_episodes
 
 
 class Evaluation:
-    """A run whose parts are made and checked, to be played into the folder ``out``.
+    """A run whose parts are built and checked, ready to be played into a folder.
 
     Args:
-        config: resolved, as ``configs/eval.yaml`` has it.
-        out: an earlier, equal run in it goes on; a finished one is read.
-        anew: play it whatever lies there, in ``out`` or, where that holds another run or a finished one, beside it.
+        config: resolved, with the options of ``configs/eval.yaml``.
+        out: output folder; an earlier, equal run in it is continued, a finished one is only read.
+        anew: True: play it again in any case, in ``out`` or, where that holds another or a finished run, in a folder
+            beside it.
+
+    Raises:
+        ConfigError: a wrong option.
+        DataError: weights or episodes are missing or damaged.
     """
 
     def __init__(self, config: dict[str, Any], out: Path, *, anew: bool = False) -> None:
         check_options(config, EVALUATION)
-        check_arguments(config["env"])  # which is built last, by whoever plays
+        check_arguments(config["env"])  # it is built last, in the workers
         task = config["task"]
         self.level = str(config["habit_level"]["name"])
         check_level(self.level)
@@ -52,9 +57,9 @@ class Evaluation:
         warn_of_other_rules(self.episodes, task["name"])
         agent, detector = Factory(config["agent"])(), Factory(config["env"]["detector"])()
         self.parts, self.source = parts_of(agent, detector), Factory(config["env"]["source"])()
-        if anew or not has_summary(out):  # a finished run is only read again
+        if anew or not has_summary(out):  # a finished run is only read and needs no weights
             check_weights(agent, detector)
-        # What ranks habits counts only where they are read: whoever reads none has one run for all levels.
+        # Weights that rank habits count only for agents that read habits; others have one run for all levels.
         of_habits = self.source.weights(self.level if self.parts.uses_habits else "none")
         of_parts = fingerprints(agent, detector)
         self.hashes = run_hashes(config, self.episodes, None if of_parts is None else (*of_habits, *of_parts))
@@ -71,17 +76,24 @@ class Evaluation:
         """Episodes that :meth:`play` played, and how long that took."""
 
     def twin(self) -> Path | None:
-        """A finished run beside this one with the same results: of an agent that reads no habits, at another level."""
+        """A finished run beside this one that has the same results.
+
+        There is one where the agent reads no habits and was played at another habit level.
+
+        Returns:
+            Its folder; None where there is none.
+        """
         return None if self.parts.uses_habits else twin_of(self.out, self.config, self.hashes)
 
     def play(self) -> dict[str, Any]:
-        """Play what is missing in the folder and finish it; the content of its ``summary.json``.
+        """Play the episodes that are missing in the folder, and finish it. A finished run is only read.
 
-        Of a finished run nothing is played and nothing is written.
+        Returns:
+            Content of ``summary.json``.
 
         Raises:
-            ConfigError: the folder belongs to another run, is written by another command, or cannot be written.
-            DataError: what it holds is damaged.
+            ConfigError: the folder belongs to another run, is in use by another command, or cannot be written.
+            DataError: its content is damaged.
         """
         with contextlib.nullcontext() if has_summary(self.out) else sole_writer(self.out):
             return self._play()
@@ -106,7 +118,7 @@ class Evaluation:
         return figures
 
     def _film(self, played: Sequence[PlayedEpisode]) -> None:
-        """Play some episodes again for the camera: which ones are worth it is known at the end only."""
+        """Play some episodes again for films; which ones (successes and failures) is known only at the end."""
         records = {p.index: p.record for p in played}
         chosen = worth_filming([record.success for record in records.values()], self.config["pictures"])
         if not chosen:
@@ -121,13 +133,13 @@ class Evaluation:
             evaluate(
                 replace(self.spec, films=self.out / "pictures"),
                 self.episodes,
-                workers=0,  # so few are filmed here before others would have started
+                workers=0,  # starting workers would take longer than these few episodes
                 skip=[index for index in records if index not in chosen],
                 on_played=on_played,
             )
 
     def _missing(self, folder: RunFolder, done: dict[int, PlayedEpisode]) -> list[PlayedEpisode]:
-        """The episodes that no earlier run has played."""
+        """Play the episodes that no earlier call has played."""
         config = self.config
         with embedding_progress(visible=config["progress"]) as on_text:
             self.source.prepare(on_text, self.level)
@@ -149,21 +161,29 @@ class Evaluation:
 
 
 def chosen_episodes(name: str, limit: int | None, task: str, *, context: bool, every: int = 1) -> tuple[Episode, ...]:
-    """Every ``every``-th episode of a set, the first ``limit`` of these.
+    """Every ``every``-th episode of a set, and of these the first ``limit``.
 
-    Of the set made under the rules ``task``, stating their context or not.
+    Args:
+        name: set or file.
+        limit: number of episodes; None: all.
+        task: rules under which the set was made.
+        context: whether its episodes state day, season and occasion.
+        every: 1 for all.
     """
     check_part(limit, every)
     return load_episodes(name, task, context=context)[::every][:limit]
 
 
 def check_part(limit: Any, every: Any) -> None:
-    """Raises :class:`ConfigError` where no part of a set is chosen so."""
+    """Raise :class:`ConfigError` where ``limit`` or ``every`` is out of range."""
     check_options({"limit": limit, "every": every}, EVALUATION)
 
 
 def warn_of_other_rules(episodes: tuple[Episode, ...], task: str) -> None:
-    """A file by path is played as it is; its shortest paths hold under the rules by which they were found."""
+    """Warn if episodes were made under other rules than they are played under.
+
+    A file given by path is played as it is; its shortest paths hold only under the rules that it was made under.
+    """
     others = sorted({episode.task for episode in episodes} - {task})
     if others:
         print(

@@ -1,4 +1,4 @@
-"""What ``train.py`` is asked to do: a new run, or one to go on with."""
+"""What ``train.py`` is to do: start a new run, or go on with one."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from ucon.learning.run.run_plan import Plan
 if TYPE_CHECKING:
     from omegaconf import DictConfig
 
-#: What to do about a run's configuration that cannot be used.
+#: Advice about a stored configuration that cannot be used.
 _REMEDY = "restore it, or start the run anew"
-#: Options that say where and how a run is watched, not what is learned.
+#: Options that do not change what is learned, only where and how a run is shown.
 NEUTRAL_OPTIONS = ("out", "resume", "progress", "wandb", "tensorboard")
 
 
@@ -30,8 +30,11 @@ NEUTRAL_OPTIONS = ("out", "resume", "progress", "wandb", "tensorboard")
 class ChosenRun:
     """A run's configuration and folder.
 
-    ``checkpoint`` is what it goes on from, empty for a new run; ``steps`` how many it is extended to, None for as many
-    as are planned.
+    Args:
+        config: resolved, as plain data.
+        folder: of the run.
+        checkpoint: name of the checkpoint to go on from; "" for a new run.
+        steps: new length of the run in steps; None: as planned.
     """
 
     config: dict[str, Any]
@@ -41,7 +44,12 @@ class ChosenRun:
 
 
 def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) -> ChosenRun:
-    """The new run that ``cfg`` describes, or the one in ``cfg.resume``: a run's folder or one of its checkpoints.
+    """The new run that ``cfg`` describes, or the one that ``cfg.resume`` names.
+
+    Args:
+        cfg: composed configuration; ``resume`` is a run's folder or one of its checkpoints.
+        overrides: options given on the command line.
+        swept: folder of this run in a sweep; None outside a sweep.
 
     Raises:
         ConfigError: nothing to resume there, options beside ``resume`` that would make it another run, or fewer steps.
@@ -76,14 +84,14 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
         folder, checkpoint = path.resolve().parent.parent, path.name
     try:
         raw = read_config(folder)
-    except OSError:  # there is none, or no file has such a name
+    except OSError:  # no such file, or not a possible file name
         raise ConfigError(f"resume={cfg.resume}: no run there (no config.yaml); give the folder of a run") from None
     config = _stored(folder / CONFIG, raw, said)
     _check_device(config["learner"], str(cfg.resume))
     steps = None
     if more:
         steps = Plan(cfg.training.steps).steps
-        Plan.of(config["training"]).extend(0, steps)  # before the learner is built; from its last step later
+        Plan.of(config["training"]).extend(0, steps)  # an early check; TrainingRun.resume checks against the steps done
     watched = {name: cfg[name] for name in ("progress", "wandb", "tensorboard")}
     return ChosenRun({**config, **watched}, folder, checkpoint, steps)
 
@@ -93,7 +101,7 @@ def _option(word: str) -> str:
 
 
 def write_extension(folder: Path, plan: Plan) -> None:
-    """Write into a run's ``config.yaml`` what its plan was extended by; all else stays what was asked for at first."""
+    """Write the extensions of a plan into the run's ``config.yaml``; everything else there stays."""
     from omegaconf import OmegaConf
 
     config = _parsed(folder / CONFIG, read_config(folder))
@@ -102,7 +110,7 @@ def write_extension(folder: Path, plan: Plan) -> None:
 
 
 def _said(words: Iterable[str]) -> dict[str, Any]:
-    """Values of the options among ``words`` that a stored run must have said again."""
+    """Values given with ``++`` for options that a stored run must not decide."""
     from hydra.core.override_parser.overrides_parser import OverridesParser
 
     found = [OverridesParser.create().parse_override(word) for word in words]
@@ -110,10 +118,10 @@ def _said(words: Iterable[str]) -> dict[str, Any]:
 
 
 def _check_device(learner: Mapping[str, Any], resume: str) -> None:
-    """Refuse to go on elsewhere than where a run began: other sums would make it another run.
+    """Refuse to go on with a run on another device: results would differ.
 
     Raises:
-        ConfigError: torch does not see that device here.
+        ConfigError: torch does not see the run's device here.
     """
     device = learner.get("device", "cpu")
     try:
@@ -125,7 +133,7 @@ def _check_device(learner: Mapping[str, Any], resume: str) -> None:
         ) from None
 
 
-#: Options of agents that say how weights are played, and what says the like of training.
+#: Options of agents that concern playing, and what to give instead in training.
 _OF_PLAYING: Final = {
     "agent.checkpoint": "learner.initial=FOLDER, the weights that training begins with",
     "agent.device": "learner.device",
@@ -135,7 +143,7 @@ _OF_PLAYING: Final = {
 
 
 def _check_agent(cfg: DictConfig, overrides: Sequence[str]) -> None:
-    """Refuse a learner of policies without an agent that has one, and a named agent with a learner of something else.
+    """Refuse a learner of policies whose agent has no policy, and a named agent with a learner that trains none.
 
     Raises:
         ConfigError: naming what to give.
@@ -155,11 +163,11 @@ def _check_agent(cfg: DictConfig, overrides: Sequence[str]) -> None:
 
 
 def _stored(path: Path, raw: bytes, said: Mapping[str, Any]) -> dict[str, Any]:
-    """The configuration that a run left as ``raw``, if it builds nothing but what it may.
+    """The configuration that a run stored as ``raw``, checked.
 
     Raises:
-        DataError: it is no text, no YAML, lacks something, or would build what it must not.
-        ConfigError: it needs what has to be said again, or something else was said than it has.
+        DataError: it is no YAML, lacks something, or would build what it must not.
+        ConfigError: a value has to be given again, or another value was given than it has.
     """
     config = in_todays_names(_parsed(path, raw), str(path))
     allowed: dict[str, Any] = checked(config, str(path), ("learner",), said, "++")
@@ -173,10 +181,10 @@ def _stored(path: Path, raw: bytes, said: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _parsed(path: Path, raw: bytes) -> dict[str, Any]:
-    """The options in ``raw``, of the right kinds.
+    """The options in ``raw``.
 
     Raises:
-        DataError: it is no text, no YAML, or lacks something.
+        DataError: it is no UTF-8, no YAML, or lacks something.
     """
     from omegaconf import OmegaConf
     from omegaconf.errors import OmegaConfBaseException
@@ -199,7 +207,7 @@ def _parsed(path: Path, raw: bytes) -> dict[str, Any]:
 
 
 def _check(config: Any, where: str) -> None:
-    """Refuse a configuration without what every run needs."""
+    """Refuse a configuration without the options that every run needs."""
     if not isinstance(config, dict):
         raise ConfigError(f"{where}: no options in it")
     if missing := [key for key in ("learner", "training", "threads") if key not in config]:
@@ -210,7 +218,11 @@ def _check(config: Any, where: str) -> None:
 
 
 def learner_name(learner: Mapping[str, Any]) -> str:
-    """What ``learner=`` calls the learner of a configuration: ``ppo``, ``image_goal``, ``searches``, ..."""
+    """Name of a configuration's learner as in ``learner=``: ``ppo``, ``image_goal``, ``searches``, ...
+
+    Args:
+        learner: the mapping ``learner`` of the configuration.
+    """
     env = learner.get("env")
     of_env = env["config"].get("_target_", "") if isinstance(env, Mapping) and "config" in env else ""
     if str(of_env).endswith("ImageGoalEnv"):
@@ -221,9 +233,9 @@ def learner_name(learner: Mapping[str, Any]) -> str:
 
 
 def run_identity(config: Mapping[str, Any]) -> dict[str, str]:
-    """Hash of what is learned; the learner adds those of its data.
+    """Hash of the options that decide what is learned; the learner adds hashes of its data.
 
-    Extensions do not count: checkpoints say of themselves which of them they depend on.
+    Extensions are left out: checkpoints state which of them they depend on.
     """
     learned = {key: value for key, value in config.items() if key not in NEUTRAL_OPTIONS}
     if isinstance(training := learned.get("training"), Mapping):
@@ -232,10 +244,13 @@ def run_identity(config: Mapping[str, Any]) -> dict[str, str]:
 
 
 def use_threads(threads: Any) -> None:
-    """Let torch use ``threads`` threads. Sums depend on their number, so it is part of the configuration.
+    """Set the number of torch's threads. Sums depend on it, so it is part of the configuration.
+
+    Args:
+        threads: from 1 up.
 
     Raises:
-        ConfigError: no such number of threads.
+        ConfigError: not a permitted number.
     """
     import torch
 

@@ -1,4 +1,4 @@
-"""Readers of habits: what the sentences that an agent is given say about where its target is kept."""
+"""Readers of habits: they turn the sentences that an agent is given into a distribution over the target's places."""
 
 from ucon.readers.anchor_reader import AnchorBelief, AnchorReader, Reading
 

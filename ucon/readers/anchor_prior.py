@@ -1,7 +1,7 @@
-"""What is usual where, learned from a dataset's own placements: p(anchor | target) before any habit is read.
+"""A dataset's own prior p(anchor | target), before any habit is read, fitted on its placements.
 
-The shipped common sense knows the habit book's anchors. A dataset with other names, as the official release, brings
-its own: softmax regression on the target's sentence vector, among the anchors that its scene has.
+The shipped prior knows the habit book's anchors. A dataset with other names, such as the official release, has its own:
+softmax regression on the target's name vector, among the anchors of its scene.
 """
 
 from __future__ import annotations
@@ -20,19 +20,23 @@ from ucon.habits.types import Entry
 from ucon.objects.model import RELATIONS
 from ucon.readers.reader_weights import Array, softmax
 
-#: Log prior of a name that the prior does not know.
+#: Log-probability given to a name outside the prior.
 UNKNOWN_PRIOR: Final = -7.5
 _KEPT: Final = ("dense", "bias", "relation")
 
 
 @dataclass(frozen=True, eq=False)
 class AnchorPrior:
-    """Softmax regression from a vector (D,) to A anchors, and the relation to each."""
+    """Softmax regression from a name vector (D,) to A anchors, with a distribution over relations for each anchor."""
 
     names: tuple[str, ...]
-    dense: Array  # (D, A)
-    bias: Array  # (A,)
-    relation: Array  # (A, 4) how things are kept by each anchor
+    """The A anchors."""
+    dense: Array
+    """(D, A) weights."""
+    bias: Array
+    """(A,)."""
+    relation: Array
+    """(A, 4) p(relation | anchor)."""
 
     @cached_property
     def relations(self) -> dict[str, Array]:
@@ -40,7 +44,16 @@ class AnchorPrior:
         return dict(zip(self.names, self.relation, strict=True))
 
     def log_p(self, vectors: Array, names: Sequence[str], unknown: float) -> Array:
-        """Log p (T, C) of names for target vectors (T, D); ``unknown`` for names that it does not know."""
+        """Log-probabilities of names for T targets.
+
+        Args:
+            vectors: (T, D) vectors of the targets' names.
+            names: C names.
+            unknown: value for names outside the prior.
+
+        Returns:
+            (T, C) float64.
+        """
         number = {name: i for i, name in enumerate(self.names)}
         known = np.log(softmax(np.round(vectors @ self.dense + self.bias, 4)))
         out = np.full((len(vectors), len(names)), unknown)
@@ -50,7 +63,7 @@ class AnchorPrior:
         return out
 
     def to_bytes(self) -> bytes:
-        """The weights, in float16."""
+        """The arrays as a compressed npz file in float16; the names are not in it."""
         buffer = io.BytesIO()
         half = {name: getattr(self, name).astype(np.float16) for name in _KEPT}
         np.savez_compressed(buffer, **half)  # type: ignore[arg-type]
@@ -58,10 +71,15 @@ class AnchorPrior:
 
     @classmethod
     def from_bytes(cls, raw: bytes, names: Sequence[str], where: str) -> AnchorPrior:
-        """What :meth:`to_bytes` wrote.
+        """Read what :meth:`to_bytes` wrote.
+
+        Args:
+            raw: content of the file; not trusted.
+            names: the A anchors.
+            where: names the file in errors.
 
         Raises:
-            DataError: it is something else, or for other names.
+            DataError: it has another form, values that are not finite, or arrays for another number of anchors.
         """
         try:
             file = read_arrays(raw, MAX_BYTES)
@@ -77,7 +95,7 @@ class AnchorPrior:
 
 
 def scene_anchors(entries: Iterable[Entry]) -> dict[str, set[str]]:
-    """Anchors that entries name, by the scene that they are bound to."""
+    """Anchors that entries name in their placements, by scene."""
     found: dict[str, set[str]] = {}
     for entry in entries:
         found.setdefault(entry.scene or "", set()).update(place.anchor for place in entry.placements)

@@ -1,8 +1,8 @@
-"""From habits to places: belief over the anchors of a target, from common sense and from what the habits say.
+"""The fitted anchor reader: a distribution over the target's anchors, from a prior and from what the habits say.
 
-Three learned parts, each small: a prior p(anchor | target) from the target's name, evidence of each habit for each
-anchor, and a relevance gate. They were fitted on the habit book's training categories, the few weights that mix them
-on its validation categories. Names that training never met are read by pair features alone.
+Three small fitted parts: a prior p(anchor | target) from the target's name, the evidence of each habit for each anchor,
+and a relevance gate. They were fitted on the habit book's train categories; the few weights that mix them, on its val
+categories. Names outside the training data are read by pair features alone.
 """
 
 from __future__ import annotations
@@ -29,21 +29,29 @@ N_MIX = 6
 
 @dataclass(frozen=True, eq=False)
 class AnchorBelief:
-    """Where the target may be: ``p`` and ``unseen`` add up to 1."""
+    """Distribution over the target's anchors; ``p`` and ``unseen`` add up to 1."""
 
     candidates: tuple[str, ...]
+    """The C candidate categories."""
     p: Array
-    """(C,): probability that the target is placed by an anchor of each candidate category."""
+    """(C,) probability that the target is placed at an anchor of each category."""
     relation: Array
-    """(C, 4): relation to it, given that, in the order of ``RELATIONS``; rows add up to 1."""
+    """(C, 4) p(relation | anchor), in the order of ``RELATIONS``; rows add up to 1."""
     unseen: float
-    """Mass of known anchor categories that are not among the candidates."""
+    """Probability of the known anchor categories that are no candidates."""
     unseen_p: dict[str, float]
-    """That mass by category."""
+    """That probability by category."""
 
 
 class Reading(Shared):
-    """What some habits say about one target. Candidates may grow while a home is explored."""
+    """What H habits say about one target. Candidates may be added while a home is explored.
+
+    Args:
+        reader: has the fitted parts.
+        target: category that is looked for.
+        texts: the habits.
+        trusted: True if all habits are about the target (level ``gt``).
+    """
 
     def __init__(self, reader: AnchorReader, target: str, texts: tuple[str, ...], trusted: bool) -> None:
         self.target = target
@@ -52,9 +60,9 @@ class Reading(Shared):
         self._evidence: Evidence = reader.evidence.read(texts)
         gate = np.ones(len(texts)) if trusted else relevance(target, texts, reader.pairs, reader.weights)
         self.relevance: Array = gate
-        """(H,): how much each habit is taken to be about the target."""
+        """(H,) probability that each habit is about the target; 1 if trusted."""
         self.telling: Array = gate * self._evidence.place
-        """(H,): how much each habit is taken to say where the target is."""
+        """(H,) how much each habit says where the target is: relevance times probability of speaking for a place."""
         self.context = (float(trusted and len(texts) > 0), float(np.log1p((gate * self._evidence.place).sum())))
         self.known_features = reader.mix_features(
             reader.prior(target), gate[:, None] * self._evidence.anchor, np.ones(len(reader.known)), self.context
@@ -63,7 +71,11 @@ class Reading(Shared):
         self._x: dict[str, Array] = {}
 
     def belief(self, candidates: Sequence[str]) -> AnchorBelief:
-        """Belief over candidate anchor categories (each once; the target itself gets nothing)."""
+        """Distribution over candidate anchor categories; the target itself gets 0.
+
+        Args:
+            candidates: category names; duplicates count once.
+        """
         names = tuple(dict.fromkeys(candidates))
         self._read_unknown([name for name in names if name not in self._reader.number])
         number = self._reader.number
@@ -77,7 +89,7 @@ class Reading(Shared):
         return AnchorBelief(names, p[: len(names)], self._relations(names), float(sum(unseen.values())), unseen)
 
     def support(self, anchor: str) -> Array:
-        """(H,): how strongly each habit speaks for the target being by ``anchor``: the reasons for a belief."""
+        """(H,) how strongly each habit speaks for the target being at ``anchor``: the reasons for a belief."""
         return self.relevance * self._column(anchor)
 
     def _column(self, anchor: str) -> Array:
@@ -87,7 +99,7 @@ class Reading(Shared):
         return self._columns[anchor]
 
     def unknown_features(self, names: Sequence[str]) -> Array:
-        """Inputs (n, 6) of the mixing weights for names that training never met."""
+        """Inputs (n, 6) of the mixing weights for names outside the training data."""
         self._read_unknown(names)
         return np.stack([self._x[name] for name in names]) if names else np.zeros((0, N_MIX))
 
@@ -103,7 +115,7 @@ class Reading(Shared):
             self._x[name] = x[i]
 
     def _relations(self, names: Sequence[str]) -> Array:
-        """p(relation | anchor) (C, 4): what is usual, and what the habits that speak for the anchor say."""
+        """p(relation | anchor), (C, 4): the prior plus what the habits that speak for the anchor say."""
         if not names:
             return np.zeros((0, len(RELATIONS)))
         prior = np.stack([self._reader.relation_prior(name) for name in names])
@@ -113,7 +125,12 @@ class Reading(Shared):
 
 
 class AnchorReader(Shared):
-    """Reads habits. One per process: what it has read it remembers by text."""
+    """Reads habits with the fitted parts. One per process; it caches evidence by text.
+
+    Args:
+        weights: of the fitted parts; the shipped ones by default.
+        pairs: encodes sentences and pairs; the default one if not given.
+    """
 
     def __init__(self, weights: ReaderWeights | None = None, pairs: PairReader | None = None) -> None:
         self.weights = weights or default_weights()
@@ -130,38 +147,55 @@ class AnchorReader(Shared):
         """Read habits once for an episode.
 
         Args:
-            target: category to be found.
-            texts: the habits an agent is given.
-            trusted: all of them are about the target (habit level ``gt``), so nothing is gated.
+            target: category that is looked for.
+            texts: the habits that an agent is given.
+            trusted: True if all of them are about the target (habit level ``gt``): they are not gated.
         """
         return Reading(self, target, tuple(texts), trusted)
 
     def belief(
         self, target: str, texts: Sequence[str], candidates: Sequence[str], *, trusted: bool = False
     ) -> AnchorBelief:
-        """:meth:`read` and :meth:`Reading.belief` in one."""
+        """:meth:`read` and :meth:`Reading.belief` in one call.
+
+        Args:
+            target: category that is looked for.
+            texts: the habits.
+            candidates: anchor categories.
+            trusted: True if all habits are about the target.
+        """
         return self.read(target, texts, trusted=trusted).belief(candidates)
 
     def prior(self, target: str) -> Array:
-        """Common sense: log p(anchor | target) over the known anchors, (A,)."""
+        """Log p(anchor | target) over the A known anchors, (A,), before any habit is read."""
         name = self.pairs.encoder.encode_half([phrase(target)])[0].astype(np.float64)
         logits = np.round(name @ self.weights["prior_dense"] + self.weights["prior_bias"], 4)
         return np.log(softmax(logits))
 
     def relation_prior(self, anchor: str) -> Array:
-        """p(relation | anchor), (4,); the mean over anchors for an unknown one."""
+        """p(relation | anchor), (4,), before any habit is read; uniform for an unknown anchor."""
         table = self.weights["relation_prior"]
         return table[self.number[anchor]] if anchor in self.number else np.full(len(RELATIONS), 1 / len(RELATIONS))
 
     def mix_features(self, prior: Array, gated: Array, known: Array, context: tuple[float, float]) -> Array:
-        """Inputs (C, 6) of :meth:`mix`: prior, sum and maximum of gated evidence, known, trusted, amount."""
+        """Inputs of :meth:`mix` for C candidates.
+
+        Args:
+            prior: (C,) log-probabilities.
+            gated: (H, C) evidence times relevance.
+            known: (C,) 1 for anchors in the training data, else 0.
+            context: whether the habits are trusted, and log of how much they say.
+
+        Returns:
+            (C, 6): prior, log of sum and of maximum of the evidence, known, and the two of ``context``.
+        """
         total = np.log(SUPPORT_FLOOR + gated.sum(axis=0))
         best = np.log(SUPPORT_FLOOR + gated.max(axis=0, initial=0.0))
         columns = [prior, total, best, known, np.full(len(known), context[0]), np.full(len(known), context[1])]
         return np.stack(columns, axis=1)
 
     def mix(self, x: Array) -> Array:
-        """Logits (C,) of candidates."""
+        """Logits (C,) of candidates from inputs (C, 6) of :meth:`mix_features`."""
         w = self.weights
         return two_layers(x, w["mix_hidden"], w["mix_hidden_bias"], w["mix_out"])
 

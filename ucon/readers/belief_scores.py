@@ -1,4 +1,4 @@
-"""Figures of a belief against the distribution that placements are drawn from: exact expectations, no drawn place."""
+"""Scores of a belief against the true distribution over placements: exact expectations, no sampling."""
 
 from __future__ import annotations
 
@@ -9,15 +9,21 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.floating]
 FIGURES: Final = ("hit_at_1", "hit_at_5", "nll", "visits", "relation")
-#: Of each belief so many of the best candidates are looked at for the calibration error, in so many bins.
+#: Number of best candidates per belief that enter the calibration error, and its number of bins.
 TOP, BINS = 20, 15
 
 
 def scores(p: Array, relation: Array, y: Array) -> dict[str, float]:
-    """Figures of a belief ``p`` (C,) with relations (C, 4) against the true joint distribution ``y`` (C, 4).
+    """Scores of one belief.
 
-    ``hit_at_k``: true mass of the k best; ``visits``: expected number of anchors looked at, in order; ``relation``:
-    true mass of the likeliest relation of each true anchor.
+    ``hit_at_k`` is the true probability of the k best candidates, ``nll`` in nats, ``visits`` the expected number of
+    anchors searched in order of belief, ``relation`` the true probability of the most likely relation at each true
+    anchor.
+
+    Args:
+        p: (C,) belief.
+        relation: (C, 4) p(relation | anchor).
+        y: (C, 4) true joint distribution.
     """
     by_anchor = y.sum(1)
     found = by_anchor[np.argsort(-p, kind="stable")]
@@ -31,13 +37,18 @@ def scores(p: Array, relation: Array, y: Array) -> dict[str, float]:
 
 
 def best_of(p: Array, y: Array) -> tuple[Array, Array]:
-    """Stated and true probability of the best candidates of a belief, (TOP,) each."""
+    """Stated and true probabilities of a belief's 20 best candidates, (20,) each."""
     top = np.argsort(-p, kind="stable")[:TOP]
     return p[top], y[top]
 
 
 def calibration_error(p: Array, y: Array) -> float:
-    """What is stated against what is true, over equally wide bins of what is stated."""
+    """Expected calibration error: mean absolute difference of stated and true probability over 15 bins of equal width.
+
+    Args:
+        p: (N,) stated probabilities.
+        y: (N,) true probabilities.
+    """
     number = np.minimum((p * BINS).astype(int), BINS - 1)
     stated, true = np.bincount(number, p, BINS), np.bincount(number, y, BINS)
     return float(np.abs(stated - true).sum() / max(len(p), 1))

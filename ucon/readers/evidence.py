@@ -1,7 +1,7 @@
-"""What one sentence says about places: which anchor it speaks for, if any, and in which relation.
+"""Evidence of one sentence: which anchor it speaks for, if any, and with which relation.
 
-Read once a text and remembered. Known anchors are read by words, sentence vector and pair features together; names
-that training never met by pair features alone.
+Cached by text. Known anchors are read from words, sentence vector and pair features together; names outside the
+training data, from pair features alone.
 """
 
 from __future__ import annotations
@@ -20,30 +20,35 @@ from ucon.readers.reader_weights import Array, ReaderWeights, sigmoid, softmax
 REMEMBERED = 60_000
 DECIMALS = 4
 
-#: Added to what speaks for a place before its logarithm is taken.
+#: Added to evidence before its logarithm is taken.
 SUPPORT_FLOOR: Final = 0.02
 
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What H sentences say. All float64."""
+    """Evidence of H sentences for A known anchors; float64."""
 
     anchor: Array
-    """(H, A): probability that it speaks for each known anchor; the rest to 1 is "no place"."""
+    """(H, A) probability that the sentence speaks for each anchor; the rest to 1 is "no place"."""
     place: Array
-    """(H,): probability that it speaks for a place at all."""
+    """(H,) probability that the sentence speaks for any place."""
     relation: Array
-    """(H, 4): relation, given that it does, in the order of ``RELATIONS``."""
+    """(H, 4) relation, given that it does, in the order of ``RELATIONS``."""
 
 
 def grams(text: str) -> list[str]:
-    """Distinct stems and pairs of neighbouring stems of a text, in order."""
+    """Distinct stems and pairs of adjacent stems of a text, in order."""
     words = stems(text)
     return list(dict.fromkeys([*words, *(f"{a} {b}" for a, b in pairwise(words))]))
 
 
 class EvidenceReader:
-    """Applies the weights to texts."""
+    """Applies the fitted weights to texts.
+
+    Args:
+        weights: of the evidence reader.
+        pairs: encodes sentences and pairs.
+    """
 
     def __init__(self, weights: ReaderWeights, pairs: PairReader) -> None:
         self.weights = weights
@@ -51,7 +56,7 @@ class EvidenceReader:
         self._seen: dict[str, Array] = {}
 
     def read(self, texts: Sequence[str]) -> Evidence:
-        """Evidence of each text."""
+        """Evidence of H texts; each is computed once and cached."""
         new = [text for text in dict.fromkeys(texts) if text not in self._seen]
         if len(self._seen) + len(new) > REMEMBERED:
             self._seen.clear()
@@ -64,11 +69,21 @@ class EvidenceReader:
         return Evidence(spoken[:, :n], 1 - spoken[:, n], softmax(logits[:, n + 1 :]))
 
     def unknown(self, texts: Sequence[str], names: Sequence[str], place: Array) -> Array:
-        """(H, C): probability that each text speaks for names that training never met."""
+        """Evidence for names outside the training data.
+
+        Args:
+            texts: H sentences.
+            names: C names.
+            place: (H,) probability that each sentence speaks for any place.
+
+        Returns:
+            (H, C) probabilities.
+        """
         score = self.pairs.features(texts, names).astype(np.float64) @ self.weights["any"][:-1]
         return sigmoid(score + self.weights["any"][-1]) * place[:, None]
 
     def _logits(self, texts: Sequence[str]) -> Array:
+        """Logits (n, A + 5): anchors, "no place", and the four relations; rounded to 1e-4."""
         w, n = self.weights, len(self.weights.anchors)
         out = self.pairs.encoder.encode_half(texts).astype(np.float64) @ w["dense"] + w["bias"]
         for i, text in enumerate(texts):

@@ -1,7 +1,7 @@
-"""The relevance gate: is this sentence about the target, or about something else in the home?
+"""The relevance gate: the probability that a sentence is about the target and not about something else in the home.
 
-Beyond the words and vectors of the two texts it sees how a habit stands among the others: its cosine relative to
-the set, and its likeness to the habits nearest to the target.
+Its inputs are the words and vectors of both texts, and how a habit compares with the others: its cosine relative to the
+set, and its likeness to the habits nearest to the target.
 """
 
 from __future__ import annotations
@@ -16,12 +16,21 @@ from ucon.readers.reader_weights import Array, ReaderWeights, sigmoid, two_layer
 
 NEAREST = 5
 N_GATE = 10
-"""Features of a habit: those of :func:`gate_features` and the learned likeness."""
+"""Features of a (target, habit) pair: the 9 of :func:`gate_features` and the learned likeness."""
 DECIMALS = 4
 
 
 def gate_features(target: str, texts: Sequence[str], pairs: PairReader) -> tuple[Array, Array]:
-    """Features (H, 9) of each habit for a target, without the learned likeness, and sentence vectors (H, dim)."""
+    """Inputs of the gate for H habits, without the learned likeness.
+
+    Args:
+        target: category that is looked for.
+        texts: the habits.
+        pairs: encodes sentences and pairs.
+
+    Returns:
+        Features (H, 9) and sentence vectors (H, D), float64.
+    """
     vectors = pairs.encoder.encode_half(texts).astype(np.float64)
     query = pairs.encoder.encode_half([query_text(target)])[0].astype(np.float64)
     lexical = pairs.features(texts, [target])[:, 0].astype(np.float64)
@@ -29,7 +38,13 @@ def gate_features(target: str, texts: Sequence[str], pairs: PairReader) -> tuple
 
 
 def set_features(lexical: Array, cosine: Array, vectors: Array) -> Array:
-    """Features (H, 9) from pair features with the target (H, 6), cosines with the query (H,) and vectors (H, dim)."""
+    """Features (H, 9) of habits within their set.
+
+    Args:
+        lexical: (H, 6) pair features of habit and target.
+        cosine: (H,) with the retrieval query.
+        vectors: (H, D) of the habits.
+    """
     relative = (cosine - cosine.mean()) / (cosine.std() + 1e-6) / 3
     top = np.argsort(-cosine, kind="stable")[:NEAREST]
     like = np.round(vectors @ vectors[top].T, DECIMALS)
@@ -40,7 +55,14 @@ def set_features(lexical: Array, cosine: Array, vectors: Array) -> Array:
 
 
 def relevance(target: str, texts: Sequence[str], pairs: PairReader, weights: ReaderWeights) -> Array:
-    """Probability (H,) that each habit, if it speaks for a place, speaks for a place of the target."""
+    """Probability (H,) that each habit, if it speaks for a place, speaks for a place of the target.
+
+    Args:
+        target: category that is looked for.
+        texts: the habits.
+        pairs: encodes sentences and pairs.
+        weights: of the gate.
+    """
     if not texts:
         return np.zeros(0)
     features, vectors = gate_features(target, texts, pairs)
@@ -49,9 +71,16 @@ def relevance(target: str, texts: Sequence[str], pairs: PairReader, weights: Rea
 
 
 def gate_inputs(features: Array, vectors: Array, name: Array, weights: ReaderWeights) -> Array:
-    """(H, 11): features (H, 9), learned likeness, and the logit of relevance.
+    """Features (H, 9), learned likeness, and the logit of relevance, in one array.
 
-    ``vectors`` (H, dim) and ``name`` (dim,) are those of the sentences and of the target's name.
+    Args:
+        features: (H, 9) of :func:`gate_features`.
+        vectors: (H, D) of the habits.
+        name: (D,) of the target's name.
+        weights: of the gate.
+
+    Returns:
+        (H, 11) float64.
     """
     likeness = np.round((vectors @ weights["gate_habit"]) @ (name @ weights["gate_target"]), DECIMALS)
     x = np.concatenate([features, likeness[:, None]], axis=1)

@@ -1,8 +1,8 @@
-"""What the belief head reads: numbers about a household's habits, about candidate anchors, and about targets.
+"""Inputs of the belief head: features of a household's habits, of candidate anchors, of targets, and of their pairs.
 
-Training and use build them by the same functions. All is open-vocabulary: a candidate that the evidence reader never
-met has pair features, a name and no more. Several targets share the habits of one household; a mask says which of them
-each target is given, so the habit levels differ by the mask alone.
+Training and use build them with the same functions. The vocabulary is open: a candidate outside the evidence reader's
+training data has pair features and a name vector only. Several targets share the habits of a household; a mask says
+which habits each target is given, so habit levels differ only by the mask.
 """
 
 from __future__ import annotations
@@ -19,41 +19,62 @@ from ucon.readers.evidence import Evidence
 from ucon.readers.gate import N_GATE
 from ucon.readers.reader_weights import Array, sigmoid
 
-Half = NDArray[np.float32]
+Float32 = NDArray[np.float32]
 N_RELATIONS: Final = len(RELATIONS)
 N_PAIR: Final = N_FEATURES + 3
-"""Of a (habit, candidate) pair: pair features, and what the evidence reader says: probability, its log, its kind."""
+"""Features of a (habit, candidate) pair: pair features; evidence, its log, and whether the candidate is known."""
 N_HABIT: Final = 1 + N_RELATIONS
-"""Of a habit: does it speak for a place, and in which relation."""
+"""Features of a habit: probability that it speaks for a place, and its distribution over relations."""
 N_RELEVANCE: Final = N_GATE + 1
-"""Of a (target, habit) pair: features of the fitted gate, and its logit."""
+"""Features of a (target, habit) pair: inputs of the fitted gate, and its logit."""
 N_CANDIDATE: Final = 2
-"""Of a candidate: does the evidence reader know it, does the prior."""
+"""Features of a candidate: whether the evidence reader knows it, and whether the prior does."""
 SMALL: Final = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class HeadInputs:
-    """T targets of one household with H habits and C candidates. float32 but for the masks; vectors are (., 384)."""
+    """Arrays for T targets of one household with H habits and C candidates.
 
-    sentence: Half  # (H, D) vectors of the habits
-    habit: Half  # (H, N_HABIT)
-    pair: Half  # (H, C, N_PAIR)
-    name: Half  # (C, D) vectors of the candidates' names
-    candidate: Half  # (C, N_CANDIDATE)
-    relation_prior: Half  # (C, 4) what is usual; rows add up to 1, impossible relations are 0
-    target: Half  # (T, D) vectors of the targets' names
-    prior: Half  # (T, C) log p(anchor | target) of common sense
-    relevance: Half  # (T, H, N_RELEVANCE)
-    given: NDArray[np.bool_]  # (T, H) the habits that are read for each target
-    trusted: NDArray[np.bool_]  # (T,) all that is given is about the target (level gt)
-    open: NDArray[np.bool_]  # (T, C) candidates of each target; the target itself is none
+    Float32 except the masks, vectors of D = 384.
+    """
+
+    sentence: Float32
+    """(H, D) vectors of the habits."""
+    habit: Float32
+    """(H, N_HABIT) features."""
+    pair: Float32
+    """(H, C, N_PAIR) features."""
+    name: Float32
+    """(C, D) vectors of the candidates' names."""
+    candidate: Float32
+    """(C, N_CANDIDATE) features."""
+    relation_prior: Float32
+    """(C, 4) p(relation | anchor) before reading; rows add up to 1, impossible relations are 0."""
+    target: Float32
+    """(T, D) vectors of the targets' names."""
+    prior: Float32
+    """(T, C) log p(anchor | target) before reading."""
+    relevance: Float32
+    """(T, H, N_RELEVANCE) features."""
+    given: NDArray[np.bool_]
+    """(T, H) True for habits that are given for the target."""
+    trusted: NDArray[np.bool_]
+    """(T,) True if all given habits are about the target (level gt)."""
+    open: NDArray[np.bool_]
+    """(T, C) True for candidates that may be the anchor; the target itself may not."""
 
 
-def pair_columns(features: NDArray[np.floating], said: Array, known: NDArray[np.bool_]) -> Half:
-    """Pair inputs (H, C, N_PAIR) of pair features (H, C, 6) and what the evidence reader says (H, C).
+def pair_columns(features: NDArray[np.floating], said: Array, known: NDArray[np.bool_]) -> Float32:
+    """Features of (habit, candidate) pairs.
 
-    ``known`` (C,): names that the evidence reader was fitted on; of the others it read the pair features alone.
+    Args:
+        features: (H, C, 6) pair features.
+        said: (H, C) evidence of each habit for each candidate.
+        known: (C,) bool, True for names that the evidence reader was fitted on.
+
+    Returns:
+        (H, C, N_PAIR) float32.
     """
     h, c = said.shape
     out = np.empty((h, c, N_PAIR), np.float32)
@@ -65,10 +86,16 @@ def pair_columns(features: NDArray[np.floating], said: Array, known: NDArray[np.
 
 
 def unknown_said(features: NDArray[np.floating], any_weights: Array, place: Array) -> Array:
-    """(H, C): what the evidence reader says of names that it never met, from pair features (H, C, 6)."""
+    """Evidence (H, C) for names outside the evidence reader's training data.
+
+    Args:
+        features: (H, C, 6) pair features.
+        any_weights: (7,) weights and bias.
+        place: (H,) probability that each habit speaks for any place.
+    """
     return sigmoid(features.astype(np.float64) @ any_weights[:-1] + any_weights[-1]) * place[:, None]
 
 
-def habit_columns(evidence: Evidence) -> Half:
-    """Habit inputs (H, N_HABIT) of what the evidence reader says."""
+def habit_columns(evidence: Evidence) -> Float32:
+    """Features (H, N_HABIT) of habits from their evidence, float32."""
     return np.concatenate([evidence.place[:, None], evidence.relation], axis=1).astype(np.float32)

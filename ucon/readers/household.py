@@ -1,7 +1,7 @@
-"""Builds what the belief head reads (:mod:`ucon.readers.head_inputs`) from sentences and names.
+"""Builds the belief head's inputs (:mod:`ucon.readers.head_inputs`) from sentences and names.
 
-What a sentence says is read once a household; candidates may grow while a home is explored, and several targets may
-be asked for in turn: each adds its own part.
+Sentences are read once per household. Candidates may be added while a home is explored, and several targets may be
+asked about in turn; each adds only its own part.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from ucon.readers.tuned_evidence import TunedEvidence, book_table
 
 
 class FittedParts:
-    """The fitted parts of the anchor reader: evidence, gate, common sense. Remembers what it has read by text."""
+    """The fitted parts of the anchor reader: evidence, gate and prior. Caches what it has read by text."""
 
     def __init__(
         self,
@@ -44,25 +44,37 @@ class FittedParts:
         evidence: EvidenceReader | SceneEvidence | None = None,
         own_prior: AnchorPrior | None = None,
     ) -> None:
-        """``evidence``: says what sentences speak for, else the weights do; ``own_prior``: a dataset's common sense."""
+        """Combine the parts.
+
+        Args:
+            weights: of evidence, gate and prior.
+            pairs: encodes sentences and pairs.
+            evidence: reads which places sentences speak for; by default ``weights`` does.
+            own_prior: prior of a dataset with anchors of its own.
+        """
         self.weights, self.pairs, self.own_prior = weights, pairs, own_prior
         self.evidence = evidence or EvidenceReader(weights, pairs)
-        self.own_places = evidence if isinstance(evidence, SceneEvidence) else None
-        self.known = weights.anchors if self.own_places is None else self.own_places.known
+        self.scene_evidence = evidence if isinstance(evidence, SceneEvidence) else None
+        self.known = weights.anchors if self.scene_evidence is None else self.scene_evidence.known
         self.number = {name: i for i, name in enumerate(self.known)}
         self._usual_row = {name: i for i, name in enumerate(weights.anchors)}
 
     @property
     def sha256(self) -> str:
-        """Hash of what they were fitted to be."""
+        """Hash of the weights of evidence, gate and prior."""
         return sha256_bytes(f"{self.weights.sha256} {getattr(self.evidence, 'sha256', '')}".encode())
 
     def vectors(self, texts: Sequence[str]) -> Array:
-        """Unit vectors (n, D)."""
+        """Unit vectors (n, D) of texts, float64."""
         return self.pairs.encoder.encode_half(texts).astype(np.float64)
 
     def prior(self, targets: Sequence[str], names: Sequence[str]) -> Array:
-        """Log p(anchor | target) (T, C): common sense, one value for all names that it does not know."""
+        """Log p(anchor | target), (T, C), before reading; one constant for all names outside the prior.
+
+        Args:
+            targets: T categories.
+            names: C candidates.
+        """
         vectors = self.vectors([phrase(target) for target in targets])
         if self.own_prior is not None:
             return self.own_prior.log_p(vectors, names, UNKNOWN_PRIOR)
@@ -75,7 +87,7 @@ class FittedParts:
         return out
 
     def relation_prior(self, names: Sequence[str]) -> Array:
-        """p(relation | anchor) (C, 4); all relations alike for names that nothing is known of."""
+        """p(relation | anchor), (C, 4), before reading; uniform for unknown names."""
         table, row, even = self.weights["relation_prior"], self._usual_row, np.full(len(RELATIONS), 1 / len(RELATIONS))
         own = {} if self.own_prior is None else self.own_prior.relations
         rows = [own[name] if name in own else table[row[name]] if name in row else even for name in names]
@@ -84,22 +96,35 @@ class FittedParts:
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
-    """Names with what is known of them alone."""
+    """C candidate names with their vectors and priors."""
 
     names: tuple[str, ...]
-    vectors: Array  # (C, D)
-    known: NDArray[np.bool_]  # (C,) the fitted parts know the name
-    relation_prior: Array  # (C, 4)
+    vectors: Array
+    """(C, D) unit vectors of the names."""
+    known: NDArray[np.bool_]
+    """(C,) True for names that the fitted parts know."""
+    relation_prior: Array
+    """(C, 4) p(relation | anchor) before reading."""
 
     @classmethod
     def of(cls, names: Sequence[str], parts: FittedParts) -> Candidates:
-        """Look the names up."""
+        """Look up names.
+
+        Args:
+            names: C categories.
+            parts: give vectors and priors.
+        """
         known = np.asarray([name in parts.number for name in names], bool)
         return cls(tuple(names), parts.vectors([phrase(name) for name in names]), known, parts.relation_prior(names))
 
 
 class Household:
-    """H sentences, read."""
+    """H sentences of a household, with vectors and evidence.
+
+    Args:
+        parts: read the sentences.
+        texts: the sentences.
+    """
 
     def __init__(self, parts: FittedParts, texts: Sequence[str]) -> None:
         self.parts, self.texts = parts, tuple(texts)
@@ -108,34 +133,44 @@ class Household:
         self._lexical: dict[str, Array] = {}
 
     def columns(self, candidates: Candidates) -> NDArray[np.float32]:
-        """Pair inputs (H, C, N_PAIR)."""
+        """Features of all (habit, candidate) pairs, (H, C, N_PAIR) float32."""
         features = self.parts.pairs.features(self.texts, candidates.names)
         return pair_columns(features, self.spoken(candidates, features), candidates.known)
 
     def spoken(self, candidates: Candidates, features: NDArray[np.floating] | None = None) -> Array:
-        """(H, C): probability that each sentence speaks for each candidate, whosever place it is."""
+        """Probability (H, C) that each sentence speaks for each candidate, whichever target it is about.
+
+        Args:
+            candidates: C names.
+            features: (H, C, 6) pair features, if they were computed before.
+        """
         known = candidates.known
         if features is None:
             features = self.parts.pairs.features(self.texts, candidates.names)
-        if self.parts.own_places is not None:
-            return self.parts.own_places.spoken(self.texts, candidates.names, features)
+        if self.parts.scene_evidence is not None:
+            return self.parts.scene_evidence.spoken(self.texts, candidates.names, features)
         said = unknown_said(features, self.parts.weights["any"], self.said.place)
         names = [name for name, met in zip(candidates.names, known, strict=True) if met]
         said[:, known] = self.said.anchor[:, [self.parts.number[name] for name in names]]
         return said
 
     def cosines(self, target: str) -> Array:
-        """(H,) cosine of each sentence with the paper's query for a target."""
+        """(H,) cosine of each sentence with the paper's query for a target, rounded to 1e-4."""
         return np.round(self.vectors @ self.parts.vectors([query_text(target)])[0], DECIMALS)
 
     def look_up(self, targets: Sequence[str]) -> None:
-        """Read pair features with several targets at once, which costs little more than one."""
+        """Compute pair features of the sentences with several targets at once, which costs little more than one."""
         new = [target for target in dict.fromkeys(targets) if target not in self._lexical]
         features = self.parts.pairs.features(self.texts, new).astype(np.float64)
         self._lexical.update((target, features[:, i]) for i, target in enumerate(new))
 
     def relevance(self, target: str, rows: NDArray[np.intp] | slice = slice(None)) -> NDArray[np.float32]:
-        """Relevance inputs (H', N_RELEVANCE) of the given sentences, each seen among them."""
+        """Features (H', N_RELEVANCE) of sentences for a target, computed within the set of these sentences.
+
+        Args:
+            target: category that is looked for.
+            rows: indices of the H' sentences; all by default.
+        """
         self.look_up([target])
         vectors = self.vectors[rows]
         if not len(vectors):
@@ -143,9 +178,9 @@ class Household:
         features = set_features(self._lexical[target][rows], self.cosines(target)[rows], vectors)
         name = self.parts.vectors([phrase(target)])[0]
         inputs = gate_inputs(features, vectors, name, self.parts.weights)
-        if self.parts.own_places is not None:
+        if self.parts.scene_evidence is not None:
             texts = [self.texts[k] for k in np.arange(len(self.texts))[rows]]
-            inputs[:, -1] = self.parts.own_places.about(target, texts)
+            inputs[:, -1] = self.parts.scene_evidence.about(target, texts)
         return inputs.astype(np.float32)
 
     def inputs(
@@ -156,14 +191,14 @@ class Household:
         trusted: NDArray[np.bool_],
         pair: NDArray[np.float32] | None = None,
     ) -> HeadInputs:
-        """All the head reads, for targets that are given some sentences each.
+        """All inputs of the head.
 
         Args:
             targets: T names.
             candidates: C names.
-            given: (T, H) the sentences that each target is given.
-            trusted: (T,) all of them are about the target.
-            pair: :meth:`columns` of the candidates, where they were made before.
+            given: (T, H) bool, True for sentences that the target is given.
+            trusted: (T,) bool, True if all of them are about the target.
+            pair: :meth:`columns` of the candidates, if they were computed before.
         """
         self.look_up(targets)
         relevance = np.zeros((len(targets), len(self.texts), N_RELEVANCE), np.float32)
@@ -196,17 +231,23 @@ def default_parts() -> FittedParts:
     return parts_with(None)
 
 
-def parts_with(own_prior: AnchorPrior | None, own_places: Path | None = None) -> FittedParts:
-    """The shipped parts, with the common sense of a dataset in place of the habit book's.
+def parts_with(own_prior: AnchorPrior | None, scene_evidence: Path | None = None) -> FittedParts:
+    """The shipped parts with a dataset's own prior and evidence.
 
-    ``own_places``: folder of what reads places in its sentences (:class:`~ucon.readers.scene_evidence.SceneEvidence`).
+    Args:
+        own_prior: the dataset's prior; None: the habit book's.
+        scene_evidence: folder of the dataset's own reader of places
+            (:class:`~ucon.readers.scene_evidence.SceneEvidence`); None: the shipped one.
+
+    Raises:
+        DataError: files in the folder are missing or damaged.
     """
     pairs, shipped = default_pair_reader(), shipped_evidence()
-    evidence = shipped if own_places is None else SceneEvidence.load(own_places, pairs, shipped)
+    evidence = shipped if scene_evidence is None else SceneEvidence.load(scene_evidence, pairs, shipped)
     return FittedParts(default_weights(), pairs, evidence, own_prior)
 
 
 @cache
 def shipped_evidence() -> TunedEvidence:
-    """What reads places by default, one per process."""
+    """The shipped reader of places, one per process."""
     return TunedEvidence(default_weights(), default_pair_reader(), book_table())

@@ -1,4 +1,4 @@
-"""What a reader of habits is: the fitted :class:`ucon.readers.anchor_reader.AnchorReader`, or a trained one."""
+"""Interface of readers of habits: the fitted :class:`ucon.readers.anchor_reader.AnchorReader`, or a trained one."""
 
 from __future__ import annotations
 
@@ -10,54 +10,60 @@ from numpy.typing import NDArray
 
 
 class Belief(Protocol):
-    """What a reading makes of candidate anchors."""
+    """Distribution over C candidate anchors."""
 
     @property
     def candidates(self) -> tuple[str, ...]:
-        """The C candidates."""
+        """Names of the C candidates."""
         ...
 
     @property
     def p(self) -> NDArray[np.float64]:
-        """(C,) probability that the target is by each."""
+        """(C,) probability that the target is at each candidate."""
         ...
 
     @property
     def relation(self) -> NDArray[np.float64]:
-        """(C, 4) relation to it, given that."""
+        """(C, 4) p(relation | anchor)."""
         ...
 
 
 class Read(Protocol):
-    """What a reader makes of some habits."""
+    """What H habits say about a target."""
 
     @property
     def relevance(self) -> NDArray[np.float64]:
-        """(H,) how much each habit is about the target."""
+        """(H,) probability that each habit is about the target."""
         ...
 
     @property
     def telling(self) -> NDArray[np.float64]:
-        """(H,) how much each habit is taken to say where the target is."""
+        """(H,) how much each habit says where the target is, 0 to 1."""
         ...
 
     def belief(self, candidates: Sequence[str]) -> Belief:
-        """Belief over candidate anchors."""
+        """Distribution over candidate anchors; may be called again with more of them."""
         ...
 
     def support(self, anchor: str) -> NDArray[np.float64]:
-        """(H,) how strongly each habit speaks for the target being by ``anchor``."""
+        """(H,) how strongly each habit speaks for the target being at ``anchor``."""
         ...
 
 
 class Reader(Protocol):
-    """Reads habits."""
+    """Turns habits into a distribution over the target's anchors."""
 
     @property
     def known(self) -> Sequence[str]:
-        """Anchors that it was fitted on."""
+        """Anchors in its training data."""
         ...
 
     def read(self, target: str, texts: Sequence[str], *, trusted: bool = False) -> Read:
-        """Read the habits of an episode once."""
+        """Read the habits of an episode once.
+
+        Args:
+            target: category that is looked for.
+            texts: the habits.
+            trusted: True if all of them are about the target (level ``gt``).
+        """
         ...

@@ -1,7 +1,7 @@
-"""Weights of the anchor reader: one checked file of named arrays, and the small network steps that use them.
+"""Weights of the anchor reader: a checked file of named arrays, and the small functions that apply them.
 
-Everything runs in float64 on numpy and is rounded to 1e-4 where texts meet weights, so results do not depend on
-which texts are read together.
+Computed in float64 and rounded to 1e-4 where texts meet weights, so results do not depend on which texts are read
+together.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ucon.core.untrusted.unpack import MAX_BYTES, UnpackError, read_arrays
 WEIGHTS = Path(__file__).parent / "data" / "reader.npz"
 Array = NDArray[np.float64]
 EVIDENCE = ("anchors", "vocabulary", "bow", "dense", "pair", "bias", "any")
-"""What the evidence reader needs."""
+"""Arrays that the evidence reader needs."""
 REQUIRED = (
     *EVIDENCE,
     "prior_dense",
@@ -38,7 +38,17 @@ REQUIRED = (
 
 
 class ReaderWeights:
-    """Named float64 arrays, two lists of names, and the hash of the file."""
+    """Named float64 arrays, two lists of names, and the hash of the file.
+
+    Args:
+        arrays: by name.
+        sha256: hash of the file.
+        required: names that must be there.
+        made_by: command that makes the file, for the error.
+
+    Raises:
+        DataError: an array is missing.
+    """
 
     def __init__(
         self,
@@ -52,18 +62,18 @@ class ReaderWeights:
             raise DataError(f"reader weights: no {', '.join(missing)}; make them with `{made_by}`")
         self.sha256 = sha256
         self.anchors: tuple[str, ...] = tuple(_names(arrays["anchors"]))
-        """Anchor categories that the reader has met in training, sorted."""
+        """Anchor categories in the training data, sorted."""
         self.vocabulary: dict[str, int] = {word: i for i, word in enumerate(_names(arrays["vocabulary"]))}
         self._arrays = {k: np.asarray(v, np.float64) for k, v in arrays.items() if v.dtype.kind == "f" and k != "bow"}
         self.bow: NDArray[np.float32] = arrays["bow"].astype(np.float32)
-        """(V, A + 5): a row a word or word pair; columns are the anchors, "no place", and the four relations."""
+        """(V, A + 5), a row per word or word pair; columns are the anchors, "no place" and the four relations."""
 
     def __getitem__(self, name: str) -> Array:
         return self._arrays[name]
 
 
 def pack_names(names: list[str] | tuple[str, ...]) -> NDArray[np.uint8]:
-    """Names as bytes, one a line: arrays without pickle."""
+    """Names as bytes, one per line, so that npz files need no pickle."""
     return np.frombuffer("\n".join(names).encode(), np.uint8)
 
 
@@ -72,12 +82,26 @@ def _names(packed: NDArray) -> list[str]:
 
 
 def load_weights(path: Path, required: Sequence[str] = REQUIRED) -> ReaderWeights:
-    """Weights of a file that its folder's manifest lists; ``required`` arrays must be there."""
+    """Read weights from a file that its folder's manifest lists.
+
+    Args:
+        path: npz file.
+        required: names of arrays that must be there.
+
+    Raises:
+        DataError: the file is missing or altered, or lacks an array.
+    """
     return ReaderWeights(*load_arrays(path), required=required)
 
 
 def load_arrays(path: Path) -> tuple[dict[str, NDArray], str]:
-    """Named arrays of a file that its folder's manifest lists, and the file's hash.
+    """Read named arrays from a file that its folder's manifest lists.
+
+    Args:
+        path: npz file.
+
+    Returns:
+        Arrays by name, and the SHA-256 of the file.
 
     Raises:
         DataError: the file is missing, altered, or holds no arrays.
@@ -91,7 +115,7 @@ def load_arrays(path: Path) -> tuple[dict[str, NDArray], str]:
 
 @cache
 def default_weights() -> ReaderWeights:
-    """The shipped weights."""
+    """The shipped weights, read once per process."""
     return load_weights(WEIGHTS)
 
 
@@ -102,11 +126,18 @@ def softmax(logits: Array) -> Array:
 
 
 def sigmoid(x: Array) -> Array:
-    """Logistic function."""
+    """Logistic function; arguments are clipped to [-40, 40]."""
     return 1 / (1 + np.exp(-np.clip(x, -40, 40)))
 
 
 def two_layers(x: Array, hidden: Array, bias: Array, out: Array) -> Array:
-    """Tanh network (..., n) -> (...,): ``hidden`` (n, k), ``bias`` (k,), ``out`` (k + n + 1,) with a linear path."""
+    """Network with one tanh layer and a linear path beside it, (..., n) -> (...,).
+
+    Args:
+        x: (..., n) inputs.
+        hidden: (n, k) weights.
+        bias: (k,).
+        out: (k + n + 1,) weights of the hidden units, of the inputs, and a bias.
+    """
     k = len(bias)
     return np.tanh(x @ hidden + bias) @ out[:k] + x @ out[k:-1] + out[-1]

@@ -1,4 +1,4 @@
-"""Knowledge bases without homes, for fitting and measuring readers, and the truth they are measured against."""
+"""Knowledge bases without homes, for fitting and measuring readers, and the true distributions of their targets."""
 
 from __future__ import annotations
 
@@ -15,7 +15,17 @@ from ucon.habits.types import Entry, HabitDataset
 
 
 def sampled_kb(data: HabitDataset, split: Split, seed: int, mode: Mode, k: int = 20) -> KnowledgeBase:
-    """Knowledge base of ``k`` categories, drawn from the entries of one part as households draw them."""
+    """Knowledge base of ``k`` categories, drawn from one part's entries as households draw them.
+
+    Each category gets one to three entries.
+
+    Args:
+        data: the dataset.
+        split: ``train``, ``val`` or ``test``.
+        seed: decides what is drawn.
+        mode: ``task`` keeps one entry per category, ``category`` all.
+        k: number of categories.
+    """
     rng = stream(seed, "sampled_kb", split)
     parts = entry_parts(data)
     usable = {name: [e for e in data.entries_of(name) if parts[e.id] == split] for name in data.categories}
@@ -29,10 +39,20 @@ def sampled_kb(data: HabitDataset, split: Split, seed: int, mode: Mode, k: int =
 
 
 def part_kb(data: HabitDataset, part: Split, seed: int, k: int = 20) -> KnowledgeBase:
-    """Knowledge base of ``k`` categories with one entry each; every category that can has an entry of ``part``.
+    """Knowledge base of ``k`` categories with one entry each, from ``part`` where the category has one there.
 
-    Datasets bound to scenes: all from one scene, drawn by how many categories of the part it has, and filled up with
-    training entries where the part has fewer than ``k`` categories there. Others: entries of the part alone.
+    For a dataset bound to scenes all entries are from one scene, drawn in proportion to its categories of the part;
+    where
+    these are fewer than ``k``, train entries of the scene are added. For others all entries are of the part.
+
+    Args:
+        data: the dataset.
+        part: ``train``, ``val`` or ``test``.
+        seed: decides what is drawn.
+        k: number of categories.
+
+    Raises:
+        DataError: the part has no entry.
     """
     rng, parts = stream(seed, "part_kb", part), entry_parts(data)
     own = [entry for entry in data.entries if parts[entry.id] == part]
@@ -52,7 +72,16 @@ def part_kb(data: HabitDataset, part: Split, seed: int, k: int = 20) -> Knowledg
 
 
 def entry_kb(data: HabitDataset, entry: Entry, seed: int, k: int = 20) -> KnowledgeBase:
-    """Knowledge base about an entry that is bound to a scene: the others are training entries from there."""
+    """Knowledge base about one entry that is bound to a scene.
+
+    It is filled up with train entries of ``k`` - 1 other categories of the scene.
+
+    Args:
+        data: the dataset.
+        entry: is among the entries.
+        seed: decides the order of the habits.
+        k: number of categories.
+    """
     parts = entry_parts(data)
     others = [e for e in data.entries if e.scene == entry.scene and parts[e.id] == "train"]
     names = _drawn(stream(seed, "entry_kb", entry.id), {e.category for e in others} - {entry.category}, k - 1)
@@ -65,7 +94,7 @@ def _drawn(rng: np.random.Generator, names: Collection[str], k: int) -> list[str
 
 
 def location_distribution(entries: Sequence[Entry]) -> dict[tuple[str, str], float]:
-    """Probability of each (anchor, relation) when a placement is drawn uniformly."""
+    """Probability of each (anchor, relation) when one of the entries' placements is drawn uniformly."""
     placements = [p for e in entries for p in e.placements]
     out: dict[tuple[str, str], float] = {}
     for p in placements:
@@ -74,7 +103,7 @@ def location_distribution(entries: Sequence[Entry]) -> dict[tuple[str, str], flo
 
 
 def anchor_distribution(entries: Sequence[Entry]) -> dict[str, float]:
-    """Probability of each anchor when a placement is drawn uniformly."""
+    """Probability of each anchor when one of the entries' placements is drawn uniformly."""
     out: dict[str, float] = {}
     for (anchor, _), p in location_distribution(entries).items():
         out[anchor] = out.get(anchor, 0.0) + p

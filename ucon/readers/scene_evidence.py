@@ -1,9 +1,9 @@
-"""What the sentences of a dataset say about places, read by an encoder that learned from where its things are kept.
+"""Evidence from the sentences of a dataset of its own, by an encoder fitted on where the dataset's things are kept.
 
-The habit book says of every sentence which placement it supports. A dataset such as the official release says where a
-thing is kept and lists what its people do, and leaves open which sentence tells it; :mod:`ucon.fitting.scene_evidence`
-learns from that. Here is how the result reads: every sentence and every name by itself, so any name can be asked
-about, and nothing that was said changes when further names or sentences come.
+The habit book says which placement every sentence supports. A dataset such as the official release says where a thing
+is kept and lists its people's habits, but not which sentence says so; :mod:`ucon.fitting.scene_evidence` learns from
+that. Every sentence and every name is read by itself, so any name can be asked about, and evidence does not change when
+further names or sentences are added.
 """
 
 from __future__ import annotations
@@ -26,47 +26,47 @@ from ucon.readers.reader_weights import Array, load_arrays, sigmoid
 
 ADAPTER: Final = "places.safetensors"
 LAST: Final = "places.npz"
-#: Of :data:`LAST`: names (as bytes) and numbers.
+#: Arrays of :data:`LAST`: lists of names (as bytes) and weights.
 ARRAYS: Final = ("anchors", "added", "bias", "turn", "silence", "silence_bias", "pair", "owners", "ask", "owner_pair")
 #: Unit vectors are multiplied by this before the last layer.
 SCALE: Final = 10.0
-#: Categories of which a household has habits: what one of them is told apart from.
+#: Number of categories of a household; a sentence is about one of them.
 _HOUSEHOLD: Final = 20
-#: Answers about targets that are remembered.
+#: Number of targets whose relevance is cached.
 _ASKED: Final = 64
 
 
 class Vectors(Protocol):
-    """Vectors of sentences."""
+    """Gives sentence vectors."""
 
     def encode_half(self, texts: Sequence[str]) -> NDArray[np.float16]:
-        """Unit vectors (n, D)."""
+        """Unit vectors (n, D) float16 of texts."""
         ...
 
 
 class SceneEvidence:
-    """Reads the sentences of a dataset.
+    """Evidence reader of a dataset with anchors of its own.
 
     Attributes:
-        known: anchors that it has met, sorted.
-        files: what it was loaded from, by name.
+        known: anchors in its training data, sorted.
+        files: content of the files that it was loaded from, by name.
     """
 
     def __init__(
         self, arrays: dict[str, NDArray[np.generic]], sha256: str, vectors: Vectors, pairs: PairReader,
         relations: EvidenceReader,
     ) -> None:  # fmt: skip
-        """Put it together.
+        """Combine the parts.
 
         Args:
             arrays: those of :data:`ARRAYS`.
-            sha256: hash of what was learned.
-            vectors: the adapted encoder's of sentences.
+            sha256: hash of everything that was fitted.
+            vectors: sentence vectors of the adapted encoder.
             pairs: pair features.
-            relations: says in which relation a sentence speaks of a place.
+            relations: reads the relation that a sentence speaks of.
 
         Raises:
-            DataError: arrays are missing or do not fit.
+            DataError: arrays are missing or do not fit together.
         """
         if missing := [name for name in ARRAYS if name not in arrays]:
             raise DataError(f"{LAST}: no {', '.join(missing)}; train the head again (learner=belief)")
@@ -97,7 +97,12 @@ class SceneEvidence:
 
     @classmethod
     def load(cls, folder: Path, pairs: PairReader, relations: EvidenceReader) -> SceneEvidence:
-        """What a run left in ``folder``.
+        """Load what a run left in ``folder``.
+
+        Args:
+            folder: with adapter and last layer.
+            pairs: pair features.
+            relations: reads relations.
 
         Raises:
             DataError: a file is missing, damaged, or of another kind.
@@ -113,7 +118,7 @@ class SceneEvidence:
         return out
 
     def read(self, texts: Sequence[str]) -> Evidence:
-        """Evidence of each text; unlike the book's reader's, probabilities of a row need not add up to 1."""
+        """Evidence of H texts. Unlike the habit book's reader, probabilities of a row need not add up to 1."""
         new = [text for text in dict.fromkeys(texts) if text not in self._said]
         if len(self._said) + len(new) > REMEMBERED:
             self._said.clear()
@@ -123,7 +128,13 @@ class SceneEvidence:
         return Evidence(anchor, anchor.max(axis=1, initial=0.0), self._relations.read(texts).relation)
 
     def spoken(self, texts: Sequence[str], names: Sequence[str], features: NDArray[np.floating] | None = None) -> Array:
-        """(H, C): probability that each text speaks for each name; ``features`` (H, C, 6) where they are known."""
+        """Probability (H, C) that each text speaks for each name.
+
+        Args:
+            texts: H sentences.
+            names: C names.
+            features: (H, C, 6) pair features, if they were computed before.
+        """
         if not texts or not names:
             return np.zeros((len(texts), len(names)))
         if features is None:
@@ -137,11 +148,16 @@ class SceneEvidence:
         return sigmoid(np.round(score, DECIMALS))
 
     def about(self, target: str, texts: Sequence[str]) -> Array:
-        """(H,): log odds that each text is about a target and not about another thing of the household."""
+        """(H,) log odds that each text is about the target and not about another category of the household.
+
+        Args:
+            target: category that is looked for.
+            texts: H sentences.
+        """
         if not texts:
             return np.zeros(0)
         asked = target, tuple(texts)
-        if asked not in self._told:  # asked again for every name that is met on the way
+        if asked not in self._told:  # called again for every candidate that is added
             if len(self._told) >= _ASKED:
                 self._told.clear()
             self._told[asked] = self._log_odds(texts, target)
@@ -155,7 +171,7 @@ class SceneEvidence:
         return np.round(own - rest + np.log(others.shape[1] / _HOUSEHOLD), DECIMALS)
 
     def _owned(self, texts: Sequence[str], target: str) -> Array:
-        """(H, T) scores of what texts may be about: the target first, then the other categories that were met."""
+        """(H, T) scores of what texts may be about: the target in column 0, then the other known categories."""
         others = [k for k, name in enumerate(self._owners) if name != target]
         wanted = np.concatenate([self._names([target]) @ self._x["ask"], self._wanted[others]])
         features = self.pairs.features(texts, [target, *(self._owners[k] for k in others)]).astype(np.float64)
@@ -163,7 +179,10 @@ class SceneEvidence:
         return np.asarray(vectors @ wanted.T + features @ self._x["owner_pair"])
 
     def _rows(self, names: Sequence[str]) -> Array:
-        """(C, D) what sentences are compared with: a name's vector, turned, and what was learned of the known ones."""
+        """(C, D) vectors that sentences are compared with.
+
+        The vector of a name, linearly mapped, plus a learned offset for known names.
+        """
         out: Array = self._names(names) @ self._x["turn"]
         for i, name in enumerate(names):
             if name in self._number:

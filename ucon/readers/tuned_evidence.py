@@ -1,8 +1,8 @@
-"""What a sentence says about places, read by an encoder that was taught to (:mod:`ucon.fitting.place_encoder`).
+"""Evidence of sentences by an encoder that was fitted for it (:mod:`ucon.fitting.place_encoder`).
 
-The same answers as :class:`~ucon.readers.evidence.EvidenceReader` gives, and far better ones for words that training
-never met beside a place. What it says of the habit book is shipped; other sentences are encoded once, one at a time,
-and kept in the user's cache.
+The same interface as :class:`~ucon.readers.evidence.EvidenceReader`, and far better on words that training never met
+beside a place. Logits of the habit book's sentences are shipped; other sentences are encoded once, one at a time, and
+kept in the user's cache.
 """
 
 from __future__ import annotations
@@ -26,17 +26,22 @@ from ucon.readers.reader_weights import Array, ReaderWeights, load_arrays
 DATA: Final = Path(__file__).parent / "data" / "places"
 ADAPTER: Final = DATA / "places.safetensors"
 LAST: Final = DATA / "last.npz"
-#: Stem of the table: logits of the habit book's sentences.
+#: Path, without suffix, of the table of logits of the habit book's sentences.
 TABLE: Final = DATA / "book"
 #: Unit vectors are multiplied by this before the last layer.
 SCALE: Final = 10.0
 
 
 class TunedEvidence(EvidenceReader):
-    """Reads texts by the shipped table, else by the adapted encoder."""
+    """Evidence reader with an adapted encoder; sentences of the habit book are looked up in the shipped table."""
 
     def __init__(self, weights: ReaderWeights, pairs: PairReader, table: VectorTable | None) -> None:
-        """``weights``: their anchors, and what reads names that training never met.
+        """Load the last layer; the encoder is loaded on first use.
+
+        Args:
+            weights: have the anchors, and read names outside the training data.
+            pairs: encodes sentences and pairs.
+            table: logits computed beforehand; None: every text is encoded.
 
         Raises:
             DataError: the last layer is missing, altered, or was made for other anchors.
@@ -54,11 +59,16 @@ class TunedEvidence(EvidenceReader):
         return sha256_bytes(f"{self._sha256} {self._encoder.name}".encode())
 
     def logits_of(self, texts: Sequence[str]) -> Array:
-        """(n, A + 5) by the encoder."""
+        """Logits (n, A + 5) of texts by the encoder, without the table."""
         return self.of_vectors(self._encoder.encode_half(texts), texts)
 
     def of_vectors(self, vectors: NDArray[np.float16], texts: Sequence[str]) -> Array:
-        """(n, A + 5) of sentences and their adapted vectors (n, D), rounded to 1e-4."""
+        """Logits (n, A + 5) from vectors, rounded to 1e-4.
+
+        Args:
+            vectors: (n, D) float16 of the adapted encoder.
+            texts: the n sentences, for pair features.
+        """
         n = len(self.weights.anchors)
         out = vectors.astype(np.float64) @ self._last["dense"].astype(np.float64) + self._last["bias"]
         out[:, :n] += self.pairs.features(texts, self.weights.anchors).astype(np.float64) @ self._last["pair"]
@@ -78,5 +88,5 @@ class TunedEvidence(EvidenceReader):
 
 @cache
 def book_table() -> VectorTable | None:
-    """What is said of the habit book's sentences; None before it was made."""
+    """Table of logits of the habit book's sentences; None before it was made."""
     return VectorTable.load(TABLE) if TABLE.with_suffix(".npy").is_file() else None

@@ -1,4 +1,4 @@
-"""Retrieval by BGE-M3, as in the paper: cosine of dense vectors, and on demand the match of lexical weights."""
+"""Retrieval by BGE-M3, as in the paper: cosine of dense vectors, optionally with the match of lexical weights."""
 
 from __future__ import annotations
 
@@ -24,9 +24,11 @@ from ucon.retrieval.dense import DenseRetriever
 
 
 class BgeRetriever(Shared):
-    """Ranks by ``dense_weight`` x cosine + ``sparse_weight`` x sum over shared tokens of the products of weights.
+    """Scores by a weighted sum of the cosine and the match of lexical weights.
 
-    A dataset is encoded once, with the queries of all its categories: afterwards no process loads the model.
+    The match is the sum over shared tokens of the products of their weights. A dataset is encoded once, with the
+    queries of
+    all its categories; after that no process loads the model.
     """
 
     def __init__(
@@ -37,14 +39,14 @@ class BgeRetriever(Shared):
         device: str = "cpu",
         cache: Path | None = None,
     ) -> None:
-        """The model is looked for when it is first needed, see :class:`ucon.language.bge.BgeM3`.
+        """Set where the model is; it is loaded on first use (:class:`ucon.language.bge.BgeM3`).
 
         Args:
             path: folder of the model, or its name in the Hugging Face cache.
-            dense_weight: weight of the cosine.
-            sparse_weight: weight of the lexical match; its authors mix 1 and 0.3. 0 needs no lexical head.
-            device: where the network runs.
-            cache: where vectors are kept; the user's cache folder by default.
+            dense_weight: of the cosine.
+            sparse_weight: of the lexical match; BGE-M3's authors use 1 and 0.3. At 0 no lexical head is needed.
+            device: of the network.
+            cache: folder for vectors; the user's cache by default.
 
         Raises:
             ConfigError: a negative weight, or none above 0.
@@ -61,7 +63,7 @@ class BgeRetriever(Shared):
 
     @property
     def name(self) -> str:
-        """Name of the model, with the start of the hash of its weights and settings."""
+        """Name of the model with the start of the hash of its weights and settings."""
         return self.encoder.name
 
     @cached_property
@@ -70,10 +72,14 @@ class BgeRetriever(Shared):
         return StoredEncoder(self.encoder, folder=self._cache / "text")
 
     def prepare(self, dataset: HabitDataset, progress: Progress | None = None) -> None:
-        """Encode a dataset and its queries, where that was not done before.
+        """Encode the dataset's habits and queries where that was not done before.
+
+        Args:
+            dataset: whose habits and queries.
+            progress: is called with texts done and texts in all.
 
         Raises:
-            DataError: the model, or a part of it that the weights ask for, is not there or not usable.
+            DataError: the model, or a part of it that the weights need, is missing or unusable.
         """
         if self._sparse_weight:
             self._sparse(dataset, progress)
@@ -81,16 +87,16 @@ class BgeRetriever(Shared):
         self.store.encode_half(self.store.missing(texts), progress)
 
     def scores(self, target: str, kb: KnowledgeBase) -> NDArray[np.float64]:
-        """Scores (N,) in the order of ``kb.rows``."""
+        """Scores (N,) float64 in the order of ``kb.rows``."""
         out = np.zeros(len(kb))
-        if self._sparse_weight:  # first, because it leaves the dense vectors in the store too
+        if self._sparse_weight:  # first, because it also stores the dense vectors
             out += self._sparse_weight * self._match(target, kb)
         if self._dense_weight:
             out += self._dense_weight * DenseRetriever(self.store).scores(target, kb)
         return out
 
     def rank(self, target: str, kb: KnowledgeBase) -> NDArray[np.int32]:
-        """Rows of the knowledge base, best first."""
+        """Rows of the knowledge base, best first, (N,) int32."""
         return ranked(self.scores(target, kb), kb.rows)
 
     def _match(self, target: str, kb: KnowledgeBase) -> NDArray[np.float64]:
@@ -102,7 +108,7 @@ class BgeRetriever(Shared):
         return rows.dot(*query)[kb.rows]
 
     def _sparse(self, dataset: HabitDataset, progress: Progress | None = None) -> SparseRows:
-        """Lexical weights of all habits by row, then of the query of every category."""
+        """Lexical weights of all habits by row, followed by those of every category's query."""
         if dataset not in self._lexical:
 
             def make(texts: Sequence[str], done: int, total: int) -> SparseRows:

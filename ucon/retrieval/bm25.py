@@ -1,4 +1,4 @@
-"""Retrieval by words: BM25 over stemmed words, the index made per knowledge base."""
+"""Retrieval by words: BM25 over stems, with an index per knowledge base."""
 
 from __future__ import annotations
 
@@ -13,7 +13,12 @@ from ucon.retrieval.base import ranked
 
 
 class BM25Retriever(Shared):
-    """BM25 (Lucene's form, ``k1`` and ``b`` as usual) with the target's name as the query."""
+    """BM25 in Lucene's form, with the target's name as the query.
+
+    Args:
+        k1: saturation of term frequency.
+        b: weight of the length of a document.
+    """
 
     def __init__(self, k1: float = 1.5, b: float = 0.75) -> None:
         self._k1 = k1
@@ -21,7 +26,7 @@ class BM25Retriever(Shared):
         self._index: Remembered[KnowledgeBase, tuple[object, dict[str, int]]] = Remembered()
 
     def scores(self, target: str, kb: KnowledgeBase) -> NDArray[np.float64]:
-        """Scores (N,) in the order of ``kb.rows``; 0 where no word is shared."""
+        """Scores (N,) float64 in the order of ``kb.rows``; 0 where no stem is shared."""
         index, vocabulary = self._indexed(kb)
         query = [vocabulary[stem] for stem in content_stems(phrase(target)) if stem in vocabulary]
         if not query:
@@ -29,7 +34,7 @@ class BM25Retriever(Shared):
         return np.asarray(index.get_scores(query), np.float64)  # type: ignore[attr-defined]
 
     def rank(self, target: str, kb: KnowledgeBase) -> NDArray[np.int32]:
-        """Rows of the knowledge base, best first."""
+        """Rows of the knowledge base, best first, (N,) int32."""
         return ranked(self.scores(target, kb), kb.rows)
 
     def _indexed(self, kb: KnowledgeBase) -> tuple[object, dict[str, int]]:

@@ -1,9 +1,10 @@
-"""Habit level ``context``: retrieval that reads the explored scene.
+"""Habit level ``context``: retrieval that follows what was explored.
 
-The list starts as the query's alone. As a home is explored, habits that speak for landmarks already seen are pulled
-up and habits that speak for what was found empty are pushed down, so the places in the list go to what is still worth
-reading. What a habit speaks for is the anchor reader's judgement of its text: nothing of the dataset is looked up, and
-nothing is known of the home but what the agent says that it saw.
+The list starts as at level ``retrieval``. While a home is explored, habits that speak for landmarks already seen move
+up
+and habits that speak for places found empty move down, so that the list is spent on habits still worth reading. Which
+anchors a habit speaks for is the anchor reader's judgement of its text: no label of the dataset is used, and nothing is
+known of the home except what the agent reports.
 """
 
 from __future__ import annotations
@@ -25,12 +26,16 @@ from ucon.retrieval.levels import TOP_P
 
 @dataclass(frozen=True)
 class ContextWeights:
-    """What a landmark changes in a habit's score, in units of the spread of the scores in the knowledge base."""
+    """How strongly landmarks change a habit's score, in standard deviations of the knowledge base's scores.
+
+    Raises:
+        ConfigError: a negative weight.
+    """
 
     seen: float = 1.0
-    """Pull of a habit that speaks for a landmark that was seen and not found empty; it fades as that empties."""
+    """Added for a habit that speaks for a landmark that was seen; falls as the landmark's places are found empty."""
     emptied: float = 0.25
-    """Push on a habit that speaks for nothing but what was found empty."""
+    """Subtracted from a habit that speaks for what was found empty."""
 
     def __post_init__(self) -> None:
         if min(self.seen, self.emptied) < 0:
@@ -38,12 +43,18 @@ class ContextWeights:
 
 
 class ContextRetriever(Shared):
-    """Re-ranks a retriever's list by what was seen. It keeps no state of an episode: the same facts, the same list."""
+    """Re-ranks a retriever's list by what was seen. It keeps no state of episodes: equal facts give equal lists."""
 
     def __init__(
         self, retriever: Retriever, weights: ContextWeights | None = None, reader: AnchorReader | None = None
     ) -> None:
-        """``retriever`` scores by the query, ``reader`` says what a habit speaks for (default: the shipped one)."""
+        """Combine a retriever and a reader.
+
+        Args:
+            retriever: scores by the query.
+            weights: how strongly landmarks change scores.
+            reader: says which anchors a habit speaks for; the shipped one by default.
+        """
         self.retriever = retriever
         self.weights = weights or ContextWeights()
         self._reader = reader
@@ -52,7 +63,7 @@ class ContextRetriever(Shared):
 
     @property
     def reader(self) -> AnchorReader:
-        """Says which anchors a habit speaks for."""
+        """The reader that says which anchors a habit speaks for."""
         if self._reader is None:
             self._reader = default_reader()
         return self._reader
@@ -60,13 +71,13 @@ class ContextRetriever(Shared):
     def scores(
         self, target: str, kb: KnowledgeBase, seen: Collection[str] = (), emptied: Mapping[str, float] | None = None
     ) -> NDArray[np.float64]:
-        """Score (N,) of every habit in the order of ``kb.rows``.
+        """Scores (N,) float64 in the order of ``kb.rows``.
 
         Args:
-            target: category to be found.
+            target: category that is looked for.
             kb: all habits of the household.
-            seen: categories detected so far; those that are no landmarks change nothing.
-            emptied: share in [0, 1] of a category's places that was looked at and did not hold the target.
+            seen: categories detected so far; those that are no anchors change nothing.
+            emptied: by category, the share in [0, 1] of its places that was looked at without finding the target.
         """
         known = self._scores.setdefault(kb, {})
         if target not in known:
@@ -83,24 +94,34 @@ class ContextRetriever(Shared):
     def rank(
         self, target: str, kb: KnowledgeBase, seen: Collection[str] = (), emptied: Mapping[str, float] | None = None
     ) -> NDArray[np.int32]:
-        """All rows of the knowledge base, best first, (N,); without facts the retriever's own ranking."""
+        """All rows of the knowledge base, best first, (N,) int32; arguments as of :meth:`scores`.
+
+        Without facts it is the retriever's own ranking.
+        """
         if not seen and not emptied:
             return self.retriever.rank(target, kb)
         return ranked(self.scores(target, kb, seen, emptied), kb.rows)
 
     def _speaks(self, kb: KnowledgeBase) -> NDArray[np.float64]:
-        """(N, A): probability that each habit speaks for each anchor that the reader knows."""
+        """Probability (N, A) that each habit speaks for each anchor that the reader knows."""
         if kb not in self._read:
             self._read[kb] = self.reader.evidence.read(kb.texts).anchor
         return self._read[kb]
 
 
 class ContextHabits(PartlyShared):
-    """The list of one episode: ``info["reranking"]`` of the environments.
+    """The list of one episode, ``info["reranking"]`` of the environments.
 
-    An agent that keeps track of what it saw calls :meth:`update` where it decides; observations follow the list. An
-    agent that does not is given the query's list, as at level ``retrieval``. The rest of the knowledge base is behind
-    it, and is for the retriever only.
+    An agent that keeps track of what it saw calls :meth:`update` before it decides; observations then follow the list.
+    An
+    agent that does not keeps the list of level ``retrieval``. The rest of the knowledge base stays hidden behind the
+    list.
+
+    Args:
+        retriever: ranks the habits.
+        kb: all habits of the household.
+        target: category that is looked for.
+        p: length of the list.
     """
 
     _shared: ClassVar[frozenset[str]] = frozenset({"_retriever", "_kb", "_facts", "rows"})
@@ -109,15 +130,23 @@ class ContextHabits(PartlyShared):
         self._retriever, self._kb, self._target, self._p = retriever, kb, target, p
         self._facts: tuple[frozenset[str], dict[str, float]] = (frozenset(), {})
         self.rows: NDArray[np.int32] = retriever.rank(target, kb)[:p]
-        """(p,) rows of the dataset, best first."""
+        """(p,) int32 rows of the dataset, best first."""
 
     @property
     def texts(self) -> tuple[str, ...]:
-        """The sentences, best first."""
+        """The habits in the list, best first."""
         return tuple(self._kb.dataset.texts[row] for row in self.rows)
 
     def update(self, seen: Collection[str], emptied: Mapping[str, float]) -> bool:
-        """Say what was seen so far, see :meth:`ContextRetriever.scores`; returns whether the list changed."""
+        """Report what was seen so far, and rank again.
+
+        Args:
+            seen: categories detected so far.
+            emptied: see :meth:`ContextRetriever.scores`.
+
+        Returns:
+            Whether the list changed.
+        """
         facts = (frozenset(seen), dict(emptied))
         if facts == self._facts:
             return False

@@ -1,4 +1,4 @@
-"""Retrieval by sentence embeddings: cosine of the paper's query and each habit."""
+"""Retrieval by sentence embeddings: the cosine of the paper's query and each habit."""
 
 from __future__ import annotations
 
@@ -22,9 +22,17 @@ _VECTORS: WeakKeyDictionary[HabitDataset, dict[str, NDArray[np.float16]]] = Weak
 def dataset_vectors(
     dataset: HabitDataset, encoder: StoredEncoder, progress: Callable[[int, int], None] | None = None
 ) -> NDArray[np.float16]:
-    """Vectors of all habits by row, (n_rows, dim) float16, read-only, made once per process.
+    """Vectors of all habits of a dataset, computed once per process.
 
     For the habit book this is a view of the shipped table; other datasets are encoded once and kept on disk.
+
+    Args:
+        dataset: whose habits.
+        encoder: of sentences.
+        progress: is called with texts done and texts in all.
+
+    Returns:
+        (n_rows, D) float16, read-only.
     """
     known = _VECTORS.setdefault(dataset, {})
     if encoder.name not in known:
@@ -37,12 +45,16 @@ def dataset_vectors(
 
 
 class DenseRetriever(Shared):
-    """Ranks by cosine, summed in float64."""
+    """Ranks habits by cosine, summed in float64."""
 
     def __init__(self, encoder: StoredEncoder | None = None, *, whole: bool = True) -> None:
-        """``encoder`` defaults to MiniLM behind the shipped table.
+        """Set the encoder.
 
-        ``whole`` encodes a dataset at once; False only the knowledge bases asked about, to measure a new encoder soon.
+        Args:
+            encoder: of sentences; MiniLM with the shipped table by default.
+            whole: True encodes a whole dataset at once. False encodes only the knowledge bases that are asked about,
+                which
+                is quicker for measuring a new encoder.
         """
         self.encoder = encoder or default_encoder()
         self._whole = whole
@@ -50,16 +62,21 @@ class DenseRetriever(Shared):
 
     @property
     def name(self) -> str:
-        """Name of the encoder, with the start of its weights' hash."""
+        """Name of the encoder with the start of its weights' hash."""
         return self.encoder.name
 
     def prepare(self, dataset: HabitDataset, progress: Callable[[int, int], None] | None = None) -> None:
-        """Encode a dataset's habits and the queries of its categories, which stay on disk for all processes."""
+        """Encode a dataset's habits and the queries of its categories; they are kept on disk for all processes.
+
+        Args:
+            dataset: whose habits and queries.
+            progress: is called with texts done and texts in all.
+        """
         dataset_vectors(dataset, self.encoder, progress)
         self.encoder.encode_half([query_text(category) for category in dataset.categories], progress)
 
     def scores(self, target: str, kb: KnowledgeBase) -> NDArray[np.float64]:
-        """Cosines (N,) in the order of ``kb.rows``."""
+        """Cosines (N,) float64 in the order of ``kb.rows``."""
         query = self.encoder.encode_half([query_text(target)])[0].astype(np.float64)
         vectors = self._vectors(kb)
         scores = np.empty(len(vectors))
@@ -67,11 +84,11 @@ class DenseRetriever(Shared):
         return scores
 
     def rank(self, target: str, kb: KnowledgeBase) -> NDArray[np.int32]:
-        """Rows of the knowledge base, best first."""
+        """Rows of the knowledge base, best first, (N,) int32."""
         return ranked(self.scores(target, kb), kb.rows)
 
     def _vectors(self, kb: KnowledgeBase) -> NDArray[np.uint16]:
-        """Bits of the fp16 vectors (N, dim) of a knowledge base, kept while it lives."""
+        """Bits of the fp16 vectors (N, D) of a knowledge base, cached while it lives."""
         if kb not in self._halves:
             known = (
                 dataset_vectors(kb.dataset, self.encoder)[kb.rows]

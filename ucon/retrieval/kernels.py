@@ -1,7 +1,7 @@
 """The product of a query with every habit's vector.
 
-A whole release is some 22,600 vectors: the time goes into fetching them. So they stay in fp16, which Numba does not
-know, and are widened by their bits on the way; every step is exact, so the sums are those of float32 vectors.
+A whole release has about 22,600 vectors, so the time goes into reading them. They stay in fp16, which Numba does not
+support, and are converted by their bits on the way. Every step is exact, so sums equal those of float32 vectors.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import numpy as np
 
 from ucon.core.jit import F64, U16, jit, merged
 
-#: Sums kept side by side, so that a processor adds several at once without the order of additions being free.
+#: Number of partial sums: the processor can add several at once, and the order of additions is still fixed.
 LANES = 16
 
 #: fp16 has 10 bits of fraction and an exponent that counts from 15, fp32 has 23 and 127.
@@ -23,7 +23,10 @@ LEAST = np.float32(2.0**-14)
 
 @merged
 def widened(half: np.uint16) -> np.float32:
-    """The number, finite, that 16 bits stand for. No subnormal fp32 on the way: those are slow, or flushed to zero."""
+    """The finite fp16 number with these 16 bits, as fp32.
+
+    No subnormal fp32 occurs on the way: those are slow, or flushed to zero.
+    """
     pattern = np.uint32(half)
     size = pattern & np.uint32(0x7FFF)
     wide = np.uint32((size << FRACTION) + REBASED)
@@ -35,9 +38,12 @@ def widened(half: np.uint16) -> np.float32:
 
 @jit
 def products(halves: U16, query: F64, out: F64) -> None:
-    """Each row (n, dim) times ``query`` (dim,), summed in float64 in the same order on every machine, into ``out``.
+    """Multiply every row with ``query``, summed in float64 in the same order on every machine.
 
-    ``halves`` are the bits of fp16 numbers.
+    Args:
+        halves: (n, D) bits of fp16 numbers.
+        query: (D,).
+        out: (n,) is filled.
     """
     whole = query.size // LANES * LANES
     sums = np.empty(LANES)

@@ -1,4 +1,4 @@
-"""Habit levels: how much of the knowledge base an agent reads."""
+"""Habit levels: how much of the knowledge base an agent is given. Four are the paper's; ``context`` is an addition."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from ucon.habits.knowledge import KnowledgeBase
 from ucon.retrieval.base import Retriever
 
 Level = Literal["none", "full", "gt", "retrieval", "context"]
-#: Levels of the paper: what is given does not change during an episode.
+#: Levels of the paper; the list does not change during an episode.
 FIXED_LEVELS: tuple[Level, ...] = ("none", "full", "gt", "retrieval")
-#: Levels whose habits come ranked, so that recall and reciprocal rank mean something.
+#: Levels whose habits are ranked, so that recall and reciprocal rank are defined.
 RANKED_LEVELS: tuple[Level, ...] = ("retrieval", "context")
 LEVELS: tuple[Level, ...] = (*FIXED_LEVELS, "context")
 TOP_P = 20
 
 
 def check_level(level: str) -> None:
-    """Raise :class:`ConfigError` for a name that is no habit level."""
+    """Raise :class:`ConfigError` for an unknown habit level."""
     if level not in LEVELS:
         raise ConfigError(unknown_name("habit level", level, LEVELS))
 
@@ -31,9 +31,21 @@ def habits_at_level(
 ) -> NDArray[np.int32]:
     """Rows of the dataset that an agent is given.
 
-    ``none``: nothing; ``full``: all, in the order of the knowledge base; ``gt``: every habit whose category is the
-    target, supporting a placement or not; ``retrieval``: the ``p`` best of the retriever, best first; ``context``: the
-    same at the start, then re-ranked by what is seen (:class:`ucon.retrieval.context.ContextHabits`).
+    ``none``: nothing; ``full``: all, in the order of the knowledge base; ``gt``: every habit about the target, whether
+    it
+    supports a placement or not; ``retrieval``: the ``p`` best of the retriever, best first; ``context``: the same at
+    the
+    start, then re-ranked by what is seen (:class:`ucon.retrieval.context.ContextHabits`).
+
+    Args:
+        level: habit level.
+        kb: the knowledge base.
+        target: category that is looked for.
+        retriever: for the levels that rank.
+        p: number of retrieved habits.
+
+    Returns:
+        Row numbers, int32.
 
     Raises:
         ConfigError: unknown level or target, ``p`` < 1, or no retriever for a level that ranks.

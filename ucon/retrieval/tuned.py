@@ -1,4 +1,4 @@
-"""The encoder that was fine-tuned for retrieval: shipped weights, or those of a training run."""
+"""The sentence encoder fine-tuned for retrieval: with the shipped adapter, or with that of a training run."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ ADAPTER: Final = Path(__file__).parent / "data" / "retriever.safetensors"
 
 
 def tuned_encoder(adapter: str | None = None) -> StoredEncoder:
-    """The adapted MiniLM behind the user's cache: one per process and adapter.
+    """MiniLM with an adapter, its vectors cached on disk; one per process and adapter.
 
     Args:
-        adapter: a run's folder or its ``model/retriever.safetensors``; None for the shipped one.
+        adapter: a run's folder, or its ``model/retriever.safetensors``; None: the shipped one.
 
     Raises:
         DataError: no such file, or one that was altered.
@@ -27,7 +27,10 @@ def tuned_encoder(adapter: str | None = None) -> StoredEncoder:
 
 
 def adapter_file(name: str) -> Path:
-    """The file of the adapter that ``name`` is, or that a run of that folder has left.
+    """Path of an adapter.
+
+    Args:
+        name: the file itself, or a run's folder.
 
     Raises:
         DataError: there is none.

@@ -1,7 +1,17 @@
-"""Homes: procedural analogues of the 22 official scenes, their variants, and generated homes."""
+"""Homes: procedural analogues of the 22 official scenes, their variants, and generated homes.
 
-from ucon.scenes.library import SCENES, UNSEEN_SCENES, built_home, home_spec, scene_split
-from ucon.scenes.spec import GRID_M, HomeSpec, Item, Opening, Room
+Names are imported when they are first used (:mod:`ucon.core.lazy`).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ucon.core.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from ucon.scenes.library import SCENES, UNSEEN_SCENES, built_home, home_spec, scene_split
+    from ucon.scenes.spec import GRID_M, HomeSpec, Item, Opening, Room
 
 __all__ = [
     "GRID_M",
@@ -15,3 +25,11 @@ __all__ = [
     "home_spec",
     "scene_split",
 ]
+
+__getattr__ = lazy_names(
+    __name__,
+    {
+        "ucon.scenes.library": ("SCENES", "UNSEEN_SCENES", "built_home", "home_spec", "scene_split"),
+        "ucon.scenes.spec": ("GRID_M", "HomeSpec", "Item", "Opening", "Room"),
+    },
+)

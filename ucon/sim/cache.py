@@ -7,11 +7,13 @@ that homes of older code are never used.
 from __future__ import annotations
 
 import contextlib
+import copyreg
 import re
 import sys
 from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 from weakref import WeakValueDictionary
 
 import ucon
@@ -70,6 +72,16 @@ def _load(name: str) -> House:
 def loaded_by_name(house: House) -> bool:
     """Whether :func:`load_house` returns this very home for its name, so that pickles may name it."""
     return _LOADED.get(house.spec.name) is house
+
+
+def _pickled(house: House) -> Any:
+    """Pickles name a home that was loaded by its name; one that somebody built otherwise they hold."""
+    if loaded_by_name(house):
+        return the_house, (house.spec.name, house.spec.hash)
+    return house.__reduce_ex__(4)
+
+
+copyreg.pickle(House, _pickled)
 
 
 def the_house(name: str, spec_hash: str) -> House:

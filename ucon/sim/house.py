@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,14 +60,6 @@ class House(Shared):
     """The navigation grid with everything closed."""
     boxes: NDArray[np.float64]
     """(n, 6) boxes of all instances with joints closed, x0 y0 z0 x1 y1 z1 in world metres."""
-
-    def __reduce_ex__(self, protocol: Any) -> Any:
-        """Pickle a home that was loaded by name as its name, and others whole."""
-        from ucon.sim.cache import loaded_by_name, the_house
-
-        if loaded_by_name(self):
-            return the_house, (self.spec.name, self.spec.hash)
-        return super().__reduce_ex__(protocol)
 
     @property
     def n_items(self) -> int:

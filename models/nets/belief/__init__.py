@@ -1,1 +1,1 @@
-"""The belief head: a network that reads habits, in place of the fitted reader."""
+"""The belief head: a trained network that reads habits, in place of the fitted reader."""

@@ -1,9 +1,10 @@
-"""The belief head: from habits and candidate anchors to where the target may be.
+"""The belief head: maps habits and candidate anchors to a distribution over the target's places.
 
-Two paths add up to a candidate's score. The direct one counts what the habits say for it, each as much as it is taken
-to be about the target, which carries nearly all of the gain; the other lets candidate and target look at the sentences
-by attention, with the pair inputs as bias and the relevance as gate. Candidates do not see each other and habits only
-through sums, so their order means nothing and any number of either will do.
+A candidate's score is the sum of two paths. The direct path adds up what the habits say for the candidate, each
+weighted
+by its relevance to the target; nearly all of the gain comes from it. The other path attends from (target, candidate)
+pairs to the sentences, with pair features as bias and relevance as gate. Candidates do not see each other, and habits
+only enter through sums, so neither order nor number of either matters.
 """
 
 from __future__ import annotations
@@ -23,17 +24,17 @@ from ucon.readers.evidence import SUPPORT_FLOOR
 from ucon.readers.head_inputs import N_CANDIDATE, N_HABIT, N_PAIR, N_RELATIONS, N_RELEVANCE, HeadInputs
 
 _LEAST: Final = 1e-4
-#: Logit of what cannot be.
+#: Logit of an impossible candidate.
 NEVER: Final = -60.0
 SENTENCE_SCALE: Final = DIM**0.5
-"""Unit vectors times this have components of about 1."""
-#: Columns of the direct path beside its channels: prior, name, gated sum and maximum, kinds, context.
+"""Unit vectors of DIM components times this have components of about 1."""
+#: Columns of the direct path beside its channels: prior, likeness of names, gated sum and maximum, kinds, context.
 N_DIRECT: Final = 4 + N_CANDIDATE + 5
 
 
 @dataclass(frozen=True, eq=False)
 class Inputs:
-    """:class:`~ucon.readers.head_inputs.HeadInputs` as tensors, same names and shapes."""
+    """:class:`~ucon.readers.head_inputs.HeadInputs` as tensors, with the same names and shapes."""
 
     sentence: Tensor
     habit: Tensor
@@ -50,45 +51,54 @@ class Inputs:
 
     @classmethod
     def of(cls, inputs: HeadInputs) -> Inputs:
-        """Tensors of arrays, without copies where possible."""
+        """Convert arrays to tensors, without copies where possible."""
         return cls(**{f.name: torch.as_tensor(getattr(inputs, f.name)) for f in fields(cls)})
 
 
 @dataclass(frozen=True, eq=False)
 class HeadOutputs:
-    """Unnormalised: probabilities are the softmax over ``anchor`` and ``unseen`` together."""
+    """Logits for T targets, C candidates and H habits.
 
-    anchor: Tensor  # (T, C) logits; NEVER where a candidate is not open
-    unseen: Tensor  # (T,) logit of everything that is no candidate
-    relation: Tensor  # (T, C, 4) logits given the anchor
-    relevance: Tensor  # (T, H) logits: the habit is about the target
+    Probabilities are the softmax of ``anchor`` and ``unseen`` together.
+    """
+
+    anchor: Tensor
+    """(T, C) logits; NEVER where a candidate cannot be the anchor."""
+    unseen: Tensor
+    """(T,) logit of everything that is no candidate."""
+    relation: Tensor
+    """(T, C, 4) logits of the relation given the anchor."""
+    relevance: Tensor
+    """(T, H) logits of "the habit is about the target"."""
 
     @property
     def log_p(self) -> Tensor:
-        """(T, C + 1): log probabilities of the candidates, and of the unseen at last."""
+        """(T, C + 1) log-probabilities of the candidates and, in the last column, of everything else."""
         return torch.cat([self.anchor, self.unseen[:, None]], 1).log_softmax(1)
 
 
 class BeliefHead(nn.Module):
-    """See the module.
+    """Network from habits to p(anchor), p(relation | anchor) and relevance (see the module).
 
     Args:
         width: of tokens in the attention path.
         heads: of attention.
-        blocks: of attention and feed-forward.
+        blocks: of attention and feed-forward layers.
         channels: of the direct path.
-        hidden: units where the direct path is put together.
+        hidden: units of the layer that combines the direct path.
         dropout: in the attention path.
-        pairs, evidence, gate, sentences, prior: whether it is given pair features, what the evidence reader says,
-            the fitted gate, sentence and name vectors (the attention path), common sense: switches for ablations.
-        pools: whether the direct path is also given the pair inputs themselves, pooled over the habits. For text that
-            the evidence reader was not fitted on; the habit book's is read no better by them.
-        mixture: whether the direct path is also given, and begins with, a mixture of what is said and common sense,
-            in which what reads the sentences of a dataset of its own learned to say it
-            (:mod:`ucon.fitting.scene_evidence`).
+        pairs: use pair features (this and the next four are switches for ablations).
+        evidence: use the outputs of the evidence reader.
+        gate: weight habits by their relevance.
+        sentences: use sentence and name vectors, which the attention path reads.
+        prior: use the prior of what is usual.
+        pools: give the direct path the pair inputs too, pooled over the habits. It helps with text that the evidence
+            reader was not fitted on; on the habit book it does not.
+        mixture: give the direct path, as its initial score, the log of what the habits say plus the scaled prior. The
+            reader of a dataset's own sentences was fitted in that form (:mod:`ucon.fitting.scene_evidence`).
 
     Raises:
-        ConfigError: a size below 1, a width that the heads cannot share, or a dropout outside [0, 1).
+        ConfigError: a size below 1, a width that is no multiple of the heads, or a dropout outside [0, 1).
     """
 
     def __init__(
@@ -138,20 +148,25 @@ class BeliefHead(nn.Module):
         self.relation = nn.Sequential(nn.Linear(2 * N_RELATIONS + 1, 16), nn.Tanh(), nn.Linear(16, N_RELATIONS))
         self.look = Look(width, heads, blocks, dropout)
         self.register_buffer("temperature", torch.ones(()))
-        _quiet(self.mix[-1], self.relation[-1])
+        _set_to_zero(self.mix[-1], self.relation[-1])
         last = self.unseen[-1]
         assert isinstance(last, nn.Linear)
         nn.init.constant_(last.bias, -5.0)
-        with torch.no_grad():  # starts as common sense plus what is said
+        with torch.no_grad():  # initial score: prior plus half of each summary of what the habits say
             self.straight.weight.zero_()
             self.straight.weight[0, [0, 2, 3]] = torch.tensor([1.0, 0.5, 0.5])
-            if mixture:  # or as their sum
+            if mixture:  # initial score: the log of their sum
                 self.usual = nn.Parameter(torch.zeros(()))
                 self.straight.weight.zero_()
                 self.straight.weight[0, -1] = 1.0
 
     def forward(self, inputs: HeadInputs) -> HeadOutputs:
-        """Read T targets of one household; see :class:`~ucon.readers.head_inputs.HeadInputs` for the shapes."""
+        """Read T targets of one household.
+
+        Args:
+            inputs: arrays of T targets, C candidates and H habits; shapes in
+                :class:`~ucon.readers.head_inputs.HeadInputs`.
+        """
         x = self._switched(Inputs.of(inputs))
         relevance = self.relevance(x)
         gate = self._gate(relevance, x)  # (T, H)
@@ -166,7 +181,7 @@ class BeliefHead(nn.Module):
         return HeadOutputs(score.masked_fill(~x.open, NEVER), unseen, relation, relevance)
 
     def _switched(self, x: Inputs) -> Inputs:
-        """The inputs without what an ablation leaves out."""
+        """The inputs with ablated parts set to a constant."""
         values = {f.name: getattr(x, f.name) for f in fields(x)}
         n = N_PAIR - 3
         if not self.pairs:
@@ -181,12 +196,12 @@ class BeliefHead(nn.Module):
         return Inputs(**values)
 
     def _gate(self, relevance: Tensor, x: Inputs) -> Tensor:
-        """(T, H) how much each habit counts for each target; 0 for what is not given."""
+        """(T, H) weight of each habit for each target, 0 to 1; 0 where the habit is not given."""
         known = torch.ones_like(relevance) if not self.gate else relevance.sigmoid()
         return torch.where(x.trusted[:, None], 1.0, known) * x.given
 
     def _context(self, gate: Tensor, x: Inputs) -> Tensor:
-        """(T, 5) how much there is to go by."""
+        """(T, 5) how much text there is: logs of counts, and whether the habits are trusted and any are given."""
         place = x.habit[:, 0]
         amount = [gate @ place, gate.sum(1), x.given.sum(1).to(gate)]
         counts = torch.log1p(torch.stack(amount, 1))
@@ -194,7 +209,7 @@ class BeliefHead(nn.Module):
         return torch.cat([counts, kinds], 1)
 
     def _direct(self, gate: Tensor, context: Tensor, x: Inputs) -> Tensor:
-        """(T, C, .) what is said for each candidate, and what is usual."""
+        """(T, C, columns) features of each candidate: prior, names, and what the habits say for it."""
         said = x.pair[..., N_PAIR - 3]  # (H, C)
         every = torch.cat([x.pair, x.habit[:, None].expand(-1, x.pair.shape[1], -1)], -1)
         channels = functional.softplus(self.said(every) - 2.0)  # (H, C, K)
@@ -219,7 +234,7 @@ class BeliefHead(nn.Module):
         return torch.cat(parts, -1)
 
     def _relation(self, gate: Tensor, x: Inputs) -> Tensor:
-        """(T, C, 4) logits of what is usual, and what the habits that speak for the candidate say."""
+        """(T, C, 4) logits of relations, from the prior and from the habits that speak for the candidate."""
         said, how = x.pair[..., N_PAIR - 3], x.habit[:, 1:]
         heard = torch.einsum("th,hc,hr->tcr", gate, said, how)
         usual = x.relation_prior.expand(len(gate), -1, -1)
@@ -229,7 +244,12 @@ class BeliefHead(nn.Module):
 
 
 class Relevance(nn.Module):
-    """Is a habit about a target? The fitted gate's answer, and corrections to it."""
+    """Relevance of habits to targets: the fitted gate's logit plus learned corrections.
+
+    Args:
+        width: of the projections that compare habit and target.
+        dropout: of their inputs.
+    """
 
     def __init__(self, width: int, dropout: float) -> None:
         super().__init__()
@@ -237,10 +257,10 @@ class Relevance(nn.Module):
         self.correct = nn.Sequential(nn.Linear(N_RELEVANCE + N_HABIT, 32), nn.GELU(), nn.Linear(32, 1))
         self.drop = nn.Dropout(dropout)
         self.scale = nn.Parameter(torch.zeros(()))
-        _quiet(self.correct[-1])
+        _set_to_zero(self.correct[-1])
 
     def forward(self, x: Inputs) -> Tensor:
-        """(T, H) logits."""
+        """(T, H) logits of "the habit is about the target"."""
         t = len(x.target)
         alike = self.drop(self.target(x.target)) @ self.drop(self.habit(x.sentence)).T  # (T, H)
         every = torch.cat([x.relevance, x.habit.expand(t, -1, -1)], -1)
@@ -248,7 +268,14 @@ class Relevance(nn.Module):
 
 
 class Look(nn.Module):
-    """Candidates and targets look at the sentences."""
+    """Attention path: (target, candidate) pairs attend to the sentences.
+
+    Args:
+        width: of tokens.
+        heads: of attention.
+        blocks: number of blocks.
+        dropout: of inputs and blocks.
+    """
 
     def __init__(self, width: int, heads: int, blocks: int, dropout: float) -> None:
         super().__init__()
@@ -258,10 +285,18 @@ class Look(nn.Module):
         self.blocks = nn.ModuleList(HeadBlock(width, heads, dropout) for _ in range(blocks))
         self.norm = nn.LayerNorm(width)
         self.score, self.relation = nn.Linear(width, 1), nn.Linear(width, N_RELATIONS)
-        _quiet(self.score, self.relation)
+        _set_to_zero(self.score, self.relation)
 
     def forward(self, gate: Tensor, x: Inputs) -> tuple[Tensor, Tensor]:
-        """Scores (T, C) and relation logits (T, C, 4)."""
+        """Read all pairs of targets and candidates.
+
+        Args:
+            gate: (T, H) weight of each habit.
+            x: the inputs.
+
+        Returns:
+            Scores (T, C) and logits of relations (T, C, 4).
+        """
         habits = self.habit(torch.cat([self.drop(x.sentence * SENTENCE_SCALE), x.habit], 1))  # (H, d)
         names = self.name(torch.cat([self.drop(x.name * SENTENCE_SCALE), x.candidate], 1))  # (C, d)
         query = names + self.target(self.drop(x.target * SENTENCE_SCALE))[:, None]  # (T, C, d)
@@ -272,7 +307,13 @@ class Look(nn.Module):
 
 
 class HeadBlock(nn.Module):
-    """Attention of (target, candidate) tokens over habits, with pair inputs as bias and the gate as weight."""
+    """Attention of (target, candidate) tokens over habits, with pair features as bias and the gate as weight.
+
+    Args:
+        width: of tokens.
+        heads: of attention.
+        dropout: after attention and in the feed-forward layers.
+    """
 
     def __init__(self, width: int, heads: int, dropout: float) -> None:
         super().__init__()
@@ -290,21 +331,31 @@ class HeadBlock(nn.Module):
         self.drop = nn.Dropout(dropout)
 
     def forward(self, query: Tensor, habits: Tensor, pair: Tensor, gate: Tensor) -> Tensor:
-        """``query`` (T, C, d), ``habits`` (H, d), ``pair`` (H, C, N_PAIR), ``gate`` (T, H) -> (T, C, d)."""
+        """Update the tokens of all pairs.
+
+        Args:
+            query: (T, C, d) tokens.
+            habits: (H, d).
+            pair: (H, C, N_PAIR) features.
+            gate: (T, H) weight of each habit.
+
+        Returns:
+            (T, C, d).
+        """
         t, c, d = query.shape
         k, v = self.kv(self.habit_norm(habits)).view(-1, 2, self.heads, d // self.heads).unbind(1)  # (H, n, e)
         q = self.q(self.norm(query)).view(t, c, self.heads, d // self.heads)
         logits = torch.einsum("tcne,hne->tnch", q, k) / q.shape[-1] ** 0.5
         logits = logits + self.bias(pair).permute(2, 1, 0) + torch.log(gate + 1e-9)[:, None, None]
-        # A sink of weight 1 takes what no habit claims, so no habits at all are nothing to look at.
+        # A constant logit of 0 takes the attention that no habit claims; without habits the result is 0.
         weights = torch.cat([logits, logits.new_zeros(t, self.heads, c, 1)], -1).softmax(-1)[..., :-1]
         looked = torch.einsum("tnch,hne->tcne", weights, v).reshape(t, c, d)
         query = query + self.drop(self.out(looked))
         return query + self.drop(self.feed(query))
 
 
-def _quiet(*layers: nn.Module) -> None:
-    """Layers that start by saying nothing."""
+def _set_to_zero(*layers: nn.Module) -> None:
+    """Set linear layers to zero, so that they add nothing at first."""
     for layer in layers:
         assert isinstance(layer, nn.Linear)
         nn.init.zeros_(layer.weight)

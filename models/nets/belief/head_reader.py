@@ -1,6 +1,7 @@
-"""The belief head in place of the fitted anchor reader: the same interface, so whatever reads habits can use either.
+"""A reader of habits by the belief head, with the same interface as the fitted anchor reader.
 
-``models.agents.belief.ReadHabits(HeadReader.load())``. Candidates may grow during an episode: each name is scored once.
+``models.agents.belief.ReadHabits(HeadReader.load())``. Candidates may be added during an episode; each name is scored
+once.
 """
 
 from __future__ import annotations
@@ -28,17 +29,24 @@ from ucon.readers.anchor_reader import AnchorBelief
 from ucon.readers.household import Candidates, FittedParts, Household, default_parts, parts_with
 from ucon.readers.reader_weights import Array, sigmoid, softmax
 
-#: The model of a run of ``python train.py learner=belief``.
+#: The shipped head, as a run of ``python train.py learner=belief`` leaves it.
 SHIPPED: Final = Path(__file__).parents[3] / "checkpoints" / "belief_head" / "model"
 DECIMALS: Final = 4
-#: Of what a folder may say of a head: of its files, of one of its sizes, and of its layers.
+#: Limits for heads from a folder: bytes of weights, any of the sizes, and number of blocks.
 MOST_BYTES: Final = 1 << 28
 _MOST_SIZE: Final = 1 << 16
 _MOST_BLOCKS: Final = 64
 
 
 class HeadReading:
-    """What some habits say about one target; see :class:`ucon.readers.anchor_reader.Reading`."""
+    """What H habits say about one target; see :class:`ucon.readers.anchor_reader.Reading`.
+
+    Args:
+        reader: scores further candidates.
+        target: category that is looked for.
+        household: the habits as the fitted parts read them.
+        trusted: True if all habits are about the target.
+    """
 
     def __init__(self, reader: HeadReader, target: str, household: Household, trusted: bool) -> None:
         self.target, self.texts = target, household.texts
@@ -47,12 +55,16 @@ class HeadReading:
         self._relation: dict[str, Array] = {}
         self._support: dict[str, Array] = {}
         self.relevance: Array = np.zeros(0)
-        """(H,): how much each habit is taken to be about the target."""
+        """(H,) probability that each habit is about the target."""
         self.null = 0.0
-        """Score of what is neither a candidate nor known."""
+        """Logit of everything that is neither a candidate nor known."""
 
     def belief(self, candidates: Sequence[str]) -> AnchorBelief:
-        """Belief over candidate anchor categories (each once; the target itself gets nothing)."""
+        """Distribution over candidate anchor categories; the target itself gets 0.
+
+        Args:
+            candidates: category names; duplicates count once.
+        """
         names = tuple(dict.fromkeys(candidates))
         self._read(names)
         hidden = [name for name in self._reader.known if name not in set(names)]
@@ -64,22 +76,29 @@ class HeadReading:
 
     @property
     def telling(self) -> Array:
-        """(H,): how much each habit is taken to say where the target is."""
+        """(H,) how much each habit says where the target is, 0 to 1."""
         return self.relevance * self.household.said.place
 
     def support(self, anchor: str) -> Array:
-        """(H,): how strongly each habit speaks for the target being by ``anchor``: the reasons for a belief."""
+        """(H,) how strongly each habit speaks for the target being at ``anchor``: the reasons for a belief."""
         self._read([anchor])
         return self.relevance * self._support[anchor]
 
     def _read(self, names: Sequence[str]) -> None:
+        """Score the names that have no score yet."""
         new = [name for name in dict.fromkeys(names) if name not in self._score]
         if not new:
             return
         self._reader.fill([self], new)
 
     def take(self, candidates: Candidates, outputs: HeadOutputs, row: int) -> None:
-        """Remember what the head said of some candidates, in one row of a batch."""
+        """Store the head's outputs for some candidates.
+
+        Args:
+            candidates: C candidates.
+            outputs: of a batch of targets.
+            row: of this target in the batch.
+        """
         scores, relation, gate = (
             np.asarray(np.round(value[row].double().numpy(), DECIMALS), np.float64)
             for value in (outputs.anchor, outputs.relation, outputs.relevance)
@@ -94,16 +113,22 @@ class HeadReading:
             self._support[name] = said[:, i]
 
     def _possible(self, name: str, p: Array) -> Array:
-        """Relations that an anchor allows, (4,)."""
+        """Distribution over the relations that an anchor allows, (4,)."""
         allowed = p * (self._reader.parts.relation_prior([name])[0] > 0)
         return allowed / allowed.sum()
 
 
 class HeadReader:
-    """Reads habits by a trained head."""
+    """Reads habits with a trained belief head."""
 
     def __init__(self, head: BeliefHead, parts: FittedParts | None = None, weights: str = "") -> None:
-        """``parts``: what reads the sentences for it, the shipped ones by default; ``weights``: hash of its files."""
+        """Wrap a head.
+
+        Args:
+            head: trained; is set to evaluation mode.
+            parts: fitted parts that read the sentences for it; the shipped ones by default.
+            weights: hash of its files.
+        """
         self.head = head.eval()
         self.parts = parts or default_parts()
         self._weights = weights
@@ -115,10 +140,13 @@ class HeadReader:
 
     @classmethod
     def load(cls, folder: str | Path | None = None) -> HeadReader:
-        """The head of a run (its folder, or its ``model``); None: the shipped one.
+        """Reader with the head in a folder.
+
+        Args:
+            folder: a run, or its ``model``; None: the shipped head.
 
         Raises:
-            DataError: see :func:`load_head`; or it was trained on other fitted parts than the shipped ones.
+            DataError: see :func:`load_head`; or it was trained with other fitted parts than the shipped ones.
         """
         path = _model_folder(SHIPPED if folder is None else Path(folder))
         head, described = load_head(path), _described(path / CONFIG)
@@ -131,15 +159,21 @@ class HeadReader:
         return cls(head, parts, sha256_file(path / MANIFEST))
 
     def fingerprint(self) -> str:
-        """Which head this is, see :mod:`ucon.evaluation.playing.needed_weights`."""
+        """Hash of the head's files; see :mod:`ucon.evaluation.playing.needed_weights`."""
         return self._weights
 
     def read(self, target: str, texts: Sequence[str], *, trusted: bool = False) -> HeadReading:
-        """Read habits once for an episode; see :meth:`ucon.readers.anchor_reader.AnchorReader.read`."""
+        """Read habits once for an episode.
+
+        Args:
+            target: category that is looked for.
+            texts: the habits.
+            trusted: True if all of them are about the target (level ``gt``).
+        """
         return self.read_all([target], texts, trusted=trusted)[0]
 
     def read_all(self, targets: Sequence[str], texts: Sequence[str], *, trusted: bool = False) -> list[HeadReading]:
-        """Read the same habits for several targets in one pass."""
+        """Read the same habits for several targets in one forward pass; arguments as of :meth:`read`."""
         given = tuple(texts)
         if self._last is None or self._last[0] != given:
             self._last = (given, Household(self.parts, given))
@@ -148,7 +182,12 @@ class HeadReader:
         return readings
 
     def fill(self, readings: Sequence[HeadReading], names: Sequence[str]) -> None:
-        """Score names for readings of one household that do not know them yet."""
+        """Score further candidates.
+
+        Args:
+            readings: of one household.
+            names: candidates that they have no scores for.
+        """
         if not readings:
             return
         household, candidates = readings[0].household, Candidates.of(names, self.parts)
@@ -163,23 +202,33 @@ class HeadReader:
     def belief(
         self, target: str, texts: Sequence[str], candidates: Sequence[str], *, trusted: bool = False
     ) -> AnchorBelief:
-        """:meth:`read` and :meth:`HeadReading.belief` in one."""
+        """:meth:`read` and :meth:`HeadReading.belief` in one call.
+
+        Args:
+            target: category that is looked for.
+            texts: the habits.
+            candidates: anchor categories.
+            trusted: True if all habits are about the target.
+        """
         return self.read(target, texts, trusted=trusted).belief(candidates)
 
     def relation_prior(self, anchor: str) -> NDArray[np.float64]:
-        """p(relation | anchor), (4,), before anything is read."""
+        """p(relation | anchor), (4,), before any habit is read."""
         return self.parts.relation_prior([anchor])[0]
 
 
 def load_head(folder: Path) -> BeliefHead:
-    """A head from the files that training leaves, checked against their manifest.
+    """Load a head from the files of a training run, checked against their manifest.
+
+    Args:
+        folder: a run, or its ``model``.
 
     Raises:
         DataError: a file is missing or altered, or holds no head of this architecture.
     """
     folder = _model_folder(folder)
     options = _described(folder / CONFIG).get("head")
-    with torch.device("meta"):  # sizes without the numbers, since any may stand there
+    with torch.device("meta"):  # compare sizes before memory for them is allocated
         planned = _built(options, folder / CONFIG).state_dict()
     weights = folder / WEIGHTS
     check_header(header(read_verified(weights, MOST_BYTES), weights), planned, weights)
@@ -189,7 +238,7 @@ def load_head(folder: Path) -> BeliefHead:
 
 
 def _built(options: Any, config: Path) -> BeliefHead:
-    """The head that ``options`` of a file describe, not yet trained."""
+    """An untrained head with the options in a file."""
     try:
         sizes = {name: value for name, value in options.items() if type(value) not in (bool, float)}
         if not all(value <= (_MOST_BLOCKS if name == "blocks" else _MOST_SIZE) for name, value in sizes.items()):
@@ -202,7 +251,7 @@ def _built(options: Any, config: Path) -> BeliefHead:
 
 
 def _described(config: Path) -> dict[str, Any]:
-    """What the file beside a head's weights says of it.
+    """Content of the configuration beside a head's weights.
 
     Raises:
         DataError: it is missing or altered, or no JSON object.
@@ -217,12 +266,12 @@ def _described(config: Path) -> dict[str, Any]:
 
 
 def _model_folder(folder: Path) -> Path:
-    """``folder``, or the ``model`` in it where it is that of a run."""
+    """``folder``, or the ``model`` in it if it is a run."""
     folder = folder.expanduser()
     return folder / MODEL if (folder / MODEL).is_dir() else folder
 
 
 @cache
 def default_head_reader() -> HeadReader:
-    """The shipped reader, one per process."""
+    """The shipped head's reader, one per process."""
     return HeadReader.load()

@@ -1,8 +1,9 @@
-"""Measures the belief head, or the fitted reader, on held-out habits: ``python -m ucon data measure-head``.
+"""Measures belief head or fitted reader on held-out habits: ``python -m ucon data measure-head``.
 
-Of the habit book: households of 20 test categories, all anchors of the book as candidates, in mode ``task`` (one entry
-a category, N about 200) and ``category``. Of the official release (``--official FOLDER``): homes whose (scene,
-category) pairs are held out, all other categories of the scene as candidates.
+On the habit book: households of 20 test categories, all anchors of the book as candidates, in mode ``task`` (one entry
+per category, about 200 habits) and ``category`` (all entries). On the official release (``--official FOLDER``):
+held-out
+(scene, category) pairs, with all categories of the scene as candidates.
 """
 
 from __future__ import annotations
@@ -27,24 +28,40 @@ from ucon.readers.anchor_reader import AnchorReader
 from ucon.readers.sampled_homes import entry_kb, sampled_kb
 from ucon.retrieval.dense import DenseRetriever
 
-#: Seeds of measurements start here; those of training and of choosing lie elsewhere.
+#: First seed of measurements; training and validation use other seeds.
 FIRST_SEED = 10_000
 
 
 def on_the_book(reader: Reader, part: str, mode: str, n_kbs: int, whole: bool = True) -> dict[str, Measured]:
-    """Households of categories of a part; nothing of val and test categories was learned from."""
+    """Measure on households of the habit book.
+
+    Args:
+        reader: reads the habits.
+        part: ``val`` or ``test``; nothing was trained on these categories.
+        mode: ``task`` or ``category``.
+        n_kbs: number of households.
+        whole: whether the retriever embeds whole sentences.
+
+    Returns:
+        Measures by habit level.
+    """
     data = book()
     kbs = [sampled_kb(data, part, FIRST_SEED + number, mode) for number in range(n_kbs)]  # type: ignore[arg-type]
     return measure_beliefs(kbs, reader, DenseRetriever(whole=whole), lambda _: data.anchors)
 
 
 def on_the_release(reader: Reader, folder: Path, part: str) -> dict[str, Measured]:
-    """Every entry of the held-out (scene, category) pairs of the release, once.
+    """Measure on every entry of the release's held-out (scene, category) pairs, once each.
 
     Candidates are all categories that stand in the scene.
 
+    Args:
+        reader: reads the habits.
+        folder: of the official release.
+        part: ``val`` or ``test``.
+
     Raises:
-        DataError: its list of these is missing.
+        DataError: the list of what stands in the scenes is missing.
     """
     data = official(folder, catalogue().names)[0]
     if not data.standing:
@@ -60,7 +77,7 @@ def on_the_release(reader: Reader, folder: Path, part: str) -> dict[str, Measure
 
 
 def lines(found: dict[str, Measured]) -> list[str]:
-    """A line a level, with intervals."""
+    """One line of text per habit level, with intervals."""
     out = []
     for level, measured in found.items():
         cells = [f"{name} {i.mean:.3f} [{i.low:.3f}, {i.high:.3f}]" for name, i in measured.intervals().items()]
@@ -70,7 +87,7 @@ def lines(found: dict[str, Measured]) -> list[str]:
 
 
 def as_json(found: dict[str, Measured]) -> dict[str, dict[str, object]]:
-    """The same for programs."""
+    """The same figures as plain values: (mean, low, high) by name and level."""
     return {
         level: {name: [round(v, 4) for v in (i.mean, *i.ci95)] for name, i in measured.intervals().items()}
         | {"ece": round(measured.calibration_error, 4), "n": len(measured.clusters)}
@@ -79,7 +96,15 @@ def as_json(found: dict[str, Measured]) -> dict[str, dict[str, object]]:
 
 
 def main(words: Sequence[str]) -> None:
-    """Print a line per level, or JSON."""
+    """Run the command: print a line per habit level, or JSON.
+
+    Args:
+        words: of the command line.
+
+    Raises:
+        ConfigError: ``--kbs`` below 1.
+        DataError: files of head or release are missing or damaged.
+    """
     parser = argparse.ArgumentParser(prog="ucon data measure-head", description="Measure beliefs on held-out habits.")
     parser.add_argument("--run", metavar="RUN", help="a run of learner=belief; default: the shipped head")
     parser.add_argument("--fitted", action="store_true", help="the fitted reader instead of a head")

@@ -1,6 +1,6 @@
-"""What a language model says about where the target is: one closed question an episode, as one more belief.
+"""A language model's answer to "where is the target kept?", asked once per episode, as a further feature of things.
 
-Optional: any backend of ``configs/language``. The options are the anchors that the reader knows.
+Optional; any backend of ``configs/language``. The options are the anchors that the reader knows.
 """
 
 from __future__ import annotations
@@ -23,27 +23,44 @@ _SITUATION = (
 
 
 class Advisor:
-    """Asks a language model once an episode."""
+    """Asks a language model once per episode."""
 
     def __init__(self, language: LanguageModel) -> None:
-        """``language``: that scores options, or names one."""
+        """Wrap a language model.
+
+        Args:
+            language: gives scores of options, or names one.
+        """
         self._language = language
 
     @property
     def name(self) -> str:
-        """Of the model."""
+        """Name of the language model."""
         return self._language.name
 
     def check(self) -> None:
-        """See :meth:`ucon.language.choice.LanguageModel.check`."""
+        """Raise an error of one line where the model's weights or its server's key are missing."""
         self._language.check()
 
     def fingerprint(self) -> str | None:
-        """Which weights it has, see :mod:`ucon.evaluation.playing.needed_weights`."""
+        """Hash of the model's weights; None where they are missing.
+
+        See :mod:`ucon.evaluation.playing.needed_weights`.
+        """
         return fingerprint_of(self._language)
 
     def advice(self, info: Mapping[str, Any], anchors: Sequence[str]) -> NDArray[np.float64]:
-        """Probability (A,) of each anchor; all its mass on one where a model only names one; uniform without answer."""
+        """Probability of each anchor.
+
+        All of it is on one anchor where the model only names one; it is uniform where the answer was unusable.
+
+        Args:
+            info: of the episode's reset; has the target and the habits.
+            anchors: A categories.
+
+        Returns:
+            (A,) float64.
+        """
         answer = self._language.answer([self._question(info, anchors)])[0]
         if answer.choice < 0:
             return np.full(len(anchors), 1.0 / len(anchors))

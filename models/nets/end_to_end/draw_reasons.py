@@ -1,4 +1,4 @@
-"""What the end-to-end habit policy thinks, as a picture: its own map, what it believes, where it goes and why."""
+"""Draws a step of the end-to-end habit policy: its map, its belief, where it goes and why."""
 
 from __future__ import annotations
 
@@ -17,43 +17,46 @@ from ucon.perception.drawing.overlay import FAINT, GOAL, WARM, Line, belief_line
 from ucon.task.actions import Action
 
 _MOST_CELL_PX: Final = 10
-#: Cells of the unknown that are shown around what was explored.
+#: Width, in cells, of unknown space shown around explored space.
 _RIM: Final = 2
-#: Actions are told that it takes so probably.
+#: Least probability of an action that is listed.
 _LIKELY: Final = 0.05
-#: A goal so near the target is for its sake.
+#: A goal within this distance of the seen target, in metres, counts as going to the target.
 _BY_M: Final = 2.0
-#: Goals that are so probable beside the most probable one are shown, wherever they are.
+#: Goals with at least this share of the highest probability are shown, even outside explored space.
 _GLOW: Final = 0.05
 
 Layers = dict[str, NDArray[np.uint8]]
-"""Channels of the memory, (SIZE, SIZE) each."""
+"""Channels of the map memory by name, (SIZE, SIZE) each."""
 
 
 def draw_reasons(
     why: Reasons, target: str, cells: Tensor, pose: tuple[int, int, int], height: int = 384, width: int = 384
 ) -> Image:
-    """Draw one step of one episode: (height, width, 3) uint8.
+    """Draw one step of one episode.
 
-    Above the map in its memory: the warmer a cell, the more it believes the target to be with what it saw there; the
-    bluer, the more probable it goes there, and a ring is where it most probably goes. Below what it believes, what it
-    inclines to do, and the habits that speak most for the thing it goes to, with how strongly each does.
+    Above is the map memory: warmer cells have more belief, bluer cells are more probable goals, a ring marks the most
+    probable one. Below are the belief, the likely actions, and the habits that speak most for the thing that it goes
+    to.
 
     Args:
-        why: of that step.
+        why: reasons of that step.
         target: category.
-        cells: (len(CHANNELS), SIZE * SIZE) uint8, of the state after it.
-        pose: cell (i, j) from the start and heading in quarter turns.
-        height: of the picture.
-        width: of the picture.
+        cells: (len(CHANNELS), SIZE * SIZE) uint8, the map memory after the step.
+        pose: cell (i, j) relative to the start, and heading in quarter turns.
+        height: of the picture, in pixels.
+        width: of the picture, in pixels.
+
+    Returns:
+        (height, width, 3) uint8.
     """
     places = [(anchor, relation, p) for anchor, relation, p in why.belief[:3]]
     layers = dict(zip(CHANNELS, cells.view(-1, SIZE, SIZE).cpu().numpy(), strict=True))
-    lines = [*belief_lines(places, width), *_intends(why, target, layers), *habit_lines(why.habits, width)]
+    lines = [*belief_lines(places, width), *_intention_lines(why, target, layers), *habit_lines(why.habits, width)]
     return page(_map(why, layers, pose, *map_room(height, width)), lines, height, width)
 
 
-def _intends(why: Reasons, target: str, layers: Layers) -> list[Line]:
+def _intention_lines(why: Reasons, target: str, layers: Layers) -> list[Line]:
     at = _target_at(layers)
     if at is not None and np.hypot(at[0] - why.goal_xy[0], at[1] - why.goal_xy[1]) < _BY_M:
         where = f"the {words(target)}, which it saw,"
@@ -65,7 +68,7 @@ def _intends(why: Reasons, target: str, layers: Layers) -> list[Line]:
 
 
 def _target_at(layers: Layers) -> tuple[float, float] | None:
-    """Metres from the start, of the middle of what it saw of the target."""
+    """Metres from the start to the centre of the cells where the target was seen; None if it was not."""
     cells = np.argwhere(layers["target"] > 0)
     return _metres(*cells.mean(0)) if cells.size else None
 
@@ -86,7 +89,7 @@ def _map(why: Reasons, layers: Layers, pose: tuple[int, int, int], height: int, 
         cv2.circle(image, px(*_metres(i, j)), max(1, cell_px // 4), PATH, -1, cv2.LINE_AA)
     if (at := _target_at(layers)) is not None:
         cv2.drawMarker(image, px(*at), TARGET, cv2.MARKER_TILTED_CROSS, 2 * cell_px, 3)
-    middle = px(why.goal_xy[0] + CELL_M / 2, why.goal_xy[1] + CELL_M / 2)  # a goal is a block of two cells
+    middle = px(why.goal_xy[0] + CELL_M / 2, why.goal_xy[1] + CELL_M / 2)  # goals are blocks of 2 x 2 cells
     cv2.circle(image, middle, max(4, cell_px), FLOOR_COLOUR, 4, cv2.LINE_AA)
     cv2.circle(image, middle, max(4, cell_px), GOAL, 2, cv2.LINE_AA)
     draw_agent(image, px, (pose[0] * CELL_M, pose[1] * CELL_M), pose[2] % 4, cell_px)
@@ -94,7 +97,7 @@ def _map(why: Reasons, layers: Layers, pose: tuple[int, int, int], height: int, 
 
 
 def _extent(seen: NDArray[np.bool_]) -> tuple[int, int]:
-    """First and last index that is shown, exclusive, with some of the unknown around."""
+    """Range of indices that is drawn (end exclusive): those in ``seen`` with a rim of unknown cells."""
     there = np.flatnonzero(seen)
     return max(int(there[0]) - _RIM, 0), min(int(there[-1]) + 1 + _RIM, SIZE)
 
@@ -104,7 +107,7 @@ def _metres(i: float, j: float) -> tuple[float, float]:
 
 
 def _over_cells(goals: NDArray[np.float32], pose: tuple[int, int, int]) -> NDArray[np.float32]:
-    """Goals (C, C) around the agent as cells of the whole map, (SIZE, SIZE)."""
+    """Goal probabilities (C, C) around the agent spread over the cells of the whole map, (SIZE, SIZE)."""
     fine = np.repeat(np.repeat(goals, 2, 0), 2, 1)[: 2 * REACH + 1, : 2 * REACH + 1]
     whole = np.zeros((SIZE + 2 * REACH, SIZE + 2 * REACH), np.float32)
     i, j = (int(np.clip(value + HALF, 0, SIZE - 1)) for value in pose[:2])
@@ -113,13 +116,13 @@ def _over_cells(goals: NDArray[np.float32], pose: tuple[int, int, int]) -> NDArr
 
 
 def _colours(layer: Layers, goals: NDArray[np.float32]) -> Image:
-    """(N, M, 3) of N x M cells: what is there, warmer by the belief, bluer by how probable a goal is."""
+    """Colours (N, M, 3) of N x M cells: floor, obstacles, opened containers, tinted by goals and belief."""
     colours = np.full((*goals.shape, 3), UNKNOWN, np.uint8)
     colours[layer["explored"] > 0] = FLOOR_COLOUR
     colours[layer["blocked"] > 0] = TALL
     colours[layer["opened"] > 0] = OPENED
     most = float(goals.max(initial=0.0)) or 1.0
-    belief = (layer["most"] / 255.0) ** 2  # the memory keeps square roots
+    belief = (layer["most"] / 255.0) ** 2  # the memory stores square roots
     for share, colour in ((0.5 * np.sqrt(goals / most), GOAL), (0.85 * belief, WARM)):
         part = share[..., None]
         colours = ((1 - part) * colours + part * np.array(colour)).astype(np.uint8)

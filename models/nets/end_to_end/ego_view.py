@@ -1,7 +1,8 @@
-"""What one frame shows, as arrays: the floor ahead of the agent and the things in view, in the agent's own directions.
+"""One frame as arrays: a patch of floor ahead of the agent and the things in view, in the agent's frame of reference.
 
-Nothing here remembers anything: :class:`models.nets.end_to_end.floor_memory.FloorMemory` puts these arrays together
-over time. Cells are 0.25 m and centred on nodes; cell (f, l) of the patch is f - 1 cells ahead and l - 24 to the left.
+Nothing is remembered here; :class:`models.nets.end_to_end.floor_memory.FloorMemory` combines frames over time. Cells
+are
+0.25 m and centred on nodes; row f, column l of the patch is the cell f - 1 ahead and l - 24 to the left of the agent.
 """
 
 from __future__ import annotations
@@ -19,21 +20,25 @@ from ucon.perception.mapping.semantic_map import require_right_angle
 
 CELL_M = 0.25
 AHEAD, ASIDE, BEHIND = 24, 24, 1
-"""Cells of the patch ahead, to either side, and behind: 6 m."""
+"""Cells of the patch ahead (6 m), to either side (6 m), and behind."""
 ROWS, COLUMNS = AHEAD + BEHIND + 1, 2 * ASIDE + 1
 N_CELLS = ROWS * COLUMNS
 N_THINGS = 32
-"""Things of one frame, the target first, then by pixels; more are left out."""
+"""Most things of one frame: the target first, then by falling number of pixels."""
 N_PAIRS = 192
-"""Pairs of a thing and a cell that it was seen in."""
+"""Most (thing, cell) pairs of one frame."""
 EXPLORED, SEEN_FLOOR, BLOCKED = 1, 2, 4
 """Bits of the patch: a sight line passed over the cell; floor was seen in it; an obstacle leaves no room to stand."""
 THING_FEATURES = (
     *("ahead_m", "left_m", "up_m", "nearest_m", "sin", "cos"),
     *("u0", "v0", "u1", "v1", "pixels", "score", "just_opened"),
 )
-"""Of each thing: mean of its seen points from the camera; horizontal metres to the nearest one; sine and cosine of its
-bearing; box in parts of the image; natural logarithm of pixels / 64; detector's score; it was opened by this step."""
+"""Features of a thing.
+
+Mean of its seen points relative to the camera, in metres ahead, left and up; horizontal metres to the nearest point;
+sine and cosine of its bearing; its box in shares of the image; log(pixels / 64); the detector's score; 1 if this step
+opened it.
+"""
 _LOW_M, _TALL_M, _RADIUS_M, _FAR_M, _LOOK_M = 0.05, 1.8, 0.18, 25.0, 2.0
 _STRIDE = 2
 _N_BINS = 120
@@ -43,43 +48,43 @@ F32 = NDArray[np.float32]
 
 @dataclass(frozen=True, eq=False)
 class EgoView:
-    """One frame. Rows and pairs that are not there are -1."""
+    """Arrays of one frame; unused rows and pairs are -1."""
 
     patch: NDArray[np.uint8]
-    """(ROWS, COLUMNS) bits."""
+    """(ROWS, COLUMNS) uint8, bits EXPLORED, SEEN_FLOOR and BLOCKED."""
     look: NDArray[np.uint8]
-    """(ROWS, COLUMNS): 255 exp(-d / 2 m), d the least horizontal distance from which it was seen."""
+    """(ROWS, COLUMNS) uint8, 255 exp(-d / 2 m); d is the least horizontal distance from which the cell was seen."""
     names: tuple[str, ...]
     """Category of each thing, at most N_THINGS."""
     tracks: NDArray[np.int16]
-    """(N_THINGS,)."""
+    """(N_THINGS,) track number of each thing."""
     things: NDArray[np.float16]
-    """(N_THINGS, len(THING_FEATURES))."""
+    """(N_THINGS, len(THING_FEATURES)) features of each thing."""
     pair_cell: NDArray[np.int16]
-    """(N_PAIRS,) cell of the patch."""
+    """(N_PAIRS,) index of a cell of the patch."""
     pair_row: NDArray[np.int16]
-    """(N_PAIRS,) thing seen in it."""
+    """(N_PAIRS,) index of the thing seen in it."""
 
 
 def ego_view(depth: F32, pitch_rad: float, camera_m: float, info: Mapping[str, Any], target: str) -> EgoView:
-    """Read one frame.
+    """Convert one frame to arrays.
 
     Args:
-        depth: (H, W) optical metres.
-        pitch_rad: up positive.
-        camera_m: height of the camera.
-        info: with ``detections``, ``tracks`` and ``opened`` of the step.
-        target: category that is put first.
+        depth: (H, W) float32, distance along the optical axis in metres.
+        pitch_rad: of the camera, up positive.
+        camera_m: height of the camera above the floor.
+        info: of the step, with ``detections``, ``tracks`` and ``opened``.
+        target: category that is listed first.
 
     Raises:
-        ConfigError: no view of 90 degrees.
+        ConfigError: the field of view is not 90 degrees.
     """
     require_right_angle(info)
     found = Detections.from_info(info)
     points, spread = _points(depth, pitch_rad, camera_m)
     patch, look, cell = _floor(points[:, ::_STRIDE, ::_STRIDE], spread[::_STRIDE, ::_STRIDE])
     n_tracks = int(max(found.image.max(), found.track.max(initial=0))) + 1
-    shown = np.zeros(n_tracks + 1, bool)  # the last for pixels of nothing
+    shown = np.zeros(n_tracks + 1, bool)  # index -1 is the last entry: pixels of no track
     shown[found.image[np.isfinite(spread)]] = True
     rows, names = _chosen(found, shown, target)
     table = np.full(n_tracks + 1, -1, np.int16)
@@ -97,7 +102,7 @@ def ego_view(depth: F32, pitch_rad: float, camera_m: float, info: Mapping[str, A
 
 @lru_cache(maxsize=8)
 def _rays(height: int, width: int) -> tuple[F32, F32]:
-    """Tangents (H, 1) upwards and (1, W) to the left of the sight lines."""
+    """Tangents of the sight lines: upwards (H, 1) and to the left (1, W)."""
     focal_px = 0.5 * width
     up = (0.5 * height - np.arange(height) - 0.5) / focal_px
     left = (0.5 * width - np.arange(width) - 0.5) / focal_px
@@ -105,7 +110,10 @@ def _rays(height: int, width: int) -> tuple[F32, F32]:
 
 
 def _points(depth: F32, pitch_rad: float, camera_m: float) -> tuple[F32, F32]:
-    """Metres (3, H, W) ahead, to the left, above the floor; and horizontal distance (H, W), infinite for the sky."""
+    """Points (3, H, W) in metres ahead, to the left, and above the floor.
+
+    Horizontal distance (H, W), inf without a hit.
+    """
     up, left = _rays(*depth.shape)
     cos, sin = np.float32(np.cos(pitch_rad)), np.float32(np.sin(pitch_rad))
     points = np.empty((3, *depth.shape), np.float32)
@@ -125,12 +133,13 @@ def _cells() -> tuple[F32, NDArray[np.int64]]:
 
 
 def _bins(ahead: NDArray[Any], left: NDArray[Any]) -> NDArray[np.int64]:
+    """Index of the direction bin, 0 to 119, counter-clockwise from straight ahead."""
     turn = np.arctan2(left, ahead) * (_N_BINS / (2 * np.pi))
     return np.floor(turn + 0.5).astype(np.int64) % _N_BINS
 
 
 def _floor(points: F32, spread: F32) -> tuple[NDArray[np.uint8], NDArray[np.uint8], NDArray[np.int64]]:
-    """Patch, looks, and the cell (h, w) of every point, -1 outside the patch."""
+    """Patch (ROWS, COLUMNS), looks (ROWS, COLUMNS), and the cell (h, w) of every point, -1 outside the patch."""
     f = np.floor(points[0] / CELL_M + 0.5)
     left = np.floor(points[1] / CELL_M + 0.5)
     inside = (spread < 30.0) & (f >= -BEHIND) & (f <= AHEAD) & (np.abs(left) <= ASIDE)
@@ -155,7 +164,13 @@ def _floor(points: F32, spread: F32) -> tuple[NDArray[np.uint8], NDArray[np.uint
 
 
 def _block(flags: NDArray[np.uint8], at: NDArray[np.int64], off: F32) -> None:
-    """Mark the cells whose nodes are within the robot's radius of obstacle points, ``off`` (2, n) metres from nodes."""
+    """Mark cells whose nodes lie within the robot's radius of obstacle points.
+
+    Args:
+        flags: (N_CELLS,) uint8, changed in place.
+        at: (n,) cell of each point.
+        off: (2, n) offset of each point from its cell's node, in metres.
+    """
     step = np.where(off > 0, 1, -1)
     beyond = CELL_M - np.abs(off)
     flags[at] |= BLOCKED
@@ -168,9 +183,9 @@ def _block(flags: NDArray[np.uint8], at: NDArray[np.int64], off: F32) -> None:
 
 
 def _chosen(found: Detections, shown: NDArray[np.bool_], target: str) -> tuple[NDArray[np.int64], tuple[str, ...]]:
-    """Rows of detections that are things and in view: the target, then the largest.
+    """Rows and names of detected things in view: the target first, then by size.
 
-    ``shown`` by track: boxes may be listed all of whose pixels others took, or that nothing can be measured of.
+    ``shown`` is by track: detectors may list boxes whose pixels all belong to others or have no valid depth.
     """
     seen = shown[found.track].tolist()
     things = [k for k, name in enumerate(found.category) if seen[k] and name not in STRUCTURE_KINDS]
@@ -180,7 +195,7 @@ def _chosen(found: Detections, shown: NDArray[np.bool_], target: str) -> tuple[N
 
 
 def _measure(image: NDArray[np.int16], points: F32, spread: F32, n: int, camera_m: float, out: F32) -> F32:
-    """Fill the features of n things from their pixels; returns their means (n, 3) in metres."""
+    """Write the features of n things into ``out`` from their pixels; returns their mean points (n, 3) in metres."""
     v, u = np.nonzero((image >= 0) & np.isfinite(spread))
     row = image[v, u].astype(np.int64)
     order = np.argsort(row, kind="stable")
@@ -207,7 +222,7 @@ def _measure(image: NDArray[np.int16], points: F32, spread: F32, n: int, camera_
 def _pairs(
     image: NDArray[np.int16], cell: NDArray[np.int64], middle: F32
 ) -> tuple[NDArray[np.int16], NDArray[np.int16]]:
-    """Cells of things: that of each one's middle first, then those of its points."""
+    """(cell, thing) pairs: first the cell of each thing's mean point, then the cells of all its points."""
     with np.errstate(invalid="ignore"):
         f, left = (np.floor(middle[:, k] / CELL_M + 0.5) for k in range(2))
         inside = np.isfinite(f) & (f >= -BEHIND) & (f <= AHEAD) & (np.abs(left) <= ASIDE)

@@ -1,7 +1,7 @@
-"""A coarse memory of where the agent has been and what it saw there, kept in the recurrent state.
+"""The map memory: a grid of where the agent has been and what it saw there, kept in the recurrent state.
 
-A map of 0.25 m cells around the start, written by fixed rules from each frame's :mod:`models.nets.end_to_end.ego_view`:
-no parameters, no gradient, a pure function of the stream of frames. The network reads a window around the agent.
+0.25 m cells around the start, written by fixed rules from each frame's :mod:`models.nets.end_to_end.ego_view`: no
+parameters, no gradient, a pure function of the sequence of frames. The network reads a window around the agent.
 """
 
 from __future__ import annotations
@@ -25,16 +25,20 @@ from models.nets.end_to_end.ego_view import (
 
 HALF = 128
 SIZE = 2 * HALF + 1
-"""Cells of the map: 64 m, the start in the middle."""
+"""Cells of a side of the map: 64 m, with the start in the middle."""
 REACH = 40
 WINDOW = 2 * REACH + 1
-"""Cells of the window that is read: 10 m to each side of the agent."""
+"""Cells of a side of the window: 10 m to each side of the agent."""
 CHANNELS = (
     *("explored", "floor", "blocked", "looked", "ontop", "beside", "inside", "closed"),
     *("opened", "target", "visited", "most"),
 )
-"""``ontop`` to ``closed``: belief that the target is with the things in the cell, relative to the best category: on
-them, beside or under them, in what is open, in what opens. ``most`` is the greatest belief, ``visited`` counts."""
+"""Layers of the map, uint8.
+
+``ontop`` to ``closed`` hold the belief that the target is with a thing in the cell, relative to the best category: on
+it, beside or under it, in an open one, in a closed one (stored as 255 times the square root). ``most`` is the largest
+of these; ``visited`` counts visits in steps of 64.
+"""
 _MASSES = slice(4, 10)
 _MOST = CHANNELS.index("most")
 N_TRACKS = 512
@@ -43,35 +47,35 @@ State = dict[str, Tensor]
 
 
 class MemoryStep(NamedTuple):
-    """What is written at one step, for B episodes."""
+    """What one step writes, for B episodes."""
 
     pose: Tensor
-    """(B, 4) int: cell (i, j) from the start, heading in quarter turns, look."""
+    """(B, 4) int: cell (i, j) relative to the start, heading in quarter turns, look up or down."""
     collision: Tensor
-    """(B,) bool."""
+    """(B,) bool, the last move hit something."""
     patch: Tensor
-    """(B, ROWS, COLUMNS) uint8."""
+    """(B, ROWS, COLUMNS) uint8, bits of :mod:`models.nets.end_to_end.ego_view`."""
     look: Tensor
-    """(B, ROWS, COLUMNS) uint8."""
+    """(B, ROWS, COLUMNS) uint8, how closely each cell was seen."""
     pair_cell: Tensor
-    """(B, P) int, -1 none."""
+    """(B, P) int, cell of the patch of each (thing, cell) pair; -1 for none."""
     pair_mass: Tensor
     """(B, 6, P) in [0, 1]: ontop, beside, inside, closed, opened, target."""
     pair_category: Tensor
-    """(B, P) int."""
+    """(B, P) int, category of the thing."""
 
 
 class Window(NamedTuple):
-    """What is read at one step."""
+    """The part of the map around an agent."""
 
     cells: Tensor
-    """(B, len(CHANNELS), WINDOW, WINDOW) uint8 of the map's axes, the agent in the middle."""
+    """(B, len(CHANNELS), WINDOW, WINDOW) uint8 along the map's axes, with the agent in the middle."""
     free: Tensor
-    """(B, WINDOW, WINDOW) bool: not known to be impassable."""
+    """(B, WINDOW, WINDOW) bool, False where cells are known to be impassable."""
 
 
 class FloorMemory(torch.nn.Module):
-    """Writes and reads maps."""
+    """Writes frames into maps and reads windows from them."""
 
     offsets: Tensor
 
@@ -84,14 +88,19 @@ class FloorMemory(torch.nn.Module):
         self.register_buffer("offsets", offsets, persistent=False)  # (4, 2, N_CELLS): cells of the patch by heading
 
     def initial_state(self, batch: int, device: torch.device) -> State:
-        """Empty maps."""
+        """Empty maps: ``cells`` (B, channels, SIZE ** 2) uint8 of 0, ``what`` (B, SIZE ** 2) int16 of -1."""
         cells = torch.zeros(batch, len(CHANNELS), SIZE * SIZE, dtype=torch.uint8, device=device)
         what = torch.full((batch, SIZE * SIZE), -1, dtype=torch.int16, device=device)
         return {"cells": cells, "what": what}
 
     @torch.no_grad()
     def write(self, state: State, step: MemoryStep) -> None:
-        """Put one step into the maps, in place."""
+        """Write one step into the maps, in place.
+
+        Args:
+            state: maps as of :meth:`initial_state`.
+            step: what was seen.
+        """
         cells, what = state["cells"], state["what"]
         here = step.pose[:, :2].long() + HALF
         at = here[:, :, None] + self.offsets[step.pose[:, 2].long()]  # (B, 2, N_CELLS)
@@ -106,6 +115,7 @@ class FloorMemory(torch.nn.Module):
         self._write_self(cells, here, step)
 
     def _write_pairs(self, cells: Tensor, what: Tensor, flat: Tensor, inside: Tensor, step: MemoryStep) -> None:
+        """Write the belief of things into their cells; ``what`` keeps the category of the highest belief."""
         there = (step.pair_cell >= 0) & inside.gather(1, step.pair_cell.clamp(min=0).long())
         target = flat.gather(1, step.pair_cell.clamp(min=0).long())  # (B, P)
         mass = (255 * step.pair_mass.clamp(0, 1).sqrt() * there[:, None]).to(torch.uint8)
@@ -117,6 +127,7 @@ class FloorMemory(torch.nn.Module):
         what[batch, target[batch, pair]] = step.pair_category[batch, pair].to(torch.int16)
 
     def _write_self(self, cells: Tensor, here: Tensor, step: MemoryStep) -> None:
+        """Mark the agent's cell as visited, and the cell ahead as blocked after a collision."""
         rows = torch.arange(len(here), device=here.device)
         ahead = here + self.offsets[step.pose[:, 2].long(), :, (BEHIND + 1) * COLUMNS + ASIDE]
         own, next_ = (
@@ -129,7 +140,7 @@ class FloorMemory(torch.nn.Module):
         cells[rows, 0, own] = 255
 
     def read(self, state: State, pose: Tensor) -> Window:
-        """The windows around agents at ``pose`` (B, 4); what lies beyond the map is unknown."""
+        """Windows around agents at ``pose`` (B, 4); cells beyond the map count as unknown."""
         cells = state["cells"].view(len(pose), -1, SIZE, SIZE)
         here = (pose[:, :2].long() + HALF).clamp(0, SIZE - 1).tolist()
         window = torch.stack([_around(c, i, j) for c, (i, j) in zip(cells, here, strict=True)])
@@ -138,7 +149,7 @@ class FloorMemory(torch.nn.Module):
 
 
 def _around(cells: Tensor, i: int, j: int) -> Tensor:
-    """The window (C, WINDOW, WINDOW) of a map (C, SIZE, SIZE) whose middle is cell (i, j)."""
+    """The window (C, WINDOW, WINDOW) of a map (C, SIZE, SIZE) around cell (i, j)."""
     top, left = i - REACH, j - REACH
     part = cells[:, max(top, 0) : top + WINDOW, max(left, 0) : left + WINDOW]
     above, before = max(-top, 0), max(-left, 0)
@@ -147,11 +158,14 @@ def _around(cells: Tensor, i: int, j: int) -> Tensor:
 
 
 def coarse(cells: Tensor) -> Tensor:
-    """Blocks of 2 x 2 cells of windows (N, C, W, W) uint8, and what follows from them.
+    """Windows at half the resolution, with unknown space and frontiers.
+
+    Args:
+        cells: (N, C, W, W) uint8.
 
     Returns:
-        (N, C + 2, (W + 1) / 2, (W + 1) / 2) float32 in [0, 1]: the greatest of each block, the share that is unknown,
-        and the floor that borders on the unknown (frontiers).
+        (N, C + 2, (W + 1) / 2, (W + 1) / 2) float32 in [0, 1]: the largest value of each 2 x 2 block, the share of it
+        that is unknown, and floor that borders on the unknown (frontiers).
     """
     unknown = functional.avg_pool2d(255.0 - cells[:, :1].float(), 2, ceil_mode=True) / 255.0
     pooled = functional.max_pool2d(cells.float(), 2, ceil_mode=True) / 255.0

@@ -1,4 +1,4 @@
-"""What the end-to-end habit policy thought on the way to its action."""
+"""Intermediate results of the end-to-end habit policy, from which its actions are explained."""
 
 from __future__ import annotations
 
@@ -8,9 +8,12 @@ from models.nets.end_to_end.places_to_go import Ways
 from models.nets.end_to_end.things_in_view import Seen
 
 
-class Inside(NamedTuple):
-    """What the network thought on the way, for T steps of B episodes: see :mod:`models.nets.end_to_end.reasons`."""
+class PolicyTrace(NamedTuple):
+    """Intermediate results for T steps of B episodes.
+
+    :mod:`models.nets.end_to_end.reasons` explains actions by them.
+    """
 
     seen: Seen
     ways: Ways
-    """Of T * B agents."""
+    """Places to go to, of T * B agents."""

@@ -1,4 +1,4 @@
-"""One step of the environment as the end-to-end habit policy stores it."""
+"""Arrays of one step of the environment, as the end-to-end habit policy reads and stores them."""
 
 from __future__ import annotations
 
@@ -13,18 +13,22 @@ from models.nets.vision.eye import small_image
 from ucon.core.errors import ConfigError
 from ucon.learning.policies.action_policy import Arrays
 
-#: Side of a cell of the floor that a position is rounded to, and unit of a look up or down.
+#: Positions are rounded to cells of this side; looks up or down are in units of these degrees.
 _CELL_M, _LOOK_DEG = 0.25, 30
 
 
 def one_frame(observation: Mapping[str, Any], info: Mapping[str, Any], image_px: int, *, with_rgb: bool) -> Arrays:
-    """Image, patch of floor, things and status of one step; about 20 KB.
+    """Image, patch of floor, things and status of one step; about 20 kB.
 
     Args:
-        observation: of ``UcON-v0``, with images.
+        observation: of ``UcON-v0``, with ``rgb`` and ``depth``.
         info: of the same step, with detections.
-        image_px: side of the image that is kept; divides the camera's.
-        with_rgb: keep the whole frame too.
+        image_px: side of the stored image; divides the camera's.
+        with_rgb: store the whole frame too, as ``rgb``.
+
+    Returns:
+        ``image`` (4, px, px) uint8; ``pose`` (4,) int16: cell (i, j), heading, look; ``status`` (3,) int16: step,
+        collision, last action; and the arrays of :class:`models.nets.end_to_end.ego_view.EgoView`.
 
     Raises:
         ConfigError: images or detections are missing, or ``image_px`` does not fit.

@@ -1,9 +1,9 @@
-"""Where to go: a probability over the poses of the remembered floor, and the action that goes there.
+"""Where to go: a distribution over the poses of the remembered floor, and the first action towards each.
 
-Each pose gets what it promises, learned from what is remembered around it, less what the way there costs. The chance
-of an action is the sum over the poses whose shortest way begins with it. That is a mixture, so the imitated action
-teaches what a place promises: which habit-given anchors, containers, frontiers are worth the way. The same for all
-four headings: what lies ahead of a pose is weighed by one kernel, turned.
+A pose's score is what it promises, learned from the map around it, minus the cost of the way there. The probability of
+an action is the sum over poses whose shortest path begins with it. As this is a mixture, imitating actions teaches what
+places promise: which anchors named by habits, containers and frontiers are worth the way. All four headings share the
+weights: what lies ahead of a pose is weighed by one kernel, rotated.
 """
 
 from __future__ import annotations
@@ -20,27 +20,33 @@ from models.nets.end_to_end.shortest_ways import FAR, shortest_ways
 _INPUTS = len(CHANNELS) + 2
 _KERNEL = 5
 _NEVER = -1e4
-"""Score of what cannot be; infinities would make gradients that are no numbers."""
-#: What a place promises before anything was learned, in actions that are worth it, by channel.
+"""Score of what cannot be; -inf would give NaN gradients."""
+#: Initial promise of a place by channel, in actions that one would spend for it.
 _BEFORE = {"ontop": 6.0, "beside": 4.0, "inside": 4.0, "closed": 8.0, "target": 60.0, "frontier": 4.0}
 
 
 class Ways(NamedTuple):
-    """For N agents, C x C blocks of two cells around each."""
+    """For N agents: log-probabilities of first actions, and of goals in C x C blocks of 2 x 2 cells around each."""
 
     log_p: Tensor
-    """(N, 4) of MoveAhead, RotateRight, RotateLeft, and of staying in this pose."""
+    """(N, 4) log-probability of MoveAhead, RotateRight, RotateLeft, and of staying in this pose."""
     goals: Tensor
-    """(N, 4, C, C) probability of going to each pose, by heading."""
+    """(N, 4, C, C) probability of going to each pose, by heading there."""
     interest: Tensor
-    """(N, F, C, C), what the places are taken for."""
+    """(N, F, C, C) learned features of places, which promises are computed from."""
 
 
 class PlacesToGo(nn.Module):
-    """Scores poses."""
+    """Network that scores the poses around the agent."""
 
     def __init__(self, n_globals: int, width: int = 16, n_interests: int = 8) -> None:
-        """``n_globals``: numbers that hold for the whole episode or step and change what is worth going to."""
+        """Build the network; at first it scores by the fixed promises of the channels.
+
+        Args:
+            n_globals: number of features of the whole episode or step, which change what is worth going to.
+            width: channels of the hidden layers.
+            n_interests: learned features of a place.
+        """
         super().__init__()
         self.near = nn.Conv2d(_INPUTS, width, 3, padding=1)
         self.wide = nn.Conv2d(width, width, 3, padding=2, dilation=2)
@@ -60,12 +66,18 @@ class PlacesToGo(nn.Module):
             self.raw.weight[0, names.index(name)] = worth
         nn.init.normal_(self.view[:, 1:], std=0.05)
         middle = _KERNEL // 2
-        self.view[0, 0, middle + 1, middle] = 0.6  # what is half a metre ahead of a pose
+        self.view[0, 0, middle + 1, middle] = 0.6  # weight of the block half a metre ahead of a pose
         self.view[0, 0, middle + 2, middle] = 0.2
         self.view[0, 0, middle + 1, middle - 1 : middle + 2 : 2] = 0.1
 
     def forward(self, window: Window, heading: Tensor, given: Tensor) -> Ways:
-        """Weigh the places of windows of N agents with ``heading`` (N,), given ``globals`` (N, n_globals)."""
+        """Score the poses around N agents.
+
+        Args:
+            window: of each agent.
+            heading: (N,) int, quarter turns.
+            given: (N, n_globals) features of episode and step.
+        """
         steps, first = shortest_ways(window.free, heading)
         seen = coarse(window.cells)
         hidden = functional.relu(self.near(seen) + self.globals(given)[:, :, None, None])
@@ -78,11 +90,11 @@ class PlacesToGo(nn.Module):
         return Ways(_by_first(log_goal, first.flatten(1)), log_goal.exp().view_as(promise), interest)
 
     def _kernels(self) -> Tensor:
-        """The view of headings 0 to 3: heading 0 looks along the first axis, 1 along the second."""
+        """The kernel for headings 0 to 3; heading 0 looks along the first axis, 1 along the second."""
         return torch.cat([torch.rot90(self.view, turns, (2, 3)) for turns in range(4)])
 
 
 def _by_first(log_goal: Tensor, first: Tensor) -> Tensor:
-    """Logarithms (N, 4) of the sums over the goals whose way begins with each action, not below -12."""
+    """(N, 4) log of the summed probability of the goals whose path begins with each action, at least -12."""
     parts = [torch.logsumexp(log_goal.masked_fill(first != a, _NEVER), 1) for a in range(4)]
     return torch.stack([torch.logaddexp(part, torch.full_like(part, -12.0)) for part in parts], 1)

@@ -1,7 +1,7 @@
-"""What the habits say about an episode's target, as arrays of fixed shape: read once, at reset.
+"""Habits about an episode's target as arrays of fixed shape, computed once at reset.
 
-The belief over anchors comes from a reader (``ucon.readers.anchor_reader.AnchorReader``, or a learned one with the same
-methods). The habits that speak most for places of the target are kept as vectors, for the network to attend to.
+The belief over anchors comes from a reader (``ucon.readers.anchor_reader.AnchorReader``, or another with the same
+interface). The habits that speak most for places of the target are also given as vectors, for the network to attend to.
 """
 
 from __future__ import annotations
@@ -22,28 +22,30 @@ from ucon.perception.places.target_places import affordance
 from ucon.readers.protocol import Read, Reader
 
 N_HABITS = 24
-"""Habits that are kept: those that speak most for some place of the target."""
+"""Number of habits given as vectors: those with the largest support for places of the target."""
 HABIT_FEATURES = ("there", "relevance", "place", "score")
-"""Of each habit kept: 1 (0 in empty rows), how much it is about the target, how much it speaks for any place of it;
-where asked for, its retrieval score."""
+"""Features of each such habit.
+
+1 (0 in empty rows), relevance to the target, support for any place of it, and, where asked for, its retrieval score.
+"""
 SUMMARY_FEATURES = ("most", "entropy", "amount", "some", "trusted", "size_m", "height_m")
 STATIC_FEATURES = ("openable", "inside", "ontop", "under", "furniture", "length_m", "height_m", "known")
-"""Of a category, by the catalogue; ``known``: an anchor that the reader knows."""
+"""Features of a category from the catalogue; ``known``: an anchor that the reader knows."""
 
 
 class Words(NamedTuple):
-    """What is known of every category of the catalogue, in its order."""
+    """Categories of the catalogue, in its order, with embeddings and static features."""
 
     number: dict[str, int]
     vectors: NDArray[np.float16]
     """(n, DIM) embeddings of the names."""
     static: NDArray[np.float32]
-    """(n, len(STATIC_FEATURES) - 1)."""
+    """(n, len(STATIC_FEATURES) - 1): all of :data:`STATIC_FEATURES` but ``known``."""
 
 
 @lru_cache(maxsize=1)
 def words() -> Words:
-    """The catalogue as the policy sees it."""
+    """The catalogue's categories; computed once per process."""
     names = catalogue().names
     static = np.zeros((len(names), len(STATIC_FEATURES) - 1), np.float32)
     for row, name in zip(static, names, strict=True):
@@ -55,9 +57,17 @@ def words() -> Words:
 
 
 def kept_habits(reading: Read, texts: Sequence[str], known: Sequence[str]) -> tuple[list[int], NDArray[np.float64]]:
-    """Habits that speak most for places of the target, at most N_HABITS, in an order that is that of no list.
+    """The habits that speak most for places of the target.
 
-    Also the support (H, A) of all habits for the known anchors.
+    Args:
+        reading: of the habits about the target.
+        texts: H habits.
+        known: A anchors.
+
+    Returns:
+        Indices of at most N_HABITS habits, ordered by support and text, so not by the list's order; and the support (H,
+        A)
+        of all habits for each anchor.
     """
     support = np.zeros((len(texts), len(known)))
     for k, anchor in enumerate(known):
@@ -70,13 +80,13 @@ def kept_habits(reading: Read, texts: Sequence[str], known: Sequence[str]) -> tu
 def read_habits(
     reader: Reader, info: Mapping[str, Any], *, scores: bool = False, encoder: StoredEncoder | None = None
 ) -> dict[str, NDArray[np.generic]]:
-    """The arrays of an episode from the ``info`` of its reset.
+    """Arrays of an episode from the ``info`` of its reset.
 
     Args:
         reader: of the habits.
-        info: with ``target``, ``habits``, ``habit_level``.
+        info: with ``target``, ``habits`` and ``habit_level``.
         scores: give each habit its cosine with the retrieval query.
-        encoder: of the sentences, the shipped one by default.
+        encoder: of the sentences; the shipped one by default.
 
     Returns:
         belief (n, 4) float16, p(category, relation) for the n categories of the catalogue; summary (7,) float32;
@@ -118,7 +128,7 @@ def read_habits(
 def _summary(
     p: NDArray[np.float64], n: int, support: NDArray[np.float64], trusted: bool, target: str
 ) -> NDArray[np.float32]:
-    """How sure the belief is, how much was said, and how large the target is."""
+    """(7,) float32: how certain the belief is, how much the habits say, and the size of the target."""
     entropy = -float((p * np.log(np.maximum(p, 1e-12))).sum())
     size = catalogue()[target].size if target in catalogue() else (0.1, 0.1, 0.1)
     amount = float(np.log1p(support.sum()))

@@ -1,6 +1,6 @@
-"""Why the end-to-end habit policy did what it did: which place it goes to, for the sake of what, by which habit.
+"""Explains an action of the end-to-end habit policy: the place it goes to, the thing there, and the habits behind it.
 
-For people: no part of this reaches a decision.
+For display only: nothing of this enters a decision.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from models.nets.end_to_end.ego_view import CELL_M
 from models.nets.end_to_end.floor_memory import HALF, REACH, SIZE
-from models.nets.end_to_end.inside import Inside
+from models.nets.end_to_end.inside import PolicyTrace
 from models.nets.end_to_end.read_habits import kept_habits, words
 from ucon.learning.policies.action_policy import Tensors
 from ucon.objects.catalogue import catalogue
@@ -24,36 +24,38 @@ from ucon.readers.protocol import Reader
 from ucon.task.actions import Action
 
 _NEAR = 6
-"""Cells around a goal in which the most believed thing is taken for the reason."""
+"""Cells around a goal among which the thing with the highest belief counts as its reason."""
 _SPEAKS = 0.05
-"""A habit with so much support speaks for a place."""
+"""Least support with which a habit counts as speaking for a place."""
 _MOST_HABITS = 3
 
 
 @dataclass(frozen=True)
 class Reasons:
-    """Of one step of one episode."""
+    """Explanation of one step of one episode."""
 
     goal_xy: tuple[float, float]
-    """Metres from the start, of the most probable place to go to."""
+    """Most probable place to go to, in metres from the start."""
     goal_p: float
-    """Its probability."""
+    """Probability of that place."""
     thing: str
-    """Category of the most believed thing remembered there; "" where there is none."""
+    """Category with the highest belief remembered there; "" for none."""
     belief: tuple[tuple[str, str, float], ...]
-    """The places that are believed most at all: anchor, relation, probability."""
+    """The five most probable places of the target: anchor, relation, probability."""
     habits: tuple[tuple[str, float], ...]
-    """Habits that speak for the target being by ``thing``, else by the most believed anchor, else anywhere: the
-    strongest first, with their support in [0, 1]."""
+    """Habits with the most support, falling, each with its support in [0, 1].
+
+    Support is for the target being at ``thing``, else at the most probable anchor, else anywhere.
+    """
     seen: tuple[tuple[str, float], ...]
-    """Things in view by the attention that they got."""
+    """Things in view, with the attention that each got."""
     actions: tuple[float, ...]
     """Probability of each of the seven actions."""
     goals: NDArray[np.float32]
-    """(C, C) probability of going to each place around the agent, 0.5 m cells of the map's axes: to be drawn."""
+    """(C, C) probability of going to each place around the agent, in 0.5 m cells along the map's axes; for drawing."""
 
     def table(self) -> str:
-        """As a few lines of text."""
+        """The explanation as a few lines of text."""
         likely = int(np.argmax(self.actions))
         lines = [
             f"action    {Action(likely).name} {self.actions[likely]:.2f}",
@@ -70,21 +72,21 @@ def reasons(
     frame: Tensors,
     context: Tensors,
     state: Tensors,
-    inside: Inside,
+    trace: PolicyTrace,
     logits: Any,
 ) -> Reasons:
-    """Read the last step of the only episode of a call of ``HabitPolicyE2E.think``.
+    """Explain the last step of a call of ``HabitPolicyE2E.think`` with one episode.
 
     Args:
-        reader: the policy's.
-        info: at the episode's reset, for its sentences.
-        frame: of that step, (1, 1, ...).
-        context: (1, ...).
-        state: after the step.
-        inside: what ``think`` gave.
+        reader: of the policy.
+        info: of the episode's reset, with its habits.
+        frame: of that step, (1, 1, ...) by name.
+        context: (1, ...) by name.
+        state: recurrent state after the step, (1, ...) by name.
+        trace: second result of ``think``.
         logits: (7,).
     """
-    goals = inside.ways.goals[-1].sum(0)  # (C, C)
+    goals = trace.ways.goals[-1].sum(0)  # (C, C)
     at = divmod(int(goals.argmax()), goals.shape[1])
     i, j = (int(frame["pose"][-1, 0, k]) + 2 * at[k] - REACH for k in range(2))
     thing = _thing_near(state, i, j)
@@ -95,7 +97,7 @@ def reasons(
         (names[k // len(RELATIONS)], RELATIONS[k % len(RELATIONS)], round(p, 3))
         for p, k in zip(best.values.tolist(), best.indices.tolist(), strict=True)
     )
-    focus, ids = inside.seen.focus[-1, 0], frame["thing_ids"][-1, 0]
+    focus, ids = trace.seen.focus[-1, 0], frame["thing_ids"][-1, 0]
     order = [k for k in focus.argsort(descending=True).tolist() if ids[k] >= 0][:4]
     seen = tuple((_name(int(ids[k])), round(float(focus[k]), 3)) for k in order)
     return Reasons(
@@ -111,7 +113,7 @@ def reasons(
 
 
 def _thing_near(state: Tensors, i: int, j: int) -> str:
-    """The most believed category remembered within some cells of a place."""
+    """Category with the highest belief remembered within 6 cells of cell (i, j); "" for none."""
     most = state["cells"][0, -1].view(SIZE, SIZE)
     a, b = max(i + HALF - _NEAR, 0), max(j + HALF - _NEAR, 0)
     around = most[a : a + 2 * _NEAR + 1, b : b + 2 * _NEAR + 1]
@@ -127,7 +129,7 @@ def _name(number: int) -> str:
 
 
 def _speaking(reader: Reader, info: Mapping[str, Any], anchors: Sequence[str]) -> tuple[tuple[str, float], ...]:
-    """Habits with the most support for the first of some anchors that has any to speak of, or for any place."""
+    """Habits with the most support for the first of ``anchors`` that has any, else for any place; at most three."""
     texts: Sequence[str] = tuple(info["habits"])
     if not texts:
         return ()

@@ -1,6 +1,6 @@
-"""Shortest ways over a remembered floor: how many actions to every pose, and which action goes first.
+"""Shortest paths over a remembered floor: the number of actions to every pose, and the first action.
 
-Moves and turns cost one action each, as in the task. Geometry alone decides, so no gradient passes: what is learned is
+Moves and turns cost one action each, as in the task. Geometry alone decides and no gradient passes; what is learned is
 where to go (:mod:`models.nets.end_to_end.places_to_go`).
 """
 
@@ -17,16 +17,25 @@ from ucon.task.actions import Action
 I64 = NDArray[np.int64]
 
 FAR = 255
-"""Distance of poses that cannot be reached, or not within so many actions."""
+"""Distance of poses that cannot be reached, or not within 254 actions."""
 STAY = 3
-"""Label of the pose that the agent is in; the others are the numbers of MoveAhead, RotateRight, RotateLeft."""
+"""First action of the pose that the agent is in; others are the numbers of MoveAhead, RotateRight and RotateLeft."""
 
 assert (Action.MOVE_AHEAD, Action.ROTATE_RIGHT, Action.ROTATE_LEFT) == (0, 1, 2)
 
 
 @jit
 def _search(ok: U8, width: int, start: int, steps: U8, first: U8, queue: I32) -> None:
-    """Breadth-first search over states 4 * cell + heading of a floor ``ok`` (W * W,) whose border is closed."""
+    """Breadth-first search over states 4 * cell + heading.
+
+    Args:
+        ok: (W * W,) 1 for cells that may be stood on; the border has to be 0.
+        width: W.
+        start: state of the agent.
+        steps: (4 * W * W,) is filled with distances.
+        first: (4 * W * W,) is filled with first actions.
+        queue: (4 * W * W,) scratch memory.
+    """
     steps[:] = 255
     steps[start], first[start] = 0, 3
     queue[0], head, tail = start, 0, 1
@@ -49,7 +58,10 @@ def _search(ok: U8, width: int, start: int, steps: U8, first: U8, queue: I32) ->
 
 @jit
 def _search_all(free: U8, heading: I64, steps: U8, first: U8) -> None:
-    """Search for each of N agents; steps and first (N, 4, C, C) keep the nearest of each 2 x 2 cells."""
+    """Search for each of N agents.
+
+    ``steps`` and ``first`` (N, 4, C, C) get the nearest of each block of 2 x 2 cells.
+    """
     width, coarse = free.shape[1] + 2, steps.shape[2]
     queue = np.empty(4 * width * width, np.int32)
     fine, label = np.empty(4 * width * width, np.uint8), np.empty(4 * width * width, np.uint8)
@@ -71,14 +83,15 @@ def _search_all(free: U8, heading: I64, steps: U8, first: U8) -> None:
 def shortest_ways(free: Tensor, heading: Tensor) -> tuple[Tensor, Tensor]:
     """Distances and first actions from the middle of each floor.
 
+    Computed on the CPU, whatever the device of the inputs.
+
     Args:
-        free: (N, W, W) bool, cells that may be stood on, W odd; the middle one always may.
-        heading: (N,) int, quarter turns, 0 along the first axis and 1 along the second.
+        free: (N, W, W) bool, cells that may be stood on; W is odd, and the middle cell may always be stood on.
+        heading: (N,) int, quarter turns; 0 looks along the first axis, 1 along the second.
 
     Returns:
-        steps (N, 4, C, C) uint8, actions to the nearest cell of each block of 2 x 2, by heading there, :data:`FAR`
-        where there is no way; first (N, 4, C, C) uint8, the action that the way begins with, :data:`STAY` where the
-        agent is. C = (W + 1) / 2. On the CPU whatever the device: a search has no use for a GPU.
+        steps (N, 4, C, C) uint8, actions to the nearest cell of each block of 2 x 2, by heading there, or :data:`FAR`;
+        first (N, 4, C, C) uint8, the first action of that path, :data:`STAY` where the agent is. C = (W + 1) / 2.
     """
     grid = free.detach().to("cpu", torch.uint8).contiguous().numpy()
     n, width = grid.shape[:2]

@@ -1,7 +1,7 @@
-"""Detections as tokens: what each thing is, where, whether the target may be with it, and what the habits say of that.
+"""Detections as tokens: category, position, belief that the target is with the thing, and attention to the habits.
 
-Tokens attend to the habits; what pulls them is the likeness of vectors, and the reader's word on which habit speaks for
-the target being by a thing of this category.
+Attention scores are the likeness of vectors plus the log of the reader's support: how strongly a habit speaks for the
+target being at a thing of this category.
 """
 
 from __future__ import annotations
@@ -15,32 +15,35 @@ from models.nets.end_to_end.ego_view import THING_FEATURES
 from models.nets.end_to_end.read_habits import HABIT_FEATURES, STATIC_FEATURES, words
 
 REACH_M = 0.98
-"""A thing whose seen part is so near can be opened or taken, horizontally; the task says 1 m from its box."""
+"""Horizontal distance of a thing's nearest seen point within which it can be opened or taken; the task allows 1 m."""
 N_CUES = 10
 TAKE_M = 1.0
-"""Done within this of the seen part, which lies in the box, is never too far off: none of 25 searches
-ended too early, with a fifth more 14 of 50. Some stored solutions end a little farther off."""
+"""Done is possible within this distance of the target's seen part.
+
+That part lies in the target's box, so Done is then never too far off: none of 25 searches ended too early; with a fifth
+more, 14 of 50 did. Some stored solutions end a little farther off.
+"""
 _SCALE = {"ahead_m": 0.25, "left_m": 0.25, "up_m": 0.5, "nearest_m": 0.25, "pixels": 0.25}
 _FLOOR = 0.02
 
 
 class Seen(NamedTuple):
-    """What T steps of B episodes made of the things in view."""
+    """Results for the things in view at T steps of B episodes."""
 
     summary: Tensor
-    """(T, B, 3 width)."""
+    """(T, B, 3 width): attention-weighted mean, maximum, and what the habits say of the things."""
     cues: Tensor
-    """(T, B, N_CUES): facts that decide alone: is the target in view and in reach, is a closed container."""
+    """(T, B, N_CUES) facts that can decide alone: target in view, target in reach, a closed container in reach."""
     attention: Tensor
-    """(T, B, N, K) of each thing to each habit."""
+    """(T, B, N, K) attention of each thing to each habit."""
     focus: Tensor
-    """(T, B, N) of the agent to each thing."""
+    """(T, B, N) attention of the agent to each thing."""
     near: Tensor
-    """(T, B) bool: the target may be in reach."""
+    """(T, B) bool, True where the target may be in reach."""
 
 
 class ThingsInView(nn.Module):
-    """Reads tokens."""
+    """Network that reads the tokens of things."""
 
     vectors: Tensor
     static: Tensor
@@ -48,7 +51,13 @@ class ThingsInView(nn.Module):
     openable: Tensor
 
     def __init__(self, width: int, known: tuple[str, ...], goal_dim: int) -> None:
-        """``width`` of tokens; ``known``: the reader's anchors; ``goal_dim``: length of a text's vector."""
+        """Build the network.
+
+        Args:
+            width: of tokens.
+            known: anchors that the reader knows.
+            goal_dim: size of text embeddings.
+        """
         super().__init__()
         book = words()
         vectors = torch.from_numpy(book.vectors).float()
@@ -60,7 +69,7 @@ class ThingsInView(nn.Module):
                 anchor[book.number[name]] = k
                 static[book.number[name], -1] = 1.0
         blank = torch.zeros(1, vectors.shape[1])
-        # One row more for names that are not in the catalogue.
+        # The last row is for names outside the catalogue.
         self.register_buffer("vectors", torch.cat([vectors, blank]), persistent=False)
         self.register_buffer("static", static, persistent=False)
         self.register_buffer("anchor", anchor, persistent=False)
@@ -85,11 +94,11 @@ class ThingsInView(nn.Module):
         """Read the things of T steps of B episodes.
 
         Args:
-            ids: (T, B, N) category number, -1 where there is no thing.
+            ids: (T, B, N) number of the category, -1 where there is no thing.
             things: (T, B, N, len(THING_FEATURES)).
             opened: (T, B, N) bool, was opened before.
             mass: (T, B, N, 4) relative belief: ontop, beside, inside, closed.
-            context: of :func:`models.nets.end_to_end.read_habits.read_habits`, with a batch axis.
+            context: of :func:`models.nets.end_to_end.read_habits.read_habits`, (B, ...) by name.
         """
         there, row = ids >= 0, ids.clamp(min=0)
         is_target = (ids == context["target"][None, :, None]) & there
@@ -114,13 +123,13 @@ class ThingsInView(nn.Module):
         return Seen(summary, _cues(is_target, reach, closed, things, mass), attention, focus, near)
 
     def _names(self, row: Tensor) -> Tensor:
-        """Projected names of categories; whatever is less work goes first."""
+        """Projected names of categories; projects rows or the whole table first, whichever is smaller."""
         if row.numel() < len(self.vectors):
             return self.name(self.vectors[row])  # type: ignore[no-any-return]
         return nn.functional.embedding(row, self.name(self.vectors))
 
     def _attend(self, tokens: Tensor, anchor: Tensor, context: dict[str, Tensor]) -> tuple[Tensor, Tensor]:
-        """Cross-attention of tokens (T, B, N, D) to the habits (B, K, ...)."""
+        """Cross-attention of tokens (T, B, N, D) to K habits; the new tokens, and the attention (T, B, N, K)."""
         habits = _habits(context)
         there = context["habit_features"][..., 0] > 0.5  # (B, K)
         support = nn.functional.pad(context["support"].float(), (0, 1)).transpose(1, 2)  # (B, A + 1, K)
@@ -142,7 +151,7 @@ def _habits(context: dict[str, Tensor]) -> Tensor:
 
 
 def _cues(is_target: Tensor, reach: Tensor, closed: Tensor, things: Tensor, mass: Tensor) -> Tensor:
-    """Facts (T, B, N_CUES) of the frame."""
+    """Facts of each frame, (T, B, N_CUES)."""
     seen = is_target.any(-1)
     where = (things[..., :6] * is_target[..., None]).sum(-2) / is_target.sum(-1, keepdim=True).clamp(min=1)
     hope = (mass[..., 3] * closed).amax(-1)

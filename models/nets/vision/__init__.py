@@ -1,1 +1,1 @@
-"""Encoders of images and of what detectors see."""
+"""Encoders of images and of detections."""

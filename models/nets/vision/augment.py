@@ -1,4 +1,4 @@
-"""Augmentation of image sequences: colours and a shift, drawn once an episode and the same for all its steps."""
+"""Augmentation of image sequences: colour jitter and a shift, drawn once per episode and equal for all its steps."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 from torch.nn.functional import pad
 
-#: Parts of red, green and blue in brightness (ITU-R 601), as image libraries use them.
+#: Weights of red, green and blue in brightness (ITU-R 601).
 _GREY = (0.299, 0.587, 0.114)
 
 
@@ -15,8 +15,8 @@ def color_jitter(images: Tensor, strength: float, generator: torch.Generator) ->
 
     Args:
         images: (T, B, 3, H, W) in 0..1.
-        strength: factors are drawn from 1 -+ strength, turns of the hue from -+ strength of a full one.
-        generator: on the CPU.
+        strength: s; factors are drawn from 1 - s to 1 + s, turns of the hue from -s to s of a full circle.
+        generator: of the CPU.
 
     Returns:
         Images of the same shape, in 0..1.
@@ -38,9 +38,13 @@ def grey(images: Tensor) -> Tensor:
 
 
 def turn_hue(images: Tensor, turns: Tensor) -> Tensor:
-    """Turn colours (T, B, 3, H, W) about the grey axis by ``turns`` (B,) of a full circle, at equal brightness.
+    """Rotate colours about the grey axis, at equal brightness.
 
-    Linear in YIQ: red, green and blue change places at thirds of a turn, up to brightness.
+    Linear in YIQ; at thirds of a turn red, green and blue change places, up to brightness.
+
+    Args:
+        images: (T, B, 3, H, W).
+        turns: (B,) in full circles.
     """
     to_yiq = images.new_tensor([_GREY, (0.596, -0.274, -0.322), (0.211, -0.523, 0.312)])
     angle = 2 * torch.pi * turns
@@ -53,7 +57,13 @@ def turn_hue(images: Tensor, turns: Tensor) -> Tensor:
 
 
 def random_shift(images: Tensor, most_px: int, generator: torch.Generator) -> Tensor:
-    """Move images (T, B, C, H, W) by up to ``most_px`` pixels each way; what comes in repeats the border (DrQ)."""
+    """Move images by up to ``most_px`` pixels in x and y; the border is repeated (DrQ).
+
+    Args:
+        images: (T, B, C, H, W).
+        most_px: largest shift.
+        generator: of the CPU.
+    """
     steps, batch, _, height, width = images.shape
     moved = torch.randint(0, 2 * most_px + 1, (batch, 2), generator=generator).tolist()
     padded = pad(images.flatten(0, 1), (most_px,) * 4, mode="replicate").unflatten(0, (steps, batch))

@@ -1,4 +1,4 @@
-"""A frozen CLIP image encoder as one more look at each frame: optional, its weights are somebody else's."""
+"""A frozen CLIP image encoder as a further input of each frame; optional, its weights are not shipped."""
 
 from __future__ import annotations
 
@@ -11,25 +11,38 @@ from models.nets.vision.frozen import ClipTower
 
 _OPTION: Final = "agent.policy.clip.path"
 _MEAN, _DEVIATION = (0.48145466, 0.4578275, 0.40821073), (0.26862954, 0.26130258, 0.27577711)
-"""Of the colours that CLIP was trained on (Radford et al., 2021)."""
+"""Mean and standard deviation of the colours that CLIP was trained on (Radford et al., 2021)."""
 _CHUNK: Final = 64
 
 
 class ClipEye(ClipTower):
-    """Unit vectors of frames by ``CLIPVisionModelWithProjection``: computed once a frame, stored in float16."""
+    """CLIP's image vectors of frames, computed once per frame and stored as float16.
+
+    The model is transformers' ``CLIPVisionModelWithProjection``.
+    """
 
     def __init__(self, path: str, option: str = _OPTION) -> None:
-        """Describe the weights.
+        """Set where the weights are; they are loaded on first use.
 
         Args:
-            path: folder in Hugging Face layout (such as openai/clip-vit-base-patch32) or a name in its cache.
-            option: what gave the path, for messages.
+            path: folder in Hugging Face layout (such as openai/clip-vit-base-patch32), or a name in its cache.
+            option: name of the option with the path, for error messages.
         """
         super().__init__(path, "CLIPVisionModelWithProjection", option)
 
     @torch.no_grad()
     def vectors(self, rgb: Tensor) -> Tensor:
-        """Frames (N, H, W, 3) uint8 to unit vectors (N, dim) float16, on the frames' device."""
+        """Unit vectors of frames.
+
+        Args:
+            rgb: (N, H, W, 3) uint8.
+
+        Returns:
+            (N, dim) float16 on the frames' device.
+
+        Raises:
+            DataError: the weights are missing or damaged.
+        """
         model = self._weights.model.to(rgb.device)
         size = int(model.config.image_size)
         mean, deviation = (torch.tensor(v, device=rgb.device)[:, None, None] for v in (_MEAN, _DEVIATION))

@@ -1,4 +1,4 @@
-"""VTN's local tokens as in the paper: features, labels and boxes of DETR's hundred queries (Carion et al., 2020)."""
+"""VTN's local tokens as in the paper: features, labels and boxes of DETR's 100 queries (Carion et al., 2020)."""
 
 from __future__ import annotations
 
@@ -21,16 +21,26 @@ _OPTION: Final = "agent.policy.tokens.path"
 
 
 class DetrTokens(nn.Module):
-    """Tokens from a frozen DETR that reads the colour image; nothing of it is learned.
+    """Tokens from a frozen DETR that reads the colour image; none of its weights are trained.
 
-    For each label its most certain query is kept, in the order of the labels; queries that found nothing are left
-    out. VTNet fine-tuned DETR on its own scenes; here it is whatever lies in the folder, such as the published one of
-    COCO (``hf download facebook/detr-resnet-50 --revision no_timm``), whose 91 labels are few of our targets: a
-    target is the longest label that its name contains as words ("coffee cup" is a cup), else none ever is.
+    For each label the query with the highest score is kept, in the order of the labels; queries for "nothing" are left
+    out.
+    VTNet fine-tuned DETR on its own scenes. Here any DETR in the folder is used, such as the published one of COCO
+    (``hf download facebook/detr-resnet-50 --revision no_timm``), whose 91 labels cover few targets. A target's label is
+    the
+    longest one that its name contains as words ("coffee cup" is a cup); a target without one is never marked.
     """
 
     def __init__(self, path: str, image_px: int = 800) -> None:
-        """``path``: folder in Hugging Face layout or a name in its cache; ``image_px``: side that DETR is shown."""
+        """Set where the weights are; they are loaded on first use.
+
+        Args:
+            path: folder in Hugging Face layout, or a name in its cache.
+            image_px: side of the image that DETR reads.
+
+        Raises:
+            ConfigError: ``image_px`` below 32.
+        """
         super().__init__()
         if image_px < 32:
             raise ConfigError(f"agent.policy.tokens.image_px={image_px}: expected 32 or more")
@@ -39,12 +49,12 @@ class DetrTokens(nn.Module):
 
     @property
     def name(self) -> str:
-        """What the weights of a policy belong to: these files at this size."""
+        """``detr``, a hash of the files and the image's side; trained weights depend on them."""
         return f"detr {self._weights.identity} {self._image_px}"
 
     @cached_property
     def n_labels(self) -> int:
-        """The largest label: COCO numbers its labels from 1; 0 is none here."""
+        """Number of labels; COCO counts from 1, and 0 means none here."""
         return int(self._model.config.num_labels)
 
     @cached_property
@@ -52,25 +62,28 @@ class DetrTokens(nn.Module):
         return {plain(str(name)): int(k) + 1 for k, name in self._model.config.id2label.items()}
 
     def check(self) -> None:
-        """See :meth:`models.nets.vision.frozen.FrozenWeights.check`."""
+        """Raise :class:`DataError` where the files are missing; loads nothing."""
         self._weights.check()
 
     def fingerprint(self) -> str | None:
-        """See :meth:`models.nets.vision.frozen.FrozenWeights.fingerprint`."""
+        """Hash of the files; None where they are missing."""
         return self._weights.fingerprint()
 
     def label_of(self, category: str) -> int:
-        """The label that a category's name contains; 0, which no token has, where there is none."""
+        """The longest label that a category's name contains; 0, which no token has, where there is none."""
         found = Names(tuple(self._labels)).of(category)
         return 0 if found is None else self._labels[found]
 
     def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:
-        """Nothing beside the colours, which the policy takes anyway."""
+        """Empty: ``rgb``, which the policy adds, is all that is needed."""
         return {}
 
     @torch.no_grad()
     def features(self, frames: Tensors) -> Tensors:
-        """Of ``rgb`` (..., H, W, 3): ``feature`` (..., 100, 256) float16, and as :class:`LabelTokens` the others."""
+        """Tokens of ``rgb`` (..., H, W, 3): ``feature`` (..., 100, 256) float16, and ``label``, ``score`` and ``box``.
+
+        The last three are as in :class:`models.nets.vision.local_tokens.LabelTokens`.
+        """
         rgb = frames["rgb"]
         lead = rgb.shape[:-3]
         with torch.autocast(rgb.device.type, enabled=False):
@@ -82,7 +95,7 @@ class DetrTokens(nn.Module):
         return {name: torch.cat([part[name] for part in parts]).unflatten(0, lead) for name in parts[0]}
 
     def forward(self, frames: Tensors) -> Tensor:
-        """Features (N, 100, 256)."""
+        """Features (N, 100, 256) float32."""
         return frames["feature"].float()
 
     def _found(self, rgb: Tensor) -> dict[str, Tensor]:
@@ -93,7 +106,9 @@ class DetrTokens(nn.Module):
         found = self._model.to(rgb.device)(pixel_values=(images - mean) / deviation)
         score, label = found.logits.softmax(-1).max(-1)  # (n, 100); the last label is "nothing"
         keep = _best_rows(label, score, self.n_labels)
-        order = torch.where(keep, label, self.n_labels).argsort(dim=1, stable=True)  # by label, those not kept last
+        order = torch.where(keep, label, self.n_labels).argsort(
+            dim=1, stable=True
+        )  # sorted by label, dropped queries last
         keep = keep.gather(1, order)
         middle, size_wh = found.pred_boxes.split(2, -1)
         box = torch.cat([middle - size_wh / 2, middle + size_wh / 2], -1)
@@ -118,7 +133,10 @@ class DetrTokens(nn.Module):
 
 
 def _best_rows(label: Tensor, score: Tensor, nothing: int) -> Tensor:
-    """Which queries (n, 100) are the most certain of their label; the first of equals; none of those for nothing."""
+    """Which queries have the highest score of their label, (n, 100) bool; the first among equals.
+
+    None for ``nothing``.
+    """
     same = label[:, :, None] == label[:, None, :]  # (n, 100, 100)
     place = torch.arange(label.shape[1], device=label.device)
     earlier = place[None, :] < place[:, None]
@@ -127,6 +145,6 @@ def _best_rows(label: Tensor, score: Tensor, nothing: int) -> Tensor:
 
 
 def _rows(values: Tensor, order: Tensor, keep: Tensor) -> Tensor:
-    """Rows of ``values`` (n, 100, w) in an order (n, 100), those not kept zero, as float16."""
+    """Rows of ``values`` (n, 100, w) in ``order`` (n, 100), zero where not kept, as float16."""
     sorted_rows = values.gather(1, order[..., None].expand_as(values))
     return (sorted_rows * keep[..., None]).half()

@@ -1,4 +1,4 @@
-"""A small visual encoder: colours and depth of one frame to a vector. Small, because it must train on a CPU."""
+"""A small encoder of colour and depth images; small, because it has to train on a CPU."""
 
 from __future__ import annotations
 
@@ -16,9 +16,15 @@ FARTHEST_M = 10.0
 
 
 def small_image(rgb: NDArray[np.uint8], depth: NDArray[np.float32], size: int) -> NDArray[np.uint8]:
-    """Colours and depth as (4, size, size) uint8: means of colours, least of depths (0 to 10 m as 0 to 255).
+    """Shrink a frame: means of colours, minima of depths.
 
-    ``rgb`` (H, W, 3) and ``depth`` (H, W) metres; H and W are multiples of ``size``.
+    Args:
+        rgb: (H, W, 3) uint8; H and W are multiples of ``size``.
+        depth: (H, W) float32, metres.
+        size: side of the result, in pixels.
+
+    Returns:
+        (4, size, size) uint8; depths from 0 to 10 m as 0 to 255.
     """
     out = np.empty((4, size, size), np.uint8)
     _shrink(np.ascontiguousarray(rgb), np.ascontiguousarray(depth), out)
@@ -44,10 +50,15 @@ def _shrink(rgb: U8, depth: F32, out: U8) -> None:
 
 
 class Eye(nn.Module):
-    """Four convolutions."""
+    """Four convolutions with group norm, and a linear layer."""
 
     def __init__(self, size: int, out: int) -> None:
-        """``size``: pixels of a side of the image, a multiple of 16; ``out``: length of the vector."""
+        """Build the network.
+
+        Args:
+            size: side of the image in pixels, a multiple of 16.
+            out: size of the vector.
+        """
         super().__init__()
         widths = (4, 16, 32, 48, 48)
         layers: list[Any] = []
@@ -57,5 +68,5 @@ class Eye(nn.Module):
         self.layers = nn.Sequential(*layers, nn.Flatten(), nn.Linear(widths[-1] * (size // 16) ** 2, out), nn.ReLU())
 
     def forward(self, image: Tensor) -> Tensor:
-        """(N, 4, size, size) uint8 to (N, out)."""
+        """Encode images (N, 4, size, size) uint8 as vectors (N, out)."""
         return self.layers(image.to(torch.get_default_dtype()) / 127.5 - 1.0)  # type: ignore[no-any-return]

@@ -1,6 +1,6 @@
-"""Frozen networks from the transformers library: found on this machine, checked, loaded, never trained.
+"""Frozen networks of the transformers library: found on this machine, checked, loaded, never trained.
 
-They are no submodules of the policies that read them, so that what is trained and saved is what is learned.
+They are not submodules of the policies that use them, so that only trained weights are stored with a policy.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ from ucon.core.untrusted.weight_files import fingerprint, local_folder, missing_
 
 
 class FrozenWeights:
-    """A model in Hugging Face layout, of class ``kind`` of transformers; nothing is read before it is asked for."""
+    """A model in Hugging Face layout; nothing is read before it is needed."""
 
     def __init__(self, path: str, kind: str, option: str) -> None:
-        """Describe the weights.
+        """Set where the weights are.
 
         Args:
             path: folder, or a name in the Hugging Face cache.
             kind: class of transformers that reads it, such as ``ResNetModel``.
-            option: what gave the path, for messages.
+            option: name of the option with the path, for error messages.
         """
         self.path, self._kind, self._option = str(path), kind, option
 
     def check(self) -> None:
-        """Whether the files are there; reads no weights.
+        """Check that the files are there; reads no weights.
 
         Raises:
             DataError: no such model here, or files are missing in its folder.
@@ -40,13 +40,13 @@ class FrozenWeights:
             raise DataError(f"{self._option}={self.path}: no {', no '.join(missing)}; {self._how}")
 
     def fingerprint(self) -> str | None:
-        """Which files lie here, see :func:`ucon.core.untrusted.weight_files.fingerprint`; None where there are none."""
+        """Hash of the files (:func:`ucon.core.untrusted.weight_files.fingerprint`); None where there are none."""
         folder = local_folder(self.path)
         return None if folder is None else fingerprint(folder)
 
     @cached_property
     def identity(self) -> str:
-        """A short hash of the files.
+        """First 12 digits of the hash of the files.
 
         Raises:
             DataError: there are none.
@@ -56,10 +56,10 @@ class FrozenWeights:
 
     @cached_property
     def model(self) -> Any:
-        """The model, without gradients, in evaluation mode, on the CPU.
+        """The model on the CPU, in evaluation mode, without gradients.
 
         Raises:
-            DataError: files that cannot be read, or that lack a tensor: the library would make one up.
+            DataError: files that cannot be read, or that lack a tensor (the library would fill it with random numbers).
         """
         self.check()
         import transformers
@@ -95,31 +95,39 @@ class FrozenWeights:
 
 
 class ClipTower:
-    """One of CLIP's two towers, whose vectors have one length."""
+    """Base of CLIP's text and image encoders, whose vectors have the same size.
+
+    Args: as of :class:`FrozenWeights`.
+    """
 
     def __init__(self, path: str, kind: str, option: str) -> None:
-        """See :class:`FrozenWeights`."""
+        """Set where the weights are; arguments as of :class:`FrozenWeights`."""
         self._weights = FrozenWeights(path, kind, option)
 
     @property
     def name(self) -> str:
-        """``clip`` and the hash of its files."""
+        """``clip`` and a hash of the files."""
         return f"clip {self._weights.identity}"
 
     @property
     def dim(self) -> int:
-        """Length of a vector."""
+        """Size of a vector; loads the weights."""
         return int(self._weights.model.config.projection_dim)
 
     def check(self) -> None:
-        """See :meth:`models.nets.vision.frozen.FrozenWeights.check`."""
+        """Raise :class:`DataError` where the files are missing; loads nothing."""
         self._weights.check()
 
     def fingerprint(self) -> str | None:
-        """See :meth:`models.nets.vision.frozen.FrozenWeights.fingerprint`."""
+        """Hash of the files; None where they are missing."""
         return self._weights.fingerprint()
 
 
 def without_models(holder: Any, *names: str) -> dict[str, Any]:
-    """The state of an object without what it made at its first use: another process or device makes its own."""
+    """State of an object for pickling, without attributes that are made on first use.
+
+    Args:
+        holder: whose state.
+        names: attributes to leave out; another process or device makes its own.
+    """
     return {name: value for name, value in vars(holder).items() if name not in names}

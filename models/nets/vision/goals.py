@@ -1,4 +1,4 @@
-"""What ZSON is looking for, as a vector: CLIP's text tower where its weights lie here, the shipped encoder else."""
+"""ZSON's goal as a vector: by CLIP's text encoder where its weights are at hand, else by the sentence encoder."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ _OPTION: Final = "agent.policy.goal.path"
 
 
 class SentenceGoal:
-    """The name of the target by the sentence encoder that is installed with the package: 384 numbers.
+    """Embeds the target's name with the shipped sentence encoder, 384 numbers.
 
-    Not ZSON's: nothing ties these vectors to images, so a policy trained on them knows words, not looks.
+    ZSON uses CLIP. These vectors are not aligned with images, so a policy trained on them knows words, not looks.
     """
 
     @property
     def name(self) -> str:
-        """Name of the encoder."""
+        """Name of the sentence encoder."""
         return default_encoder().name
 
     @property
     def dim(self) -> int:
-        """384."""
+        """Size of a vector, 384."""
         return default_encoder().dim
 
     def check(self) -> None:
-        """Nothing is needed."""
+        """Nothing to check: the encoder is part of the package."""
 
     def fingerprint(self) -> str | None:
-        """The encoder is part of the package."""
+        """Empty: the encoder is part of the package."""
         return ""
 
     def encode(self, category: str) -> NDArray[np.float32]:
@@ -48,7 +48,7 @@ class SentenceGoal:
         return np.asarray(default_encoder().encode([phrase(category)])[0], np.float32)
 
     def encode_image(self, rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
-        """It has none.
+        """Not possible with a sentence encoder.
 
         Raises:
             ConfigError: always.
@@ -60,26 +60,33 @@ class SentenceGoal:
 
 
 class ClipGoal(ClipTower):
-    """The bare name of the target by CLIP's text tower, of length 1.
+    """Embeds the target's name with CLIP's text encoder, as a unit vector.
 
-    ZSON takes CLIP's ResNet-50, whose vectors have 1024 numbers: a folder with its text tower, in the layout of
-    transformers' ``CLIPTextModelWithProjection``, gives the paper's sizes. With other CLIPs the width is theirs.
+    ZSON uses CLIP's ResNet-50, whose vectors have 1024 numbers: a folder with its text encoder, in the layout of
+    transformers' ``CLIPTextModelWithProjection``, gives the paper's sizes. Other CLIPs have other sizes.
     """
 
     def __init__(self, path: str) -> None:
-        """``path``: folder in Hugging Face layout or a name in its cache."""
+        """Set where the weights are; they are loaded on first use.
+
+        Args:
+            path: folder in Hugging Face layout, or a name in its cache.
+        """
         super().__init__(path, "CLIPTextModelWithProjection", _OPTION)
         self._known: dict[str, NDArray[np.float32]] = {}
 
     def encode(self, category: str) -> NDArray[np.float32]:
-        """Unit vector (dim,) of a category's name."""
+        """Unit vector (dim,) of a category's name; cached."""
         text = phrase(category)
         if text not in self._known:
             self._known[text] = self._encode(text)
         return self._known[text]
 
     def encode_image(self, rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
-        """Unit vector (dim,) of an image (H, W, 3) by the other tower of the same folder: the same space."""
+        """Unit vector (dim,) of an image (H, W, 3) uint8, in the same space as the names.
+
+        The image encoder is read from the same folder.
+        """
         return np.asarray(self._eye.vectors(torch.from_numpy(rgb)[None])[0].float().numpy(), np.float32)
 
     @cached_property

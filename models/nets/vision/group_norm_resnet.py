@@ -12,7 +12,14 @@ _EXPANSION: Final = 4
 
 
 class Bottleneck(nn.Module):
-    """1 x 1, 3 x 3, 1 x 1, each with group norm, and the input beside."""
+    """Residual block: 1 x 1, 3 x 3 and 1 x 1 convolutions with group norm.
+
+    Args:
+        channels: of the input.
+        width: of the 3 x 3 convolution; the output has four times as many channels.
+        stride: of the 3 x 3 convolution.
+        groups: of group norm.
+    """
 
     def __init__(self, channels: int, width: int, stride: int, groups: int) -> None:
         super().__init__()
@@ -32,7 +39,11 @@ class Bottleneck(nn.Module):
 
 
 class GroupNormResNet50(nn.Module):
-    """Images (N, 3, H, W) to (N, 32 * width, H / 32, W / 32); groups are half the base width."""
+    """Images (N, 3, H, W) to features (N, 32 * width, H / 32, W / 32).
+
+    Args:
+        width: channels of the first convolution; group norm has half as many groups.
+    """
 
     def __init__(self, width: int = 32) -> None:
         super().__init__()
@@ -49,16 +60,20 @@ class GroupNormResNet50(nn.Module):
         self.layers, self.channels = nn.Sequential(*layers), channels
 
     def forward(self, images: Tensor) -> Tensor:
-        """See the class."""
+        """Features (N, 32 * width, H / 32, W / 32) of images (N, 3, H, W)."""
         found: Tensor = self.layers(images)
         return found
 
 
 class RunningMeanAndVar(nn.Module):
-    """Normalises each channel by what it was in all images that were taken in (Habitat's layer of that name).
+    """Normalises each channel by the mean and variance of all images so far (Habitat's layer of that name).
 
-    Habitat takes images in as it trains on them; here the learner says when (:meth:`update_statistics`), so that
-    padding is left out and nothing moves while probabilities are compared.
+    Habitat updates them in training-mode forward passes. Here the learner does (:meth:`update_statistics`), so that
+    padding
+    does not count and nothing changes while PPO compares probabilities.
+
+    Args:
+        channels: of the images.
     """
 
     mean: Tensor
@@ -72,13 +87,16 @@ class RunningMeanAndVar(nn.Module):
         self.register_buffer("count", torch.zeros((), dtype=torch.int64))
 
     def forward(self, images: Tensor) -> Tensor:
-        """Images (N, C, H, W) to the same."""
+        """Normalised images (N, C, H, W)."""
         deviation = self.variance.clamp(min=1e-2).sqrt()
         return (images - self.mean) / deviation
 
     @torch.no_grad()
     def update_statistics(self, images: Tensor) -> None:
-        """Images (N, C, H, W), by the formula of Chan et al. for the variance of two sets together."""
+        """Add images (N, C, H, W) to mean and variance, by the formula of Chan et al.
+
+        For the variance of two sets together.
+        """
         n = images.shape[0]
         mean = images.mean((0, 2, 3), keepdim=True)
         variance = ((images - mean) ** 2).mean((0, 2, 3), keepdim=True)

@@ -1,7 +1,6 @@
-"""VTN's local tokens: a hundred things of a frame, each with label, box, score and a feature of 256 numbers.
+"""VTN's local tokens: up to 100 things of a frame, each with label, box, score and a feature of 256 numbers.
 
-Here the feature is learned, one for each category of the catalogue; :mod:`models.nets.vision.detr_tokens` takes it from
-DETR.
+Here the feature is a learned embedding of the category; :mod:`models.nets.vision.detr_tokens` takes it from DETR.
 """
 
 from __future__ import annotations
@@ -28,15 +27,16 @@ WIDTH: Final = 256
 
 @lru_cache(maxsize=1)
 def labels() -> dict[str, int]:
-    """Numbers of the catalogue's things, from 1; pieces of the building are no things."""
+    """Label of each category of things in the catalogue, from 1; parts of the building have none."""
     return {name: number for number, name in enumerate(vocabulary(), 1)}
 
 
 class LabelTokens(nn.Module):
-    """Tokens from what the environment's detector says (``detector=gt`` by default); features are learned.
+    """Tokens from the environment's detector (``detector=gt`` by default); the features are learned.
 
-    As in VTNet's preparation of DETR's output, the best of each label is kept, in the order of the labels; the largest
-    where scores are equal. Rows without a thing are zero.
+    As in VTNet's preparation of DETR's output, the best detection of each label is kept, in the order of the labels;
+    among
+    equal scores the largest. Unused rows are zero.
     """
 
     def __init__(self) -> None:
@@ -45,27 +45,27 @@ class LabelTokens(nn.Module):
 
     @property
     def name(self) -> str:
-        """What the weights belong to: the labels and their numbers."""
+        """``labels`` and a hash of all labels; trained weights depend on them."""
         return f"labels {sha256_bytes(' '.join(labels()).encode())[:12]}"
 
     @property
     def n_labels(self) -> int:
-        """The largest label."""
+        """Number of labels."""
         return len(labels())
 
     def check(self) -> None:
-        """Nothing is needed."""
+        """Nothing to check: no frozen weights."""
 
     def fingerprint(self) -> str | None:
-        """No weights of others."""
+        """Empty: no frozen weights."""
         return ""
 
     def label_of(self, category: str) -> int:
-        """Number of a category; 0, which no token has, for what is no thing of the catalogue."""
+        """Label of a category; 0, which no token has, outside the catalogue."""
         return labels().get(category, 0)
 
     def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:
-        """Arrays ``label`` (100,) int16, ``score`` (100,) and ``box`` (100, 4) float16: x, y, x, y in 0..1.
+        """Arrays ``label`` (100,) int16, ``score`` (100,) float16 and ``box`` (100, 4) float16: x, y, x, y in 0..1.
 
         Raises:
             ConfigError: the environment has no detector.
@@ -84,7 +84,7 @@ class LabelTokens(nn.Module):
         return {"label": label, "score": score, "box": box}
 
     def features(self, frames: Tensors) -> Tensors:
-        """Nothing is frozen."""
+        """The frames unchanged: no network is frozen."""
         return frames
 
     def forward(self, frames: Tensors) -> Tensor:
@@ -94,7 +94,7 @@ class LabelTokens(nn.Module):
 
 
 def _best_of_each(found: Detections) -> list[int]:
-    """Rows of detections, one for each label in view: the most certain, then the largest; at most a hundred."""
+    """Rows of detections, the best of each label in view: highest score, then most pixels; at most 100."""
     known, in_view = labels(), set(np.unique(found.image).tolist())
     score = np.ones(len(found.track)) if found.score is None else np.asarray(found.score)
     best: dict[int, int] = {}
@@ -106,7 +106,7 @@ def _best_of_each(found: Detections) -> list[int]:
 
 
 def _boxes(found: Detections) -> dict[int, NDArray[np.float64]]:
-    """Boxes of the tracks in the image, in parts of its sides."""
+    """Box of each track in the image, as shares of its sides."""
     height, width = found.image.shape
     size = np.array([width, height, width, height], np.float64)
     return {
@@ -117,6 +117,14 @@ def _boxes(found: Detections) -> dict[int, NDArray[np.float64]]:
 
 
 def indicator(frames: Tensors, target: Tensor) -> Tensor:
-    """VTN's only word of its target (N, 100): 1 for tokens of the label ``target`` (N,), 0 for others and none."""
+    """Marks the target's tokens, VTN's only input about its goal.
+
+    Args:
+        frames: with ``label`` (N, 100).
+        target: (N,) label that is looked for.
+
+    Returns:
+        (N, 100) float32: 1 for tokens with the target's label, else 0.
+    """
     label = frames["label"].long()
     return ((label == target[:, None].long()) & (label > 0)).to(torch.float32)

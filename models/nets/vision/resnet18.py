@@ -1,4 +1,4 @@
-"""The frozen ResNet-18 of VTN: a 7 x 7 map of 512 channels for every frame (He et al., 2016)."""
+"""VTN's frozen ResNet-18: a feature map of 512 x 7 x 7 for every frame (He et al., 2016)."""
 
 from __future__ import annotations
 
@@ -15,47 +15,61 @@ from ucon.core.rng import derived_seed
 
 CHANNELS: Final = 512
 SIDE: Final = 7
-#: A map of 7 x 7 comes from an image of this size; VTNet's frames had 300 pixels, ours have 128.
+#: Side of the image that gives a map of 7 x 7. VTNet's frames had 300 pixels; ours, of 128, are enlarged.
 INPUT_PX: Final = 224
 _CHUNK: Final = 64
-#: Maps of the newest frames that are kept: an agent that is stuck sees one frame again and again. 13 MB.
+#: Number of cached maps, 13 MB: an agent that is stuck sees the same frame again and again.
 _REMEMBERED: Final = 256
-#: Mean and deviation of ImageNet's colours, which the published weights expect.
+#: Mean and standard deviation of ImageNet's colours, which the published weights expect.
 _MEAN, _DEVIATION = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
 
 
 class FrozenResNet18:
-    """The last convolution's map of a frame, rounded to fp16.
+    """The last convolution's map of a frame, rounded to float16.
 
-    VTNet takes weights that were trained on ImageNet. They are read from a folder (of ``hf download
-    microsoft/resnet-18``); without one the weights are random numbers of a fixed seed: features of some use, but not
-    those of the paper, and whatever is trained on them says so in its configuration.
+    VTNet uses weights trained on ImageNet, which are read from a folder (``hf download microsoft/resnet-18``). Without
+    one
+    the weights are random, from a fixed seed: features of some use, but not the paper's, and networks trained on them
+    say
+    so in their configuration.
     """
 
     def __init__(self, path: str | None = None, seed: int = 0) -> None:
-        """``path``: folder in Hugging Face layout or a name in its cache; None: random weights of ``seed``."""
+        """Set where the weights are; they are loaded on first use.
+
+        Args:
+            path: folder in Hugging Face layout, or a name in its cache; None: random weights.
+            seed: of random weights.
+        """
         self._weights = None if path is None else FrozenWeights(path, "ResNetModel", "agent.policy.backbone.path")
         self._seed = seed
         self._known: OrderedDict[bytes, Tensor] = OrderedDict()
 
     @cached_property
     def name(self) -> str:
-        """Which weights these are."""
+        """``resnet18`` with a hash of the files, or with ``random`` and the seed."""
         return f"resnet18 random {self._seed}" if self._weights is None else f"resnet18 {self._weights.identity}"
 
     def check(self) -> None:
-        """See :meth:`models.nets.vision.frozen.FrozenWeights.check`."""
+        """Raise :class:`DataError` where the files are missing; loads nothing."""
         if self._weights is not None:
             self._weights.check()
 
     def fingerprint(self) -> str | None:
-        """See :meth:`models.nets.vision.frozen.FrozenWeights.fingerprint`."""
+        """Hash of the files; "" for random weights, None where files are missing."""
         return "" if self._weights is None else self._weights.fingerprint()
 
     @torch.no_grad()
     def maps(self, rgb: Tensor) -> Tensor:
-        """Frames (N, H, W, 3) uint8 to maps (N, 512, 7, 7) float16, on the frames' device."""
-        with torch.autocast(rgb.device.type, enabled=False):  # stored maps are the same whatever training computes in
+        """Feature maps of frames.
+
+        Args:
+            rgb: (N, H, W, 3) uint8.
+
+        Returns:
+            (N, 512, 7, 7) float16 on the frames' device.
+        """
+        with torch.autocast(rgb.device.type, enabled=False):  # stored maps must not depend on the training precision
             if len(rgb) == 1 and not rgb.is_cuda:
                 return self._remembered(rgb)
             parts = [self._computed(part) for part in rgb.split(_CHUNK)]

@@ -1,7 +1,7 @@
-"""VTN's visual transformer (Du, Yu, Zheng, ICLR 2021): what the 49 regions of a frame say in the light of its things.
+"""VTN's visual transformer (Du, Yu and Zheng, ICLR 2021): features of a frame's 49 regions in the light of its things.
 
-Things are encoded by a transformer; its decoder asks them once for each region, whose query is the frozen network's
-map with a position code. The layers are those of DETR (post-norm, 8 heads, 512 hidden units).
+The encoder reads the things; the decoder attends to them from each region, whose query is the frozen network's map plus
+a position code. The layers are those of DETR (post-norm, 8 heads, 512 hidden units).
 """
 
 from __future__ import annotations
@@ -17,17 +17,23 @@ from models.nets.vision.resnet18 import CHANNELS, SIDE
 
 REGIONS: Final = SIDE * SIDE
 REGION_WIDTH: Final = 64
-#: Numbers that describe a frame: 49 x 64.
+#: Size of a frame's features: 49 x 64.
 VISUAL_WIDTH: Final = REGIONS * REGION_WIDTH
 _HEADS, _HIDDEN, _LAYERS = 8, 512, 6
-#: Of a token's 256 numbers: label, box (4), score, target.
+#: Number of a token's 256 components that hold label, box (4), score and target.
 _DESCRIBED: Final = 7
-#: VTNet knew 22 labels and feeds in their numbers; ours are scaled to that range.
+#: VTNet has 22 labels and feeds in their numbers; our labels are scaled to that range.
 _LABEL_RANGE: Final = 22.0
 
 
 class DecoderLayer(nn.Module):
-    """DETR's: position queries are added to queries and keys of self-attention, and to queries of cross-attention."""
+    """DETR's decoder layer; position queries are added as in DETR.
+
+    They are added to queries and keys of self-attention, and to the queries of cross-attention.
+
+    Args:
+        dropout: of attention and feed-forward layers.
+    """
 
     def __init__(self, dropout: float) -> None:
         super().__init__()
@@ -38,7 +44,13 @@ class DecoderLayer(nn.Module):
         self.dropout = nn.Dropout(dropout)
 
     def forward(self, x: Tensor, memory: Tensor, query: Tensor) -> Tensor:
-        """Regions ``x`` and their ``query`` (N, 49, 256), things ``memory`` (N, 100, 256)."""
+        """Update the regions.
+
+        Args:
+            x: (N, 49, 256) regions.
+            memory: (N, 100, 256) encoded things.
+            query: (N, 49, 256) position queries of the regions.
+        """
         asked = x + query
         found = self.self_attention(asked, asked, x, need_weights=False)[0]
         x = self.norms[0](x + self.dropout(found))
@@ -50,7 +62,11 @@ class DecoderLayer(nn.Module):
 
 
 class VisualTransformer(nn.Module):
-    """Frames to 3136 numbers each; 8.0 M parameters."""
+    """Encodes frames as 3136 numbers each; 8.0 M parameters.
+
+    Args:
+        dropout: of encoder and decoder.
+    """
 
     position: Tensor
 
@@ -66,7 +82,7 @@ class VisualTransformer(nn.Module):
         self.regions = nn.Sequential(nn.Linear(WIDTH, 128), nn.ReLU(), nn.Linear(128, REGION_WIDTH), nn.ReLU())
 
     def forward(self, features: Tensor, things: Tensor, maps: Tensor) -> Tensor:
-        """One row of 3136 for each of N frames.
+        """Features of N frames, (N, 3136).
 
         Args:
             features: (N, 100, 256) of the things.
@@ -83,13 +99,21 @@ class VisualTransformer(nn.Module):
 
 
 def described(label: Tensor, n_labels: int, box: Tensor, score: Tensor, target: Tensor) -> Tensor:
-    """Label, box, score and target indicator of things (N, 100[, 4]) as the last 7 numbers of their tokens."""
+    """The last 7 components of things' tokens, (N, 100, 7).
+
+    Args:
+        label: (N, 100).
+        n_labels: labels are scaled by it to VTNet's range.
+        box: (N, 100, 4) in 0..1.
+        score: (N, 100).
+        target: (N, 100) indicator of the target.
+    """
     parts = [label.float()[..., None] * (_LABEL_RANGE / n_labels), box.float(), score.float()[..., None]]
     return torch.cat([*parts, target[..., None]], -1)
 
 
 def position_code(side: int, width: int) -> Tensor:
-    """DETR's sine code (side * side, width): half for the row, half for the column, counted from 1."""
+    """DETR's sine code, (side * side, width): half of it for the row, half for the column, counted from 1."""
     half = width // 2
     rate = 10_000 ** (2 * (torch.arange(half) // 2) / half)
     angle = torch.arange(1, side + 1)[:, None] / rate  # (side, half)
@@ -99,9 +123,10 @@ def position_code(side: int, width: int) -> Tensor:
 
 
 def glorot_(module: nn.Module) -> None:
-    """VTNet's rule for every convolution and linear map: uniform Glorot, no bias. For :meth:`torch.nn.Module.apply`.
+    """VTNet's initialisation of convolutions and linear layers: uniform Glorot, no bias.
 
-    Attention's joint projections are drawn by DETR's rule, which is the same on another shape.
+    For :meth:`torch.nn.Module.apply`. Attention's joint projections are drawn by DETR's rule: the same, on another
+    shape.
     """
     if isinstance(module, nn.MultiheadAttention):
         nn.init.xavier_uniform_(module.in_proj_weight)

@@ -7,7 +7,7 @@ import pytest
 
 from tests.language.tiny_models import INJECTED, question
 from ucon.core.errors import DataError
-from ucon.fitting.language_encoder import cases, nats, shared_out, single
+from ucon.fitting.language_encoder import cases, four_options, nats, single
 from ucon.habits import book
 from ucon.language.choice import Option, Question
 from ucon.language.encoder import MiniLM
@@ -104,18 +104,18 @@ def found():
 def test_habits_change_decisions(found):
     model = EncoderModel()
     first = {
-        level: np.array([model.answer([shared_out(case, level, 5)[0]])[0].choice for case in found])
+        level: np.array([model.answer([four_options(case, level, 5)[0]])[0].choice for case in found])
         for level in ("none", "full", "gt", "retrieval")
     }
     for level in ("full", "gt", "retrieval"):
         assert (first[level] != first["none"]).mean() >= 0.1
-    right = np.array([shared_out(case, "none", 5)[1] for case in found])
+    right = np.array([four_options(case, "none", 5)[1] for case in found])
     assert (first["gt"] == right).mean() > (first["none"] == right).mean() + 0.05
 
 
 def test_habits_make_the_truth_more_probable(found):
     model = EncoderModel()
-    for ask in (single, lambda case, level: shared_out(case, level, 5)):
+    for ask in (single, lambda case, level: four_options(case, level, 5)):
         by_level = {level: nats(model, [ask(case, level) for case in found]) for level in ("none", "gt", "retrieval")}
         assert by_level["gt"] < by_level["none"] - 0.05
         assert by_level["retrieval"] < by_level["none"] - 0.05

@@ -1,4 +1,4 @@
-"""``python -m ucon habits ACTION``: import, build, measure, show and survey datasets; every action has a module."""
+"""``python -m ucon habits ACTION``: import, propose, build, measure, show and survey datasets; a module per action."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ _ACTIONS = {
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the command's actions to its parser."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     for name, (module, text) in _ACTIONS.items():
         module.add_arguments(actions.add_parser(name, help=text))
 
 
 def run(args: argparse.Namespace) -> int:
-    """Carry out the chosen action."""
+    """Run the chosen action; returns its exit code."""
     return _ACTIONS[args.action][0].run(args)

@@ -1,4 +1,4 @@
-"""``python -m ucon habits build``: from the book's text to the dataset file that everything else loads."""
+"""``python -m ucon habits build``: makes the dataset file that everything else loads, from the book's text."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _SHOWN = 20
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the action."""
+    """Add the action's options to its parser."""
     parser.add_argument("--book", metavar="FOLDER", help="files in the habit book's format; default: the embedded book")
     parser.add_argument("--out", metavar="FILE", help="file to write; default, without --book: the shipped one")
     parser.add_argument("--work", metavar="FOLDER", help="keeps finished work; default: the user's cache")
@@ -24,7 +24,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Build and say what was found."""
+    """Build the dataset, and print what was found.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0.
+
+    Raises:
+        ConfigError: ``--book`` without ``--out``, or a folder that does not exist.
+        DataError: the book breaks a rule of its format.
+    """
     from ucon.configuration.wiring import existing
     from ucon.core.errors import ConfigError
     from ucon.core.files import require_writable, write_atomic
@@ -47,7 +58,7 @@ def run(args: argparse.Namespace) -> int:
 
         def show(step: str, done: int, total: int) -> None:
             if step not in steps:
-                stack.close()  # one is over where the next begins
+                stack.close()  # ends the progress line of the previous step
                 steps[step] = stack.enter_context(Progress(step, total))
             steps[step].update(done)
 

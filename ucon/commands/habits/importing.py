@@ -1,4 +1,4 @@
-"""``python -m ucon habits import``: what a file of the official release holds, and what of it the homes can realise."""
+"""``python -m ucon habits import``: the content of a file of the official release, and what of it homes can realise."""
 
 from __future__ import annotations
 
@@ -23,14 +23,17 @@ _COUNTS = ("scenes", "categories", "tasks", "habits", "locations")
 
 @dataclass(frozen=True)
 class Imported:
-    """A file that was read, and its locations that no home realises."""
+    """A file that was read, with its locations that no home realises."""
 
     report: ImportReport
     rest: list[Unplaced]
 
     @property
     def counts(self) -> dict[str, int]:
-        """Everything counted; the verdicts add up to the locations (those ``imported`` are among those ``placed``)."""
+        """All counts by name.
+
+        The verdicts add up to the number of locations (``imported`` ones are among the ``placed``).
+        """
         from ucon.task.making.placeable import counted
 
         held = {name: getattr(self.report, name) for name in _COUNTS}
@@ -38,13 +41,13 @@ class Imported:
         return held | counted(self.report.located, self.rest) | {"malformed": malformed}
 
     def to_json(self) -> dict[str, Any]:
-        """JSON-ready counts and lists."""
+        """Plain values: counts and lists."""
         problems = [asdict(problem) for problem in self.report.problems]
         return {**self.counts, "problems": problems, "unplaced": [asdict(one) for one in self.rest]}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the action."""
+    """Add the action's options to its parser."""
     parser.add_argument("path", metavar="PATH", help="task file, or the folder that holds it")
     parser.add_argument("--all", action="store_true", help="PATH is a folder: every task file in it")
     parser.add_argument("--static", action="store_true", help="judge locations by shapes alone, in a second")
@@ -53,7 +56,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Report; ends with 1 where something was malformed."""
+    """Report on one file or all.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0, or 1 if something was malformed or unreadable.
+
+    Raises:
+        ConfigError: no such path, or ``--all`` with a file.
+        DataError: no file of the release there.
+    """
     from ucon.configuration.wiring import existing
     from ucon.habits.release import release_warnings, task_files
 
@@ -78,7 +92,7 @@ def _known(folder: Path) -> str:
 
 
 def _all(folder: Path, files: Sequence[Path], warnings: list[str], args: argparse.Namespace) -> int:
-    """Every file by itself; one that cannot be read is told and does not keep the others from being reported."""
+    """Report on every file; one that cannot be read is listed, and the others are still reported."""
     found: dict[str, Imported] = {}
     unusable: list[str] = []
     for file in files:
@@ -116,7 +130,7 @@ def _read(path: Path, args: argparse.Namespace) -> Imported:
 
 @contextmanager
 def _bar(label: str) -> Iterator[Callable[[int, int], None]]:
-    """Progress from the first trial on: where all is known, there is none."""
+    """Progress line that appears with the first trial; none where all verdicts are cached."""
     from ucon.core.progress import Progress
 
     with ExitStack() as stack:
@@ -145,7 +159,7 @@ def _print(done: Imported, warnings: Sequence[str]) -> None:
 
 
 def _print_first(title: str, lines: Sequence[object]) -> None:
-    """The first of many lines, and how many more there are."""
+    """The first 20 lines, and how many more there are."""
     if lines:
         print(f"{title}:")
     for line in lines[:_SHOWN]:

@@ -1,4 +1,4 @@
-"""``python -m ucon habits propose``: a language model proposes entries for categories and households."""
+"""``python -m ucon habits propose``: lets a language model propose entries for categories and households."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the action."""
+    """Add the action's options to its parser."""
     parser.add_argument("categories", metavar="CATEGORY[=COUNT]", nargs="+", help="what to write about, and how often")
     parser.add_argument("--out", metavar="FILE", required=True, help="text file in the book's format; goes on with it")
     parser.add_argument("--server", metavar="URL", required=True, help="such as http://127.0.0.1:8000/v1")
@@ -30,7 +30,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Propose and say what it cost; ends with 1 where an entry was left out."""
+    """Propose entries, and print counts and cost.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0, or 1 if an entry was left out.
+
+    Raises:
+        ConfigError: a wrong option.
+    """
     from ucon.core.progress import Progress
     from ucon.generation.propose import propose
     from ucon.language.servers.chat import ChatClient

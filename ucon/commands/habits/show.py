@@ -1,4 +1,4 @@
-"""``python -m ucon habits show CATEGORY|SCENE``: a category's entries, or who lives in a home, for reading."""
+"""``python -m ucon habits show CATEGORY|SCENE``: a category's entries, or the households of a home, for reading."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _SHOWN_ABSENT = 12
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the action."""
+    """Add the action's options to its parser."""
     parser.add_argument("name", metavar="CATEGORY|SCENE", help="a target category (mug), or a home (Rs_int, Rs_int~3)")
     parser.add_argument("--category", metavar="NAME", help="of a scene: only this category, with its habits")
     parser.add_argument("--seed", type=int, default=0, help="of a scene: other people live there (default 0)")
@@ -26,7 +26,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Find out what the name means and show it."""
+    """Show what the name stands for, a category or a scene.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0.
+
+    Raises:
+        ConfigError: an unknown name, or ``--category`` with a category.
+    """
     from ucon.configuration.wiring import load_dataset
     from ucon.core.errors import ConfigError, unknown_name
     from ucon.core.output import stdout_to_stderr
@@ -45,7 +55,7 @@ def run(args: argparse.Namespace) -> int:
         return 0
     from rich.console import Console
 
-    console = Console(highlight=False, soft_wrap=True)  # a line stays a line for grep and less
+    console = Console(highlight=False, soft_wrap=True)  # no line breaks, for grep and less
     if is_scene:
         _print_scene(console, shown, with_habits=bool(args.category))
     else:
@@ -63,7 +73,7 @@ def _category(name: str, dataset: HabitDataset) -> dict[str, Any]:
 
 
 def _entry(entry: Any, dataset: HabitDataset) -> dict[str, Any]:
-    """JSON-ready entry; ``supports`` count placements from 1, as the book's files do; None without labels."""
+    """An entry as plain values; ``supports`` counts placements from 1, as the book's files do; None without labels."""
     places = []
     for place in entry.placements:
         verdict = dataset.verdicts.of.get((entry.category, place.relation, place.anchor))
@@ -86,7 +96,7 @@ def _entry(entry: Any, dataset: HabitDataset) -> dict[str, Any]:
 
 
 def _scene(args: argparse.Namespace, dataset: HabitDataset) -> dict[str, Any]:
-    """Who lives in a home, what can be realised there, and why the rest cannot."""
+    """Households of a home, what can be realised there, and why the rest cannot."""
     from ucon.core.errors import ConfigError, unknown_name
     from ucon.sim.cache import load_house
     from ucon.task.making.living import home_kinds
@@ -141,7 +151,7 @@ _COLORS = ("green", "yellow", "magenta", "blue", "red", "cyan")
 
 
 def _print_entry(console: Console, entry: dict[str, Any], *, with_habits: bool = True) -> None:
-    """Placements numbered as in the book's files, each in a colour that its habits repeat."""
+    """Print placements with the numbers of the book's files, each in a colour that its habits share."""
     from rich.text import Text
 
     supports = [set(habit["supports"] or ()) for habit in entry["habits"]]
@@ -184,7 +194,7 @@ def _print_scene(console: Console, shown: dict[str, Any], *, with_habits: bool) 
 
 
 def _summary(shown: dict[str, Any]) -> Sequence[str]:
-    """Counts of what lives there, at the end, where a long listing leaves the reader."""
+    """Lines of counts, printed after a long listing."""
     rows = shown["categories"]
     entries = [entry for row in rows for entry in row["entries"]]
     places = [place for entry in entries for place in entry["placements"]]

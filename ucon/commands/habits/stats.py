@@ -1,4 +1,4 @@
-"""``python -m ucon habits stats``: what a dataset is like, in figures and pictures, beside another one if wanted."""
+"""``python -m ucon habits stats``: figures and plots of a dataset, optionally beside another one."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the action."""
+    """Add the action's options to its parser."""
     parser.add_argument(
         "path", metavar="PATH", nargs="?", help="dataset file, task file or book folder; default: the embedded book"
     )
@@ -23,7 +23,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Measure, draw, print."""
+    """Measure one or two datasets, draw plots if asked for, and print the figures.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0.
+
+    Raises:
+        ConfigError: no such path, or plots without matplotlib.
+    """
     from ucon.configuration.wiring import load_dataset
     from ucon.core.files import require_writable
     from ucon.core.output import stdout_to_stderr
@@ -31,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
     from ucon.evaluation.datasets.plots import draw_plots, require_matplotlib
 
     plots = args.plots.expanduser() if args.plots else None
-    if plots:  # before minutes of measuring
+    if plots:  # check first: measuring takes minutes
         require_writable(plots / "plot.png")
         require_matplotlib()
     with stdout_to_stderr():
@@ -50,7 +60,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _print(found: Sequence[Measures]) -> None:
-    """A table with a row a figure and a column a dataset."""
+    """Print a table with a row per figure and a column per dataset."""
     from rich.table import Table
 
     from ucon.core.output import wide_console
@@ -64,7 +74,7 @@ def _print(found: Sequence[Measures]) -> None:
 
 
 def _flat(figures: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Nested figures as rows named by their path in the JSON: ``relations.ontop``."""
+    """Nested figures as rows named by their path in the JSON, such as ``relations.ontop``."""
     for name, value in figures.items():
         if isinstance(value, Mapping):
             yield from _flat(value, f"{prefix}{name}.")

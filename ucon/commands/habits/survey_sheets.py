@@ -1,4 +1,4 @@
-"""``python -m ucon habits survey make|score``: rating sheets for people, and what returned ones say."""
+"""``python -m ucon habits survey make|score``: makes rating sheets for people, and scores returned ones."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the action."""
+    """Add the action's options to its parser."""
     steps = parser.add_subparsers(dest="step", metavar="STEP", required=True)
     make = steps.add_parser("make", help="draw a rating sheet (CSV and HTML) and its key")
     make.add_argument("--out", type=Path, required=True, metavar="FILE.csv", help="sheet to write")
@@ -25,7 +25,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Carry out the chosen step."""
+    """Run the chosen step.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0.
+
+    Raises:
+        ConfigError: a wrong option, or a dataset that is too small.
+        DataError: a damaged sheet or key.
+    """
     return _make(args) if args.step == "make" else _score(args)
 
 

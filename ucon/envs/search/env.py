@@ -62,9 +62,10 @@ class Returns:
 class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
     """Search a home by choosing among views.
 
-    ### Description Wraps ``UcON-v0``. A step chooses a view. The planner goes towards it and asks again after five
-    actions. On the way it opens closed containers that are worth a step. As soon as the target is in view it walks up
-    to it and calls Done. The habits are read once, at level ``context`` whenever their list changes; what was looked at
+    ### Description
+    Wraps ``UcON-v0``. A step chooses a view. The planner goes towards it and asks again after five actions. On the way
+    it opens closed containers that are worth a step. As soon as the target is in view it walks up to it and calls Done.
+    The habits are read once, at level ``context`` whenever their list changes; what was looked at
     in vain lowers the belief. Where there is at most one view to choose, the environment does not ask. Every primitive
     action costs one of the 300 steps.
 
@@ -72,13 +73,14 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
     ``Discrete(V)``: the row of a view. Rows whose ``action_mask`` is 0 are no views; choosing one turns the agent left,
     which costs a step, and sets ``info["invalid"]``.
 
-    ### Observation space ``views``, ``prior``, ``unexplored``, ``things``, ``thing_rows``, ``things_mask``,
+    ### Observation space
+    ``views``, ``prior``, ``unexplored``, ``things``, ``thing_rows``, ``things_mask``,
     ``frontiers``, ``frontiers_mask``, ``ego``: see :class:`ucon.search.search_tokens.Tokens`; ``target``, ``habits``,
     ``habits_relevance``, ``habits_mask``: see :meth:`ucon.search.text_tokens.TextTokens.read`; ``action_mask`` int8
     (V,), 1 for rows that are views.
 
-    For trainers: with ``to_go=True``, ``to_go`` float32 (V + 1,), moves from each view, and last from the current node,
-    to where Done succeeds; -1 where there is no view or no path.
+    For trainers: with ``distance_to_goal=True``, ``distance_to_goal`` float32 (V + 1,), moves from each view, and last
+    from the current node, to where Done succeeds; -1 where there is no view or no path.
 
     ### Rewards
     0, and at the end the return of :class:`Returns`.
@@ -89,7 +91,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
 
     metadata = {"render_modes": RENDER_MODES, "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
     _shared: ClassVar[frozenset[str]] = frozenset(
-        {"spec", "metadata", "_locate", "_sizes", "_text", "_returns", "_to_go", "_last", "_tokens"}
+        {"spec", "metadata", "_locate", "_sizes", "_text", "_returns", "_distance", "_last", "_tokens"}
     )
 
     options_of = UcONEnv
@@ -104,7 +106,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         sizes: Sizes | None = None,
         text: TextTokens | None = None,
         returns: Returns | None = None,
-        to_go: bool = False,
+        distance_to_goal: bool = False,
         observe: str = "symbolic",
         detector: Any = True,
         texts: bool | None = None,
@@ -120,7 +122,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
             sizes: rows of the tokens.
             text: embeds names and habits.
             returns: weights of an episode's return.
-            to_go: add the privileged ``to_go`` to observations, for trainers.
+            distance_to_goal: add the privileged ``distance_to_goal`` to observations, for trainers.
             observe: see ``UcON-v0``.
             detector: its output is mapped; see ``UcON-v0``.
             texts: see ``UcON-v0``.
@@ -138,10 +140,10 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         self._locate, self._miss, self._sizes = locate or ReadHabits(), miss, sizes or Sizes()
         self._text, self._returns = text or TextTokens(), returns or Returns()
         self._searcher: Searcher | None = None
-        self._to_go: DistanceToGoal | None = None
-        self._tells_way = to_go
+        self._distance: DistanceToGoal | None = None
+        self._tells_distance = distance_to_goal
         self.action_space = spaces.Discrete(self._sizes.views)  # type: ignore[assignment]  # it draws NumPy integers
-        self.observation_space = observation_space(self._sizes, self._text, to_go=to_go)
+        self.observation_space = observation_space(self._sizes, self._text, distance_to_goal=distance_to_goal)
 
     @property
     def source(self) -> HabitSource:
@@ -162,7 +164,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         self._searcher = Searcher(info, believing, miss=self._miss)
         self._reader = TokenReader(self._searcher, info, self._sizes)
         self._said = EpisodeTextTokens(self._text, str(info["target"]), believing)
-        self._to_go = DistanceToGoal(self.env) if self._tells_way else None
+        self._distance = DistanceToGoal(self.env) if self._tells_distance else None
         self._last, self._over = (obs, info), (False, False)
         self._tokens: Tokens | None = None
         self._course.begin(self.env)
@@ -226,20 +228,20 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         if self._tokens is None:  # the episode is over
             blank = {name: np.zeros(space.shape, space.dtype) for name, space in self.observation_space.items()}  # type: ignore[attr-defined]
             blank["action_mask"][0] = 1
-            if self._to_go is not None:
-                blank["to_go"][:] = UNREACHABLE
+            if self._distance is not None:
+                blank["distance_to_goal"][:] = UNREACHABLE
             return blank | self._text_arrays()
         return {**self._tokens.arrays, **self._text_arrays(), **self._way()}
 
     def _way(self) -> Obs:
-        """``to_go`` of the observation, where it is asked for."""
-        if self._to_go is None or self._searcher is None or self._tokens is None:
+        """``distance_to_goal`` of the observation, where it is asked for."""
+        if self._distance is None or self._searcher is None or self._tokens is None:
             return {}
         views = [choice.view for choice in self._tokens.choices]
         out = np.full(self._sizes.views + 1, UNREACHABLE, np.float32)
-        far = self._to_go([*views, self._searcher.map.view])
+        far = self._distance([*views, self._searcher.map.view])
         out[: len(views)], out[-1] = far[:-1], far[-1]
-        return {"to_go": out}
+        return {"distance_to_goal": out}
 
     def _text_arrays(self) -> Obs:
         """The text arrays of the observation. Copies: the caller may change them."""
@@ -279,13 +281,13 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         return str(fingerprint_of(self._locate))
 
 
-def observation_space(sizes: Sizes, text: TextTokens, *, to_go: bool = False) -> spaces.Dict:
+def observation_space(sizes: Sizes, text: TextTokens, *, distance_to_goal: bool = False) -> spaces.Dict:
     """The observation space of :class:`UcONSearchEnv`.
 
     Args:
         sizes: rows of the tokens.
         text: its embedding's length and number of habits.
-        to_go: with ``to_go``, for trainers.
+        distance_to_goal: with ``distance_to_goal``, for trainers.
     """
 
     def box(*shape: int) -> spaces.Box:
@@ -308,7 +310,7 @@ def observation_space(sizes: Sizes, text: TextTokens, *, to_go: bool = False) ->
             "habits": box(habits, d),
             "habits_relevance": box(habits),
             "habits_mask": spaces.MultiBinary(habits),
-            **({"to_go": box(sizes.views + 1)} if to_go else {}),
+            **({"distance_to_goal": box(sizes.views + 1)} if distance_to_goal else {}),
         }
     )
 

@@ -1,1 +1,1 @@
-"""Habit datasets in figures, and surveys among people about them."""
+"""Figures and plots of habit datasets, and surveys among people about them."""

@@ -16,16 +16,16 @@ _RESAMPLES = 2_000
 
 
 def krippendorff_alpha(ratings: Sequence[Sequence[int]], categories: int, scale: Scale) -> float | None:
-    """Krippendorff's alpha: 1 is perfect agreement, 0 what chance gives.
+    """Krippendorff's alpha: 1 for perfect agreement, 0 for agreement by chance.
 
     Args:
-        ratings: for each item the ratings it was given, whole numbers from 0 to ``categories`` - 1; items with fewer
-            than two say nothing about agreement and are left out.
-        categories: how many values there are.
+        ratings: the ratings of each item, whole numbers from 0 to ``categories`` - 1; items with fewer than two ratings
+            are left out.
+        categories: number of possible values.
         scale: ``nominal`` counts any two values as equally different, ``ordinal`` by their rank.
 
     Returns:
-        None where it is not defined: no item has two ratings, or all ratings are equal.
+        None where it is undefined: no item has two ratings, or all ratings are equal.
     """
     return _alpha(_coincidences(ratings, categories).sum(0), scale)
 
@@ -33,7 +33,17 @@ def krippendorff_alpha(ratings: Sequence[Sequence[int]], categories: int, scale:
 def alpha_interval(
     ratings: Sequence[Sequence[int]], categories: int, scale: Scale, *, seed: int = 0
 ) -> Interval | None:
-    """Alpha with the percentile interval of 2,000 bootstrap samples of items; None where alpha is not defined."""
+    """Alpha with the percentile interval of 2,000 bootstrap samples of items.
+
+    Args:
+        ratings: as for :func:`krippendorff_alpha`.
+        categories: number of possible values.
+        scale: ``nominal`` or ``ordinal``.
+        seed: of the samples.
+
+    Returns:
+        None where alpha is undefined.
+    """
     units = _coincidences(ratings, categories)
     mean = _alpha(units.sum(0), scale)
     if mean is None:
@@ -45,7 +55,7 @@ def alpha_interval(
 
 
 def to_json(interval: Interval | None) -> Mapping[str, float | int] | None:
-    """JSON-ready interval."""
+    """Mean, low, high and n of an interval, rounded to four digits; None for None."""
     if interval is None:
         return None
     mean, low, high = (round(value, 4) for value in (interval.mean, interval.low, interval.high))
@@ -53,7 +63,7 @@ def to_json(interval: Interval | None) -> Mapping[str, float | int] | None:
 
 
 def _coincidences(ratings: Sequence[Sequence[int]], categories: int) -> NDArray[np.float64]:
-    """Matrices of coinciding values of every item with two ratings or more, (n, categories, categories)."""
+    """Coincidence matrix of every item with two or more ratings, (n, categories, categories)."""
     found = [np.zeros((0, categories, categories))]
     for values in ratings:
         if len(values) > 1:
@@ -75,6 +85,6 @@ def _difference(margins: NDArray[np.float64], scale: Scale) -> NDArray[np.float6
     """Squared differences between values, (categories, categories)."""
     if scale == "nominal":
         return 1.0 - np.eye(len(margins))
-    rank = margins.cumsum() - margins / 2  # the middle of each value among all ratings
+    rank = margins.cumsum() - margins / 2  # mean rank of each value among all ratings
     squared: NDArray[np.float64] = (rank[:, None] - rank[None, :]) ** 2
     return squared

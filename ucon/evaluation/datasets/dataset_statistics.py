@@ -1,4 +1,4 @@
-"""All figures of a habit dataset in one place: its text, its placements, its homes, and retrieval from it."""
+"""All figures of a habit dataset: its text, its placements, its homes, and retrieval from it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ucon.scenes import SCENES
 
 @dataclass(frozen=True)
 class Measures:
-    """Figures of a dataset (JSON-ready), and what pictures are drawn of."""
+    """Figures of a dataset (JSON-ready), with the data that plots need."""
 
     dataset: HabitDataset
     figures: dict[str, Any]
@@ -28,13 +28,18 @@ class Measures:
 
 
 def measure(dataset: HabitDataset, scenes: Sequence[str] = SCENES) -> Measures:
-    """Measure everything; a dataset other than the embedded book is encoded first, once, which takes minutes."""
+    """Measure everything. A dataset other than the habit book is encoded first, once, which takes minutes.
+
+    Args:
+        dataset: what is measured.
+        scenes: canonical scenes for knowledge bases; a dataset bound to scenes is measured in its own.
+    """
     dense = DenseRetriever()
     vectors = dataset_vectors(dataset, dense.encoder)
     retrieval = {mode: measure_retrieval(dataset, dense, mode) for mode in MODES}
     offer = offer_of_scenes(dataset, scenes)
     found = {mode: one.figures() for mode, one in retrieval.items()}
-    # At the top: the names that scripts rely on, of knowledge bases in the default mode.
+    # Figures of the default mode are also at the top level, under the names that scripts rely on.
     default = {name: value for name, value in found["category"].items() if not name.startswith("supporting")}
     figures = {
         "dataset": dataset.name,
@@ -50,7 +55,7 @@ def measure(dataset: HabitDataset, scenes: Sequence[str] = SCENES) -> Measures:
 
 
 def _scene_figures(offer: Offer) -> dict[str, Any]:
-    """Target categories a scene, and sizes of the knowledge bases by mode."""
+    """Target categories per scene, and sizes of the knowledge bases by mode."""
     counts = list(offer.categories.values())
     if not any(counts):
         return {}

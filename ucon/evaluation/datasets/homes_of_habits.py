@@ -1,4 +1,4 @@
-"""A habit dataset in homes: target categories a scene offers, sizes of knowledge bases, retrieval from them."""
+"""A habit dataset in homes: target categories per scene, sizes of knowledge bases, and retrieval from them."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from ucon.habits.knowledge import MODES, Mode
 from ucon.retrieval import Retriever, mrr
 from ucon.scenes import SCENES
 
-#: Categories of a knowledge base, as in an episode.
+#: Number of categories of a knowledge base, as in an episode.
 CATEGORIES = 20
-#: Recall is measured for the first 1 to so many habits.
+#: Recall is measured among the first 1 to this many habits.
 LONGEST = 60
 _KNOWLEDGE_BASES = 60
 _TARGETS = 5
@@ -29,10 +29,10 @@ Sizes = Mapping[Mode, Mapping[str, NDArray[np.int64]]]
 
 @dataclass(frozen=True)
 class Offer:
-    """What the canonical scenes make of a dataset."""
+    """What the canonical scenes allow with a dataset: target categories and sizes of knowledge bases."""
 
     categories: Mapping[str, int]
-    """Target categories that live in each scene."""
+    """Number of target categories with a household in each scene."""
     sizes: Sizes
 
 
@@ -42,14 +42,14 @@ class Retrieval:
 
     mrr: float
     recall: NDArray[np.float64]
-    """(60,): share of the target's habits among the first 1 to 60."""
+    """(60,) share of the target's habits among the first 1 to 60."""
     supporting: NDArray[np.float64] | None
-    """The same of those that support a placement; None without labels."""
+    """(60,) the same for habits that support a placement; None where supports are unknown."""
     size: float
-    """Mean size of the knowledge bases."""
+    """Mean number of habits of the knowledge bases."""
 
     def figures(self) -> dict[str, float | None]:
-        """JSON-ready figures."""
+        """JSON-ready figures, rounded to four digits."""
         supporting = None if self.supporting is None else round(float(self.supporting[19]), 4)
         return {
             "mrr": round(self.mrr, 4),
@@ -61,9 +61,11 @@ class Retrieval:
 
 
 def offer_of_scenes(dataset: HabitDataset, scenes: Sequence[str] = SCENES) -> Offer:
-    """Target categories of canonical scenes, and ten knowledge bases of 20 of them in each scene.
+    """Target categories of canonical scenes, and sizes of ten knowledge bases of 20 categories in each.
 
-    A dataset that is bound to scenes is measured in those only.
+    Args:
+        dataset: what is measured; one bound to scenes is measured only in those.
+        scenes: canonical scenes.
     """
     from ucon.sim.cache import load_house
     from ucon.task.making.living import living_in
@@ -85,7 +87,16 @@ def offer_of_scenes(dataset: HabitDataset, scenes: Sequence[str] = SCENES) -> Of
 
 
 def measure_retrieval(dataset: HabitDataset, retriever: Retriever, mode: Mode = "category") -> Retrieval:
-    """Retrieval with the paper's query: five targets in each of 60 knowledge bases of 20 categories."""
+    """Retrieval with the paper's query: five targets in each of 60 knowledge bases of 20 categories.
+
+    Args:
+        dataset: has the habits.
+        retriever: what is measured.
+        mode: of the knowledge bases.
+
+    Raises:
+        ConfigError: no entry fits any scene.
+    """
     homes = _households(dataset)
     if not homes:
         raise ConfigError(f"dataset '{dataset.name}': no entry fits any of the scenes; leave out their kinds of place")
@@ -113,7 +124,7 @@ def measure_retrieval(dataset: HabitDataset, retriever: Retriever, mode: Mode = 
 
 
 def _households(dataset: HabitDataset) -> list[dict[str, tuple[Entry, ...]]]:
-    """Who lives in each scene, without the scenes where nobody does: a book about offices has nobody in a flat."""
+    """Households of each scene, without scenes that have none (a book about offices has none in a flat)."""
     from ucon.sim.cache import load_house
     from ucon.task.making.living import home_kinds
 
@@ -125,6 +136,6 @@ def _households(dataset: HabitDataset) -> list[dict[str, tuple[Entry, ...]]]:
 
 
 def _recall(ranking: NDArray[np.int32], relevant: NDArray[np.int32]) -> NDArray[np.float64]:
-    """Recall (60,) among the first 1 to 60; a shorter ranking stays at its last value."""
+    """Recall among the first 1 to 60, (60,); a shorter ranking keeps its last value."""
     found = np.isin(ranking[:LONGEST], relevant).cumsum() / len(relevant)
     return np.pad(found, (0, LONGEST - len(found)), mode="edge")

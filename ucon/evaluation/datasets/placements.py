@@ -1,4 +1,4 @@
-"""Where the households of a habit dataset keep things: relations, support by habits, disagreement, contexts."""
+"""Figures of a dataset's placements: relations, support by habits, disagreement of households, contexts."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ CONTEXT_KINDS = ("day", "time", "season", "event", "other")
 
 
 def placement_statistics(dataset: HabitDataset) -> dict[str, Any]:
-    """Figures of the placements and of the habits that speak for them; shares are of placements unless named otherwise.
+    """Figures of the placements and of the habits that support them; shares are of placements unless named otherwise.
 
-    ``unsupported_placements`` follows the labels; where a dataset has none, a placement counts as supported if a habit
+    ``unsupported_placements`` follows the labels; in a dataset without labels a placement counts as supported if a
+    habit
     of its entry names the anchor in full. ``unnamed_placements`` is that criterion for every dataset.
     """
     n_places = [len(entry.placements) for entry in dataset.entries]
@@ -66,7 +67,7 @@ def _share(values: Iterator[bool]) -> float:
 
 
 def _contradictions(dataset: HabitDataset) -> dict[str, Any]:
-    """How far two households that may share a home disagree about one target, over all such pairs."""
+    """How much two households that may share a home disagree about one target, over all such pairs."""
     overlaps: list[float] = []
     for category in dataset.categories:
         for one, other in combinations(dataset.entries_of(category), 2):
@@ -81,13 +82,13 @@ def _contradictions(dataset: HabitDataset) -> dict[str, Any]:
 
 
 def _contexts(dataset: HabitDataset) -> dict[str, Any]:
-    """Placements with a context, and how many of them speak of each kind of condition (one may speak of two)."""
+    """Placements with a context, by kind of condition; one context may have two kinds."""
     places = [place for entry in dataset.entries for place in entry.placements]
-    told = [place.context for place in places if place.context is not None]
+    contexts = [place.context for place in places if place.context is not None]
     kinds = Counter(kind for condition in conditions(dataset) for kind in condition.kinds)
     return {
-        "placements": len(told),
-        "share": round(len(told) / len(places), 4),
-        "distinct": len(set(told)),
+        "placements": len(contexts),
+        "share": round(len(contexts) / len(places), 4),
+        "distinct": len(set(contexts)),
         "kinds": {name: kinds[name] for name in CONTEXT_KINDS},
     }

@@ -1,4 +1,4 @@
-"""Pictures of a habit dataset for slides and papers, one or two datasets in each."""
+"""Plots of one or two habit datasets, for slides and papers."""
 
 from __future__ import annotations
 
@@ -33,12 +33,19 @@ if TYPE_CHECKING:
     from ucon.evaluation.datasets.dataset_statistics import Measures
 
 _TOP_ANCHORS = 40
-#: Knowledge bases of the default mode are meant to lie here (the paper's are above 300).
+#: Intended sizes of knowledge bases in the default mode (the paper's are above 300).
 SIZEBAND = (300, 600)
 
 
 def draw_plots(found: Sequence[Measures], folder: Path) -> list[Path]:
-    """Write all pictures of one or two datasets into ``folder``; the files, in order.
+    """Write all plots of one or two datasets into ``folder``.
+
+    Args:
+        found: measures of each dataset.
+        folder: for the PNG files.
+
+    Returns:
+        The files, in order.
 
     Raises:
         ConfigError: matplotlib is missing.
@@ -60,7 +67,7 @@ def _label(one: Measures) -> str:
 
 
 def _legend(ax: Any, found: Sequence[Measures], notes: Sequence[str]) -> None:
-    """Coloured names of the datasets, each with a note, above the axes where they hide nothing."""
+    """Legend of the datasets above the axes, each with a note."""
     from matplotlib.patches import Patch
 
     marks = [
@@ -71,7 +78,7 @@ def _legend(ax: Any, found: Sequence[Measures], notes: Sequence[str]) -> None:
 
 
 def _words(found: Sequence[Measures]) -> Any:
-    """Of two datasets beside each other; of one with labels, what its habits that tell a place are like."""
+    """Words per habit: of two datasets, or of one dataset's habits that support a placement and those that do not."""
     figure = new_figure(title="Words a habit")
     ax = figure.subplots()
     series = [(_label(one), color, word_counts(one.dataset)) for one, color in zip(found, COLORS, strict=False)]
@@ -147,7 +154,7 @@ def _relations(found: Sequence[Measures]) -> Any:
 
 
 def _contexts(found: Sequence[Measures]) -> Any:
-    """Of the first dataset with contexts; the release has none."""
+    """Contexts of the first dataset that has any (the release has none)."""
     one = next((m for m in found if m.figures["contexts"]["placements"]), found[0])
     told, known = one.figures["contexts"], conditions(one.dataset)
     figure = new_figure(
@@ -184,7 +191,7 @@ def _sizes(found: Sequence[Measures]) -> Any:
     axes = figure.subplots(1, max(1, len(there)), squeeze=False)[0]
     sizes = [v for _, one in there for v in one.offer.sizes["category"].values() if len(v)]
     longest = max([SIZEBAND[1], *(int(v.max()) for v in sizes)])
-    for ax, (k, one) in zip(axes, there, strict=False):  # where nothing can live anywhere, the axes stay empty
+    for ax, (k, one) in zip(axes, there, strict=False):  # the axes stay empty if no scene has target categories
         scenes = [name for name, count in one.offer.categories.items() if count][::-1]
         ax.axvspan(*SIZEBAND, color=BAND)
         ax.text(sum(SIZEBAND) / 2, -1.3, "meant to be 300–600", color=GREY, ha="center", va="bottom", fontsize=9)

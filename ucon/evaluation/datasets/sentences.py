@@ -1,4 +1,4 @@
-"""What the sentences of a habit dataset are like: length, variety, repetition, and what they name."""
+"""Figures of a dataset's sentences: length, variety, repetition, and what they name."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from ucon.core.rng import stream
 from ucon.habits import HabitDataset
 from ucon.habits.splits import category_split, entry_parts
 
-#: Vocabulary grows and distinct-2 falls with the text, so datasets are compared on a fixed number of habits.
+#: Number of habits for vocabulary and distinct-2, which depend on the amount of text.
 _DISTINCT_SAMPLE = 5_000
 _NEAR_COSINE = 0.95
 _WORD = re.compile(r"[a-z']+")
 
 
 def text_statistics(dataset: HabitDataset) -> dict[str, Any]:
-    """Counts, words a habit, vocabulary, distinct-2, repetition, and what the sentences name.
+    """Counts, words per habit, vocabulary, distinct-2, repetition, and what the sentences name.
 
-    ``unique_masked`` is the share of unique sentences once category names are masked; ``names_target`` and
-    ``names_true_anchor`` are the shares of habits that name their target or one of their entry's anchors in full;
-    ``length_tells_support`` is the AUROC of the number of words for telling supporting habits from the others.
+    ``unique_masked`` is the share of unique sentences with category names masked; ``names_target`` and
+    ``names_true_anchor`` are the shares of habits that name their target, or an anchor of their entry, in full;
+    ``length_tells_support`` is the AUROC of the number of words for telling supporting habits from others.
     """
     texts = dataset.texts
     words = [_WORD.findall(text.lower()) for text in texts]
@@ -57,7 +57,12 @@ def text_statistics(dataset: HabitDataset) -> dict[str, Any]:
 
 
 def near_duplicates(vectors: NDArray[np.float16], block: int = 1024) -> float:
-    """Share of rows (n, dim) whose cosine with an earlier row exceeds 0.95."""
+    """Share of rows whose cosine with an earlier row exceeds 0.95.
+
+    Args:
+        vectors: (n, D) unit vectors.
+        block: rows that are compared at once.
+    """
     full = vectors.astype(np.float32)
     found = np.zeros(len(full), bool)
     for start in range(0, len(full), block):
@@ -69,17 +74,20 @@ def near_duplicates(vectors: NDArray[np.float16], block: int = 1024) -> float:
 
 
 def word_counts(dataset: HabitDataset) -> NDArray[np.int64]:
-    """Words of every habit by row, (n_rows,)."""
+    """Words of every habit by row, (n_rows,) int64."""
     return np.asarray([len(_WORD.findall(text.lower())) for text in dataset.texts])
 
 
 def names(text: str, category: str) -> bool:
-    """Whether a sentence holds a category's full name, singular or plural, with or without underscores."""
+    """Whether a sentence contains a category's full name, singular or plural, with or without underscores."""
     return _pattern(category).search(text.lower().replace("_", " ")) is not None
 
 
 def _length_auroc(dataset: HabitDataset) -> float | None:
-    """Chance that a supporting habit has more words than another one; ties count half."""
+    """Probability that a supporting habit has more words than another one; ties count half.
+
+    None if one kind is missing.
+    """
     words, supporting = word_counts(dataset), np.asarray([bool(habit.supports) for habit in dataset.habits])
     n = int(words.max()) + 1
     longer, other = (np.bincount(words[rows], minlength=n) for rows in (supporting, ~supporting))
@@ -95,7 +103,7 @@ def _pattern(category: str) -> re.Pattern[str]:
 
 
 def _named(dataset: HabitDataset) -> tuple[float, float]:
-    """Shares of habits that name their target, and one of the anchors of their entry."""
+    """Shares of habits that name their target, and an anchor of their entry."""
     target = anchor = 0
     for entry in dataset.entries:
         anchors = {place.anchor for place in entry.placements}

@@ -1,9 +1,9 @@
-"""A survey among people: rating sheets of habits and places, with the key kept apart, and the reading of both.
+"""A survey among people: rating sheets of habits and places, a separate key, and readers for both.
 
-Every item shows a habit that supports a placement of its entry, and a place. In half of the items it is a true one; in
-the others it is swapped: a place where another household keeps the same kind of thing, and the habit's own household
-never does. So no swapped place is absurd, and only the sentence tells the two apart. Contexts are not shown, and each
-category appears once.
+Every item shows a habit that supports a placement of its entry, and a place. In half of the items it is that place; in
+the others it is swapped for a place where another household keeps the same category, and this household never does. So
+no swapped place is absurd, and only the sentence tells the two apart. Contexts are not shown, and each category appears
+once.
 """
 
 from __future__ import annotations
@@ -28,21 +28,21 @@ QUESTIONS: Final = (
 )
 SHEET_FIELDS: Final = ("item", "object", "habit", "place", "real_1_to_5", "look_yes_no_unsure")
 LOOK: Final = ("yes", "unsure", "no")
-#: Of a sheet or a key.
+#: Largest sheet or key that is read.
 _MAX_BYTES: Final = 16 * 2**20
 _WORDS: Final = {"ontop": "on top of", "inside": "inside", "under": "under", "nextto": "next to"}
 
 
 @dataclass(frozen=True, slots=True)
 class RatedHabit:
-    """One question of a survey with its answer; the sheet shows the first four fields only."""
+    """One item of a survey with its key; sheets show only the first four fields."""
 
     item: int
     object: str
     habit: str
     place: str
     truth: str
-    """``true`` or ``swapped``."""
+    """``true`` or ``swapped``: whether the habit supports the place."""
     entry: str
     relation: str
     anchor: str
@@ -50,7 +50,7 @@ class RatedHabit:
 
 @dataclass(frozen=True, slots=True)
 class Rating:
-    """What one rater said of one item; None: left empty."""
+    """One rater's answers about one item; None where left empty."""
 
     item: int
     rater: str
@@ -59,10 +59,15 @@ class Rating:
 
 
 def draw_items(dataset: HabitDataset, n: int, seed: int = 0) -> list[RatedHabit]:
-    """Items of a survey: half (rounded up) with true placements, half with swapped ones, in random order.
+    """Draw the items of a survey: half (rounded up) with true placements, half with swapped ones, in random order.
+
+    Args:
+        dataset: habits with labels.
+        n: number of items; each is of another category.
+        seed: of the draw.
 
     Raises:
-        ConfigError: the dataset has no labels, or not so many categories that can be asked about.
+        ConfigError: the dataset has no labels, or fewer usable categories.
     """
     if not dataset.labelled:
         raise ConfigError(
@@ -94,7 +99,10 @@ def draw_items(dataset: HabitDataset, n: int, seed: int = 0) -> list[RatedHabit]
 
 
 def _candidate(entries: Sequence[Entry], rng: np.random.Generator) -> tuple[Entry, str, Placement, Placement] | None:
-    """A habit of a category with a place that it supports and another household's place; None where there is none."""
+    """An entry of a category, one of its habits, a place that it supports and another household's.
+
+    None where there is none.
+    """
     for i in rng.permutation(len(entries)):
         entry = entries[i]
         own = {place.anchor for place in entry.placements}
@@ -108,21 +116,27 @@ def _candidate(entries: Sequence[Entry], rng: np.random.Generator) -> tuple[Entr
 
 
 def sheet_csv(items: Sequence[RatedHabit]) -> str:
-    """The sheet that raters fill in."""
+    """The sheet that raters fill in, as CSV."""
     rows = [(one.item, one.object, one.habit, one.place, "", "") for one in items]
     return _csv(SHEET_FIELDS, rows)
 
 
 def key_csv(items: Sequence[RatedHabit]) -> str:
-    """The key that scores it, never to be shown to raters."""
+    """The key for scoring, as CSV; raters must not see it."""
     return _csv(tuple(field.name for field in fields(RatedHabit)), [astuple(one) for one in items])
 
 
 def read_key(path: Path) -> dict[int, RatedHabit]:
-    """Items by number.
+    """Read a key.
+
+    Args:
+        path: CSV file.
+
+    Returns:
+        Items by number.
 
     Raises:
-        DataError: naming file and line of what is no key.
+        DataError: naming file and line of a damaged row.
     """
     found: dict[int, RatedHabit] = {}
     for line, row in _rows(path, tuple(field.name for field in fields(RatedHabit)), "the key of `habits survey make`"):
@@ -136,10 +150,14 @@ def read_key(path: Path) -> dict[int, RatedHabit]:
 
 
 def read_sheet(path: Path, key: dict[int, RatedHabit]) -> list[Rating]:
-    """The answers of one rater, who is named after the file.
+    """Read the answers of one rater, who is named after the file.
+
+    Args:
+        path: CSV file.
+        key: items by number.
 
     Raises:
-        DataError: naming file and line of an answer that is none, a wrong or missing item, or another survey's text.
+        DataError: naming file and line of an invalid answer, a wrong or missing item, or text of another survey.
     """
     answers: dict[int, Rating] = {}
     for line, row in _rows(path, SHEET_FIELDS, "a sheet of `habits survey make`"):
@@ -168,7 +186,7 @@ def read_sheet(path: Path, key: dict[int, RatedHabit]) -> list[Rating]:
 
 
 def _number(path: Path, line: int, text: str) -> int:
-    if not text.isdecimal() or len(text) > 9:  # int() refuses thousands of digits
+    if not text.isdecimal() or len(text) > 9:  # int() raises on thousands of digits
         raise DataError(f"{path}:{line}: item '{brief(text)}', expected the item's number")
     return int(text)
 
@@ -182,7 +200,7 @@ def _csv(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
 
 
 def _rows(path: Path, head: Sequence[str], what: str) -> list[tuple[int, dict[str, str]]]:
-    """Rows of a CSV file with their line numbers; commas or, as some spreadsheets write, semicolons."""
+    """Rows of a CSV file with their line numbers; separated by commas, or by semicolons as some spreadsheets write."""
     try:
         raw = read_bounded(path, _MAX_BYTES)
         if len(raw) > _MAX_BYTES:

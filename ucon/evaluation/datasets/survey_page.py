@@ -1,4 +1,4 @@
-"""The rating sheet as one HTML file: to be printed, or filled in in a browser, which saves the CSV."""
+"""The rating sheet as one HTML file, to be printed or filled in in a browser, which saves the CSV."""
 
 from __future__ import annotations
 
@@ -41,7 +41,12 @@ document.getElementById('save').addEventListener('click', () => {
 
 
 def sheet_html(items: Sequence[RatedHabit], name: str) -> str:
-    """The sheet as a page; ``name`` is what the browser calls the file it saves. Holds nothing of the key."""
+    """The sheet as a page; it contains nothing of the key.
+
+    Args:
+        items: of the survey.
+        name: file name under which the browser saves the answers.
+    """
     cards = "\n".join(_card(item) for item in items)
     script = _SCRIPT.replace("HEAD", json.dumps(list(SHEET_FIELDS))).replace("'NAME'", _text(name))
     return f"""<!doctype html>
@@ -76,5 +81,5 @@ def _choice(number: int, name: str, question: str, values: Sequence[str]) -> str
 
 
 def _text(value: str) -> str:
-    """A JavaScript string that cannot end the script."""
+    """A JavaScript string literal that cannot close the script element."""
     return json.dumps(value).replace("<", "\\u003c")

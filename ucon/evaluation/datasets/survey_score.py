@@ -1,4 +1,4 @@
-"""What returned rating sheets say: means with intervals, agreement of the raters, true against swapped places."""
+"""Scores returned rating sheets: means with intervals, agreement of raters, true against swapped places."""
 
 from __future__ import annotations
 
@@ -14,9 +14,14 @@ from ucon.evaluation.figures.intervals import RESAMPLES, Interval, mean_interval
 
 
 def score_survey(key: Mapping[int, RatedHabit], answers: Sequence[Rating]) -> dict[str, Any]:
-    """JSON-ready figures; intervals draw whole items, whose ratings are not independent; None where nobody answered.
+    """JSON-ready figures of a survey; None where there are no answers.
 
-    ``look`` gives the share of "yes" among the answers about true and about swapped places, and their difference.
+    Intervals resample whole items, since ratings of one item are not independent. ``look`` gives the share of "yes" for
+    true and for swapped places, and their difference.
+
+    Args:
+        key: items by number.
+        answers: of all raters.
     """
     rated = [a for a in answers if a.real is not None]
     looked = [a for a in answers if a.look is not None]
@@ -59,7 +64,10 @@ def _shares(answers: Sequence[Rating]) -> dict[str, float] | None:
 
 
 def _difference(true: Sequence[Rating], swapped: Sequence[Rating]) -> Interval | None:
-    """Share of "yes" about true minus swapped places: other items, so both groups are drawn by themselves."""
+    """Share of "yes" for true minus swapped places.
+
+    The two groups have different items and are resampled separately.
+    """
     if not true or not swapped:
         return None
     drawn, means = [], []
@@ -74,7 +82,7 @@ def _difference(true: Sequence[Rating], swapped: Sequence[Rating]) -> Interval |
 
 
 def _by_item(values: Sequence[tuple[int, int]]) -> list[list[int]]:
-    """Values of each item that has any."""
+    """Values grouped by item."""
     found: dict[int, list[int]] = {}
     for item, value in values:
         found.setdefault(item, []).append(value)

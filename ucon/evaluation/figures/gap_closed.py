@@ -1,8 +1,8 @@
-"""How far a run has come from one run towards another, and how much of that carries over to what training never met.
+"""How far a run gets from a baseline run towards an upper bound, and how much of that holds for unseen things.
 
-Plain exploration is strong in homes, so success alone says little. *Distance closed* is (run - start) / (goal - start)
-over the same episodes; with the start ``frontier`` and the goal ``oracle_locations`` it is 0 for reading nothing and 1
-for perfect reading. *Generalisation* is SR divided by the goal's SR in the same cell, where homes are as hard.
+Plain exploration does well in homes, so SR alone says little. *Distance closed* is (run - start) / (goal - start) over
+the same episodes; with ``frontier`` as start and ``oracle_locations`` as goal it is 0 for reading nothing and 1 for
+perfect reading. *Generalisation* is SR divided by the goal's SR in the same cell of episodes, which are equally hard.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ from ucon.evaluation.figures.intervals import RESAMPLES, Interval
 from ucon.evaluation.kept.record import EpisodeRecord
 
 Records = Sequence[EpisodeRecord]
-#: What distance is measured in: SPL, SR within 150 steps, and SR on targets that are kept behind doors.
+#: Measures of distance: SPL, SR within 150 steps, and SR on targets behind closed doors.
 DISTANCES: Final[Mapping[str, Callable[[EpisodeRecord], float]]] = {
     "SPL": lambda r: r.spl,
     "SR 150": lambda r: float(r.success_150),
     "SR contained": lambda r: float(r.success) if r.contained else np.nan,
 }
-#: Parts of an episode's ``split`` that are compared: (what, seen, unseen).
+#: Parts of an episode's ``split`` that are compared: (name, seen, unseen).
 CELLS: Final = (("category", "seen_category", "unseen_category"), ("scene", "seen_scene", "unseen_scene"))
 
 
 @dataclass(frozen=True)
 class Shares:
-    """Of one cell of episodes: SR over the goal's SR, seen, unseen, and what is lost from seen to unseen."""
+    """SR over the goal's SR in seen and in unseen episodes, and the difference."""
 
     seen: Interval
     unseen: Interval
@@ -40,9 +40,14 @@ class Shares:
 
 
 def distance_closed(run: Records, start: Records, goal: Records) -> dict[str, Interval]:
-    """Share of the way from ``start`` to ``goal`` by each of :data:`DISTANCES`; episodes are drawn jointly.
+    """Share of the way from ``start`` to ``goal`` by each of :data:`DISTANCES`; the bootstrap draws episodes jointly.
 
     Where the goal is no better than the start, or no episode counts, the share is NaN.
+
+    Args:
+        run: records of the run.
+        start: records of the baseline.
+        goal: records of the upper bound.
 
     Raises:
         ConfigError: no episode that all three have played.
@@ -58,9 +63,16 @@ def distance_closed(run: Records, start: Records, goal: Records) -> dict[str, In
 
 
 def carried_over(run: Records, goal: Records) -> dict[str, Shares]:
-    """By category and by scene: SR over the goal's, and how much less of it there is in what training never met.
+    """SR over the goal's SR in seen and unseen episodes, by category and by scene.
 
     Only for runs whose splits name seen and unseen cells; empty otherwise.
+
+    Args:
+        run: records of the run.
+        goal: records of the upper bound.
+
+    Raises:
+        ConfigError: no episode that both have played.
     """
     ours, last = _common(run, goal)
     pairs = [(r.split, float(r.success), float(g.success)) for r, g in zip(ours, last, strict=True)]
@@ -78,7 +90,7 @@ def carried_over(run: Records, goal: Records) -> dict[str, Shares]:
 
 
 def _common(*runs: Records) -> list[list[EpisodeRecord]]:
-    """The records of every run of the episodes that all have played, in one order."""
+    """Records of every run for the episodes that all have played, in one order."""
     by_episode = [{r.episode: r for r in records} for records in runs]
     episodes = sorted(set.intersection(*(set(found) for found in by_episode)))
     if not episodes:
@@ -87,7 +99,7 @@ def _common(*runs: Records) -> list[list[EpisodeRecord]]:
 
 
 def _ratio(above: NDArray[np.float64], below: NDArray[np.float64], *what: str) -> Interval:
-    """Sum over sum, with the interval of episodes drawn anew."""
+    """Sum over sum with a bootstrap interval over episodes."""
     if below.sum() <= 0:
         return Interval(np.nan, np.nan, np.nan, len(above))
     return _interval(float(above.sum() / below.sum()), _draws(above, below, *what), len(above))

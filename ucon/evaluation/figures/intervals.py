@@ -1,7 +1,7 @@
-"""Bootstrap intervals. Seeded, so a table made twice from the same records is the same table.
+"""Bootstrap intervals. They are seeded, so the same records always give the same table.
 
-Episodes of one home are not independent. ``clusters`` (for example the scene of each episode) draws whole homes
-instead of single episodes, which widens the interval to what another sample of homes would give.
+Episodes of one home are not independent. With ``clusters`` (for example the scene of each episode) whole homes are
+resampled, which widens the interval to what another sample of homes would give.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from ucon.core.errors import ConfigError
 from ucon.core.rng import stream
 
 RESAMPLES = 10_000
-#: Resampled values held at once; bounds the memory of one call to about 32 MB.
+#: Resampled values in memory at once; limits one call to about 32 MB.
 _BLOCK = 2_000_000
 #: 97.5 % point of the normal distribution, for Wilson's interval.
 _Z95 = 1.959963984540054
@@ -24,7 +24,7 @@ _Z95 = 1.959963984540054
 
 @dataclass(frozen=True)
 class Interval:
-    """A mean with its 95 % interval."""
+    """A mean with its 95 % interval over ``n`` values."""
 
     mean: float
     low: float
@@ -33,19 +33,29 @@ class Interval:
 
     @property
     def ci95(self) -> tuple[float, float]:
-        """(low, high)."""
+        """Lower and upper limit."""
         return self.low, self.high
 
     @property
     def excludes_zero(self) -> bool:
-        """Whether the whole interval lies on one side of zero."""
+        """Whether both limits are on one side of zero."""
         return self.low > 0 or self.high < 0
 
 
 def mean_interval(
     values: ArrayLike, *, clusters: Sequence[str] | None = None, seed: int = 0, resamples: int = RESAMPLES
 ) -> Interval:
-    """Mean of ``values`` (n,) with its percentile bootstrap interval."""
+    """Mean with its percentile bootstrap interval.
+
+    Args:
+        values: (n,) finite numbers.
+        clusters: (n,) names of units that are resampled as a whole; None: each value by itself.
+        seed: of the samples.
+        resamples: number of samples.
+
+    Raises:
+        ConfigError: no values, or some that are not finite.
+    """
     data = _checked(values)
     sums, counts = _groups(data, clusters)
     means = _bootstrap_means(sums, counts, seed, resamples)
@@ -56,9 +66,18 @@ def mean_interval(
 def rate_interval(
     successes: ArrayLike, *, clusters: Sequence[str] | None = None, seed: int = 0, resamples: int = RESAMPLES
 ) -> Interval:
-    """Share of ``successes`` (n,) bool with its bootstrap interval.
+    """Share of successes with its bootstrap interval.
 
-    Where all are equal no resample differs and the bootstrap would claim certainty; there Wilson's interval stands.
+    If all values are equal, the bootstrap would give an interval of width 0; Wilson's interval is used instead.
+
+    Args:
+        successes: (n,) bool.
+        clusters: (n,) names of units that are resampled as a whole; None: each value by itself.
+        seed: of the samples.
+        resamples: number of samples.
+
+    Raises:
+        ConfigError: no values.
     """
     data = _checked(successes)
     if 0.0 < data.mean() < 1.0:
@@ -77,7 +96,18 @@ def paired_difference(
     seed: int = 0,
     resamples: int = RESAMPLES,
 ) -> Interval:
-    """Mean of ``first - second`` over the same episodes in the same order, with its bootstrap interval."""
+    """Mean of ``first - second`` over the same episodes in the same order, with its bootstrap interval.
+
+    Args:
+        first: (n,) values.
+        second: (n,) values.
+        clusters: (n,) names of units that are resampled as a whole; None: each pair by itself.
+        seed: of the samples.
+        resamples: number of samples.
+
+    Raises:
+        ConfigError: different lengths, no values, or some that are not finite.
+    """
     a, b = _checked(first), _checked(second)
     if len(a) != len(b):
         raise ConfigError(f"paired difference of {len(a)} and {len(b)} values; expected the same episodes in both")
@@ -96,7 +126,7 @@ def _checked(values: ArrayLike) -> NDArray[np.float64]:
 def _groups(
     data: NDArray[np.float64], clusters: Sequence[str] | None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Sum and size of every unit that is drawn as a whole."""
+    """Sum and size of every unit that is resampled as a whole."""
     if clusters is None:
         return data, np.ones_like(data)
     if len(clusters) != len(data):

@@ -1,10 +1,10 @@
-"""Episodes found where a habit about something else spoke for a place by the target: tea bags, beside the tea set.
+"""Finds episodes where a habit about another thing pointed to a place by the target: tea bags beside the tea set.
 
 The paper's third question asks why retrieved habits can do better than the target's own. One answer is a habit of
-another thing that says where that thing is, and the target stands beside it. Such episodes are found by two runs of one
+another thing that says where that thing is, with the target next to it. Such episodes are found from two runs of one
 agent: with retrieved habits it found the target, with the target's own (``gt``) it did not, or took much longer; and
-among the habits it was given is one about another thing that really stands, as the habit says, by the target. That the
-habit was given and the target found is all that is shown: not that the agent went there because of it.
+among its habits is one about another thing that does stand, as the habit says, by the target. This shows that the habit
+was given and the target found, not that the agent went there because of it.
 """
 
 from __future__ import annotations
@@ -22,32 +22,32 @@ from ucon.task.episode import Episode
 if TYPE_CHECKING:
     from ucon.envs.knowledge import HabitSource
 
-#: A landmark stands within this distance of the target, middle to middle, in metres.
+#: Largest distance of a landmark from the target, centre to centre, in metres.
 NEAR_M = 1.0
-#: With the target's own habits it took this many times as many steps, at least.
+#: Least ratio of steps with the target's own habits to steps with retrieved ones.
 LONGER = 1.5
 
 
 @dataclass(frozen=True)
 class LandmarkCase:
-    """One such episode. ``steps_gt`` is that of a failure too (``success_gt`` false)."""
+    """One such episode; ``steps_gt`` is given for failures too (``success_gt`` false)."""
 
     episode: str
     scene: str
     target: str
     landmark: str
-    """The other thing."""
+    """Category of the other thing."""
     habit: str
-    """What was said about it."""
+    """The sentence about it."""
     rank: int
-    """Place of that habit in the list that the agent was given, from 1."""
+    """Rank of that habit in the list that the agent was given, from 1."""
     distance_m: float
     steps: int
     success_gt: bool
     steps_gt: int
 
     def to_json(self) -> dict[str, Any]:
-        """JSON-ready dictionary."""
+        """Plain values by name."""
         return asdict(self)
 
 
@@ -57,13 +57,13 @@ def landmark_cases(
     episodes: Sequence[Episode],
     source: HabitSource,
 ) -> Iterator[LandmarkCase]:
-    """All cases, in the order of ``retrieved``.
+    """All such episodes, in the order of ``retrieved``.
 
     Args:
-        retrieved: a run at level ``retrieval``.
-        own: a run of the same agent at level ``gt``.
+        retrieved: records of a run at level ``retrieval``.
+        own: records of a run of the same agent at level ``gt``.
         episodes: those that the runs played.
-        source: the habits they were given.
+        source: gives the habits.
 
     Raises:
         ConfigError: the runs are of other levels or agents, or an episode is missing.
@@ -83,7 +83,7 @@ def landmark_cases(
 def _cases(
     record: EpisodeRecord, other: EpisodeRecord, episode: Episode, source: HabitSource
 ) -> Iterator[LandmarkCase]:
-    """The best ranked habit about a landmark, if there is one."""
+    """The case with the best-ranked habit about a landmark, if there is one."""
     dataset = source.dataset
     near = landmarks(episode)
     for rank, row in enumerate(source.knowledge(episode, "retrieval").rows.tolist(), 1):
@@ -99,7 +99,11 @@ def _cases(
 
 
 def landmarks(episode: Episode) -> dict[str, tuple[int, float]]:
-    """Other things that stand by the target: by the entry that placed them, which placement, and how far in metres."""
+    """Other objects near the target, by the entry that placed them.
+
+    Returns:
+        Index of the placement in the entry, and distance in metres.
+    """
     target = episode.target_object
     out = {}
     for number, (thing, (entry, placement)) in enumerate(

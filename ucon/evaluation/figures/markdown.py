@@ -1,4 +1,4 @@
-"""The tables of a results page, in Markdown: runs, paired differences, and both by home size and by split."""
+"""The tables of a results page in Markdown: runs, paired differences, and both by home size and by split."""
 
 from __future__ import annotations
 
@@ -16,26 +16,30 @@ from ucon.evaluation.figures.gap_closed import CELLS, DISTANCES, carried_over, d
 from ucon.evaluation.figures.intervals import Interval, mean_interval, rate_interval
 from ucon.evaluation.figures.paired import Comparison
 from ucon.evaluation.kept.finished import FinishedRun
-from ucon.evaluation.kept.naming import level, player
+from ucon.evaluation.kept.naming import agent_label, level
 from ucon.evaluation.kept.record import EpisodeRecord, read_records
 from ucon.evaluation.kept.seal import has_summary
-from ucon.scenes import home_spec
 from ucon.task.outcome import FailureCause
 
-#: Limits of the home sizes, in square metres, around the sizes of the calibration study.
+#: Limits of the classes of home sizes in square metres, around the sizes of the calibration study.
 SIZE_LIMITS_M2 = (0, 40, 70, 115, 170, 250, 600)
 
 
 @dataclass(frozen=True)
 class Run:
-    """The records of one run under the name that tables give it."""
+    """Records of one run with its label in tables."""
 
     label: str
     records: tuple[EpisodeRecord, ...]
 
 
 def read_run(path: Path) -> Run:
-    """Read a run folder of ``eval.py``, or its records alone; a summary says what the agent asks and sees with.
+    """Read a run folder of ``eval.py``, or its records alone.
+
+    With a summary the label also names the language model and the detector.
+
+    Args:
+        path: folder, or ``episodes.jsonl``.
 
     Raises:
         DataError: no records there, or a damaged file.
@@ -46,11 +50,14 @@ def read_run(path: Path) -> Run:
             return Run(run.label, run.records)
     records = tuple(read_records(path))
     said = {"agent": records[0].agent, "habit_level": records[0].habit_level}
-    return Run(f"{player(said)}, {level(said)}", records)
+    return Run(f"{agent_label(said)}, {level(said)}", records)
 
 
 def read_runs(folders: Sequence[Path]) -> dict[Path, Run]:
-    """Read run folders; runs of one label are told apart by the names of their folders.
+    """Read run folders; runs with the same label get the name of their folder added.
+
+    Args:
+        folders: of the runs.
 
     Raises:
         DataError: no records in one of them.
@@ -64,7 +71,7 @@ def read_runs(folders: Sequence[Path]) -> dict[Path, Run]:
 
 
 def named_apart(runs: Sequence[Run]) -> None:
-    """Raise :class:`ConfigError` where two runs would have one name in a table."""
+    """Raise :class:`ConfigError` where two runs have the same label."""
     labels = [run.label for run in runs]
     twice = sorted({label for label in labels if labels.count(label) > 1})
     if twice:
@@ -72,7 +79,16 @@ def named_apart(runs: Sequence[Run]) -> None:
 
 
 def markdown_page(runs: Sequence[Run], comparisons: Sequence[Comparison], way: tuple[Run, Run] | None = None) -> str:
-    """All tables of ``runs``, separated by empty lines; ``way``: runs between which distance closed is measured."""
+    """All tables of some runs, separated by empty lines.
+
+    Args:
+        runs: what is shown.
+        comparisons: paired differences.
+        way: start and goal for distance closed; None: no such column.
+
+    Raises:
+        ConfigError: two runs have the same label.
+    """
     named_apart(runs)
     tables = [_runs(runs, way), _differences(comparisons), _causes(runs)]
     if way is not None and (carried := _carried(runs, way[1])):
@@ -96,7 +112,7 @@ def _runs(runs: Sequence[Run], way: tuple[Run, Run] | None) -> str:
 
 
 def _closed(run: Run, start: Run, goal: Run) -> tuple[str, ...]:
-    """Distance closed, in percent."""
+    """Distance closed by one run, in percent."""
     if run is start or run is goal:
         return (f"{100 * (run is goal)}",) * len(DISTANCES)
     found = distance_closed(run.records, start.records, goal.records).values()
@@ -104,7 +120,7 @@ def _closed(run: Run, start: Run, goal: Run) -> tuple[str, ...]:
 
 
 def _carried(runs: Sequence[Run], goal: Run) -> str:
-    """SR over the goal's in seen and unseen cells; "" where no run has such."""
+    """Table of SR over the goal's SR in seen and unseen cells; "" where no run has such cells."""
     kinds = [name for name, _, _ in CELLS]
     head = [f"% of the SR of {goal.label}"]
     head += [f"{part} {kind}" for kind in kinds for part in ("seen", "unseen", "lost:")]
@@ -151,7 +167,7 @@ def _differences(comparisons: Sequence[Comparison]) -> str:
 
 
 def _causes(runs: Sequence[Run]) -> str:
-    """Why episodes failed: percent of all episodes of each run, for the causes that occur."""
+    """Table of failure causes, in percent of all episodes of each run."""
     there = {r.failure_cause for run in runs for r in run.records if not r.success}
     causes = [cause for cause in get_args(FailureCause) if cause in there]
     rows = []
@@ -162,7 +178,7 @@ def _causes(runs: Sequence[Run]) -> str:
 
 
 def _groups(runs: Sequence[Run], names: Sequence[str], group: Callable[[EpisodeRecord], str]) -> str:
-    """SR / SPL of every run in every group, and how many episodes of the first run each group has."""
+    """Table of SR / SPL of every run in every group, with the number of episodes per group."""
     rows = []
     for run in runs:
         parts = [[r for r in run.records if group(r) == name] for name in names]
@@ -178,7 +194,7 @@ def _rates(records: Sequence[EpisodeRecord]) -> str:
 
 
 def _sizes(runs: Sequence[Run]) -> list[str]:
-    """The size classes that occur, from small to large."""
+    """Size classes that occur, from small to large."""
     areas = {_area_m2(scene) for scene in {r.scene for run in runs for r in run.records}}
     return list(dict.fromkeys(_size(area) for area in sorted(areas)))
 
@@ -192,6 +208,8 @@ def _size(area_m2: float) -> str:
 
 @lru_cache(maxsize=4096)
 def _area_m2(scene: str) -> float:
+    from ucon.scenes import home_spec  # compiled kernels, which most tables do not need
+
     return home_spec(scene).area_m2
 
 

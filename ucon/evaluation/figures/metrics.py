@@ -1,7 +1,7 @@
 """From records to figures: the metrics of the benchmark.
 
-SPL of one episode is ``success * l / max(p, l)`` with l the shortest path and p the length of the successful moves,
-in metres. It is computed where the episode ends; here it is checked again and averaged.
+SPL of one episode is ``success * l / max(p, l)``, with l the shortest path and p the length of the successful moves,
+both in metres. It is computed when the episode ends; here it is checked again and averaged.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from ucon.core.errors import DataError
 from ucon.evaluation.figures.intervals import mean_interval, rate_interval
 from ucon.evaluation.kept.record import EpisodeRecord, episode_spl
 
-#: Figures that can be compared between runs: name and value of one record.
+#: Figures that can be compared between runs: value of one record by name.
 MEASURES: dict[str, Callable[[EpisodeRecord], float]] = {
     "success_rate": lambda r: float(r.success),
     "spl": lambda r: r.spl,
@@ -27,7 +27,14 @@ MEASURES: dict[str, Callable[[EpisodeRecord], float]] = {
 
 
 def summarise(records: Sequence[EpisodeRecord]) -> dict[str, Any]:
-    """All deterministic figures of a run, JSON-ready; names as in ``summary.json``."""
+    """All deterministic figures of a run, JSON-ready, with the names of ``summary.json``.
+
+    Args:
+        records: of the run, at least one.
+
+    Raises:
+        DataError: no records, or one whose SPL does not follow from its lengths.
+    """
     if not records:
         raise DataError("no records to summarise; evaluate at least one episode")
     for record in records:
@@ -66,7 +73,13 @@ def _mean(values: Sequence[float]) -> float | None:
 
 
 def same_figures(a: Any, b: Any, tolerance: float = 1e-6) -> bool:
-    """Whether two figures, or containers of them, say the same: figures are of what is kept with six digits."""
+    """Whether two figures, or containers of figures, are equal within a tolerance.
+
+    Args:
+        a: number, string, list or dictionary.
+        b: the same.
+        tolerance: absolute; figures are stored with six digits.
+    """
     if isinstance(a, dict) and isinstance(b, dict):
         return a.keys() == b.keys() and all(same_figures(a[name], b[name], tolerance) for name in a)
     if isinstance(a, list) and isinstance(b, list):

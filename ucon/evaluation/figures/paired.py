@@ -16,7 +16,7 @@ from ucon.evaluation.kept.record import EpisodeRecord
 
 @dataclass(frozen=True)
 class Comparison:
-    """``first - second`` for every measure, over ``n`` common episodes."""
+    """``first - second`` for every measure, over the ``n`` common episodes."""
 
     first: str
     second: str
@@ -26,7 +26,7 @@ class Comparison:
     differences: dict[str, Interval]
 
     def to_json(self) -> dict[str, Any]:
-        """JSON-ready dictionary."""
+        """Plain values; each difference with its interval."""
         data = asdict(self)
         data["differences"] = {
             name: {"difference": d.mean, "ci95": list(d.ci95), "excludes_zero": d.excludes_zero}
@@ -42,7 +42,13 @@ def compare_records(
     *,
     by_scene: bool = False,
 ) -> Comparison:
-    """Compare two lists of records; ``by_scene`` draws whole homes in the bootstrap.
+    """Compare two runs on the episodes that both have played.
+
+    Args:
+        first: records of one run.
+        second: records of the other.
+        names: their labels.
+        by_scene: True: the bootstrap resamples whole homes.
 
     Raises:
         ConfigError: no common episode, or an episode twice in one run.
@@ -60,7 +66,12 @@ def compare_records(
 
 
 def comparison_table(comparisons: Sequence[Comparison], measures: Sequence[str] = tuple(MEASURES)) -> Table:
-    """One row a comparison and measure; an asterisk marks intervals that exclude zero."""
+    """Table with one row per comparison and measure; an asterisk marks intervals that exclude zero.
+
+    Args:
+        comparisons: what is shown.
+        measures: names of :data:`MEASURES`.
+    """
     table = Table(title="paired differences", title_justify="left")
     table.add_column("first - second")
     table.add_column("measure", no_wrap=True)

@@ -1,4 +1,4 @@
-"""How this project's charts look: colours, figures, bars. matplotlib is an optional extra, imported when needed."""
+"""Style of the project's plots: colours, figures, bars. matplotlib is an optional extra, imported when needed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ COLORS = ("#0f766e", "#d97706")
 LIGHT = ("#7cc4bd", "#f2c58b")
 INK, GREY, BAND = "#1f2937", "#6b7280", "#eef2f4"
 _DPI = 160
-#: Where legends go: above the axes, where they hide nothing.
+#: Position of legends: above the axes.
 ABOVE: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.01, 1.0), "handlelength": 1.0, "handleheight": 1.0}
 
 STYLE = {
@@ -51,14 +51,20 @@ def require_matplotlib() -> None:
 
 
 def save_png(figure: Any, path: Path) -> None:
-    """Write a figure, whole or not at all."""
+    """Write a figure as PNG, atomically."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=_DPI, facecolor="white")
     write_atomic(path, buffer.getvalue())
 
 
 def new_figure(width: float = 10.0, height: float = 5.0, title: str = "") -> Any:
-    """A figure of so many inches with its title at the left."""
+    """A new figure with its title at the left.
+
+    Args:
+        width: in inches.
+        height: in inches.
+        title: text.
+    """
     from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
@@ -69,14 +75,21 @@ def new_figure(width: float = 10.0, height: float = 5.0, title: str = "") -> Any
 
 
 def percent_axis(axis: Any) -> None:
-    """Show shares as per cent."""
+    """Show the shares on an axis as per cent."""
     from matplotlib.ticker import PercentFormatter
 
     axis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
 
 
 def grouped_bars(ax: Any, rows: Sequence[Sequence[float]], names: Sequence[str], label: Callable[[float], str]) -> None:
-    """Grouped vertical bars, a series of ``rows`` each, with their values on top."""
+    """Draw grouped vertical bars with their values on top.
+
+    Args:
+        ax: axes.
+        rows: values of each series.
+        names: of the groups.
+        label: text of a value.
+    """
     width = 0.8 / len(rows)
     for k, values in enumerate(rows):
         x = np.arange(len(values)) + (k - (len(rows) - 1) / 2) * width

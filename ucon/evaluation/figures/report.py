@@ -1,4 +1,4 @@
-"""Tables for people and ``summary.json`` for scripts: every number with its interval, versions and hashes."""
+"""Result tables for the terminal and ``summary.json`` for scripts: figures with intervals, versions and hashes."""
 
 from __future__ import annotations
 
@@ -16,23 +16,28 @@ import ucon
 from ucon.core.files import canonical_json, sha256_bytes, sha256_file
 from ucon.evaluation.figures.metrics import summarise
 from ucon.evaluation.kept.decisions import language_figures, seconds_per_decision
-from ucon.evaluation.kept.naming import ANY_LEVEL, NameParts, level, player
+from ucon.evaluation.kept.naming import ANY_LEVEL, NameParts, agent_label, level
 from ucon.evaluation.playing.play import PlayedEpisode
 from ucon.task.episode import Episode
 
 #: Packages whose version can change a record.
 _PACKAGES = ("numpy", "numba", "torch", "transformers", "gymnasium", "pybullet", "opencv-python-headless")
 
-#: Episodes of the set ``test``.
+#: Number of episodes of the set ``test``.
 _MANY: Final = 1000
-#: Options that say where and how fast a run is made, not what is measured.
+#: Options that do not change what is measured, only where and how fast.
 NEUTRAL_OPTIONS = ("out", "workers", "worker_timeout_s", "pictures", "progress")
 
 
 def run_hashes(config: dict[str, Any], episodes: Sequence[Episode], weights: Sequence[str] | None) -> dict[str, str]:
-    """SHA-256 of what decides the records: configuration, episodes, habits, code, and names or prints of ``weights``.
+    """SHA-256 of everything that decides the records: configuration, episodes, habits, code and weights.
 
-    Without ``weights`` that are known, since they are gone, nothing is said of them: a finished run can still be read.
+    Args:
+        config: of the run; neutral options are left out.
+        episodes: that are played.
+        weights: names or fingerprints of the weights; None: unknown since they are gone, and left out, so that a
+            finished
+            run can still be read.
     """
     measured = {key: value for key, value in config.items() if key not in NEUTRAL_OPTIONS}
     habits = sorted({episode.habits_hash for episode in episodes})
@@ -46,7 +51,7 @@ def run_hashes(config: dict[str, Any], episodes: Sequence[Episode], weights: Seq
 
 @lru_cache(maxsize=1)
 def code_hash() -> str:
-    """SHA-256 over ``ucon``, sources and data, and, in a clone, sources and prompts of ``models``: what counts."""
+    """SHA-256 over sources and data of ``ucon`` and, in a clone, sources and prompts of ``models``."""
     package = Path(ucon.__file__).parent
     models = package.parent / "models"
     files = sorted([*_files(package, "*"), *_files(models, "*.py"), *_files(models, "*.txt")])
@@ -55,7 +60,7 @@ def code_hash() -> str:
 
 
 def _files(folder: Path, pattern: str) -> Iterator[Path]:
-    """Files below a folder, but what Python and editors leave there."""
+    """Files below a folder, without caches and hidden files."""
     for path in folder.rglob(pattern):
         parts = path.relative_to(folder).parts
         if path.is_file() and "__pycache__" not in parts and not any(part.startswith(".") for part in parts):
@@ -63,7 +68,7 @@ def _files(folder: Path, pattern: str) -> Iterator[Path]:
 
 
 def versions() -> dict[str, str]:
-    """Versions of Python, UcON and the packages that can change a record."""
+    """Versions of Python, UcON and the packages that can change a record, by name."""
     found = {"python": platform.python_version(), "ucon": ucon.__version__}
     for name in _PACKAGES:
         try:
@@ -74,7 +79,13 @@ def versions() -> dict[str, str]:
 
 
 def summary(played: Sequence[PlayedEpisode], hashes: dict[str, str], parts: NameParts | None = None) -> dict[str, Any]:
-    """Content of ``summary.json``: what is the same in every equal run."""
+    """Content of ``summary.json``: everything that is equal in equal runs.
+
+    Args:
+        played: the episodes, in order.
+        hashes: of :func:`run_hashes`.
+        parts: names of the run's language model and detector.
+    """
     records = [p.record for p in played]
     return {
         "agent": records[0].agent,
@@ -88,7 +99,12 @@ def summary(played: Sequence[PlayedEpisode], hashes: dict[str, str], parts: Name
 
 
 def seconds_of(played: Sequence[PlayedEpisode], seconds: float) -> dict[str, Any]:
-    """Content of ``seconds.json``: wall time of the run, and of its episodes added up."""
+    """Content of ``seconds.json``: wall time of the run, and the sum over its episodes.
+
+    Args:
+        played: the episodes.
+        seconds: of the run.
+    """
     return {
         "seconds": round(seconds, 2),
         "episode_seconds": round(sum(p.timing.seconds for p in played), 2),
@@ -98,7 +114,13 @@ def seconds_of(played: Sequence[PlayedEpisode], seconds: float) -> dict[str, Any
 
 
 def results_table(summaries: Sequence[dict[str, Any]], title: str | None = None, *, wide: bool = True) -> Table:
-    """One row a run. Where a name is long, it is folded: no figure is cut off. ``wide=False`` fits 80 columns."""
+    """Table with one row per run; long names are folded, so no figure is cut off.
+
+    Args:
+        summaries: content of each run's ``summary.json``.
+        title: of the table.
+        wide: False fits into 80 columns, with fewer figures.
+    """
     look = {"box": HEAVY_HEAD} if wide else {"box": SIMPLE_HEAD, "padding": (0, 1, 0, 0), "show_edge": False}
     table = Table(title=title, title_justify="left", **look)  # type: ignore[arg-type]
     table.add_column("agent", overflow="fold")
@@ -108,7 +130,7 @@ def results_table(summaries: Sequence[dict[str, Any]], title: str | None = None,
         table.add_column(column, justify="right", no_wrap=True)
     for s in summaries:
         figures = _figures(s)
-        table.add_row(player(s), level(s), *(figures[column] for column in columns))
+        table.add_row(agent_label(s), level(s), *(figures[column] for column in columns))
     return table
 
 
@@ -120,8 +142,8 @@ _COLUMNS: Final = {
 
 
 def _figures(s: dict[str, Any]) -> dict[str, str]:
-    """What a row shows, by column."""
-    # Ranks of habits that nobody reads would depend on the level that happened to be played.
+    """Text of a row by column."""
+    # An agent that reads no habits has no retrieval figures: they would depend on the level it was played at.
     retrieval = {"recall_20": None, "mrr": None} if level(s) == ANY_LEVEL else s["retrieval"]
     return {
         "n": str(s["n"]),
@@ -137,7 +159,7 @@ def _figures(s: dict[str, Any]) -> dict[str, str]:
 
 
 def precision_line(figures: dict[str, Any]) -> str:
-    """What so many episodes can show, in one line."""
+    """One line on how precisely this many episodes determine SR."""
     low, high = figures["success_rate_ci95"]
     n, half = figures["n"], 50 * (high - low)
     better = round((_MANY / n) ** 0.5)
@@ -146,7 +168,7 @@ def precision_line(figures: dict[str, Any]) -> str:
 
 
 def failure_line(figures: dict[str, Any]) -> str:
-    """Why episodes failed, in one line."""
+    """One line with the number of failures by cause."""
     causes = figures["failure_causes"]
     if not causes:
         return "no failures"

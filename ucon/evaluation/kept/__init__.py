@@ -1,1 +1,1 @@
-"""Runs as they are kept: records, checksums, reading, recomputing and replaying them."""
+"""Stored runs: records, checksums, reading, recomputing and replaying them."""

@@ -1,4 +1,4 @@
-"""What is kept of one choice that an agent made: a line of ``decisions.jsonl``."""
+"""The record of one choice that an agent made: a line of ``decisions.jsonl``."""
 
 from __future__ import annotations
 
@@ -19,61 +19,75 @@ _COUNTS: Final = (
 
 @dataclass(frozen=True)
 class DecisionRecord:
-    """One choice among candidates. Wall-clock seconds are kept apart: they differ from run to run."""
+    """One choice among candidates. Wall-clock seconds are stored elsewhere, since they differ from run to run."""
 
     episode: str
     number: int
-    """Of the episode, from 0."""
+    """Number of the decision in its episode, from 0."""
     step: int
     kind: str
-    """Of what was chosen: a candidate's, ``target`` that was seen, or the ``solution`` that an oracle walks."""
+    """Kind of the chosen candidate, ``target`` for approaching the seen target, or ``solution`` of the oracle."""
     options: tuple[str, ...]
-    """What it was chosen from, in words: candidates, or (LGX by objects) what stands for them; of searches that value
-    every view, the chosen one alone."""
+    """The options in words: the candidates, or what stands for them (LGX by objects).
+
+    A search that values every view lists
+    only the chosen one.
+    """
     chosen: int
-    """Number of the candidate. It numbers ``options`` too, but where they stand for candidates (LGX by objects)."""
+    """Index of the chosen candidate; also of ``options``, except where these stand for candidates (LGX by objects)."""
     scores: tuple[float | None, ...] = ()
-    """Of the options, where the chooser gives any; None in a line where one is not finite."""
+    """Scores of the options, where there are any; None in a stored line where one is not finite."""
     asked: int = 0
-    """Questions put to a language model."""
+    """Number of questions to a language model."""
     fallback: bool = False
-    """Whether no usable answer came and the agent chose by its rule for that."""
+    """True where no usable answer came and the agent followed its rule for that case."""
     answered: int = -1
-    """Number of the option that was answered; -1 where none was (L3MVN compares probabilities of labels)."""
+    """Index of the answered option; -1 for none (L3MVN compares probabilities of labels)."""
     dropped: int = 0
-    """Habits that did not fit into the model's window, in the question that lost most."""
+    """Habits that did not fit into the model's context window, in the question that lost most."""
     failure: str = ""
-    """Why not."""
+    """Reason why no usable answer came."""
     retries: int = 0
     prompt_tokens: int = 0
     completion_tokens: int = 0
     text: str = ""
-    """What the model said, where it says something; without line breaks and other control characters in the line. Of
-    choices that are computed: what the chosen view is worth and costs."""
+    """The model's answer as text, if any; control characters are replaced in a stored line.
+
+    For computed choices: gain and
+    cost of the chosen view.
+    """
     seconds: float = 0.0
-    """Wall time of the answers; not part of the line."""
+    """Wall time of the answers; not part of the stored line."""
 
     @property
     def words(self) -> str:
-        """What was chosen, in words."""
+        """The chosen option in words."""
         number = self.answered if self.answered >= 0 else self.chosen
         return self.options[number] if number < len(self.options) else self.kind
 
     def to_json(self) -> dict[str, Any]:
-        """What is kept of it, JSON-ready."""
+        """Plain values of the stored line, without seconds."""
         values: dict[str, Any] = asdict(self)
         values.pop("seconds")
         values["scores"] = [float(s) if s is not None and isfinite(s) else None for s in self.scores]
-        values["text"] = shown(self.text)  # servers say anything
+        values["text"] = shown(self.text)  # a server's answer may contain control characters
         return values
 
     def to_line(self) -> str:
-        """One line of canonical JSON without the line break."""
+        """One line of canonical JSON, without the line break."""
         return canonical_json(self.to_json())
 
     @classmethod
     def from_json(cls, data: Any, *, where: str = "decision") -> DecisionRecord:
-        """Rebuild a record from a parsed line; raises :class:`DataError` where it is none."""
+        """Read a record from a parsed line.
+
+        Args:
+            data: plain values; not trusted.
+            where: file and line, for errors.
+
+        Raises:
+            DataError: it has another form, or negative counts.
+        """
         decision = read_as(cls, data, where, "a decision", without=("seconds",))
         if min(getattr(decision, name) for name in _COUNTS) < 0 or decision.answered < -1:
             raise DataError(f"{where}: counts below 0; the file is altered, evaluate again")
@@ -81,7 +95,15 @@ class DecisionRecord:
 
 
 def language_figures(decisions: Sequence[DecisionRecord], n_episodes: int) -> dict[str, Any] | None:
-    """Rates and costs of a run's decisions for ``summary.json``; None where no model was asked."""
+    """Rates and costs of the language model over a run, for ``summary.json``.
+
+    Args:
+        decisions: of all episodes.
+        n_episodes: number of episodes.
+
+    Returns:
+        None where no model was asked.
+    """
     asked = _asked(decisions)
     if not asked or not n_episodes:
         return None
@@ -101,7 +123,7 @@ def language_figures(decisions: Sequence[DecisionRecord], n_episodes: int) -> di
 
 
 def seconds_per_decision(decisions: Sequence[DecisionRecord]) -> float | None:
-    """Mean wall time of those that a model was asked for; None where none was."""
+    """Mean wall time of decisions for which a model was asked; None where none was."""
     asked = _asked(decisions)
     return sum(d.seconds for d in asked) / len(asked) if asked else None
 

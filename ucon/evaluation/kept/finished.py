@@ -1,4 +1,4 @@
-"""A finished run as its folder keeps it: the one way in which all that reads such folders reads them."""
+"""A finished run as its folder stores it; all code that reads such folders uses this module."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from ucon.core.errors import DataError, brief
 from ucon.core.untrusted.plain_file import read_plain
 from ucon.core.untrusted.yaml_text import without_aliases
 from ucon.evaluation.kept.decisions import DecisionRecord
-from ucon.evaluation.kept.naming import level, player
+from ucon.evaluation.kept.naming import agent_label, level
 from ucon.evaluation.kept.record import EpisodeRecord, EpisodeTiming, json_lines, parse_records
 from ucon.evaluation.kept.seal import CONFIG, DECISIONS, RECORDS, SUMMARY, TIMING, RunFiles, has_summary, read_files
 from ucon.evaluation.playing.play import PlayedEpisode
 
-#: What tables show of a summary, and of which types: a number, or one for each end of an interval.
+#: Entries of a summary that tables show: numbers, and intervals (lists of two numbers).
 _NUMBERS: Final = ("n", "success_rate", "spl", "soft_spl", "success_75", "success_150", "success_300", "steps")
 _INTERVALS: Final = ("success_rate_ci95", "spl_ci95")
 _MAX_CONFIG: Final = 1 << 24
@@ -30,28 +30,38 @@ _ALTERED = "the file is altered, restore it or evaluate again"
 
 @dataclass(frozen=True)
 class FinishedRun:
-    """What a folder keeps of a run."""
+    """Content of the folder of a finished run."""
 
     folder: Path
     summary: dict[str, Any]
     seconds: dict[str, Any]
     records: tuple[EpisodeRecord, ...] | None
-    """None where figures alone are kept."""
+    """Records of the episodes; None where only figures are stored."""
     content: Mapping[str, bytes]
-    """Of the files, by name."""
+    """Bytes of the files by name."""
 
     @classmethod
     def read(cls, folder: Path) -> FinishedRun:
-        """Read and check it.
+        """Read and check a folder.
+
+        Args:
+            folder: of a finished run.
 
         Raises:
-            DataError: no finished run, one without checksums, or one that is altered.
+            DataError: no finished run, one without checksums, or an altered one.
         """
         return cls.of(read_files(folder))
 
     @classmethod
     def of(cls, files: RunFiles) -> FinishedRun:
-        """Make sense of what was read; raises as :meth:`read`."""
+        """Parse files that were read.
+
+        Args:
+            files: of the run's folder.
+
+        Raises:
+            DataError: the summary or a record is damaged, or their numbers of episodes differ.
+        """
         folder = files.folder
         check_summary(files.summary, folder / SUMMARY)
         raw, records = files.content.get(RECORDS), None
@@ -64,14 +74,14 @@ class FinishedRun:
 
     @property
     def label(self) -> str:
-        """What tables call it."""
-        return f"{player(self.summary)}, {level(self.summary)}"
+        """Label in tables: agent with its parts, and habit level."""
+        return f"{agent_label(self.summary)}, {level(self.summary)}"
 
     def timings(self) -> list[EpisodeTiming]:
-        """Of each episode, in order; [] where they are not kept.
+        """Timing of each episode, in order; [] where they are not stored.
 
         Raises:
-            DataError: they are not those of the records.
+            DataError: they do not belong to the records.
         """
         path = self.folder / TIMING
         raw = self.content.get(TIMING)
@@ -83,10 +93,10 @@ class FinishedRun:
         return timings
 
     def decisions(self) -> dict[str, list[DecisionRecord]]:
-        """By episode; {} where they are not kept, or none was made.
+        """Decisions by episode; {} where none are stored.
 
         Raises:
-            DataError: one is damaged, or of no episode of the records.
+            DataError: one is damaged, or of an episode without a record.
         """
         made: dict[str, list[DecisionRecord]] = defaultdict(list)
         for value, where in json_lines(self.content.get(DECISIONS, b""), self.folder / DECISIONS):
@@ -100,7 +110,7 @@ class FinishedRun:
         """The episodes by index, as they were when they ended.
 
         Raises:
-            DataError: not all of a run is kept.
+            DataError: not all of the run is stored.
         """
         timings, decisions = self.timings(), self.decisions()
         if self.records is None or not timings:
@@ -115,7 +125,14 @@ class FinishedRun:
 def as_played(
     index: int, record: EpisodeRecord, timing: EpisodeTiming, made: list[DecisionRecord], where: str
 ) -> PlayedEpisode:
-    """An episode as it was when it ended: decisions get their seconds back from the timing.
+    """An episode as it was when it ended; decisions get their seconds back from the timing.
+
+    Args:
+        index: of the episode.
+        record: of the episode.
+        timing: of the episode.
+        made: its decisions.
+        where: file, for errors.
 
     Raises:
         DataError: the three are not of one episode.
@@ -131,7 +148,15 @@ def as_played(
 
 
 def check_summary(said: Mapping[str, Any], path: Path) -> None:
-    """Raises :class:`DataError` where a summary lacks what tables show of it, or has it otherwise."""
+    """Refuse a summary that lacks what tables show, or has it in another form.
+
+    Args:
+        said: content of the file.
+        path: of the file, for the error.
+
+    Raises:
+        DataError: it is no summary of a finished run.
+    """
     numbers = [said.get(name) for name in _NUMBERS]
     for name in _INTERVALS:
         pair = said.get(name)
@@ -154,7 +179,10 @@ def check_summary(said: Mapping[str, Any], path: Path) -> None:
 
 
 def read_config(folder: Path) -> dict[str, Any]:
-    """The configuration of a run; where a ``summary.json`` lies beside it, checked by its checksum.
+    """The configuration of a run; with a ``summary.json`` beside it, its checksum is verified.
+
+    Args:
+        folder: of the run.
 
     Raises:
         DataError: there is none, or it is damaged.

@@ -1,8 +1,8 @@
-"""The folder of one evaluation: what it holds, and how an interrupted one goes on.
+"""The output folder of one evaluation, and how an interrupted one goes on.
 
-While a run lasts, finished episodes are appended to ``episodes.jsonl.partial``, whose first line names the run (its
-hashes) and the versions that play it. The same command on the same folder continues there; another run in the folder
-is refused. A finished run is only read.
+While a run lasts, finished episodes are appended to ``episodes.jsonl.partial``, whose first line has the run's hashes
+and versions. The same command on the same folder continues there; another run in that folder is refused. A finished run
+is only read.
 """
 
 from __future__ import annotations
@@ -24,40 +24,52 @@ from ucon.evaluation.playing.play import PlayedEpisode
 
 
 class RunFolder:
-    """One output folder, bound to the run whose hashes are given, and while it lasts to the versions that play it."""
+    """One output folder for the run with the given hashes.
+
+    Args:
+        path: the folder; it need not exist.
+        hashes: of the run; a folder of a run with other hashes is refused.
+        versions: of packages; while the run is unfinished, other versions are refused too.
+    """
 
     def __init__(self, path: Path, hashes: dict[str, str], versions: Mapping[str, str] | None = None) -> None:
         self.path = path
         self.hashes = hashes
         self.summary: dict[str, Any] | None = None
-        """Of a finished run, once it is open."""
+        """Content of ``summary.json`` if the run is finished already; set by :meth:`open`."""
         self._versions = dict(versions or {})
         self._first = line_of({"hashes": hashes, "versions": self._versions})
         self.damaged = 0
-        """Lines of the partial file that were left out; their episodes are played again."""
+        """Number of damaged lines in the partial file; their episodes are played again."""
         self._partial: BinaryIO | None = None
         self._seconds_before, self._opened = 0.0, time.perf_counter()
 
     @property
     def seconds(self) -> float:
-        """Since the folder was opened, and those of interrupted calls before, up to the last episode of each."""
+        """Seconds since the folder was opened, plus those of earlier, interrupted calls.
+
+        Of each earlier call the time up to its last finished episode counts.
+        """
         return self._seconds_before + time.perf_counter() - self._opened
 
     def is_free(self) -> bool:
-        """Whether nothing lies here, or what an equal run left when it was interrupted."""
+        """Whether the folder is empty, missing, or holds the unfinished part of this same run."""
         if (self.path / PARTIAL).is_file() and not (self.path / SUMMARY).exists():
             return self._begun_here()
         return not self.path.exists() or (self.path.is_dir() and not any(self.path.iterdir()))
 
     def open(self, episodes: Sequence[str]) -> dict[int, PlayedEpisode]:
-        """Make the folder and return the episodes that an earlier, equal run finished, by index.
+        """Create the folder, or continue what an earlier, equal run left.
 
         Args:
-            episodes: ids of what the run plays, in order.
+            episodes: ids of the episodes to play, in order.
+
+        Returns:
+            Episodes that are finished already, by index.
 
         Raises:
             ConfigError: the folder belongs to a different run, or cannot be written.
-            DataError: what it holds is damaged.
+            DataError: its content is damaged.
         """
         if has_summary(self.path):
             return self._finished(episodes)
@@ -74,11 +86,19 @@ class RunFolder:
         return done
 
     def add(self, played: PlayedEpisode) -> None:
-        """Keep a finished episode, so that it survives an interruption."""
+        """Append a finished episode to the partial file, so that it survives an interruption."""
         self._append(line_of_played(played, self.seconds, self._first))
 
     def finish(self, played: Sequence[PlayedEpisode], summary: Mapping[str, Any], config_yaml: str) -> None:
-        """Write the final files and remove the partial one. ``summary.json`` comes last: it says that all is there."""
+        """Write the final files and remove the partial one.
+
+        ``summary.json`` is written last: it marks the run as complete.
+
+        Args:
+            played: all episodes, in order.
+            summary: content of ``summary.json``.
+            config_yaml: text of ``config.yaml``.
+        """
         if self._partial is not None:
             self._partial.close()
         decisions = "".join(f"{d.to_line()}\n" for p in played for d in p.decisions)
@@ -112,7 +132,7 @@ class RunFolder:
                 f"{self.path}: a finished run of other episodes than its configuration names now; remove the folder "
                 "and evaluate again"
             )
-        self.summary, self.hashes = run.summary, dict(found)  # it knows weights that may be gone by now
+        self.summary, self.hashes = run.summary, dict(found)  # also of weights that may be gone by now
         return played
 
     def _read_partial(self, episodes: Sequence[str]) -> dict[int, PlayedEpisode]:
@@ -130,7 +150,7 @@ class RunFolder:
 
     @property
     def _named(self) -> dict[str, Any]:
-        """What an unfinished run must have in common with this one: other versions might play the rest otherwise."""
+        """What an unfinished run must have in common with this one; other versions might play the rest differently."""
         return {**self.hashes, "versions": self._versions}
 
     def _begun_here(self) -> bool:
@@ -147,7 +167,7 @@ class RunFolder:
             )
 
     def _refuse_what_it_would_overwrite(self) -> None:
-        """Without a summary or a partial file, results are not those of a run that could go on: of training, say."""
+        """Refuse a folder with results but neither summary nor partial file, such as one of training."""
         if (self.path / PARTIAL).is_file():
             return
         there = sorted(p.name for pattern in (CONFIG, f"{RECORDS}*") for p in self.path.glob(pattern))
@@ -158,18 +178,24 @@ class RunFolder:
 
 
 def free_folder(out: Path, hashes: dict[str, str], versions: Mapping[str, str]) -> Path:
-    """The first of ``out``, ``out-2``, ``out-3``, ... where this run can be played without touching another one."""
+    """The first of ``out``, ``out-2``, ``out-3``, ... where this run can be played without touching another one.
+
+    Args:
+        out: wanted folder.
+        hashes: of the run.
+        versions: of packages.
+    """
     names = (out.name if number == 1 else f"{out.name}-{number}" for number in count(1))
     return next(path for name in names if RunFolder(path := out.with_name(name), hashes, versions).is_free())
 
 
 def _names(header: Mapping[str, Any]) -> dict[str, Any]:
-    """What the first line of a partial file says of its run."""
+    """Hashes and versions in the first line of a partial file."""
     hashes = header.get("hashes")
     return {**(hashes if isinstance(hashes, dict) else {}), "versions": header.get("versions")}
 
 
 def _different(wanted: Mapping[str, Any], found: Any) -> list[str]:
-    """Names of what is not as wanted."""
+    """Names of the entries that differ."""
     known = found if isinstance(found, dict) else {}
     return sorted(name for name in wanted if known.get(name) != wanted[name])

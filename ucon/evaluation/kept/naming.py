@@ -1,7 +1,7 @@
-"""What a run is called in tables: the agent with the language model it asks and the detector, and its habit level.
+"""Labels of runs in tables: the agent with its language model and detector, and the habit level.
 
-An agent is what it asks: LGX with a sentence encoder and LGX with a language model of eight billion weights are two
-rows. True labels (``gt``) are the usual ones and stay unsaid.
+LGX with a sentence encoder and LGX with an 8B language model are two rows. The default detector, true labels (``gt``),
+is not named.
 """
 
 from __future__ import annotations
@@ -10,50 +10,69 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-#: In place of the habit level of an agent that plays all levels alike.
+#: Label of the habit level for an agent that reads no habits.
 ANY_LEVEL = "any"
 
 
 @dataclass(frozen=True)
 class NameParts:
-    """What ``summary.json`` says of a run's parts, so that tables can name them."""
+    """Parts of a run that ``summary.json`` names, for labels in tables."""
 
     language_model: str | None = None
-    """Name of the model that the agent asks; None where it asks none."""
+    """Name of the agent's language model; None if it has none."""
     detector: str | None = None
     uses_habits: bool = True
 
     def to_json(self) -> dict[str, Any]:
-        """JSON-ready dictionary."""
+        """Plain values by name."""
         return asdict(self)
 
 
 def parts_of(agent: Any, detector: Any) -> NameParts:
-    """The parts of an agent and the detector that its environment has."""
+    """Names of an agent's language model and of its environment's detector.
+
+    Args:
+        agent: may have ``language`` and ``uses_habits``.
+        detector: may have ``name``.
+    """
     model, uses_habits = getattr(agent, "language", None), getattr(agent, "uses_habits", True)
     return NameParts(getattr(model, "name", None), getattr(detector, "name", None), bool(uses_habits))
 
 
-def player(summary: Mapping[str, Any]) -> str:
-    """Who played, by a ``summary.json``: ``lgx + encoder (all-MiniLM-L6-v2) + noisy``."""
+def agent_label(summary: Mapping[str, Any]) -> str:
+    """Label of the agent with its parts, such as ``lgx + encoder (all-MiniLM-L6-v2) + noisy``.
+
+    Args:
+        summary: content of ``summary.json``.
+    """
     detector = summary.get("detector")
     parts = [summary["agent"], summary.get("language_model"), None if detector == "gt" else detector]
     return " + ".join(part for part in parts if part)
 
 
 def level(summary: Mapping[str, Any]) -> str:
-    """The habit level; ``any`` for an agent that reads no habits, whichever it happened to be played at."""
+    """Label of the habit level; ``any`` for an agent that reads no habits, whichever level it was played at.
+
+    Args:
+        summary: content of ``summary.json``.
+    """
     return str(summary["habit_level"]) if summary.get("uses_habits", True) else ANY_LEVEL
 
 
-def answers_something(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
-    """Whether ``a - b`` is worth a row of a sweep: a level of a player minus its basis, or two players at one level.
+def is_worth_comparing(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
+    """Whether ``a - b`` deserves a row in the comparison of a sweep.
 
-    A player that reads no habits is at every level at once.
+    It does for a habit level minus its baseline of the same agent, and for two agents at one level. An agent that reads
+    no
+    habits counts as being at every level.
+
+    Args:
+        a: content of a ``summary.json``.
+        b: content of another.
     """
-    first, second, levels = player(a), player(b), (level(a), level(b))
+    first, second, levels = agent_label(a), agent_label(b), (level(a), level(b))
     if first == second:
         return levels == ("context", "retrieval") or (levels[1] == "none" != levels[0])
     if ANY_LEVEL in levels and levels[0] != levels[1]:
-        return levels[1] == ANY_LEVEL  # what reads no habits is the basis
+        return levels[1] == ANY_LEVEL  # the agent that reads no habits is the baseline
     return levels[0] == levels[1] and first < second

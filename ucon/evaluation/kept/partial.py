@@ -1,7 +1,7 @@
-"""The file of an unfinished run: a line for each episode as it ends, with a checksum before it.
+"""The file of an unfinished run: a line for each finished episode, each with a checksum before it.
 
-The first line names the run; the checksums of the others are of its checksum too, so that a line of another run is
-none of this one. A line that is damaged costs the episode that it kept, and no other.
+The first line names the run; the other lines' checksums include its checksum, so a line of another run does not count.
+A damaged line costs only the episode that it holds.
 """
 
 from __future__ import annotations
@@ -22,46 +22,58 @@ from ucon.evaluation.kept.seal import RECORDS
 from ucon.evaluation.playing.play import PlayedEpisode
 
 PARTIAL: Final = f"{RECORDS}.partial"
-#: Of a first line, in bytes.
+#: Longest first line in bytes.
 _LONGEST: Final = 1 << 16
-#: Of the file: some hundred thousand episodes, at 9 KB of decisions each.
+#: Largest file in bytes: some hundred thousand episodes, at 9 kB of decisions each.
 _MAX_BYTES: Final = 1 << 30
-#: Letters of a checksum.
+#: Length of a checksum in characters.
 _CHECKSUM: Final = 64
 
 
 @dataclass(frozen=True)
 class _Line:
-    """What a line says beside its record, timing and decisions."""
+    """A line's entries beside record, timing and decisions."""
 
     index: int
     seconds: float
-    """Of the run until this episode was finished."""
+    """Seconds of the run when this episode was finished."""
 
 
 @dataclass(frozen=True)
-class Left:
-    """What an interrupted run left."""
+class PartialRun:
+    """Content of an unfinished run's file."""
 
     header: dict[str, Any] | None
-    """None where nothing was written yet."""
+    """First line; None where nothing was written yet."""
     done: dict[int, PlayedEpisode]
+    """Finished episodes by index."""
     seconds: float
-    """Of the run, until the last episode that is left."""
+    """Seconds of the run until its last readable episode."""
     damaged: int
-    """Lines that are left out."""
+    """Number of lines that were left out."""
     whole: bytes
     """The file without them."""
 
 
 def line_of(value: Mapping[str, Any], first: bytes = b"") -> bytes:
-    """A line: checksum, space, JSON. ``first``: the first line, of the others."""
+    """A line: checksum, space, JSON, line break.
+
+    Args:
+        value: content.
+        first: the first line; empty for the first line itself.
+    """
     body = canonical_json(value).encode()
     return f"{_checksum(body, first)} ".encode() + body + b"\n"
 
 
 def line_of_played(played: PlayedEpisode, seconds: float, first: bytes) -> bytes:
-    """The line of an episode, with the seconds of the run so far; ``first``: the first line."""
+    """The line of a finished episode.
+
+    Args:
+        played: the episode.
+        seconds: of the run so far.
+        first: the first line of the file.
+    """
     value: dict[str, Any] = {
         "index": played.index,
         "seconds": round(float(seconds), 3),
@@ -72,14 +84,18 @@ def line_of_played(played: PlayedEpisode, seconds: float, first: bytes) -> bytes
     return line_of(value, first)
 
 
-def read_partial(path: Path, episodes: Sequence[str]) -> Left:
-    """What is whole of it. ``episodes``: ids of what is to be played, in order.
+def read_partial(path: Path, episodes: Sequence[str]) -> PartialRun:
+    """Read all undamaged lines.
+
+    Args:
+        path: the file.
+        episodes: ids of the episodes to play, in order.
 
     Raises:
-        DataError: its first line is damaged.
+        DataError: the first line is damaged.
     """
     raw = read_plain(path, _MAX_BYTES)
-    lines = [line + b"\n" for line in raw.split(b"\n")[:-1]]  # what follows was cut off in mid-write
+    lines = [line + b"\n" for line in raw.split(b"\n")[:-1]]  # the rest, if any, was cut off while being written
     header = _value(lines[0], path) if lines else None
     done: dict[int, PlayedEpisode] = {}
     seconds, kept = 0.0, lines[:1]
@@ -90,11 +106,11 @@ def read_partial(path: Path, episodes: Sequence[str]) -> Left:
             continue
         done[played.index], seconds = played, max(seconds, seconds_then)
         kept.append(line)
-    return Left(header, done, seconds, len(lines) - len(kept), b"".join(kept))
+    return PartialRun(header, done, seconds, len(lines) - len(kept), b"".join(kept))
 
 
 def read_header(path: Path) -> dict[str, Any]:
-    """What the first line says of its run.
+    """Content of the first line, which names the run.
 
     Raises:
         DataError: it is damaged.
@@ -108,10 +124,10 @@ def _checksum(body: bytes, first: bytes) -> str:
 
 
 def _value(line: bytes, path: Path, first: bytes = b"") -> dict[str, Any]:
-    """What a line says; ``first``: the first line, of the others.
+    """Content of a line whose checksum is right.
 
     Raises:
-        DataError: its checksum is of other content, or it says nothing.
+        DataError: the checksum is wrong, or the line holds no object.
     """
     checksum, _, body = line.removesuffix(b"\n").partition(b" ")
     value = parse_line(body, str(path)) if checksum == _checksum(body, first).encode() else None
@@ -125,10 +141,10 @@ def _value(line: bytes, path: Path, first: bytes = b"") -> dict[str, Any]:
 def _played(
     value: dict[str, Any], where: str, episodes: Sequence[str], done: Mapping[int, PlayedEpisode]
 ) -> tuple[PlayedEpisode, float]:
-    """The episode of a line, and the seconds of the run until then.
+    """The episode in a line, and the seconds of the run when it ended.
 
     Raises:
-        DataError: it is damaged, not of these episodes, or of one that is already ``done``.
+        DataError: it is damaged, not one of these episodes, or in ``done`` already.
     """
     parts = {name: value.pop(name, None) for name in ("record", "timing", "decisions")}
     line = read_as(_Line, value, where, "an episode's line")

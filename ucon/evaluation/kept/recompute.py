@@ -1,4 +1,4 @@
-"""Recomputes the figures of a finished run from its records, and adds checksums where an older version left none."""
+"""Recomputes the figures of a finished run from its records; adds checksums where an older version wrote none."""
 
 from __future__ import annotations
 
@@ -26,32 +26,32 @@ from ucon.evaluation.kept.seal import (
 
 
 @dataclass(frozen=True)
-class Verified:
-    """What came of it."""
+class Verification:
+    """Result of recomputing a run."""
 
     label: str
     n: int
     sealed: bool
-    """Whether there are checksums; one that is wrong is an error."""
+    """Whether there are checksums (a wrong one is an error)."""
     recomputed: tuple[str, ...]
-    """Names of the figures that were computed again."""
+    """Names of the figures that were recomputed."""
     differing: tuple[str, ...]
-    """Those of them that came out otherwise."""
+    """Names of those that came out different."""
     taken: tuple[str, ...]
-    """Names of what cannot be recomputed from what is kept: it is of the configuration, the machine and the clock."""
+    """Names of entries that cannot be recomputed, since they depend on configuration, machine and clock."""
 
     @property
     def good(self) -> bool:
-        """Whether all that can be recomputed came out as it is kept, and has its checksum."""
+        """Whether all recomputed figures agree and checksums are there."""
         return self.sealed and not self.differing
 
 
-def verify(folder: Path, *, seal: bool = False) -> Verified:
-    """Recompute what a folder's records say, and compare it with what its summary says.
+def verify(folder: Path, *, seal: bool = False) -> Verification:
+    """Recompute a run's figures from its records and compare them with its summary.
 
     Args:
         folder: of a finished run.
-        seal: where all agrees, write the figures as they are recomputed, with checksums of the files that are there.
+        seal: if all agree, write the recomputed figures with checksums of the files that are there.
 
     Raises:
         DataError: no finished run, or a damaged one.
@@ -64,11 +64,11 @@ def verify(folder: Path, *, seal: bool = False) -> Verified:
         _write(run, now)
         has_seal = True
     taken = tuple(name for name in kept if name not in now)
-    return Verified(run.label, run.summary["n"], has_seal, tuple(now), differing, taken)
+    return Verification(run.label, run.summary["n"], has_seal, tuple(now), differing, taken)
 
 
 def _recomputed(run: FinishedRun) -> dict[str, Any]:
-    """All figures that the kept records, decisions and timing say."""
+    """All figures that follow from the stored records, decisions and timing."""
     if run.records is None:
         return {}
     agents, levels = {r.agent for r in run.records}, {r.habit_level for r in run.records}
@@ -83,7 +83,7 @@ def _recomputed(run: FinishedRun) -> dict[str, Any]:
 
 
 def _write(run: FinishedRun, now: Mapping[str, Any]) -> None:
-    """The summary last: it says that all is there."""
+    """Write seconds and summary; the summary last, since it marks the run as complete."""
     for name, said in ((SECONDS, run.seconds), (SUMMARY, run.summary)):
         files = {part: run.content[part] for part in SEALED[name] if part in run.content}
         write_atomic(run.folder / name, sealed({key: now.get(key, value) for key, value in said.items()}, files))

@@ -1,6 +1,6 @@
-"""What is kept of one episode: one JSON line, the same bytes in every run, whatever the workers and their order.
+"""The record of one episode: one JSON line, with the same bytes in every run, for any number and order of workers.
 
-Wall-clock seconds differ between runs, so they live in :class:`EpisodeTiming`, written to a file of their own.
+Wall-clock seconds differ between runs, so they are in :class:`EpisodeTiming`, in a file of their own.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ucon.evaluation.kept.seal import RECORDS, has_summary, read_bytes, read_fil
 from ucon.retrieval.levels import LEVELS
 from ucon.task.outcome import FailureCause
 
-#: Digits kept of every figure: enough for any table, few enough to hide nothing that could differ.
+#: Digits to which every figure is rounded: enough for any table.
 _DIGITS: Final = 6
 _FAILURES: Final = get_args(FailureCause)
 _SHARES: Final = ("spl", "soft_spl", "recall_10", "recall_20", "mrr")
@@ -26,9 +26,9 @@ _COUNTS: Final = ("opens", "collisions", "n_habits", "language_calls", "language
 
 @dataclass(frozen=True)
 class EpisodeRecord:
-    """One evaluated episode. Lengths in metres, ``first_seen_step`` -1 where the target was never visible.
+    """One evaluated episode. Lengths are in metres; ``first_seen_step`` is -1 if the target was never visible.
 
-    Figures are rounded as they are kept, so that all that is computed from them is the same before and after.
+    Figures are rounded as they are stored, so that everything computed from them is the same before and after.
     """
 
     episode: str
@@ -51,7 +51,7 @@ class EpisodeRecord:
     path_length_m: float
     steps: int
     actions: str
-    """The actions taken, as digits 0 to 6: replaying them replays the episode."""
+    """The actions taken, as digits 0 to 6; taking them again replays the episode."""
     opens: int
     collisions: int
     first_seen_step: int
@@ -59,10 +59,10 @@ class EpisodeRecord:
     """``none`` or one of :data:`ucon.task.outcome.FailureCause`."""
     n_habits: int
     recall_10: float | None
-    """Share of the target's habits among the first 10 that the agent was given; None without habits."""
+    """Share of the target's habits among the first 10 given habits; None at levels that do not rank."""
     recall_20: float | None
     mrr: float | None
-    """One over the rank of the first habit about the target."""
+    """Reciprocal rank of the first habit about the target."""
     language_calls: int = 0
     language_tokens: int = 0
 
@@ -72,12 +72,20 @@ class EpisodeRecord:
                 object.__setattr__(self, name, round(float(value), _DIGITS) + 0.0)
 
     def to_line(self) -> str:
-        """One line of canonical JSON without the line break."""
+        """One line of canonical JSON, without the line break."""
         return canonical_json(asdict(self))
 
     @classmethod
     def from_json(cls, data: Any, *, where: str = "record") -> EpisodeRecord:
-        """Rebuild a record; raises :class:`DataError` where it is none, or contradicts itself."""
+        """Read a record.
+
+        Args:
+            data: plain values; not trusted.
+            where: file and line, for errors.
+
+        Raises:
+            DataError: it has another form, or contradicts itself.
+        """
         record = read_as(cls, data, where, "an episode record")
         if problem := next(_contradictions(record), None):
             raise DataError(f"{where}: {problem}; the file is altered, evaluate again")
@@ -86,21 +94,29 @@ class EpisodeRecord:
 
 @dataclass(frozen=True)
 class EpisodeTiming:
-    """How long an episode took. Kept apart from the record because it differs from run to run."""
+    """Wall-clock seconds of an episode; apart from the record because they differ from run to run."""
 
     episode: str
     seconds: float
     language_seconds: float = 0.0
     decision_seconds: tuple[float, ...] = ()
-    """Of the answers to each decision, for agents that ask a language model."""
+    """Seconds of the answers to each decision, for agents that ask a language model."""
 
     def to_line(self) -> str:
-        """One line of canonical JSON without the line break."""
+        """One line of canonical JSON, without the line break."""
         return canonical_json(asdict(self))
 
     @classmethod
     def from_json(cls, data: Any, *, where: str = "timing") -> EpisodeTiming:
-        """Rebuild a timing from a parsed line; raises :class:`DataError` where it is none."""
+        """Read a timing from a parsed line.
+
+        Args:
+            data: plain values; not trusted.
+            where: file and line, for errors.
+
+        Raises:
+            DataError: it has another form, or negative seconds.
+        """
         timing = read_as(cls, data, where, "an episode's timing")
         if min(timing.seconds, timing.language_seconds, *timing.decision_seconds) < 0:
             raise DataError(f"{where}: seconds below 0; the file is altered, evaluate again")
@@ -108,12 +124,13 @@ class EpisodeTiming:
 
 
 def read_records(path: Path) -> list[EpisodeRecord]:
-    """Records of ``episodes.jsonl``, or of the folder that holds it: a run's, or one of ``results/`` (``.xz``).
+    """Read records; with a ``summary.json`` beside them, their checksum is verified.
 
-    Where a ``summary.json`` lies beside them, they are checked against it.
+    Args:
+        path: ``episodes.jsonl`` (or ``.xz``), or the folder that holds it.
 
     Raises:
-        DataError: the file is missing, empty, not whole, or a line is not a record; names file and line.
+        DataError: the file is missing, empty, truncated, or a line is no record; names file and line.
     """
     folder, name = (path, RECORDS) if path.is_dir() else (path.parent, path.name)
     if name in (RECORDS, f"{RECORDS}.xz") and has_summary(folder):
@@ -126,10 +143,14 @@ def read_records(path: Path) -> list[EpisodeRecord]:
 
 
 def parse_records(raw: bytes, path: Path) -> list[EpisodeRecord]:
-    """Records of a file with one a line; ``path`` is what errors call it.
+    """Records of a file with one record per line.
+
+    Args:
+        raw: content of the file.
+        path: of the file, for errors.
 
     Raises:
-        DataError: none, a line that is none, or an episode twice; names the line.
+        DataError: none, a line that is no record, or an episode twice; names the line.
     """
     records = [EpisodeRecord.from_json(value, where=where) for value, where in json_lines(raw, path)]
     if not records:
@@ -143,10 +164,14 @@ def parse_records(raw: bytes, path: Path) -> list[EpisodeRecord]:
 
 
 def json_lines(raw: bytes, path: Path) -> Iterator[tuple[Any, str]]:
-    """The value of every line of a file, and where it stands.
+    """Value of every line of a file, with file and line number.
+
+    Args:
+        raw: content of the file.
+        path: of the file, for errors.
 
     Raises:
-        DataError: a line is not JSON, or the last one has no end.
+        DataError: a line is not JSON, or the last one has no line break.
     """
     lines = raw.split(b"\n")
     for number, line in enumerate(lines[:-1], 1):
@@ -161,12 +186,18 @@ def to_lines(items: Iterable[EpisodeRecord | EpisodeTiming]) -> str:
 
 
 def episode_spl(success: bool, shortest_path_m: float, path_length_m: float) -> float:
-    """Success weighted by path length of one episode."""
+    """SPL of one episode: shortest path over the longer of both paths, 0 for a failure.
+
+    Args:
+        success: whether it succeeded.
+        shortest_path_m: shortest path in metres.
+        path_length_m: length of the successful moves in metres.
+    """
     return shortest_path_m / max(path_length_m, shortest_path_m, 1e-9) if success else 0.0
 
 
 def _contradictions(record: EpisodeRecord) -> Iterator[str]:
-    """What in a record cannot be, in words."""
+    """Contradictions within a record, in words."""
     steps = record.steps
     if len(record.actions) != steps or record.actions.strip("0123456"):
         yield f"actions={brief(record.actions)}: expected {steps} digits from 0 to 6"

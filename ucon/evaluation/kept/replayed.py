@@ -1,7 +1,7 @@
-"""A kept run and the same run played again: whether its numbers come out, episode by episode.
+"""Compares a stored run with the same run played again, episode by episode.
 
-Folders of ``results/`` keep a run's configuration and ``summary.json``, many also the record of every episode. Records
-are compared as they are written, byte by byte; without them the figures of the summary are.
+Folders of ``results/`` store a run's configuration and ``summary.json``, many also the record of every episode. Records
+are compared byte by byte; where there are none, the figures of the summary are.
 """
 
 from __future__ import annotations
@@ -18,19 +18,23 @@ from ucon.evaluation.kept.record import EpisodeRecord
 
 
 @dataclass(frozen=True)
-class Kept:
-    """What a folder keeps of a run."""
+class StoredRun:
+    """Stored figures and records of a run."""
 
     label: str
     figures: dict[str, Any]
     records: list[EpisodeRecord] | None
-    """None where the folder holds figures alone."""
+    """None where only figures are stored."""
 
     def check(self, episodes: Sequence[str], every: int = 1) -> None:
-        """Refuse to play ``episodes``, named by their ids, where they are not every ``every``-th of what is kept.
+        """Refuse to play episodes that are not every ``every``-th of the stored ones.
+
+        Args:
+            episodes: ids of what is to be played.
+            every: 1 for all.
 
         Raises:
-            DataError: other episodes are kept, or figures of all alone and a part is to be played.
+            DataError: other episodes are stored, or only figures of all of them and a part is to be played.
         """
         if self.records is None:
             if every != 1:
@@ -42,8 +46,8 @@ class Kept:
             raise DataError(f"{self.label}: other episodes are kept than its configuration names now")
 
     @classmethod
-    def read(cls, folder: Path) -> Kept:
-        """Read it.
+    def read(cls, folder: Path) -> StoredRun:
+        """Read a folder of a finished run.
 
         Raises:
             DataError: no summary of a run there, or damaged records.
@@ -53,34 +57,40 @@ class Kept:
 
 
 @dataclass(frozen=True)
-class Replayed:
-    """What came out."""
+class ReplayResult:
+    """Result of the comparison."""
 
     label: str
     n: int
     by: str
-    """What was compared: ``episodes``, or ``figures`` where none were kept."""
+    """What was compared: ``episodes``, or ``figures`` where no records are stored."""
     differing: tuple[str, ...]
-    """Names of the episodes or figures that came out otherwise."""
+    """Names of the episodes or figures that came out different."""
     kept: dict[str, float]
     now: dict[str, float]
-    """SR and SPL, as kept and as played now."""
+    """SR and SPL as played now; ``kept`` has the stored ones."""
 
     @property
     def same(self) -> bool:
-        """Whether all came out as it is kept."""
+        """Whether everything came out as it is stored."""
         return not self.differing
 
 
-def replayed(kept: Kept, now: Sequence[EpisodeRecord], every: int = 1) -> Replayed:
-    """Compare what was kept with what was played now: every ``every``-th episode of it, see :meth:`Kept.check`."""
+def replayed(kept: StoredRun, now: Sequence[EpisodeRecord], every: int = 1) -> ReplayResult:
+    """Compare stored records or figures with episodes played now.
+
+    Args:
+        kept: the stored run.
+        now: records of every ``every``-th episode, see :meth:`StoredRun.check`.
+        every: 1 for all.
+    """
     new = summarise(now)
     if kept.records is None:
         names = [name for name in new if name in kept.figures and not same_figures(new[name], kept.figures[name])]
-        return Replayed(kept.label, len(now), "figures", tuple(names), _main(kept.figures), _main(new))
+        return ReplayResult(kept.label, len(now), "figures", tuple(names), _main(kept.figures), _main(new))
     chosen = kept.records[::every]
     differing = [b.episode for a, b in zip(chosen, now, strict=True) if a.to_line() != b.to_line()]
-    return Replayed(kept.label, len(now), "episodes", tuple(differing), _main(summarise(chosen)), _main(new))
+    return ReplayResult(kept.label, len(now), "episodes", tuple(differing), _main(summarise(chosen)), _main(new))
 
 
 def _main(figures: dict[str, Any]) -> dict[str, float]:

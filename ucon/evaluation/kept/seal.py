@@ -1,8 +1,8 @@
-"""What lies in the folder of a finished run, and the checksums by which an altered bit in it is noticed.
+"""Files in the folder of a finished run, and the checksums that reveal an altered bit.
 
-``summary.json`` has the SHA-256 of the records and decisions, ``seconds.json`` those of the timing and the
-configuration: what equal runs have in common, and what differs between them. Each ends with a checksum of itself.
-Packed records (``.xz``) count by the bytes that were packed.
+``summary.json`` has the SHA-256 of records and decisions (which equal runs share), ``seconds.json`` those of timing and
+configuration (which differ). Each ends with a checksum of itself. Checksums of packed records (``.xz``) are of the
+unpacked bytes.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from ucon.core.untrusted.unpack import UnpackError, unpack_xz
 
 RECORDS, DECISIONS, SUMMARY = "episodes.jsonl", "decisions.jsonl", "summary.json"
 TIMING, CONFIG, SECONDS = "timing.jsonl", "config.yaml", "seconds.json"
-#: Which files the checksums of which are of.
+#: Files whose checksums are in ``summary.json`` and in ``seconds.json``.
 SEALED: Final[Mapping[str, tuple[str, ...]]] = {SUMMARY: (RECORDS, DECISIONS), SECONDS: (TIMING, CONFIG)}
-#: Of one file of one run, unpacked: some hundred thousand episodes, or the decisions of some thirty thousand.
+#: Largest file, unpacked: some hundred thousand episodes, or the decisions of some thirty thousand.
 _MAX_BYTES = 1 << 28
 _SEAL = ',\n "checksum": "'
 _RESTORE = "restore it or evaluate again"
@@ -33,29 +33,33 @@ _NO_SUMMARY = "no summary of a finished run of eval.py"
 
 @dataclass(frozen=True)
 class RunFiles:
-    """The files of a finished run, whole."""
+    """The files of a finished run, with verified checksums."""
 
     folder: Path
     summary: dict[str, Any]
     seconds: dict[str, Any]
     content: dict[str, bytes]
-    """By name; what is not there is not in it."""
+    """Bytes by name; missing files are left out."""
 
 
 def sealed(content: Mapping[str, Any], files: Mapping[str, bytes]) -> str:
-    """Text of a file that says ``content``, with the checksums of ``files`` by name and of itself."""
+    """Text of a JSON file with ``content``, checksums of ``files`` by name, and a checksum of itself."""
     digests = {name: sha256_bytes(data) for name, data in sorted(files.items())}
     body = dumps({**content, "files": digests}, indent=1, allow_nan=False).removesuffix("\n}")
     return f'{body}{_SEAL}{sha256_bytes(body.encode())}"\n}}\n'
 
 
 def has_summary(folder: Path) -> bool:
-    """Whether a finished run lies there."""
+    """Whether there is a ``summary.json``, which marks a finished run."""
     return (folder / SUMMARY).is_file()
 
 
 def read_files(folder: Path, *, whole: bool = True) -> RunFiles:
-    """Everything in the folder of a finished run; not ``whole``: files that are gone are no error.
+    """Read everything in the folder of a finished run and verify its checksums.
+
+    Args:
+        folder: of the run.
+        whole: False: missing files are no error.
 
     Raises:
         DataError: a file is missing, altered, or has no checksum; names it and says what to do.
@@ -76,7 +80,10 @@ def read_files(folder: Path, *, whole: bool = True) -> RunFiles:
 
 
 def read_unsealed(folder: Path) -> RunFiles:
-    """Everything in the folder of a run that an older version finished: its summary has the seconds too.
+    """Read everything in the folder of a run that an older version finished; its summary has the seconds too.
+
+    Args:
+        folder: of the run.
 
     Raises:
         DataError: no summary of a run there.
@@ -102,7 +109,7 @@ def read_bytes(path: Path) -> bytes:
     """Bytes of a file, unpacked where its name ends in ``.xz``.
 
     Raises:
-        DataError: it is not whole, or larger than any run.
+        DataError: it is truncated, or larger than any run.
     """
     raw = read_plain(path, _MAX_BYTES)
     if path.suffix != ".xz":
@@ -114,10 +121,10 @@ def read_bytes(path: Path) -> bytes:
 
 
 def read_object(path: Path) -> dict[str, Any]:
-    """An object of JSON in a file, with or without a checksum.
+    """The JSON object in a file, with or without a checksum.
 
     Raises:
-        DataError: there is none.
+        DataError: there is no file, or no object in it.
     """
     if not path.is_file():
         raise DataError(f"{path}: no such file; give the folder of a finished run of eval.py")
@@ -128,19 +135,19 @@ def read_object(path: Path) -> dict[str, Any]:
 
 
 def is_sealed(folder: Path) -> bool:
-    """Whether there are checksums, right or wrong; a run that an older version finished has none.
+    """Whether there are checksums, right or wrong; runs of older versions have none.
 
     Raises:
         DataError: no summary of a run of ``eval.py`` there.
     """
     said = read_object(folder / SUMMARY)
-    if "habit_level" not in said:  # that of train.py has none
+    if "habit_level" not in said:  # a summary of train.py has none
         raise DataError(f"{folder / SUMMARY}: {_NO_SUMMARY}; give the folder of one")
     return (folder / SECONDS).exists() or not {"files", "checksum"}.isdisjoint(said)
 
 
 def _unsealed(path: Path) -> dict[str, Any]:
-    """What a file says that ends with its own checksum, with ``files``."""
+    """Content of a file whose own checksum is right, with ``files``."""
     if path.name == SECONDS and not path.is_file():
         _refuse_older(path.parent)
         raise DataError(f"{path}: missing; {_RESTORE}, or see `python -m ucon verify {path.parent} --seal`")

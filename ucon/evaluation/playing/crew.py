@@ -1,7 +1,8 @@
-"""Worker processes that play shares of the episodes, and are replaced where they stop answering.
+"""Worker processes that play shares of the episodes, and are replaced when they stop answering.
 
-A stopped process does not end when it is asked to, and may leave half a message in its pipe. So a thread for each
-worker reads its pipe, and a worker that is silent for too long is killed; another one plays what is left of its share.
+A stopped process does not end when asked to, and may leave half a message in its pipe. So a thread for each worker
+reads
+its pipe, and a worker that is silent for too long is killed; a new one plays the rest of its share.
 """
 
 from __future__ import annotations
@@ -29,11 +30,11 @@ Job = tuple[int, Episode]
 _ONE_THREAD: Final = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
 )
-#: How often an episode is tried that nobody finishes in time.
+#: How often an episode is tried before it counts as never ending.
 TRIES: Final = 3
-#: Seconds between two looks at who is silent, at most.
+#: Most seconds between two checks of silent workers.
 _TICK_S: Final = 1.0
-#: Seconds in which a process ends: in the middle of a call into the system it may not even by SIGKILL.
+#: Seconds to wait for a process to end; within a system call it may not end even by SIGKILL.
 _END_S: Final = 10.0
 
 
@@ -43,7 +44,7 @@ class WorkerError(RuntimeError):
 
 @dataclass(eq=False)
 class _Worker:
-    """A process, the pipe in which it answers, and what it has yet to play, in its order."""
+    """A process, its pipe, and the jobs that it has yet to play, in its order."""
 
     process: Any
     receiver: Connection
@@ -52,13 +53,13 @@ class _Worker:
     reader: threading.Thread = field(init=False)
 
 
-class Crew:
-    """Plays with worker processes; to be closed, which ends them.
+class WorkerPool:
+    """Pool of worker processes; :meth:`close` ends them.
 
     Args:
         spec: agent, environment, habit level.
-        timeout_s: the longest time that an episode may take; a worker with several environments has it for each of
-            them, since they take turns.
+        timeout_s: most seconds per episode; a worker with several environments has it for each of them, since they take
+            turns.
     """
 
     def __init__(self, spec: RunSpec, timeout_s: float) -> None:
@@ -74,25 +75,28 @@ class Crew:
         self._failed: Counter[int] = Counter()
 
     def play(self, shares: Sequence[Sequence[Job]]) -> Iterator[PlayedEpisode]:
-        """Each share in a process of its own; episodes as they end.
+        """Play each share in a process of its own; yields episodes as they end.
+
+        Args:
+            shares: lists of (index, episode).
 
         Raises:
-            UconError: what a worker raised, unchanged.
-            EpisodeError: an episode that no worker finishes in time.
+            UconError: raised by a worker, unchanged.
+            EpisodeError: an episode that no worker finished in time.
             WorkerError: a worker failed in another way or died.
         """
         for number, share in enumerate(shares):
             self._start(f"ucon-eval-{number}", share)
         while self._working:
-            for worker, kind, content in self._waited():
-                if worker in self._working:  # a replaced one has nothing to say any more
-                    yield from self._heard(worker, kind, content)
+            for worker, kind, content in self._receive():
+                if worker in self._working:  # messages of a replaced worker are dropped
+                    yield from self._handle(worker, kind, content)
             for worker in list(self._working):
                 if worker.silent_s > self._limit_s(worker):
                     self._replace(worker)
 
     def close(self) -> None:
-        """End all processes: those that have nothing to do by themselves, the others at once."""
+        """End all processes: idle ones by themselves, the others are killed."""
         for worker in self._ended:
             worker.process.join(_END_S)
         while workers := self._working or self._ended:
@@ -109,8 +113,11 @@ class Crew:
         self._working.append(worker)
         worker.reader.start()
 
-    def _waited(self) -> list[tuple[_Worker, str, Any]]:
-        """What has come in the meantime. Where this process itself stood still, by Ctrl-Z, nobody was silent."""
+    def _receive(self) -> list[tuple[_Worker, str, Any]]:
+        """Messages that arrived within a tick.
+
+        Time in which this process itself was suspended does not count as silence.
+        """
         news, begun = [], time.monotonic()
         try:
             news.append(self._news.get(timeout=self._tick_s))
@@ -123,7 +130,7 @@ class Crew:
             worker.silent_s += passed
         return news
 
-    def _heard(self, worker: _Worker, kind: str, content: Any) -> Iterator[PlayedEpisode]:
+    def _handle(self, worker: _Worker, kind: str, content: Any) -> Iterator[PlayedEpisode]:
         if kind == "played":
             worker.silent_s = 0.0
             worker.left = [job for job in worker.left if job[0] != content.index]
@@ -146,11 +153,11 @@ class Crew:
         return self._timeout_s * max(1, len(worker.left[: self._spec.batch]))
 
     def _replace(self, worker: _Worker) -> None:
-        """Have a new process play what a silent one left, unless it was silent in one of these too often."""
+        """Start a new process for the rest of a silent worker's share, unless an episode was tried too often."""
         limit, name, running = self._limit_s(worker), worker.process.name, worker.left[: self._spec.batch]
         self._working.remove(worker)
         _kill(worker)
-        if not running:  # it had only to say so
+        if not running:  # all played; only its last message was missing
             return
         self._failed.update(index for index, _ in running)
         if worst := [episode.id for index, episode in running if self._failed[index] >= TRIES]:
@@ -166,7 +173,7 @@ class Crew:
 
 
 def _kill(worker: _Worker) -> None:
-    """End a process whatever it does; a stopped one hears nothing but this."""
+    """Kill a process in any state; a stopped one reacts to nothing else."""
     worker.process.kill()
     worker.process.join(_END_S)
     worker.reader.join(_END_S)
@@ -175,11 +182,11 @@ def _kill(worker: _Worker) -> None:
 
 
 def _read(worker: _Worker, news: queue.SimpleQueue[tuple[_Worker, str, Any]]) -> None:
-    """Pass on what a worker says, until it ends: half a message holds up nobody but this thread."""
+    """Pass on a worker's messages until its pipe ends; half a message blocks only this thread."""
     try:
         while True:
             news.put((worker, *worker.receiver.recv()))
-    except Exception:  # the pipe has ended, or what came was no message
+    except Exception:  # the pipe has ended, or the message cannot be read
         news.put((worker, "gone", None))
 
 
@@ -194,7 +201,7 @@ def _work(sender: Connection, spec: RunSpec, jobs: Sequence[Job]) -> None:
     except KeyboardInterrupt:
         pass
     except BrokenPipeError:
-        pass  # the parent has gone; nobody is left to tell
+        pass  # the parent process has ended
     except BaseException:
         sender.send(("crash", traceback.format_exc()))
     finally:
@@ -203,7 +210,7 @@ def _work(sender: Connection, spec: RunSpec, jobs: Sequence[Job]) -> None:
 
 @contextmanager
 def _one_thread_environment() -> Iterator[None]:
-    """Thread limits that children inherit before they import numpy or torch."""
+    """Context manager: limits threads in processes started inside it, before they import numpy or torch."""
     before = {name: os.environ.get(name) for name in _ONE_THREAD}
     os.environ.update(_ONE_THREAD)
     try:

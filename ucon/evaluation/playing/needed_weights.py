@@ -1,7 +1,8 @@
-"""Weights that an agent and a detector need: whether they are there, and which they are.
+"""Weights that agents and detectors need: whether they are there, and which they are.
 
-An agent or detector may offer ``check()``, which raises an error of one line, and ``fingerprint()``, which says which
-weights lie here: "" where it needs none, None where they are missing.
+A part may have ``check()``, which raises an error of one line, and ``fingerprint()``, which gives a hash of the
+weights:
+"" where it needs none, None where they are missing.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from typing import Any
 
 
 def check_weights(*parts: Any) -> None:
-    """Fail in one line, before anything is played, where a language model's or detector's weights are missing."""
+    """Raise an error of one line, before anything is played, where weights of one of the parts are missing."""
     for part in parts:
         check = getattr(part, "check", None)
         if check is not None:
@@ -18,6 +19,6 @@ def check_weights(*parts: Any) -> None:
 
 
 def fingerprints(*parts: Any) -> tuple[str, ...] | None:
-    """Fingerprints of all weights on this machine; None where some are missing, so that nothing can be said."""
+    """Fingerprints of all parts' weights; None where some are missing."""
     found = [part.fingerprint() for part in parts if hasattr(part, "fingerprint")]
     return None if None in found else tuple(made for made in found if made)

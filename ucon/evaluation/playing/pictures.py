@@ -1,4 +1,4 @@
-"""Episodes to look at: a video (first person beside the map) and the map at the end, as files."""
+"""Films of episodes: a video (first person beside the map), and the final map as a picture."""
 
 from __future__ import annotations
 
@@ -20,31 +20,37 @@ Frame = NDArray[np.uint8]
 
 _FPS = 6
 _STRIP_PX = 26
-#: How long the last frame stays, so that one sees how it ended.
+#: Number of times that the last frame is repeated.
 _HOLD_FRAMES = 6
-#: VP8, which every browser plays, as calls over the internet encode it: a fifth of the time that it takes by default.
+#: VP8, which every browser plays; ``realtime`` takes a fifth of the default's time.
 _CODEC, _OPTIONS = "libvpx", {"deadline": "realtime", "cpu-used": "8", "crf": "10"}
 _BITS_PER_S = 2_000_000
 
 
 def worth_filming(found: Sequence[bool], n: int) -> list[int]:
-    """Numbers of the first ``n`` episodes that ended well and of the first ``n`` that did not."""
+    """Indices of the first ``n`` successes and of the first ``n`` failures, sorted.
+
+    Args:
+        found: success of each episode.
+        n: how many of each.
+    """
     return sorted(number for ending in (True, False) for number in [k for k, f in enumerate(found) if f == ending][:n])
 
 
 def save_film(frames: Sequence[Frame], captions: Sequence[str], folder: Path, name: str, fps: int = _FPS) -> list[Path]:
-    """Write ``name.png``, the map at the end, and ``name.webm``.
+    """Write ``name.png``, the final map, and ``name.webm``, the video.
 
     Args:
-        frames: what ``env.render()`` returned, (H, 2H, 3) uint8 each: camera left, map right; beside it what the agent
-            thought, of the same height, where it shows that. Sides are even.
+        frames: (H, W, 3) uint8 of ``env.render()``, W = 2 H: camera left, map right; and beside it the agent's picture
+            of
+            the same height, if it draws one. Sides are even.
         captions: one line of text above each frame.
-        folder: made if missing.
+        folder: is created if missing.
         name: file name without suffix.
-        fps: frames a second.
+        fps: frames per second.
 
     Returns:
-        The files written; without PyAV the map alone, and a warning.
+        The files written; without PyAV only the map, with a warning.
     """
     folder.mkdir(parents=True, exist_ok=True)
     height = frames[0].shape[0]
@@ -68,7 +74,7 @@ def _pyav() -> ModuleType | None:
 
 
 def _as_wide_as_the_widest(frames: Sequence[Frame]) -> list[Frame]:
-    """After its last action an agent thinks nothing more: its last thought stays."""
+    """Frames of equal width: after its last action the agent draws nothing, so its last picture is repeated."""
     width = max(frame.shape[1] for frame in frames)
     out: list[Frame] = []
     for frame in frames:

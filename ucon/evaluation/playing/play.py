@@ -1,8 +1,9 @@
-"""Plays stored episodes with one agent in one process and turns each into a record.
+"""Plays stored episodes with one agent in one process and makes a record of each.
 
-An agent is known here by its protocol only: ``reset(infos, slots)`` and ``act(observations, infos, slots)``. Where it
-calls a language model it may offer ``language_usage(slot) -> (calls, tokens, seconds)`` since the slot's reset, and
-where it chooses among candidates ``decisions(slot)``.
+An agent needs ``reset(infos, slots)`` and ``act(observations, infos, slots)``. If it calls a language model, it may
+have
+``language_usage(slot) -> (calls, tokens, seconds)`` since the slot's reset; if it chooses among candidates,
+``decisions(slot)``.
 """
 
 from __future__ import annotations
@@ -31,10 +32,10 @@ Env = gym.Env[Any, Any]
 
 @dataclass(frozen=True)
 class RunSpec:
-    """What a worker needs to know. The factories must be picklable: they are called inside the workers.
+    """What a worker needs to play. The factories have to be picklable: they are called in the workers.
 
     Raises:
-        ConfigError: no such number of environments.
+        ConfigError: ``batch`` out of range.
     """
 
     agent: Callable[[], Agent]
@@ -42,9 +43,12 @@ class RunSpec:
     habit_level: str
     seed: int = 0
     batch: int = 1
-    """Environments that one worker hands to its agent together; more than 1 helps agents that batch a model."""
+    """Environments whose observations a worker passes to its agent together.
+
+    Above 1 helps agents that batch a model.
+    """
     films: Path | None = None
-    """Folder for the map and the video of every episode; None: none is filmed."""
+    """Folder for the map and the video of every episode; None: no films."""
 
     def __post_init__(self) -> None:
         if type(self.batch) is not int or self.batch < 1:
@@ -53,18 +57,18 @@ class RunSpec:
 
 @dataclass(frozen=True)
 class PlayedEpisode:
-    """One finished episode: its place in the evaluated list, its record, its seconds."""
+    """One finished episode: its index in the evaluated list, its record, timing and decisions."""
 
     index: int
     record: EpisodeRecord
     timing: EpisodeTiming
     decisions: tuple[DecisionRecord, ...] = ()
-    """Of agents that choose among candidates."""
+    """Decisions of agents that choose among candidates."""
 
 
 @dataclass
 class _Slot:
-    """One environment of the batch and the episode in it."""
+    """One environment of the batch with the episode that it plays now."""
 
     number: int
     env: Env
@@ -84,8 +88,8 @@ class _Slot:
         self.first_info = self.info
         self.frames = [self.env.render()] if film else None
 
-    def think(self, picture: Any) -> None:
-        """Put what the agent thinks beside the last frame."""
+    def append_picture(self, picture: Any) -> None:
+        """Append the agent's picture to the right of the last frame."""
         assert self.frames is not None
         self.frames[-1] = np.concatenate([self.frames[-1], picture], axis=1)
 
@@ -98,7 +102,12 @@ class _Slot:
 
 
 def play(spec: RunSpec, jobs: Sequence[tuple[int, Episode]]) -> Iterator[PlayedEpisode]:
-    """Play ``jobs`` (index, episode) in order and yield each as it ends. What is yielded depends on no other job."""
+    """Play episodes in order and yield each as it ends. The result of one does not depend on the others.
+
+    Args:
+        spec: agent, environment, habit level.
+        jobs: (index, episode) pairs.
+    """
     if not jobs:
         return
     agent = spec.agent()
@@ -113,7 +122,7 @@ def play(spec: RunSpec, jobs: Sequence[tuple[int, Episode]]) -> Iterator[PlayedE
             )
             still = []
             for slot, action in zip(running, actions, strict=True):
-                _draw_thoughts(slot, agent)
+                _append_agent_picture(slot, agent)
                 ended = slot.step(action)
                 if ended:
                     yield _played(slot, agent, spec)
@@ -125,15 +134,15 @@ def play(spec: RunSpec, jobs: Sequence[tuple[int, Episode]]) -> Iterator[PlayedE
             slot.env.close()
 
 
-def _draw_thoughts(slot: _Slot, agent: Agent) -> None:
-    """Where a film is made and the agent shows what it thinks."""
+def _append_agent_picture(slot: _Slot, agent: Agent) -> None:
+    """Append the agent's picture to the film, if a film is made and the agent draws one."""
     picture = getattr(agent, "picture", None)
     if slot.frames is not None and picture is not None and (drawn := picture(slot.number)) is not None:
-        slot.think(drawn)
+        slot.append_picture(drawn)
 
 
 def one_thread() -> None:
-    """Keep torch to one thread: workers are the parallelism, and sums must not depend on the number of threads."""
+    """Limit torch to one thread: workers give the parallelism, and sums must not depend on the number of threads."""
     if "torch" in sys.modules:
         sys.modules["torch"].set_num_threads(1)
 
@@ -169,7 +178,7 @@ def _played(slot: _Slot, agent: Agent, spec: RunSpec) -> PlayedEpisode:
 
 
 def _captions(record: EpisodeRecord, place: str) -> list[str]:
-    """One line for every frame of a film: what is looked for, what was done, how it ended and where the target is."""
+    """One line for every frame of a film: target, action, and at the end the result and the true place."""
     find = f"find: {record.target.replace('_', ' ')}"
     names = [Action(int(digit)).name.lower().replace("_", " ") for digit in record.actions]
     lines = [find, *(f"{find}   step {number}: {name}" for number, name in enumerate(names, 1))]

@@ -1,4 +1,4 @@
-"""Progress of an evaluation with the success rate so far, on standard error, so that standard output stays clean."""
+"""Progress of an evaluation with SR and SPL so far, on stderr, so that stdout stays clean."""
 
 from __future__ import annotations
 
@@ -11,10 +11,17 @@ from ucon.evaluation.playing.play import PlayedEpisode
 
 
 class EvaluationProgress:
-    """``with EvaluationProgress(...) as progress: progress.add(played)``."""
+    """Progress line of an evaluation: ``with EvaluationProgress(...) as progress: progress.add(played)``."""
 
     def __init__(self, label: str, total: int, *, visible: bool = True, done: Iterable[PlayedEpisode] = ()) -> None:
-        """``done``: episodes that were played before."""
+        """Prepare the line.
+
+        Args:
+            label: what it begins with.
+            total: number of episodes.
+            visible: False shows nothing.
+            done: episodes that were played before.
+        """
         self._played = self._successes = 0
         self._spl = 0.0
         for played in done:
@@ -24,7 +31,7 @@ class EvaluationProgress:
         )
 
     def add(self, played: PlayedEpisode) -> None:
-        """Count one finished episode."""
+        """Count a finished episode and update the line."""
         self._count(played)
         self._progress.update(self._played, self._figures())
 
@@ -49,7 +56,11 @@ class EvaluationProgress:
 
 @contextmanager
 def embedding_progress(*, visible: bool = True) -> Iterator[Callable[[int, int], None]]:
-    """Progress of habits that are read by the encoder for the first time; never shown where all are known."""
+    """Context manager with a progress line for encoding habits; it is shown only where some are not cached.
+
+    Yields:
+        A function of texts done and texts in all.
+    """
     with ExitStack() as stack:
         shown: list[Progress] = []
 

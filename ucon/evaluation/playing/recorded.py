@@ -1,4 +1,4 @@
-"""An agent that does what a record says: to see an episode again without whoever played it."""
+"""An agent that repeats recorded actions, to see an episode again without the original agent."""
 
 from __future__ import annotations
 
@@ -14,14 +14,18 @@ class RecordedAgent:
     name, uses_habits = "recorded", False
 
     def __init__(self, actions: str) -> None:
-        """``actions``: digits, as in :class:`ucon.evaluation.kept.record.EpisodeRecord`."""
+        """Set the actions.
+
+        Args:
+            actions: digits, as in :class:`ucon.evaluation.kept.record.EpisodeRecord`.
+        """
         self._actions = actions
         self._left: Iterator[str] = iter(actions)
 
     def reset(self, infos: Sequence[Any], slots: Sequence[int] | None = None) -> None:
-        """Begin again."""
+        """Begin again at the first action; there is one slot."""
         self._left = iter(self._actions)
 
     def act(self, observations: Sequence[Any], infos: Sequence[Any], slots: Sequence[int] | None = None) -> list[int]:
-        """The next action; Done where none is left, since what is played now has come out otherwise."""
+        """The next recorded action; Done where none is left, since the episode has then taken another course."""
         return [int(next(self._left, Action.DONE))]

@@ -1,8 +1,8 @@
-"""Spreads episodes over worker processes. Which worker plays what is fixed beforehand, and changes no record.
+"""Distributes episodes over worker processes. The distribution is fixed beforehand and changes no record.
 
-Workers start from a fork server (or afresh where there is none), never by forking this process with its threads.
-A worker that fails ends the run with its own traceback; a worker that dies says with which exit code; one that stops
-answering is replaced.
+Workers are started from a fork server (or spawned where there is none), never by forking this process with its threads.
+A worker that fails ends the run with its traceback; one that dies, with its exit code; one that stops answering is
+replaced.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from ucon.core.errors import ConfigError, brief
-from ucon.evaluation.playing.crew import Crew
+from ucon.evaluation.playing.crew import WorkerPool
 from ucon.evaluation.playing.play import PlayedEpisode, RunSpec, play
 from ucon.task.episode import Episode
 
@@ -21,7 +21,15 @@ OnPlayed = Callable[[PlayedEpisode], None]
 
 
 def resolve_workers(workers: int | str, n_episodes: int) -> int:
-    """Number of worker processes: ``auto`` is one a usable core; 0 plays in this process; never more than episodes."""
+    """Number of worker processes, at most one per episode.
+
+    Args:
+        workers: ``auto`` for one per usable core, or a number; 0 plays in this process.
+        n_episodes: number of episodes.
+
+    Raises:
+        ConfigError: neither ``auto`` nor a number from 0 up.
+    """
     if workers == "auto":
         usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
         return max(1, min(usable, n_episodes))
@@ -43,18 +51,21 @@ def evaluate(
     on_played: OnPlayed | None = None,
     worker_timeout_s: float | None = None,
 ) -> list[PlayedEpisode]:
-    """Play all episodes but those at the indices ``skip``; sorted by index.
+    """Play all episodes except those at the indices ``skip``.
 
     Args:
         spec: agent, environment, habit level.
         episodes: what to play; their order gives the index of each.
         workers: see :func:`resolve_workers`.
-        skip: indices that an earlier run has already played.
-        on_played: called in this process with each episode as it ends, in no particular order.
-        worker_timeout_s: the longest time that a worker may take for an episode; None for no limit.
+        skip: indices that an earlier run has played.
+        on_played: is called in this process with each episode as it ends, in any order.
+        worker_timeout_s: most seconds that a worker may take for an episode; None for no limit.
+
+    Returns:
+        The episodes, sorted by index.
 
     Raises:
-        UconError: what a worker raised, unchanged.
+        UconError: raised by a worker, unchanged.
         EpisodeError: no worker finished an episode in time.
         WorkerError: a worker failed in another way or died.
     """
@@ -72,7 +83,7 @@ def evaluate(
 
 
 def _limit(timeout_s: Any) -> float:
-    """Seconds; None is no limit."""
+    """Seconds; infinity for None."""
     if timeout_s is None:
         return math.inf
     if type(timeout_s) not in (int, float) or not 0 < timeout_s < math.inf:
@@ -83,8 +94,8 @@ def _limit(timeout_s: Any) -> float:
 def _parallel(
     spec: RunSpec, jobs: Sequence[tuple[int, Episode]], count: int, timeout_s: float
 ) -> Iterator[PlayedEpisode]:
-    crew = Crew(spec, timeout_s)
+    pool = WorkerPool(spec, timeout_s)
     try:
-        yield from crew.play([jobs[number::count] for number in range(count)])
+        yield from pool.play([jobs[number::count] for number in range(count)])
     finally:
-        crew.close()
+        pool.close()

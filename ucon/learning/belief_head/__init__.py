@@ -1,1 +1,1 @@
-"""``learner=belief``: where things are kept, from the habits of many households."""
+"""``learner=belief``: trains the belief head on the habits of many households."""

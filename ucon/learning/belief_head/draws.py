@@ -1,9 +1,9 @@
-"""What the belief head learns from: households drawn anew at every step, at all habit levels together.
+"""Training samples of the belief head: a knowledge base, some of its targets with habit levels, and their true places.
 
-A draw is one knowledge base and some of its targets, each at a habit level of its own. To make the head read instead
-of recalling, anchors may exchange their names (the truth and all that habits say of a place follow the place, the
-name and what is usual of it do not), be read as if never met, be no candidates at all (their mass is the unseen), and
-habits may be left out.
+To make the head read sentences in place of recalling what is usual, samples are augmented. Anchors may exchange names
+(the truth and everything the habits say about a place move with the place; the name and its prior do not). Anchors may
+be treated as unknown, or be left out of the candidates (their probability then belongs to "unseen"). Habits may be left
+out.
 """
 
 from __future__ import annotations
@@ -28,45 +28,48 @@ from ucon.retrieval.levels import FIXED_LEVELS, TOP_P, Level
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """Labels of a :class:`HeadInputs`; float32."""
+    """Labels for a :class:`HeadInputs` of T targets, C candidates and H habits; arrays of float32."""
 
-    anchor: NDArray[np.float32]  # (T, C + 1) probability of each candidate, and of the rest
-    relation: NDArray[np.float32]  # (T, C, 4) probability of candidate and relation together
-    relevant: NDArray[np.float32]  # (T, H) the habit is the target's
-    weight: NDArray[
-        np.float32
-    ]  # (T, H) what that label counts; 0 where the habit is not given, or all are the target's
+    anchor: NDArray[np.float32]
+    """(T, C + 1) probability of each candidate; the last column is everything that is no candidate."""
+    relation: NDArray[np.float32]
+    """(T, C, 4) joint probability of candidate and relation."""
+    relevant: NDArray[np.float32]
+    """(T, H) 1 where the habit is about the target, else 0."""
+    weight: NDArray[np.float32]
+    """(T, H) weight of that label; 0 where the habit is not given, or at level ``gt``, where all are relevant."""
 
 
 @dataclass(frozen=True)
 class Draw:
-    """How households are drawn.
+    """How training samples are drawn and augmented.
 
     Raises:
-        ConfigError: a share outside [0, 1], or a count below 1.
+        ConfigError: a share outside [0, 1], or a count out of range.
     """
 
     task_share: float = 0.6
-    """Share of knowledge bases with one entry a category; the others hold all entries of a household."""
+    """Share of knowledge bases with one entry per category; the others have all entries of a household."""
     targets: int = 8
+    """Most targets of one sample."""
     clutter: int = 12
-    """Candidates that are no anchors of the dataset, as they stand about in homes."""
+    """Number of candidates per sample that are no anchors of the dataset, as other objects stand about in homes."""
     swap: float = 0.15
-    """Share of households in which :attr:`swapped` of the anchors exchange their names."""
+    """Share of samples in which a share :attr:`swapped` of the anchors exchange their names."""
     swapped: float = 0.4
     hide: float = 0.5
-    """Share of households in which :attr:`hidden` of the anchors are read as if never met."""
+    """Share of samples in which a share :attr:`hidden` of the anchors is treated as unknown."""
     hidden: float = 0.1
     remove: float = 0.1
-    """Share of households in which :attr:`removed` of the anchors are no candidates."""
+    """Share of samples in which a share :attr:`removed` of the anchors is left out of the candidates."""
     removed: float = 0.1
     drop: float = 0.3
-    """Share of targets that lose :attr:`dropped` of their habits."""
+    """Share of targets that lose a share :attr:`dropped` of their habits."""
     dropped: float = 0.15
     mute: float = 0.1
-    """Share of households whose sentence vectors are withheld; always where names are exchanged."""
+    """Share of samples whose sentence vectors are zeroed; they always are where names are exchanged."""
     levels: tuple[float, float, float, float] = (0.12, 0.3, 0.33, 0.25)
-    """How often a target is given no habits, all, its own, the retrieved ones."""
+    """Relative frequency of the habit levels ``none``, ``full``, ``gt`` and ``retrieval``, drawn for each target."""
 
     def __post_init__(self) -> None:
         counts = {"targets", "clutter", "levels"}
@@ -83,15 +86,26 @@ class Draw:
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """One household: what is read, and what is true."""
+    """Inputs and labels of one knowledge base."""
 
     inputs: HeadInputs
     truth: Truth
-    levels: tuple[Level, ...]  # (T,)
+    levels: tuple[Level, ...]
+    """Habit level of each of the T targets."""
 
 
 def given_mask(household: Household, kb: KnowledgeBase, target: str, level: Level) -> NDArray[np.bool_]:
-    """(H,): the habits that a target is given at a level."""
+    """Which habits of a knowledge base a target is given at a level.
+
+    Args:
+        household: the knowledge base as the parts read it, for retrieval.
+        kb: H habits.
+        target: category that is looked for.
+        level: habit level.
+
+    Returns:
+        (H,) bool.
+    """
     if level == "none":
         return np.zeros(len(kb), bool)
     if level == "full":
@@ -108,9 +122,17 @@ def truth_of(
     given: NDArray[np.bool_],
     trusted: NDArray[np.bool_],
 ) -> Truth:
-    """Labels of some targets: the distribution that placements are drawn from, and whose each habit is.
+    """Labels of T targets: the distribution that placements are drawn from, and which habits are about each target.
 
-    Habits that support no placement count little in the relevance: half of them say nothing that would tell.
+    A habit that supports no placement has a small weight in the relevance: half of them do not tell what they are
+    about.
+
+    Args:
+        kb: H habits, and the entry of each target.
+        targets: T categories.
+        candidates: C candidates.
+        given: (T, H) bool, habits that each target is given.
+        trusted: (T,) bool, True at level ``gt``, where all given habits are relevant.
     """
     number = {name: i for i, name in enumerate(candidates.names)}
     anchor = np.zeros((len(targets), len(number) + 1), np.float32)
@@ -130,7 +152,15 @@ def truth_of(
 def sample(
     kb: KnowledgeBase, parts: FittedParts, names: Sequence[str], targets: Sequence[str], levels: Sequence[Level]
 ) -> Sample:
-    """What targets are given at levels, (T,) each, as it stands: no augmentation."""
+    """A sample without augmentation.
+
+    Args:
+        kb: the knowledge base.
+        parts: read its habits.
+        names: candidates.
+        targets: T categories.
+        levels: habit level of each target.
+    """
     household, candidates = Household(parts, kb.texts), Candidates.of(names, parts)
     masks = [given_mask(household, kb, target, level) for target, level in zip(targets, levels, strict=True)]
     given, trusted = np.stack(masks), np.asarray([level == "gt" for level in levels])
@@ -142,7 +172,7 @@ def sample(
 
 
 class Draws:
-    """Draws samples from some entries, read by some fitted parts."""
+    """Draws augmented samples from knowledge bases."""
 
     def __init__(
         self,
@@ -151,26 +181,29 @@ class Draws:
         others: Sequence[str] | None = None,
         pairs: Collection[tuple[str, str]] | None = None,
     ) -> None:
-        """Describe the draws.
+        """Set what samples are drawn from.
 
         Args:
             parts: read the habits.
-            draw: what is drawn.
-            others: names that are no anchors; by default the rest of the catalogue.
-            pairs: of a scene and a target, which alone are asked about; None: all.
+            draw: how samples are drawn.
+            others: names that are no anchors, for clutter; by default the rest of the catalogue.
+            pairs: (scene, target) pairs that may be asked about; None: all.
         """
         self.parts, self.draw, self.pairs = parts, draw, pairs
         self.others = list(catalogue().names if others is None else others)
         self._clutter: dict[frozenset[str], list[str]] = {}
 
     def mode(self, rng: np.random.Generator) -> Mode:
-        """One entry a category, or all."""
+        """Draw the mode of a knowledge base: ``task`` (one entry per category) or ``category`` (all entries)."""
         return "task" if rng.random() < self.draw.task_share else "category"
 
     def __call__(self, kb: KnowledgeBase, rng: np.random.Generator, anchors: Sequence[str] | None = None) -> Sample:
-        """One augmented sample of a knowledge base, asked about ``anchors`` (by default those that the parts know).
+        """One augmented sample.
 
-        ``rng`` decides all.
+        Args:
+            kb: the knowledge base.
+            rng: decides everything that is drawn.
+            anchors: candidates before augmentation; by default those that the parts know.
         """
         draw = self.draw
         share = np.asarray(draw.levels) / sum(draw.levels)
@@ -189,9 +222,9 @@ class Draws:
             candidates = replace(candidates, known=met, relation_prior=even)
         household = Household(self.parts, kb.texts)
         given = np.stack([given_mask(household, kb, t, level) for t, level in zip(targets, levels, strict=True)])
-        lose = (rng.random(len(targets)) < draw.drop)[:, None] & (rng.random(given.shape) < draw.dropped)
+        is_dropped = (rng.random(len(targets)) < draw.drop)[:, None] & (rng.random(given.shape) < draw.dropped)
         trusted = np.asarray([level == "gt" for level in levels])
-        given &= ~lose
+        given &= ~is_dropped
         inputs = household.inputs(targets, candidates, given, trusted)
         forgotten = usual & ~candidates.known
         inputs = replace(inputs, prior=np.where(forgotten, np.float32(UNKNOWN_PRIOR), inputs.prior))
@@ -202,31 +235,40 @@ class Draws:
         return muted(chosen) if rng.random() < draw.mute else chosen
 
     def _asked(self, kb: KnowledgeBase) -> list[str]:
-        """Targets that may be asked about."""
+        """Targets of the knowledge base that may be asked about."""
         pairs = self.pairs
         return [t for t, e in kb.entries.items() if pairs is None or (e[0].scene or "", t) in pairs]
 
     def _others(self, anchors: frozenset[str]) -> list[str]:
+        """Clutter names without the anchors; cached."""
         if anchors not in self._clutter:
             self._clutter[anchors] = [name for name in self.others if name not in anchors]
         return self._clutter[anchors]
 
 
 def muted(one: Sample) -> Sample:
-    """Without the sentence vectors."""
+    """The sample with its sentence vectors set to 0."""
     return replace(one, inputs=replace(one.inputs, sentence=np.zeros_like(one.inputs.sentence)))
 
 
 def swapped(
     one: Sample, candidates: Candidates, targets: Sequence[str], share: float, rng: np.random.Generator
 ) -> Sample:
-    """Some anchors exchange names: what is said and true stays with the place, what is usual goes with the name.
+    """Let some anchors exchange names: habits and truth stay with the place, prior and name embedding go with the name.
 
-    The sentence vectors still speak the old names, so they are withheld; so are the relations of what was exchanged.
+    The sentence vectors still contain the old names, so they are zeroed. The relations of exchanged anchors get no
+    label.
+
+    Args:
+        one: the sample.
+        candidates: its candidates; only known ones that are no targets are exchanged.
+        targets: its targets.
+        share: of the candidates to exchange, on average.
+        rng: draws them.
     """
-    may = candidates.known & ~np.isin(candidates.names, targets)
-    chosen = np.flatnonzero(may & (rng.random(len(may)) < share))
-    order = np.arange(len(may))
+    eligible = candidates.known & ~np.isin(candidates.names, targets)
+    chosen = np.flatnonzero(eligible & (rng.random(len(eligible)) < share))
+    order = np.arange(len(eligible))
     order[chosen] = _deranged(chosen, rng)
     x = one.inputs
     inputs = replace(
@@ -238,7 +280,7 @@ def swapped(
 
 
 def _deranged(chosen: NDArray[np.intp], rng: np.random.Generator) -> NDArray[np.intp]:
-    """A cyclic exchange: nothing stays where it is."""
+    """A cyclic permutation of the chosen indices: none keeps its place."""
     ring = rng.permutation(chosen)
     order = dict(zip(ring, np.roll(ring, 1), strict=True))
     return np.asarray([order[i] for i in chosen])

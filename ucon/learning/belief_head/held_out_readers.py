@@ -1,8 +1,8 @@
-"""What reads sentences for the belief head while it learns: fitted parts that did not see what they read.
+"""Readers of the belief head's training sentences, each fitted without the sentences that it reads.
 
-The habit book's are dealt by category (:mod:`ucon.learning.belief_head.crossfit`). A dataset that is bound to scenes
-brings its own common sense, learned on the pairs that are not being asked about, and, where that is asked for, what
-reads places in its sentences (:mod:`ucon.fitting.scene_evidence`), likewise.
+The habit book's train categories are dealt into folds (:mod:`ucon.learning.belief_head.crossfit`). A dataset bound to
+scenes has a prior of its own, fitted on the (scene, category) pairs that are not asked about. With ``scene_evidence``
+it also has a reader of places of its own (:mod:`ucon.fitting.scene_evidence`), fitted in the same way.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ucon.core.errors import ConfigError, brief
-from ucon.fitting.scene_evidence import kept_scene_evidence, told_beforehand
+from ucon.fitting.scene_evidence import cached_scene_evidence, precomputed_vectors
 from ucon.fitting.scene_prior import fit_scene_prior
 from ucon.habits.splits import entry_parts
 from ucon.habits.types import HabitDataset
@@ -27,35 +27,48 @@ from ucon.readers.scene_evidence import LAST, SceneEvidence
 
 @dataclass(frozen=True, eq=False)
 class Fold:
-    """Habits, and what reads them."""
+    """A dataset, the parts that read it, and the pairs that are asked about."""
 
     dataset: HabitDataset
     parts: FittedParts
     pairs: frozenset[Pair] | None = None
-    """What is asked about; None: everything."""
+    """(scene, category) pairs that are asked about; None: all."""
 
 
-def folds_of(dataset: HabitDataset, n_folds: int, used_folds: int | None, own_places: bool = False) -> list[Fold]:
-    """Pieces of a dataset, each with what reads it.
+def folds_of(dataset: HabitDataset, n_folds: int, used_folds: int | None, scene_evidence: bool = False) -> list[Fold]:
+    """Folds of a dataset, each with the parts that read it.
+
+    Args:
+        dataset: habits.
+        n_folds: folds of categories, for a dataset without scenes.
+        used_folds: how many of them to use; None: all.
+        scene_evidence: for a dataset bound to scenes: read places with a reader fitted on it.
 
     Raises:
-        ConfigError: folds are asked for of a dataset that is bound to scenes, whose pairs are dealt into four.
+        ConfigError: ``n_folds`` or ``used_folds`` for a dataset bound to scenes, which is always dealt into four.
     """
     if dataset.scenes and (n_folds, used_folds) != (N_FOLDS, None):
         raise ConfigError(
             f"learner.n_folds={brief(n_folds)}, learner.used_folds={brief(used_folds)}: are of habits without scenes; "
             f"{dataset.name} is dealt by scene, leave them out"
         )
-    return scene_folds(dataset, own_places=own_places) if dataset.scenes else book_folds(dataset, n_folds, used_folds)
+    return (
+        scene_folds(dataset, scene_evidence=scene_evidence)
+        if dataset.scenes
+        else book_folds(dataset, n_folds, used_folds)
+    )
 
 
-def parts_of(dataset: HabitDataset, own_places: bool = False) -> FittedParts:
-    """The parts that a head stands on in use."""
-    return own_parts(dataset, own_places) if dataset.scenes else default_parts()
+def parts_of(dataset: HabitDataset, scene_evidence: bool = False) -> FittedParts:
+    """The fitted parts that read for the head in use.
+
+    Those of the dataset where it is bound to scenes, else the shipped ones.
+    """
+    return own_parts(dataset, scene_evidence) if dataset.scenes else default_parts()
 
 
 def book_folds(dataset: HabitDataset, count: int, used: int | None) -> list[Fold]:
-    """The folds of a dataset, each with parts that were fitted on the others."""
+    """The first ``used`` of ``count`` folds of categories, each with parts fitted on the others."""
     pairs = default_pair_reader()
     return [
         Fold(fold.dataset, FittedParts(fold.weights, pairs, ReadEvidence.of(fold, pairs)))
@@ -63,22 +76,31 @@ def book_folds(dataset: HabitDataset, count: int, used: int | None) -> list[Fold
     ]
 
 
-def own_parts(dataset: HabitDataset, own_places: bool = False) -> FittedParts:
-    """The shipped parts with the common sense of all train entries, and what reads places learned from them."""
+def own_parts(dataset: HabitDataset, scene_evidence: bool = False) -> FittedParts:
+    """The shipped parts with the prior of all train entries.
+
+    With ``scene_evidence`` also a reader of places fitted on them.
+    """
     parts, pairs = entry_parts(dataset), default_pair_reader()
     entries = [entry for entry in dataset.entries if parts[entry.id] == "train"]
-    folder = kept_scene_evidence(dataset, entries, pairs) if own_places else None
+    folder = cached_scene_evidence(dataset, entries, pairs) if scene_evidence else None
     return parts_with(fit_scene_prior(entries, pairs), folder)
 
 
-def scene_folds(dataset: HabitDataset, count: int = 4, *, own_places: bool = False) -> list[Fold]:
-    """All habits, asked about some pairs at a time, with the common sense of the others.
+def scene_folds(dataset: HabitDataset, count: int = 4, *, scene_evidence: bool = False) -> list[Fold]:
+    """Folds of a dataset bound to scenes, by (scene, category) pairs.
 
-    With ``own_places`` half of the folds are read by what learned from the other half's entries.
+    Each fold has all habits, asks about its own pairs and uses the prior of the other folds' entries. With
+    ``scene_evidence`` each half of the folds is read by a reader fitted on the other half's entries.
+
+    Args:
+        dataset: habits bound to scenes.
+        count: number of folds.
+        scene_evidence: fit readers of places.
     """
     pairs, weights, dealt = default_pair_reader(), default_weights(), pair_folds(dataset, count)
     readers: Sequence[EvidenceReader | SceneEvidence] = [shipped_evidence()] * len(dealt)
-    if own_places:
+    if scene_evidence:
         readers = _read_by_others(dataset, [asked for asked, _ in dealt])
     return [
         Fold(dataset, FittedParts(weights, pairs, reader, fit_scene_prior(others, pairs)), asked)
@@ -87,15 +109,15 @@ def scene_folds(dataset: HabitDataset, count: int = 4, *, own_places: bool = Fal
 
 
 def _read_by_others(dataset: HabitDataset, folds: list[frozenset[Pair]]) -> list[SceneEvidence]:
-    """What reads each fold: learned from no entry of its half."""
+    """Reader of places for each fold, fitted on no entry of that fold's half."""
     parts, pairs, relations = entry_parts(dataset), default_pair_reader(), shipped_evidence()
     half = len(folds) // 2
     readers = []
     for own in (folds[:half], folds[half:]):
         read = frozenset().union(*own)
         others = [e for e in dataset.entries if parts[e.id] == "train" and (e.scene or "", e.category) not in read]
-        folder = kept_scene_evidence(dataset, others, pairs)
+        folder = cached_scene_evidence(dataset, others, pairs)
         arrays, sha256 = load_arrays(folder / LAST)
-        told = told_beforehand(folder, dataset.texts)
-        readers += [SceneEvidence(arrays, sha256, told, pairs, relations)] * len(own)
+        vectors = precomputed_vectors(folder, dataset.texts)
+        readers += [SceneEvidence(arrays, sha256, vectors, pairs, relations)] * len(own)
     return readers

@@ -1,10 +1,10 @@
-"""Teaches the belief head where things are kept: from households of the train part, at all habit levels together.
+"""``learner=belief``: trains the belief head to predict where things are kept, at all habit levels at once.
 
-The parts that read sentences for it were fitted on the habit book's train text as well, so each of its households is
-read by parts that were fitted on other categories (:mod:`ucon.learning.belief_head.crossfit`). In use, on the val part
-that chooses, and on other datasets, it stands on the shipped ones. A dataset that is bound to scenes brings its own
-common sense, by the pairs that are not being asked about. Steps depend on seed and number alone, so a resumed run
-repeats an uninterrupted one.
+The fitted parts that read sentences for the head were fitted on the habit book's train text too. So each training
+household is read by parts fitted on other categories (:mod:`ucon.learning.belief_head.crossfit`). In use, on the val
+part and on other datasets, the head stands on the shipped parts. A dataset bound to scenes has a prior of its own,
+fitted on pairs that are not asked about. A step depends only on seed and number, so a resumed run repeats an
+uninterrupted one.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from ucon.core.files import sha256_file
 from ucon.core.progress import ticked
 from ucon.core.rng import derived_seed, stream
 from ucon.core.tensor_files import read_fitting
+from ucon.fitting.rate_schedule import schedule
 from ucon.habits.splits import Split, entry_parts
 from ucon.habits.types import HabitDataset
 from ucon.learning.belief_head.draws import Draw, Draws, Sample, sample
 from ucon.learning.belief_head.held_out_readers import Fold, folds_of, parts_of
 from ucon.learning.belief_head.households import KnowledgeBases
 from ucon.learning.belief_head.losses import losses
-from ucon.learning.retriever.learner import schedule
 from ucon.learning.run.options import BeliefOptions
 from ucon.learning.run.protocol import Card, Figures, State
 from ucon.learning.run.run_folder import MODEL
@@ -42,31 +42,32 @@ from ucon.retrieval.levels import FIXED_LEVELS
 
 WEIGHTS = "belief_head.safetensors"
 CONFIG = "config.json"
-#: The common sense of a dataset that has its own.
+#: File of the prior of a dataset that has its own.
 PRIOR = "prior.npz"
-#: Seeds of the knowledge bases that choose, and of those that the temperature is fitted on.
+#: First seeds of the knowledge bases of validation, and of those that the temperature is fitted on.
 _CHOOSE, _CALIBRATE = 0, 5_000
 
 
 class BeliefLearner:
-    """See the module.
+    """Trains the belief head on drawn households (see the module).
 
     Args:
         head: makes the network (:class:`models.nets.belief.belief_head.BeliefHead`), which reads
             :class:`~ucon.readers.head_inputs.HeadInputs`.
-        dataset: habits; only entries of its ``train`` part teach, those of ``val`` choose and calibrate.
-        draw: how households are drawn.
-        parts: what reads the val part, and what the head will stand on; the shipped ones by default.
-        folds: what reads the train part, by pieces of it; fitted where not given.
-        options: :class:`ucon.learning.run.options.BeliefOptions`.
+        dataset: habits; entries of ``train`` are trained on, entries of ``val`` choose the checkpoint and the
+            temperature.
+        draw: how training samples are drawn.
+        parts: fitted parts that read the val part, and that the head is used with; the shipped ones by default.
+        folds: pieces of the train part with the parts that read them; fitted if not given.
+        options: fields of :class:`ucon.learning.run.options.BeliefOptions`.
 
     Raises:
-        ConfigError: a value out of its range.
-        DataError: no head in ``initial``, a damaged one, or one of another shape.
+        ConfigError: a value out of range.
+        DataError: ``initial`` holds no head, a damaged one, or one of other sizes.
     """
 
     options_of = BeliefOptions
-    """Whose options it takes beside its own."""
+    """Dataclass of the options that ``**options`` may hold; read by the check of configurations."""
 
     def __init__(
         self,
@@ -83,13 +84,13 @@ class BeliefLearner:
         torch.manual_seed(derived_seed(given.seed, "belief head"))
         self.head = head()
         draw = draw or Draw()
-        self._initial = "" if given.initial is None else _begin_with(self.head, Path(given.initial).expanduser())
-        if given.own_places and not dataset.scenes:
-            raise ConfigError(f"learner.own_places=true: {dataset.name} belongs to no scenes, and is read as it is")
+        self._initial = "" if given.initial is None else _load_initial(self.head, Path(given.initial).expanduser())
+        if given.scene_evidence and not dataset.scenes:
+            raise ConfigError(f"learner.scene_evidence=true: {dataset.name} belongs to no scenes, and is read as it is")
         if folds is None:
-            folds = folds_of(dataset, given.n_folds, given.used_folds, given.own_places)
-        self._parts = parts or parts_of(dataset, given.own_places)
-        # Where a source says what stands in a scene, that is all there is to ask about.
+            folds = folds_of(dataset, given.n_folds, given.used_folds, given.scene_evidence)
+        self._parts = parts or parts_of(dataset, given.scene_evidence)
+        # Where the dataset lists what stands in a scene, only that can be a candidate.
         others = () if dataset.standing else dataset.anchors if dataset.scenes else None
         self._folds = [
             (KnowledgeBases(f.dataset, f.parts.known), Draws(f.parts, draw, others, f.pairs), f.pairs) for f in folds
@@ -100,12 +101,12 @@ class BeliefLearner:
 
     @property
     def identity(self) -> Mapping[str, str]:
-        """Hashes of the habits, of the fitted parts and of the weights that it began with."""
+        """Hashes of the habits, of the fitted parts and, if given, of the initial weights."""
         initial = {"initial": self._initial} if self._initial else {}
         return {"habits": self.dataset.sha256, "parts": self._parts.sha256, **initial}
 
     def training_sample(self, number: int) -> Sample:
-        """Household number ``number``: entries of the ``train`` part, of one fold's categories."""
+        """Training sample ``number``, from 0: a household of the ``train`` part, from the folds in turn."""
         bases, draws, pairs = self._folds[number % len(self._folds)]
         rng = stream(self.seed, "belief", number)
         seed, mode = derived_seed(self.seed, "kb", number), draws.mode(rng)
@@ -113,7 +114,14 @@ class BeliefLearner:
         return draws(kb, rng, bases.candidates(kb))
 
     def step(self) -> Figures:
-        """One update from some households."""
+        """Update the head on ``households`` samples.
+
+        Returns:
+            ``loss`` and its terms ``anchor``, ``relation`` and ``relevance``, with ``gradient`` and ``rate``.
+
+        Raises:
+            DivergedError: a gradient that is not finite.
+        """
         self.head.train()
         torch.manual_seed(derived_seed(self.seed, "dropout", self._done))
         self.updates.begin()
@@ -133,11 +141,11 @@ class BeliefLearner:
 
     @cached_property
     def validation(self) -> list[Sample]:
-        """The same for every run and seed, so that runs can be compared."""
+        """Validation samples of the val part; the same for every run and seed, so that runs can be compared."""
         return self._samples("val", _CHOOSE, self.options.n_kbs)
 
     def _samples(self, part: Split, first: int, count: int) -> list[Sample]:
-        """All targets of ``count`` knowledge bases, at all levels."""
+        """Samples of ``count`` knowledge bases: every target at every habit level."""
         found = []
         for kb in self._chosen_by.several(part, first, count):
             asked = self._chosen_by.targets(kb, part)
@@ -146,14 +154,17 @@ class BeliefLearner:
         return found
 
     def validate(self) -> Figures:
-        """Figures of the average on the ``val`` part; the best state is chosen by ``score``, minus the mean NLL."""
+        """Figures of the averaged head on the val part, by habit level: ``LEVEL/nll``, ``LEVEL/ece`` and others.
+
+        ``score`` is minus the mean NLL (nats) over levels.
+        """
         with self.updates.averaged():
             found = self._figures(self.validation)
         nll = [found[f"{level}/nll"] for level in FIXED_LEVELS]
         return found | {"score": -round(float(np.mean(nll)), 6)}
 
     def _figures(self, samples: list[Sample]) -> Figures:
-        """By level: the figures of :func:`~ucon.readers.belief_scores.scores`, and the calibration error."""
+        """By habit level: means of :func:`~ucon.readers.belief_scores.scores`, and the calibration error."""
         rows: dict[str, list[dict[str, float]]] = {str(level): [] for level in FIXED_LEVELS}
         best: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {str(level): [] for level in FIXED_LEVELS}
         for one in ticked("validating", samples):
@@ -169,40 +180,47 @@ class BeliefLearner:
         return out
 
     def _predict(self, one: Sample) -> tuple[np.ndarray, np.ndarray]:
-        """P (T, C) and p(relation | anchor) (T, C, 4)."""
+        """Probabilities of the T targets' C candidates, (T, C), and of relations given the anchor, (T, C, 4)."""
         self.head.eval()
         with torch.no_grad():
             outputs = self.head(one.inputs)
         return outputs.log_p.exp().numpy()[:, :-1], outputs.relation.softmax(-1).numpy()
 
     def state_dict(self) -> State:
-        """Parameters, their average, moments of the optimiser, number of steps."""
+        """Parameters, their moving average, optimiser moments, and the number of steps."""
         return State(self.updates.tensors(), {"done": self._done})
 
     def load_state_dict(self, state: State) -> None:
-        """Go on after ``done`` steps."""
+        """Restore a state of :meth:`state_dict`; the next step is number ``done``.
+
+        Raises:
+            DataError: a state of another network or learner.
+        """
         self._done = state.count("done")
         self.updates.load(state.tensors, self._done)
 
     def lengthen(self, steps: int) -> bool:
-        """See :class:`ucon.learning.run.protocol.Learner`."""
+        """Stretch the learning-rate schedule to ``steps`` in all; always True."""
         self.steps = steps
         return True
 
     def product(self) -> Mapping[str, bytes]:
-        """Weights in fp16 with a fitted temperature, and the options that the head is built with."""
+        """Files of the trained head: averaged weights as float16 with a fitted temperature, and its options as JSON.
+
+        For a dataset bound to scenes also its prior, and its reader of places if it has one.
+        """
         half = {name: value.half().contiguous() for name, value in self.updates.average.items()}
         half["temperature"] = torch.tensor(self._temperature())
         options: dict[str, Any] = {"head": self.head.options, "parts": self.identity["parts"]}
         files = {WEIGHTS: save(half)}
         if (prior := self._parts.own_prior) is not None:
             options["anchors"], files[PRIOR] = list(prior.names), prior.to_bytes()
-        if (own := self._parts.own_places) is not None:
+        if (own := self._parts.scene_evidence) is not None:
             options["own_places"], files = own.sha256, files | own.files
         return {**files, CONFIG: (json.dumps(options, indent=1, sort_keys=True) + "\n").encode()}
 
     def _temperature(self) -> float:
-        """By which the average's scores are divided: the likeliest on other households of the ``val`` part."""
+        """Temperature of the averaged head's logits with the least NLL on further households of the val part."""
         samples = self._samples("val", _CALIBRATE, self.options.n_kbs)
         with self.updates.averaged(), torch.no_grad():
             self.head.eval()
@@ -211,7 +229,7 @@ class BeliefLearner:
 
         def nll(temperature: float) -> float:
             values = [
-                -(torch.from_numpy(one.truth.anchor) * _cooled(score, temperature)).sum(1)
+                -(torch.from_numpy(one.truth.anchor) * _log_p_at(score, temperature)).sum(1)
                 for one, score in zip(samples, scores, strict=True)
             ]
             return float(torch.cat(values).mean())
@@ -219,11 +237,11 @@ class BeliefLearner:
         return float(min(grid, key=nll))
 
     def close(self) -> None:
-        """It plays in none."""
+        """Nothing to close: it has neither workers nor environments."""
 
     def _own_reader(self) -> str:
-        """What the card says of what reads places in the sentences of a dataset of its own."""
-        if self._parts.own_places is None:
+        """Sentence of the model card about the dataset's own reader of places; empty where it has none."""
+        if self._parts.scene_evidence is None:
             return ""
         return (
             "What reads places is an adapter of the encoder that comes with it (fp16), taught by where the things of "
@@ -231,7 +249,7 @@ class BeliefLearner:
         )
 
     def card(self) -> Card:
-        """What it is and what for."""
+        """Text of the model card: inputs, outputs, training entries and limits."""
         parts = entry_parts(self.dataset)
         chosen = sum(part == "val" for part in parts.values())
         read = {e.id for bases, *_ in self._folds for e in bases.dataset.entries}
@@ -254,22 +272,29 @@ class BeliefLearner:
 
 
 def head_tensors(path: Path, head: nn.Module) -> dict[str, Tensor]:
-    """The weights in a file that its folder's manifest lists, as float32, for a head of their shape.
+    """Read the weights of a head from a file that its folder's manifest lists.
+
+    Args:
+        path: safetensors file.
+        head: has the names and shapes that are expected.
+
+    Returns:
+        Tensors by name, float32.
 
     Raises:
-        DataError: it is missing or altered, no safetensors, of another head, or holds values that are no numbers.
+        DataError: missing, altered or not safetensors; of other names or shapes; or values that are not finite.
     """
     return {name: value.float() for name, value in read_fitting(path, head.state_dict())[0].items()}
 
 
-def _begin_with(head: nn.Module, folder: Path) -> str:
-    """Give a head the weights of another one, without its temperature; returns the hash of their file."""
+def _load_initial(head: nn.Module, folder: Path) -> str:
+    """Load the weights of another head, with temperature 1; returns the SHA-256 of their file."""
     path = (folder / MODEL if (folder / MODEL).is_dir() else folder) / WEIGHTS
     head.load_state_dict(head_tensors(path, head) | {"temperature": torch.ones(())})
     return sha256_file(path)
 
 
-def _cooled(outputs: Any, temperature: float) -> Tensor:
-    """Log p (T, C + 1) at a temperature."""
+def _log_p_at(outputs: Any, temperature: float) -> Tensor:
+    """Log-probabilities (T, C + 1) at a temperature."""
     logits = torch.cat([outputs.anchor, outputs.unseen[:, None]], 1)
     return (logits / temperature).log_softmax(1).clamp_min(-30.0)

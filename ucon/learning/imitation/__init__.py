@@ -1,1 +1,1 @@
-"""``learner=imitation`` and ``learner=dagger``: doing what is shown."""
+"""``learner=imitation`` and ``learner=dagger``: training on labelled actions."""

@@ -1,10 +1,11 @@
-"""``learner=dagger``: a policy plays, an expert says what it should have done, and it learns from all of that (DAgger).
+"""``learner=dagger``: the policy plays episodes, an expert labels every step, and the policy learns from all labels.
 
-Imitation shows only what lies along shortest paths; a policy that strays from them has never seen what to do. Every
-``per_iteration`` steps some episodes are played by a mixture of policy and expert, all of their steps are labelled by
-the expert (:mod:`ucon.task.expert`), and they join what was collected before. After Ross, Gordon and Bagnell (2011).
+Plain imitation shows only states along shortest paths; a policy that leaves them has never seen what to do next. Every
+``per_iteration`` steps, a mixture of policy and expert plays some episodes, the expert (:mod:`ucon.task.expert`) labels
+every step, and these trajectories join those collected before (DAgger: Ross, Gordon and Bagnell 2011).
 
-What was collected is part of the state, as strings of digits; it is played again to be seen.
+The collected trajectories are part of the learner's state, stored as strings of action digits. Their frames are not
+stored; they are made by playing the actions again.
 """
 
 from __future__ import annotations
@@ -28,25 +29,25 @@ from ucon.task.expert import Expert
 
 
 @dataclass(frozen=True)
-class Collections:
-    """How much is collected, and who plays.
+class DaggerRollouts:
+    """How many episodes one DAgger collection plays, and with which mixture of policy and expert.
 
     Raises:
         ConfigError: a number out of range.
     """
 
     per_iteration: int = 200
-    """Steps of learning between two collections."""
+    """Learning steps between two collections."""
     episodes: int = 200
     """Episodes of one collection."""
     mixture: float = 0.5
-    """The expert's share of the actions falls by this factor with each collection; the first is the expert's alone."""
+    """The expert acts with probability ``mixture ** iteration``: 1 in the first collection, then less each time."""
     max_steps: int = 200
-    """Episodes are cut short here."""
+    """Episodes are cut off after this many actions."""
     slots: int = 20
-    """Episodes played at once."""
+    """Episodes played in parallel."""
     sample: bool = True
-    """Draw the policy's actions by their probabilities in place of the best."""
+    """True: sample the policy's actions from its probabilities. False: take the action with the highest logit."""
 
     def __post_init__(self) -> None:
         for name in ("per_iteration", "episodes", "max_steps", "slots"):
@@ -58,16 +59,19 @@ class Collections:
 
 
 class DaggerLearner(ImitationLearner):
-    """See the module.
+    """Imitation learner that collects its own trajectories (see the module).
 
     Args:
-        rollouts: what is collected.
-        options: those of :class:`ucon.learning.imitation.learner.ImitationLearner`.
+        rollouts: how much is collected, and with which mixture.
+        options: arguments of :class:`ucon.learning.imitation.learner.ImitationLearner`, without ``demonstrator``.
+
+    Raises:
+        ConfigError: a ``demonstrator`` is given, or whatever the base class refuses.
     """
 
     title = "DAgger"
 
-    def __init__(self, rollouts: Collections, **options: Any) -> None:
+    def __init__(self, rollouts: DaggerRollouts, **options: Any) -> None:
         if options.pop("demonstrator", None) is not None:
             raise ConfigError("learner.demonstrator: for learner=imitation; DAgger's expert corrects what is played")
         super().__init__(**options)
@@ -81,50 +85,69 @@ class DaggerLearner(ImitationLearner):
 
     @property
     def n_labels(self) -> int:
-        """Different labelled frames so far."""
+        """Number of labelled frames collected so far; each is counted once, however often it is trained on."""
         return sum(trajectory.n_labels for trajectory in self.collected)
 
     def batches(self) -> Iterator[list[Trajectory]]:
-        """What the steps until the next collection learn from: at each, some of all that was collected."""
+        """Trajectories of each step until the next collection.
+
+        Yields:
+            For each step, ``batch`` trajectories drawn without replacement from all that were collected. The draw is a
+            function of seed and step.
+        """
         for step in range(self.done, (self.iteration + 1) * self.rollouts.per_iteration):
             draw = stream(self.seed, "batch", step)
             count = min(self.batch, len(self.collected))
             yield [self.collected[int(k)] for k in draw.choice(len(self.collected), count, replace=False)]
 
     def step(self) -> dict[str, float]:
-        """One batch, after a collection where one is due."""
+        """Update the policy on one batch; play a new collection first where one is due.
+
+        Returns:
+            The figures of imitation, and ``collected``: the number of trajectories so far.
+
+        Raises:
+            DivergedError: a loss or gradient that is not finite.
+        """
         if self.done % self.rollouts.per_iteration == 0:
             self._collect()
         return super().step() | {"collected": float(len(self.collected))}
 
     def state_dict(self) -> State:
-        """That of imitation, and what was collected."""
+        """State of the imitation learner, with the collected trajectories as plain values."""
         state = super().state_dict()
         return replace(state, values={**state.values, "collected": [t.to_json() for t in self.collected]})
 
     def load_state_dict(self, state: State) -> None:
-        """Go on after ``done`` steps."""
+        """Restore counters, weights, optimiser moments and collected trajectories.
+
+        Raises:
+            DataError: a state of another network, or trajectories of other episodes.
+        """
         super().load_state_dict(state)
         by_id = {episode.id: episode for episode in self.episodes}
         self.collected = trajectories_from_json(state.values.get("collected"), by_id)
 
     def close(self) -> None:
-        """See :class:`ucon.learning.run.protocol.Learner`."""
+        """End worker processes and close all environments, those of the collections too."""
         super().close()
-        self._strays.close()
+        self._rollout_players.close()
 
     @cached_property
-    def _strays(self) -> Players:
+    def _rollout_players(self) -> Players:
         return Players(self.policy, self.make_env, self.rollouts.slots, self.rollouts.max_steps)
 
     def _collect(self) -> None:
-        """Play the next episodes. Depends on the weights, the seed and the number of the collection alone."""
+        """Play the next episodes and label every step.
+
+        The result depends only on the weights, the seed and the number of the collection.
+        """
         first = self.iteration * self.rollouts.episodes
         jobs = [Job(*self.assigned(first + k)) for k in range(self.rollouts.episodes)]
         share = self.rollouts.mixture**self.iteration
         chooser = _Mixture(share, PolicyChooser(self.rollouts.sample, self.seed, "stray", self.iteration), self)
         with self.updates.averaged():
-            played = self._strays.play(jobs, chooser, "collecting")
+            played = self._rollout_players.play(jobs, chooser, "collecting")
         labels = chooser.labels
         self.collected += [
             Trajectory(one.job.episode, one.job.level, one.actions, "".join(labels[number]))
@@ -134,16 +157,19 @@ class DaggerLearner(ImitationLearner):
 
 
 class _Mixture:
-    """Sometimes the expert's action, else the policy's; notes what the expert would do.
+    """Chooses the expert's action with probability ``share``, else the policy's.
 
-    Done where it would fail is not carried out, since nothing would follow from it: the expert's action is.
+    Records the expert's label of every step.
+
+    If the policy says Done where the expert does not, the expert's action is taken: Done would end the episode, and no
+    further step could be labelled.
     """
 
     def __init__(self, share: float, policy: PolicyChooser, learner: DaggerLearner) -> None:
         self._share, self._policy = share, policy
         self._seed, self._iteration = learner.seed, learner.iteration
         self._experts: dict[int, Expert] = {}
-        """By environment: an expert is large, and nobody needs those of episodes that are over."""
+        """Expert by ``id`` of its environment. An expert is large; one of a finished episode is replaced."""
         self._envs: dict[int, Any] = {}
         self.labels: dict[int, list[str]] = {}
 
@@ -158,6 +184,6 @@ class _Mixture:
         own = self._policy.choose(number, step, logits)
         if best is None:
             return own
-        follow = stream(self._seed, "mixture", self._iteration, number, step).random() < self._share
+        take_expert = stream(self._seed, "mixture", self._iteration, number, step).random() < self._share
         too_early = own == Action.DONE and best != Action.DONE
-        return int(best) if follow or too_early else own
+        return int(best) if take_expert or too_early else own

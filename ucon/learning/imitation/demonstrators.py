@@ -1,7 +1,8 @@
-"""Who shows a policy over the seven actions what to do: the stored shortest solutions, or an agent that searches.
+"""What a policy over the seven actions imitates: stored shortest solutions, or the searches of another agent.
 
-A shortest solution goes straight to what nobody can know. What a searching agent does follows from what it has read
-and seen, as much as the policy has, so all of it can be learned: where to look next, what to open, when to give up.
+A shortest solution walks straight to a target whose location the policy cannot know. A searching agent acts on habits
+read and frames seen, which the policy has too, so its decisions can all be learned: where to look next, what to open,
+when to stop.
 """
 
 from __future__ import annotations
@@ -18,52 +19,60 @@ from ucon.task.episode import Episode
 
 
 class Demonstrator(Protocol):
-    """Shows how an episode is played."""
+    """Gives, for an episode and a habit level, the trajectory that a policy is to imitate."""
 
     batch: int
-    """Episodes that one step learns from on a CPU, unless another number is given."""
+    """Episodes in one step's batch on a CPU, where ``learner.batch=auto``."""
 
     @property
     def title(self) -> str:
-        """Who shows it."""
+        """The demonstrator in words, for the model card."""
         ...
 
     def fingerprint(self) -> str:
-        """What decides what it shows, beside the episodes; "" for nothing."""
+        """Hash or name of everything beside the episodes that its trajectories depend on; "" for nothing."""
         ...
 
     def __call__(self, episode: Episode, level: str) -> Trajectory:
-        """What is to be done in an episode at a habit level."""
+        """Actions and labels for an episode.
+
+        Args:
+            episode: the episode to solve.
+            level: habit level at which the policy will see it.
+        """
         ...
 
 
-class Solutions:
-    """The stored shortest solutions."""
+class SolutionDemonstrator:
+    """Demonstrates each episode's stored shortest solution, which opens the containers that have to be opened.
+
+    The solution uses the true place of the target; it reads no habits and is the same at every habit level.
+    """
 
     title = "an expert that knows where the target is"
     batch = 16
 
     def fingerprint(self) -> str:
-        """See :class:`Demonstrator`."""
+        """Empty: the solutions are part of the episodes, which have hashes of their own."""
         return ""
 
     def __call__(self, episode: Episode, level: str) -> Trajectory:
-        """See :class:`Demonstrator`."""
+        """The stored solution as actions and as labels; ``level`` only says what the policy is given."""
         return demonstration(episode, level)
 
 
-class Searches:
-    """What an agent does that searches, where it finds the target; the stored solution where it does not.
+class AgentDemonstrator:
+    """Demonstrates what a searching agent does in an episode, if it succeeds there; else the stored shortest solution.
 
     Args:
-        agent: plays one episode after the other.
-        env: makes an environment of ``UcON-v0``, with what the agent reads; called when the first episode comes.
+        agent: plays one episode at a time.
+        env: makes an environment of ``UcON-v0`` with everything the agent reads; called when the first episode comes.
 
     Raises:
-        ConfigError: ``agent`` is none.
+        ConfigError: ``agent`` has no ``reset`` and ``act``.
     """
 
-    batch = 8  # searches are long
+    batch = 8  # half of the solutions' batch: searches take more steps
 
     def __init__(self, agent: Agent, env: Callable[[], Any]) -> None:
         if not (hasattr(agent, "reset") and hasattr(agent, "act")):
@@ -74,7 +83,7 @@ class Searches:
         self.title = f"what the agent {agent.name} does"
 
     def fingerprint(self) -> str:
-        """See :class:`Demonstrator`."""
+        """Name of the agent and the hash of its weights, if it has any."""
         return f"{self._agent.name} {fingerprint_of(self._agent) or ''}"
 
     @cached_property
@@ -82,7 +91,11 @@ class Searches:
         return self._make_env()
 
     def __call__(self, episode: Episode, level: str) -> Trajectory:
-        """See :class:`Demonstrator`."""
+        """Play the episode with the agent at a habit level.
+
+        Returns:
+            The agent's actions, which are their own labels; the stored solution where the agent failed.
+        """
         observation, info = self._env.reset(seed=0, options={"episode": episode, "habit_level": level})
         self._agent.reset([info])
         actions, over = "", False

@@ -1,8 +1,8 @@
-"""``learner=imitation``: a policy over the seven actions learns to do what it is shown (``demonstrators``).
+"""``learner=imitation``: a policy over the seven actions is trained to predict a demonstrator's action at every step.
 
-A step is a batch of whole episodes, each at a habit level of its own. They are read in chunks: gradients end where a
-chunk begins, the recurrent state goes on (:mod:`ucon.learning.policies.sequences`). The best state is chosen by what
-the policy does on validation episodes.
+One step is a batch of whole episodes, each at its own habit level. They are read in chunks: the recurrent state passes
+from chunk to chunk, gradients do not (:mod:`ucon.learning.policies.sequences`). The best checkpoint is chosen by the
+policy's own play on validation episodes.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from ucon.core.fingerprint import fingerprint_of
 from ucon.core.progress import part
 from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import entry_parts
-from ucon.learning.imitation.demonstrators import Demonstrator, Solutions
+from ucon.learning.imitation.demonstrators import Demonstrator, SolutionDemonstrator
 from ucon.learning.imitation.feeding import Feeder
 from ucon.learning.imitation.sequence_loss import SequenceLoss
 from ucon.learning.imitation.trajectories import Replay, Trajectory
 from ucon.learning.policies.action_policy import ActionPolicy, scores_views
 from ucon.learning.policies.playing import Players
-from ucon.learning.policies.sequences import Batch, Chunk, cut
-from ucon.learning.policies.validation import Validation, spaced
-from ucon.learning.run.network_files import learns_from, load_network, network_files
+from ucon.learning.policies.sequences import Batch, Chunk, detached_state
+from ucon.learning.policies.validation import Validation, evenly_spaced
+from ucon.learning.run.network_files import load_network, network_files, set_max_habits
 from ucon.learning.run.option_checks import check, check_parts, text_weights
 from ucon.learning.run.options import ImitationOptions
 from ucon.learning.run.protocol import Card, Figures, State
@@ -42,26 +42,27 @@ from ucon.task.sets import load_episodes
 
 
 class ImitationLearner:
-    """See the module.
+    """Behaviour cloning of demonstrations, by batches of whole episodes (see the module).
 
     Args:
-        policy: an :class:`ucon.learning.policies.action_policy.ActionPolicy` that is a module; begins with the weights
-            that it has.
-        env: makes an environment of ``UcON-v0``, with what the policy reads; sent to workers.
-        loss: what is learned from a chunk.
-        validation: how states are compared.
-        demonstrator: shows what to do in the episodes; by default their stored shortest solutions.
-        options: :class:`ucon.learning.run.options.ImitationOptions`.
+        policy: an :class:`ucon.learning.policies.action_policy.ActionPolicy` that is a torch module; training starts
+            from
+            its present weights.
+        env: makes an environment of ``UcON-v0`` with what the policy reads; pickled and sent to workers.
+        loss: loss of a chunk.
+        validation: validation episodes, and the figure that chooses the best checkpoint.
+        demonstrator: gives the trajectories to imitate; by default the episodes' stored shortest solutions.
+        options: fields of :class:`ucon.learning.run.options.ImitationOptions`.
 
     Raises:
-        ConfigError: a value of the wrong type or outside its range, or episodes that must not be learned from.
-        DataError: no weights in ``initial``, or those of another network.
+        ConfigError: a value of the wrong type or out of range, or episodes outside the ``train`` part.
+        DataError: ``initial`` holds no weights, or those of another network.
     """
 
     title = "imitation"
 
     options_of = ImitationOptions
-    """Whose options it takes beside its own."""
+    """Dataclass of the options that ``**options`` may hold; read by the check of configurations."""
 
     def __init__(
         self,
@@ -80,20 +81,20 @@ class ImitationLearner:
             raise ConfigError(f"{scorer} scores views, and stored solutions name actions; train it with learner=ppo")
         self.device = torch_device(given.device, "learner.device")
         self._precision = torch_precision(given.precision, self.device)
-        self.demonstrator = demonstrator or Solutions()
+        self.demonstrator = demonstrator or SolutionDemonstrator()
         batch = batch_size(given.batch, self.device, self.demonstrator.batch)
         check("above 0 and whole", lambda x: x > 0, (int,), batch=batch)
         self.policy, self.make_env, self.loss, self.validation = policy, env, loss, validation
         self.seed, self.batch = given.seed, batch
         self.act = cast(ActionPolicy, policy)
         self.levels = tuple(given.levels) if self.act.uses_habits else ("none",)
-        self.episodes = spaced(load_episodes(given.episodes), given.n_episodes, "learner.n_episodes")
-        seen = env().unwrapped
-        self.source = seen.source
+        self.episodes = evenly_spaced(load_episodes(given.episodes), given.n_episodes, "learner.n_episodes")
+        probe = env().unwrapped
+        self.source = probe.source
         self.dataset = self.source.dataset
         check_parts(self.episodes, validation.all, entry_parts(self.dataset))
         self._initial = "" if given.initial is None else load_network(str(given.initial), cast(Any, policy))
-        learns_from(policy, seen)
+        set_max_habits(policy, probe)
         memory = {"workers": given.workers, "memory_bytes": int(given.memory_gb * (1 << 30))}
         self.feeder = Feeder(policy, env, **memory, worker_timeout_s=given.worker_timeout_s)
         self.policy.to(self.device)
@@ -107,7 +108,11 @@ class ImitationLearner:
 
     @property
     def identity(self) -> Mapping[str, str]:
-        """Hashes of the episodes, of the habits, of frozen weights and of those that rank habits."""
+        """Hashes of everything that training starts from; a checkpoint with other hashes is refused.
+
+        Keys: ``habits``, ``episodes``, and where they apply ``frozen`` (weights of frozen networks), ``demonstrator``,
+        ``initial`` and ``text`` (weights that embed and rank habits).
+        """
         of_episodes = [f"{e.id} {e.home_hash} {e.solution}" for e in (*self.episodes, *self.validation.all)]
         frozen, shown = fingerprint_of(self.policy), self.demonstrator.fingerprint()
         hashes = {"habits": self.dataset.sha256, "episodes": sha256_bytes("\n".join(of_episodes).encode())}
@@ -117,28 +122,38 @@ class ImitationLearner:
 
     @property
     def resolved_options(self) -> Mapping[str, str | int]:
-        """What ``auto`` came to here, by option: a run keeps it, wherever it goes on."""
+        """Values chosen for options given as ``auto``, by option: ``device``, ``precision``, ``batch``.
+
+        The run stores them, so that it goes on with the same values on another machine.
+        """
         precision = str(self._precision).removeprefix("torch.")
         return {"device": self.device, "precision": precision, "batch": self.batch}
 
     @property
     def n_labels(self) -> int:
-        """Different labelled frames so far: an episode counts once, at whatever levels it was seen."""
+        """Number of different labelled frames so far; an episode counts once, at whatever habit levels it was seen."""
         return self.labels
 
     def assigned(self, item: int) -> tuple[Episode, str]:
-        """Episode and habit level number ``item``: all episodes at random, again and again, the levels in turn."""
+        """Episode and habit level of training item ``item``, from 0.
+
+        Each epoch goes once through all episodes in a random order (a function of seed and epoch); levels take turns.
+        """
         epoch, place = divmod(item, len(self.episodes))
         return self.episodes[int(self._order(epoch)[place])], self.levels[(item + epoch) % len(self.levels)]
 
     def batches(self) -> Iterator[list[Trajectory]]:
-        """What the next steps learn from."""
+        """Demonstrations of each step from now on, without end; ``batch`` trajectories a step."""
         for step in count(self.done):
             items = range(step * self.batch, (step + 1) * self.batch)
             yield [self.demonstrator(*self.assigned(item)) for item in items]
 
     def step(self) -> Figures:
-        """One batch.
+        """Update the policy on one batch.
+
+        Returns:
+            The loss figures of :meth:`SequenceLoss.figures`, ``gradient`` (norm before clipping), ``rate``, ``frames``
+            (trained on so far) and ``labels`` (different ones so far).
 
         Raises:
             DivergedError: a loss or gradient that is not finite.
@@ -162,7 +177,10 @@ class ImitationLearner:
         return figures | {"frames": float(self.frames), "labels": float(self.n_labels)}
 
     def validate(self) -> Figures:
-        """Loss and accuracy on validation demonstrations, and what the policy does by itself."""
+        """Loss and accuracy on validation demonstrations, SR and SPL of the policy's own play, and ``score``.
+
+        All are of the moving average of the weights.
+        """
         with self.updates.averaged():
             self.policy.eval()
             found = self.measured(self.validation.demonstrations(self.levels))
@@ -171,11 +189,11 @@ class ImitationLearner:
 
     @cached_property
     def players(self) -> Players:
-        """Those who play validation episodes."""
+        """Environments in which the policy plays validation episodes; made on first use."""
         return Players(self.policy, self.make_env, self.validation.slots, self.validation.max_steps)
 
     def measured(self, trajectories: Sequence[Trajectory]) -> Figures:
-        """Loss and accuracy on trajectories, without learning from them."""
+        """Loss and accuracy on trajectories, without gradients; figures of :meth:`SequenceLoss.figures`."""
         batches = [trajectories[at : at + self.batch] for at in range(0, len(trajectories), self.batch)]
         sums = torch.zeros(self.loss.n_sums, dtype=torch.float64)
         with torch.no_grad(), part("validating demonstrations", len(batches)) as tick:
@@ -185,27 +203,40 @@ class ImitationLearner:
         return self.loss.figures(sums)
 
     def state_dict(self) -> State:
-        """Network, its average, moments of the optimiser, counters."""
+        """Weights, their moving average, optimiser moments, and the counters ``done``, ``frames`` and ``labels``."""
         return State(self.updates.tensors(), {"done": self.done, "frames": self.frames, "labels": self.labels})
 
     def load_state_dict(self, state: State) -> None:
-        """Go on after ``done`` steps."""
+        """Restore a state of :meth:`state_dict`; the next step is number ``done``.
+
+        Raises:
+            DataError: a state of another network or learner.
+        """
         self.done, self.frames = state.count("done"), state.count("frames")
-        self.labels = state.count("labels") if "labels" in state.values else self.frames  # earlier versions had none
+        self.labels = (
+            state.count("labels") if "labels" in state.values else self.frames
+        )  # absent in states of earlier versions
         self.updates.load(state.tensors, self.done)
         self._stream = None
 
     def lengthen(self, steps: int) -> bool:
-        """See :class:`ucon.learning.run.protocol.Learner`."""
+        """Stretch the learning-rate schedule to ``steps`` in all, from the next step on.
+
+        False where the rate is constant.
+        """
         return self.updates.lengthen(steps)
 
     def product(self) -> Mapping[str, bytes]:
-        """The policy, as :class:`models.agents.policy.PolicyAgent` loads it."""
+        """Files of the averaged policy, by name, as :class:`models.agents.policy.PolicyAgent` loads them.
+
+        Raises:
+            DataError: a weight that is not finite, or too large for float16.
+        """
         with self.updates.averaged():
             return network_files(cast(Any, self.policy), half=self.options.half)
 
     def card(self) -> Card:
-        """What it is and what for."""
+        """Text of the model card: architecture, size, training episodes, levels and how to use the weights."""
         size = sum(value.numel() for value in self.updates.parameters.values())
         name = self.act.architecture
         return Card(
@@ -219,19 +250,23 @@ class ImitationLearner:
         )
 
     def close(self) -> None:
-        """See :class:`ucon.learning.run.protocol.Learner`."""
+        """Kill worker processes and close the environments of validation."""
         self.feeder.close()
-        self._stream = None  # what was asked of the workers is lost
+        self._stream = None  # batches ahead were lost with the workers
         self.players.close()
 
     def _pass(self, batch: Batch, *, backward: bool) -> Tensor:
-        """The sums of the loss over a batch, (n_sums,) float64; with ``backward`` also its gradient."""
+        """Forward pass over a batch, chunk by chunk; with ``backward`` it also accumulates the gradient.
+
+        Returns:
+            (n_sums,) float64 on the CPU, the sums that :meth:`SequenceLoss.figures` reads.
+        """
         total = torch.zeros(self.loss.n_sums, dtype=torch.float64)
         scale = self.loss.scale(batch)
         state: Mapping[str, Tensor] = self.act.initial_state(len(batch.lengths))
         kind = torch.device(self.device).type
         for chunk in batch.chunks(self.options.chunk):
-            state = cut(state, chunk.labels.shape[1])
+            state = detached_state(state, chunk.labels.shape[1])
             with torch.autocast(kind, self._precision, enabled=self._precision != torch.float32):
                 outputs = self.act(chunk.frames, chunk.context, state)
             state = outputs.state
@@ -244,7 +279,7 @@ class ImitationLearner:
         return total
 
     def _diverged(self, chunk: Chunk, outputs: Mapping[str, Any]) -> None:
-        """Name the first tensor on the way to the loss that is not finite."""
+        """Raise an error that names the first tensor, from inputs to loss, that is not finite."""
         parts = {"frames": chunk.frames, "context": chunk.context, "parameter": self.updates.parameters}
         for kind, tensors in parts.items():
             require_finite({f"{kind} {name}": tensor for name, tensor in tensors.items()}, self.done)
@@ -252,7 +287,7 @@ class ImitationLearner:
         raise DivergedError(f"step {self.done + 1}: the loss is not finite; start a run anew with a smaller learner.lr")
 
     def _order(self, epoch: int) -> NDArray[np.int64]:
-        """The order of the episodes in an epoch, (n,)."""
+        """Order of the episodes in an epoch, (n_episodes,) int64 permutation."""
         if self._ordered[0] != epoch:
             self._ordered = (epoch, stream(self.seed, "order", epoch).permutation(len(self.episodes)))
         return self._ordered[1]

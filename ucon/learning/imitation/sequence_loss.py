@@ -1,4 +1,4 @@
-"""What is learned from steps of episodes: the labelled actions, and the return that follows."""
+"""Loss of a policy over the seven actions: cross-entropy of the labels and regression of the return."""
 
 from __future__ import annotations
 
@@ -21,21 +21,32 @@ _NAMES = tuple(action.name.lower() for action in Action)
 
 @dataclass(frozen=True)
 class SequenceLoss:
-    """Cross-entropy of the labelled actions, rare ones and changes weighing more, and a Huber loss of the value.
+    """Weighted cross-entropy of the labelled actions, plus a Huber loss of the value against the discounted return.
+
+    The loss of a batch is sum(weight * cross-entropy) / sum(weight) + ``value`` * mean(Huber). A step without a label
+    has
+    weight 0 in the first term.
 
     Raises:
-        ConfigError: an unknown action, or a number that is none or out of range.
+        ConfigError: an unknown action, or a number out of range.
     """
 
     weights: Mapping[str, float] = field(default_factory=dict)
-    """What a label weighs, by the action's name; 1 where it is not given. Done ends each episode."""
+    """Weight of a label by its action's name in lower case; 1 where not given.
+
+    Done, for example, is one label per episode.
+    """
     change: float = 1.0
-    """What a label weighs more where it is another action than the one before: seven labels in eight go straight on,
-    and a policy that learned no more than that walks into a wall (inflection weighting, Wijmans et al. 2019)."""
+    """Factor on the weight of a label that differs from the action before it (inflection weighting, Wijmans et al.
+
+    2019).
+
+    Seven labels in eight repeat "forward"; a policy that learned only that would walk into walls.
+    """
     value: float = 0.05
     """Weight of the value's loss; 0 leaves it out."""
     discount: float = 0.99
-    """Of the returns that the value is to tell."""
+    """Discount per step of the returns that the value is trained on."""
 
     n_sums = 6
 
@@ -51,38 +62,63 @@ class SequenceLoss:
         _require("discount", self.discount, 1.0)
 
     def scale(self, batch: Batch) -> tuple[float, float]:
-        """What sums over a batch are divided by: the weight of its labels, and its steps."""
+        """Denominators of a batch's loss.
+
+        Returns:
+            Sum of its label weights (at least 1e-9), and its number of steps.
+        """
         labels, changes = torch.cat(batch.labels).cpu(), torch.cat(batch.changes).cpu()
-        return max(float(self._of(labels, changes).sum()), 1e-9), float(len(labels))
+        return max(float(self._weights_of(labels, changes).sum()), 1e-9), float(len(labels))
 
     def __call__(self, outputs: PolicyOutputs, chunk: Chunk, scale: tuple[float, float]) -> tuple[Tensor, Tensor]:
-        """A chunk's share of the batch's loss, and the sums that :meth:`figures` reads, (n_sums,) float64."""
+        """A chunk's share of the batch's loss.
+
+        Args:
+            outputs: logits (T, B, 7) and values (T, B) of the chunk.
+            chunk: labels, returns and masks, (T, B).
+            scale: denominators of the whole batch, by :meth:`scale`.
+
+        Returns:
+            The loss, a scalar float32, and the sums that :meth:`figures` reads, (n_sums,) float64 on the CPU.
+        """
         logits, value = outputs.logits.float(), outputs.value.float()
         each = functional.cross_entropy(
             logits.flatten(0, 1), chunk.labels.flatten(), ignore_index=IGNORED, reduction="none"
         )
-        weight = self._of(chunk.labels.flatten(), chunk.changes.flatten())
-        told = (each * weight).sum()
+        weight = self._weights_of(chunk.labels.flatten(), chunk.changes.flatten())
+        label_loss = (each * weight).sum()
         huber = functional.smooth_l1_loss(value, chunk.returns, reduction="none")
-        worth = (huber * chunk.present).sum()
-        right = (logits.argmax(-1) == chunk.labels).sum()
-        known = (chunk.labels != IGNORED).sum()
-        sums = torch.stack([told, weight.sum(), worth, chunk.present.sum(), right, known]).detach().double().cpu()
-        return told / scale[0] + self.value * worth / scale[1], sums
+        value_loss = (huber * chunk.present).sum()
+        correct = (logits.argmax(-1) == chunk.labels).sum()
+        labelled = (chunk.labels != IGNORED).sum()
+        sums = (
+            torch.stack([label_loss, weight.sum(), value_loss, chunk.present.sum(), correct, labelled])
+            .detach()
+            .double()
+            .cpu()
+        )
+        return label_loss / scale[0] + self.value * value_loss / scale[1], sums
 
     def figures(self, sums: Tensor) -> Figures:
-        """What is logged of sums over whole batches."""
-        told, weight, worth, present, right, known = sums.tolist()
-        told, worth = told / max(weight, 1e-9), worth / max(present, 1.0)
+        """Figures to log, from sums over whole batches.
+
+        Args:
+            sums: (n_sums,) as :meth:`__call__` returns them, added up.
+
+        Returns:
+            ``loss``, ``cross_entropy`` (nats), ``value_loss`` and ``accuracy`` (share of labelled steps).
+        """
+        label_loss, weight, value_loss, present, correct, labelled = sums.tolist()
+        label_loss, value_loss = label_loss / max(weight, 1e-9), value_loss / max(present, 1.0)
         return {
-            "loss": told + self.value * worth,
-            "cross_entropy": told,
-            "value_loss": worth,
-            "accuracy": right / max(known, 1.0),
+            "loss": label_loss + self.value * value_loss,
+            "cross_entropy": label_loss,
+            "value_loss": value_loss,
+            "accuracy": correct / max(labelled, 1.0),
         }
 
-    def _of(self, labels: Tensor, changes: Tensor) -> Tensor:
-        """Weight of each label, float32; 0 of none."""
+    def _weights_of(self, labels: Tensor, changes: Tensor) -> Tensor:
+        """Weight of each label, (N,) float32; 0 where there is no label."""
         table = torch.tensor([*(float(self.weights.get(name, 1.0)) for name in _NAMES), 0.0], device=labels.device)
         return table[torch.where(labels == IGNORED, len(_NAMES), labels)] * (1 + (self.change - 1) * changes)
 

@@ -1,7 +1,7 @@
-"""What policies imitate: trajectories as plain data, and what a policy sees along them, made by playing them again.
+"""Trajectories as plain data, and the frames along them, made by playing their actions again.
 
 The environment gives the same frames for the same actions, so a trajectory is an episode, a habit level and two strings
-of digits: a thousand of them are a few hundred kilobytes, in a checkpoint too, whatever a policy makes of the frames.
+of digits: a thousand of them take a few hundred kilobytes, whatever arrays a policy makes of the frames.
 """
 
 from __future__ import annotations
@@ -23,59 +23,68 @@ if TYPE_CHECKING:
 
     from ucon.learning.policies.action_policy import ActionPolicy
 
-#: In place of a label: the expert had no answer.
+#: Stands for a label in the string of digits where the expert had no action.
 NO_LABEL: Final = "."
-#: The same as a class of the cross-entropy.
+#: Class index of such a step, which the cross-entropy leaves out.
 IGNORED: Final = -1
 
 
 @dataclass(frozen=True)
 class Trajectory:
-    """What was done in an episode, and what an expert would have done instead at every step."""
+    """The actions taken in an episode, and an expert's label for each step."""
 
     episode: Episode
     level: str
-    """Habit level at which the policy is told about it."""
+    """Habit level at which the policy sees the episode."""
     actions: str
-    """The actions taken, as digits."""
+    """The T actions taken, one digit each (see :class:`ucon.task.actions.Action`)."""
     labels: str
-    """The expert's, as digits; :data:`NO_LABEL` where it had none. As long as ``actions``."""
+    """The T labels, one digit each; :data:`NO_LABEL` where the expert had none."""
 
     @property
     def key(self) -> tuple[str, str, str]:
-        """What decides the frames."""
+        """Episode id, habit level and actions: equal keys have equal frames."""
         return self.episode.id, self.level, self.actions
 
     @property
     def classes(self) -> NDArray[np.int64]:
-        """(T,) the labels as numbers of actions, :data:`IGNORED` for none."""
+        """(T,) int64, action index of each label; :data:`IGNORED` where there is none."""
         return np.array([IGNORED if digit == NO_LABEL else int(digit) for digit in self.labels], np.int64)
 
     @property
     def changes(self) -> NDArray[np.bool_]:
-        """(T,) where the label is another action than the one before it, which is where something is decided."""
+        """(T,) bool, True where the label differs from the action taken one step earlier; True at the first step."""
         return np.array([a != b for a, b in zip(self.labels, NO_LABEL + self.actions, strict=False)])
 
     @property
     def n_labels(self) -> int:
-        """How many of its steps are labelled."""
+        """Number of steps that have a label."""
         return len(self.labels) - self.labels.count(NO_LABEL)
 
     def to_json(self) -> list[str]:
-        """Plain values; the episode by its id."""
+        """Episode id, level, actions and labels: plain values that JSON can hold."""
         return [self.episode.id, self.level, self.actions, self.labels]
 
 
 def demonstration(episode: Episode, level: str) -> Trajectory:
-    """The stored shortest solution, which opens containers, as a trajectory."""
+    """The episode's stored shortest solution as a trajectory whose labels are its actions.
+
+    Args:
+        episode: has the solution, which opens containers where needed.
+        level: habit level at which the policy sees the episode.
+    """
     return Trajectory(episode, level, episode.solution, episode.solution)
 
 
 def trajectories_from_json(rows: Any, episodes: Mapping[str, Episode]) -> list[Trajectory]:
-    """What :meth:`Trajectory.to_json` wrote; ``episodes`` by id.
+    """Read what :meth:`Trajectory.to_json` wrote.
+
+    Args:
+        rows: plain values, one row per trajectory; not trusted.
+        episodes: known episodes by id.
 
     Raises:
-        DataError: a row that is none, or of an episode that is not among them.
+        DataError: a row of another form, or of an unknown episode.
     """
     if not isinstance(rows, list) or not all(_is_trajectory(row, episodes) for row in rows):
         raise DataError("state with a trajectory of other episodes; resume with the run's own configuration")
@@ -93,24 +102,24 @@ def _is_trajectory(row: Any, episodes: Mapping[str, Episode]) -> bool:
 
 @dataclass(frozen=True)
 class Replay:
-    """What a policy sees along a trajectory of T steps."""
+    """The arrays that a policy sees along a trajectory of T steps."""
 
     context: Mapping[str, NDArray[Any]]
-    """Arrays (...) of the episode."""
+    """Arrays (...) that stay the same for the whole episode."""
     frames: Mapping[str, NDArray[Any]]
-    """Arrays (T, ...), before each action."""
+    """Arrays (T, ...), each row seen before the action of that step."""
     rewards: NDArray[np.float32]
-    """(T,) of each action."""
+    """(T,) reward of each action."""
 
     def __len__(self) -> int:
         return len(self.rewards)
 
 
 class Replayer:
-    """Plays trajectories again and has the policy turn what is seen into arrays. One process, one environment.
+    """Plays trajectories again and has the policy turn observations into arrays; one process, one environment.
 
     Args:
-        policy: its ``context`` and ``frame`` are asked; its weights do not matter.
+        policy: its ``context`` and ``frame`` are called; its weights do not matter.
         make_env: makes an environment of ``UcON-v0``; called when the first trajectory comes.
     """
 
@@ -119,7 +128,10 @@ class Replayer:
         self._env: gym.Env[Any, Any] | None = None
 
     def __call__(self, trajectory: Trajectory) -> Replay:
-        """Replay one trajectory.
+        """Replay one trajectory of T steps.
+
+        Returns:
+            Context arrays (...), frame arrays (T, ...) and rewards (T,) float32.
 
         Raises:
             DataError: its actions go on after the episode's end.
@@ -141,14 +153,22 @@ class Replayer:
         return Replay(context, stacked, np.array(rewards, np.float32))
 
     def close(self) -> None:
-        """Close the environment."""
+        """Close the environment; the next call makes a new one."""
         if self._env is not None:
             self._env.close()
             self._env = None
 
 
 def returns(rewards: NDArray[np.float32], discount: float) -> NDArray[np.float32]:
-    """(T,) discounted sum of the rewards from each step on."""
+    """Discounted sum of the rewards from each step on.
+
+    Args:
+        rewards: (T,) float32.
+        discount: factor per step, from 0 to 1.
+
+    Returns:
+        (T,) float32.
+    """
     found = np.zeros(len(rewards), np.float32)
     later = 0.0
     for step in range(len(rewards) - 1, -1, -1):

@@ -1,1 +1,1 @@
-"""Policies as learners see them: arrays in, logits and a value out; how they are played and validated."""
+"""The interface of policies (arrays in, logits and a value out), how they are played, batched and validated."""

@@ -1,12 +1,12 @@
-"""What training and evaluation ask of a policy over the seven actions: arrays in, logits and a value out.
+"""Interface of policies over the seven actions: arrays in, logits and a value out.
 
-A policy turns what it is given into arrays of fixed shape once an episode (:meth:`ActionPolicy.context`) and once a
-step (:meth:`ActionPolicy.frame`); demonstrations store these. All memory is in the recurrent state, which the caller
-keeps: whoever plays, imitates or collects rollouts hands it back at the next step, and a fresh one at each reset.
+A policy turns an episode's ``info`` into arrays of fixed shape once (:meth:`ActionPolicy.context`) and each observation
+once a step (:meth:`ActionPolicy.frame`); demonstrations store these arrays. All memory is in the recurrent state, which
+the caller holds: it passes the state back at the next step, and a fresh one at each reset.
 
-The three stages from what is seen to what is learned from, each of which may be left out by who has no use for it:
-``frame`` (arrays of one step, on the CPU) -> ``features`` (what frozen networks make of many frames, to be computed
-once and stored) -> ``augment`` (changed at random for a step of training) -> the policy itself.
+Frames pass through these stages; a policy that does not need one returns its input:
+``frame`` (arrays of one step, on the CPU) -> ``features`` (outputs of frozen networks, computed once and stored) ->
+``augment`` (random changes in training) -> the policy itself.
 """
 
 from __future__ import annotations
@@ -23,99 +23,160 @@ if TYPE_CHECKING:
 Arrays = Mapping[str, NDArray[np.generic]]
 Tensors = Mapping[str, "Tensor"]
 Choice = Literal["actions", "views"]
-"""What a policy chooses: one of the seven actions, or one of the views that ``UcONSearch-v0`` offers."""
+"""What a policy chooses from: the seven actions, or the views (goals to walk to) that ``UcONSearch-v0`` offers."""
 
-#: Logits are compared in steps of this: their last bits depend on what is computed beside them.
+#: Logits are rounded to multiples of this: their last bits depend on what else is in the batch.
 _STEP: Final = 1e-4
 
 
 class PolicyOutputs(NamedTuple):
-    """Of T steps of B episodes."""
+    """Outputs for T steps of B episodes."""
 
     logits: Tensor
-    """(T, B, 7) float32, one for each action."""
+    """(T, B, 7) float32, one logit per action."""
     value: Tensor
-    """(T, B) float32, the expected return."""
+    """(T, B) float32, estimated return."""
     state: Tensors
-    """After the last step; tensors (B, ...)."""
+    """Recurrent state after the last step; tensors (B, ...)."""
     foresight: Tensor | None = None
-    """(T, B, V), what a policy over views foretells of each; see :mod:`ucon.learning.ppo.foresight`."""
+    """(T, B, V), predictions about each of V views.
+
+    Only of policies over views (:mod:`ucon.learning.ppo.foresight`).
+    """
 
 
 def scores_views(policy: Any) -> bool:
-    """Whether a network scores the views that ``UcONSearch-v0`` offers; else it chooses among the seven actions."""
+    """True if a network scores the views of ``UcONSearch-v0``; False if it chooses among the seven actions."""
     kind: Choice = policy.chooses
     return kind == "views"
 
 
 class ActionPolicy(Protocol):
-    """A torch module with memory that chooses among the seven actions (``models.nets.policy_defaults``)."""
+    """A torch module that chooses among the seven actions.
+
+    ``models.nets.policy_defaults`` has defaults of its methods.
+    """
 
     architecture: str
-    """Name of the network, in tables too; its weights fit no other (:mod:`ucon.learning.run.network_files`)."""
+    """Name of the network, also in tables.
+
+    Weights fit one architecture only (:mod:`ucon.learning.run.network_files`).
+    """
     chooses: Choice
     uses_habits: bool
-    """Whether the habit level matters to it."""
+    """Whether its outputs depend on the habit level."""
 
     @property
     def arguments(self) -> Mapping[str, Any]:
-        """Plain values that say which version of the architecture this is, frozen networks by hash."""
+        """Plain values that fix the version of the architecture: sizes, and hashes of frozen networks."""
         ...
 
     def context(self, info: Mapping[str, Any]) -> Arrays:
-        """What stays the same for an episode, from the ``info`` of its reset: arrays of the same shapes each time."""
+        """Arrays that stay the same for an episode.
+
+        Args:
+            info: of the environment's reset.
+
+        Returns:
+            Arrays (...) by name, with the same shapes for every episode.
+        """
         ...
 
     def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:
-        """What one step shows: arrays of the same shapes each time. Depends on nothing that was seen before."""
+        """Arrays of one step; they depend on nothing that was seen before.
+
+        Args:
+            observation: of the environment's reset or last step.
+            info: of the same.
+
+        Returns:
+            Arrays (...) by name, with the same shapes at every step.
+        """
         ...
 
     def features(self, frames: Tensors) -> Tensors:
-        """What the policy's frozen networks make of frames (..., *shape), without gradients; what they read is gone.
+        """Outputs of the policy's frozen networks on frames, without gradients.
 
-        Calling the policy with frames or with their features is the same. Features of features are themselves; so are
-        frames where nothing is frozen.
+        Calling the policy with frames or with their features gives the same. Features of features are unchanged, and so
+        are
+        frames where no network is frozen.
+
+        Args:
+            frames: tensors (..., *shape) by name.
+
+        Returns:
+            Tensors (..., *shape) by name; inputs that only the frozen networks read are left out.
         """
         ...
 
     def augment(self, frames: Tensors, generator: Generator) -> Tensors:
-        """Frames (T, B, ...) as training may show them: changed at random, the T steps of an episode alike.
+        """Frames with random changes for training; the T steps of an episode are changed alike.
 
-        ``generator`` is one of the CPU. Where a policy asks for no augmentation, frames come back as they are.
+        Args:
+            frames: tensors (T, B, ...) by name, or their features.
+            generator: of the CPU.
+
+        Returns:
+            Tensors of the same shapes; ``frames`` itself where the policy asks for no augmentation.
         """
         ...
 
     def update_statistics(self, frames: Tensors) -> None:
-        """Frames (N, ...) that were seen while learning, for statistics that are no parameters.
+        """Update statistics that are no parameters, such as running means, from frames (N, ...).
 
-        Called between steps alone: by imitation before a batch is learned from, by PPO after a collection was.
+        Called between steps only: by imitation before it learns from a batch, by PPO after it learned from a
+        collection.
         """
         ...
 
     def initial_state(self, batch: int) -> Tensors:
-        """The recurrent state at the start of ``batch`` episodes: tensors (B, ...); none of a policy without memory."""
+        """Recurrent state at the start of ``batch`` episodes: tensors (B, ...) by name.
+
+        Empty for a policy without memory.
+        """
         ...
 
     def __call__(self, frames: Tensors, context: Tensors, state: Tensors) -> PolicyOutputs:
-        """Read T steps of B episodes: ``frames`` (T, B, ...), ``context`` (B, ...), ``state`` before the first step."""
+        """Read T steps of B episodes.
+
+        Args:
+            frames: (T, B, ...) by name.
+            context: (B, ...) by name.
+            state: recurrent state before the first step, (B, ...) by name.
+        """
         ...
 
 
 def tensors_of(arrays: Arrays, device: device | str = "cpu") -> dict[str, Tensor]:
-    """Copies of arrays on a device, same names, shapes and kinds of number."""
+    """Copy arrays to a device.
+
+    Args:
+        arrays: NumPy arrays by name.
+        device: where the tensors are put.
+
+    Returns:
+        Tensors with the same names, shapes and dtypes.
+    """
     import torch
 
     return {name: torch.tensor(np.asarray(array)).to(device) for name, array in arrays.items()}
 
 
 def stacked(parts: Sequence[Tensors]) -> dict[str, Tensor]:
-    """B mappings of tensors (...) to one of tensors (B, ...)."""
+    """Stack B mappings of tensors (...) into one mapping of tensors (B, ...); all have the same names and shapes."""
     import torch
 
     return {name: torch.stack([part[name] for part in parts]) for name in parts[0]}
 
 
-def comparable(logits: Tensor) -> NDArray[np.float64]:
-    """Logits of any shape on the CPU, rounded so that it does not matter what was computed beside them."""
+def rounded_logits(logits: Tensor) -> NDArray[np.float64]:
+    """Logits on the CPU, rounded to 1e-4, so that the choice does not depend on the rest of the batch.
+
+    Args:
+        logits: any shape.
+
+    Returns:
+        The same shape, float64.
+    """
     found: NDArray[np.float64] = logits.double().cpu().numpy()
     return np.rint(found / _STEP) * _STEP

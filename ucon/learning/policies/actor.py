@@ -1,4 +1,4 @@
-"""A policy as a module over tensordicts: what TorchRL's collectors play."""
+"""A policy as a module over tensordicts, which is what TorchRL's collectors call."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from ucon.learning.ppo.rollout_env import STATE
 
 
 class StepActor(TensorDictModuleBase):
-    """Reads ``frames``, ``context`` and the recurrent ``state`` of one step; writes logits, value and the next state.
+    """Reads ``frames``, ``context`` and recurrent ``state`` of one step; writes logits, value and the next state.
 
     Args:
-        policy: an :class:`ucon.learning.policies.action_policy.ActionPolicy` that is a module.
+        policy: an :class:`ucon.learning.policies.action_policy.ActionPolicy` that is a torch module.
     """
 
     def __init__(self, policy: nn.Module) -> None:
@@ -30,10 +30,16 @@ class StepActor(TensorDictModuleBase):
         self.out_keys = ["logits", "state_value", *(("next", STATE, name) for name in self.names)]
 
     def forward(self, tensordict: TensorDictBase) -> TensorDictBase:
-        """Of one environment, without a batch axis.
+        """One step of one environment; tensors have no batch axis.
+
+        Args:
+            tensordict: has ``frames``, ``context`` and ``state`` by name, (...).
+
+        Returns:
+            The same tensordict with ``logits`` (A,) float32, ``state_value`` (1,) float32 and the next ``state``.
 
         Raises:
-            DataError: the recurrent state is not there.
+            DataError: the recurrent state is missing.
         """
         frames = {name: tensor[None, None] for name, tensor in tensordict["frames"].items()}  # (1, 1, ...)
         context = {name: tensor[None] for name, tensor in tensordict["context"].items()}
@@ -54,7 +60,7 @@ class StepActor(TensorDictModuleBase):
 
 
 def sampling() -> ProbabilisticTensorDictModule:
-    """Draws ``action`` by ``logits``; what has none, -inf, is never drawn."""
+    """Module that draws ``action`` from ``logits`` and adds its log-probability; a logit of -inf is never drawn."""
     return ProbabilisticTensorDictModule(
         in_keys=["logits"],
         out_keys=["action"],
@@ -65,5 +71,9 @@ def sampling() -> ProbabilisticTensorDictModule:
 
 
 def rollout_actor(policy: nn.Module) -> ProbabilisticTensorDictSequential:
-    """Plays a policy by its probabilities."""
+    """The policy followed by :func:`sampling`: what a collector plays.
+
+    Args:
+        policy: an :class:`ucon.learning.policies.action_policy.ActionPolicy` that is a torch module.
+    """
     return ProbabilisticTensorDictSequential(StepActor(policy), sampling())

@@ -1,4 +1,4 @@
-"""Plays a policy in several environments at once, one forward for all: to validate it, and to let it stray (DAgger)."""
+"""Plays a policy in several environments at once, with one forward pass for all: for validation and for DAgger."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ucon.core.progress import part
 from ucon.core.rng import stream
-from ucon.learning.policies.action_policy import Arrays, comparable, stacked, tensors_of
+from ucon.learning.policies.action_policy import Arrays, rounded_logits, stacked, tensors_of
 from ucon.task.episode import Episode
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Job:
-    """An episode to be played at a habit level."""
+    """One episode to be played at one habit level."""
 
     episode: Episode
     level: str
@@ -30,7 +30,7 @@ class Job:
 
 @dataclass(frozen=True)
 class RolloutOutcome:
-    """What came of a job. An episode that was cut short has failed."""
+    """Actions and result of a played job; an episode that was cut off counts as failed."""
 
     job: Job
     actions: str
@@ -39,37 +39,52 @@ class RolloutOutcome:
 
 
 class Chooser(Protocol):
-    """Turns logits into actions."""
+    """Turns the logits of a step into an action."""
 
     def begin(self, number: int, job: Job, env: Env) -> None:
-        """Job ``number`` begins in an environment."""
+        """Called when job ``number`` starts in an environment, before its first :meth:`choose`."""
         ...
 
     def choose(self, number: int, step: int, logits: NDArray[np.float64]) -> int:
-        """The action of job ``number`` at a step, from its logits (7,)."""
+        """The action to take.
+
+        Args:
+            number: index of the job.
+            step: of the episode, from 0.
+            logits: (7,) float64.
+
+        Returns:
+            Index of the action.
+        """
         ...
 
 
 class PolicyChooser:
-    """The action of the highest logit, or one drawn by the policy's probabilities as a function of seed and keys."""
+    """Takes the action with the highest logit, or samples from the policy's probabilities.
+
+    Args:
+        sample: True to sample.
+        seed, keys: of the random stream; the number of the job and the step are added, so draws do not depend on which
+            environment plays a job.
+    """
 
     def __init__(self, sample: bool, seed: int, *keys: str | int) -> None:
         self._sample, self._seed, self._keys = sample, seed, keys
 
     def begin(self, number: int, job: Job, env: Env) -> None:
-        """See :class:`Chooser`."""
+        """Nothing to prepare."""
 
     def choose(self, number: int, step: int, logits: NDArray[np.float64]) -> int:
-        """See :class:`Chooser`."""
+        """Action index from logits (7,); see :class:`Chooser`."""
         if not self._sample:
             return int(logits.argmax())
-        heat = np.exp(logits - logits.max())
-        return int(stream(self._seed, *self._keys, number, step).choice(len(heat), p=heat / heat.sum()))
+        weights = np.exp(logits - logits.max())
+        return int(stream(self._seed, *self._keys, number, step).choice(len(weights), p=weights / weights.sum()))
 
 
 @dataclass
 class _Slot:
-    """One environment and the episode in it."""
+    """One environment with the episode that it plays now."""
 
     env: Env
     number: int = -1
@@ -77,18 +92,18 @@ class _Slot:
     info: Any = None
     context: Mapping[str, Tensor] = field(default_factory=dict)
     state: Mapping[str, Tensor] = field(default_factory=dict)
-    """Tensors (...), without a batch axis."""
+    """Recurrent state; tensors (...), without a batch axis."""
     actions: list[int] = field(default_factory=list)
 
 
 class Players:
-    """Plays jobs with one policy.
+    """Plays jobs with one policy in a fixed number of environments.
 
     Args:
-        policy: an :class:`ucon.learning.policies.action_policy.ActionPolicy` that is a module.
-        make_env: makes an environment of ``UcON-v0``; called for as many as are needed.
-        slots: environments that are played at once. Part of what makes a run repeatable: sums depend on it.
-        max_steps: episodes are cut short here.
+        policy: an :class:`ucon.learning.policies.action_policy.ActionPolicy` that is a torch module.
+        make_env: makes an environment of ``UcON-v0``; called as often as environments are needed.
+        slots: environments played at once. Results can depend on it in their last bits, so it is part of the seed.
+        max_steps: episodes are cut off after this many actions.
     """
 
     def __init__(self, policy: nn.Module, make_env: Callable[[], Env], slots: int, max_steps: int) -> None:
@@ -97,9 +112,15 @@ class Players:
         self._envs: list[Env] = []
 
     def play(self, jobs: Sequence[Job], chooser: Chooser, what: str = "playing") -> list[RolloutOutcome]:
-        """Play all jobs; results in their order. Puts the policy into evaluation mode while it plays.
+        """Play all jobs; the policy is in evaluation mode meanwhile.
 
-        ``what``: progress calls it so.
+        Args:
+            jobs: what to play.
+            chooser: turns logits into actions.
+            what: label of the progress line.
+
+        Returns:
+            One outcome per job, in the order of ``jobs``.
         """
         import torch
 
@@ -124,12 +145,12 @@ class Players:
         return [results[number] for number in range(len(jobs))]
 
     def close(self) -> None:
-        """Close the environments."""
+        """Close the environments; a later call makes new ones."""
         while self._envs:
             self._envs.pop().close()
 
     def _begin(self, slot: _Slot, waiting: Iterator[tuple[int, Job]], chooser: Chooser) -> bool:
-        """Start the next job in a slot, with a fresh recurrent state; False where none is left."""
+        """Reset a slot to the next job with a fresh recurrent state; False where no job is left."""
         number, job = next(waiting, (-1, None))
         if job is None:
             return False
@@ -142,16 +163,17 @@ class Players:
         return True
 
     def _forward(self, slots: Sequence[_Slot]) -> NDArray[np.float64]:
-        """Logits (B, 7) of the next step; moves each slot's recurrent state on."""
+        """Logits (B, 7) of the next step of B slots; updates each slot's recurrent state."""
         frames = [self._tensors(self._policy.frame(slot.observation, slot.info)) for slot in slots]
         steps = {name: tensor[None] for name, tensor in stacked(frames).items()}  # (1, B, ...)
         context, state = stacked([slot.context for slot in slots]), stacked([slot.state for slot in slots])
         outputs = self._policy(steps, context, state)
         for row, slot in enumerate(slots):
             slot.state = {name: tensor[row] for name, tensor in outputs.state.items()}
-        return comparable(outputs.logits[0])
+        return rounded_logits(outputs.logits[0])
 
     def _step(self, slot: _Slot, action: int) -> bool:
+        """Take an action in a slot; True where its episode is over or cut off."""
         slot.actions.append(action)
         slot.observation, _, terminated, truncated, slot.info = slot.env.step(action)
         return bool(terminated or truncated) or len(slot.actions) >= self._max_steps

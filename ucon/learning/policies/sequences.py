@@ -1,7 +1,7 @@
 """Batches of whole episodes for networks with memory, cut into chunks through which gradients flow.
 
-Episodes are sorted by length, so those that go on are the first of the batch: a chunk holds them alone, and the
-recurrent state that they carry is cut to them. Nothing follows the end of an episode, so no state has to be reset.
+Episodes are sorted by length, longest first, so those still running are always the first rows of the batch. A chunk
+holds only these rows, and the recurrent state is cut to them. No episode begins within a batch, so no state is reset.
 """
 
 from __future__ import annotations
@@ -25,28 +25,28 @@ Named = Mapping[str, Tensor]
 
 @dataclass(frozen=True)
 class Chunk:
-    """T consecutive steps of the B episodes of a batch that are not over yet."""
+    """T consecutive steps of those B episodes of a batch that are not over when the chunk begins."""
 
     frames: Named
     """(T, B, ...), zeros after an episode's end."""
     context: Named
-    """(B, ...)"""
+    """(B, ...), the arrays of each episode."""
     labels: Tensor
-    """(T, B) int64, IGNORED where there is no label."""
+    """(T, B) int64 action index, ``IGNORED`` where there is no label."""
     returns: Tensor
-    """(T, B) float32"""
+    """(T, B) float32 discounted return."""
     present: Tensor
-    """(T, B) bool: steps that were played."""
+    """(T, B) bool, True for steps that were played, False for padding."""
     changes: Tensor
-    """(T, B) bool: the label is another action than the one before it."""
+    """(T, B) bool, True where the label differs from the action before it."""
 
 
 class Batch:
-    """Whole episodes, the longest first.
+    """Whole episodes as tensors, the longest first.
 
     Args:
-        episodes: what was done and is to be done, and what was seen.
-        discount: of returns.
+        episodes: (trajectory, replay) pairs.
+        discount: of returns, per step.
         device: where tensors are put.
     """
 
@@ -63,14 +63,19 @@ class Batch:
         self.returns = [torch.from_numpy(returns(replay.rewards, discount)).to(device) for _, replay in chosen]
 
     def augment(self, policy: ActionPolicy, seed: int) -> None:
-        """Change the frames as the policy wants them for training; an episode's alike, from first to last."""
+        """Replace the frames by the policy's augmentation of them; all steps of an episode are changed alike.
+
+        Args:
+            policy: its ``augment`` is called once per episode.
+            seed: of the random changes; row k uses ``seed + k``.
+        """
         for number, frames in enumerate(self.frames):
             generator = torch.Generator().manual_seed((seed + number) % (1 << 63))
             made = policy.augment({name: tensor[:, None] for name, tensor in frames.items()}, generator)
             self.frames[number] = {name: tensor[:, 0] for name, tensor in made.items()}
 
     def chunks(self, steps: int) -> Iterator[Chunk]:
-        """The batch in pieces of ``steps`` steps; each holds the episodes that are longer than where it begins."""
+        """The batch in chunks of up to ``steps`` steps, in order; each holds the episodes that reach its first step."""
         for begin in range(0, self.lengths[0], steps):
             n = sum(length > begin for length in self.lengths)
             piece = slice(begin, begin + steps)
@@ -83,6 +88,6 @@ class Batch:
             yield Chunk(frames, {name: t[:n] for name, t in self.context.items()}, labels, values, present, changes)
 
 
-def cut(state: Named, episodes: int) -> dict[str, Tensor]:
-    """The recurrent state of the first ``episodes`` of a batch, where gradients end."""
+def detached_state(state: Named, episodes: int) -> dict[str, Tensor]:
+    """Recurrent state of the first ``episodes`` rows of a batch, detached: no gradient passes into the chunk before."""
     return {name: tensor[:episodes].detach() for name, tensor in state.items()}

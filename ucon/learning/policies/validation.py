@@ -1,4 +1,4 @@
-"""How states of a policy are compared while it learns: against the expert's steps, and by what it does by itself."""
+"""How checkpoints of a policy are compared: by loss on expert demonstrations, and by its own SR and SPL."""
 
 from __future__ import annotations
 
@@ -15,38 +15,38 @@ from ucon.retrieval.levels import check_level
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
 
-#: Figures that may choose the best state, and whether more is better.
+#: Figures that may choose the best checkpoint, with +1 where more is better and -1 where less is.
 SCORES = {"loss": -1.0, "accuracy": 1.0, "success_rate": 1.0, "spl": 1.0}
-#: Those that are known only if the policy plays.
+#: Figures that need the policy to play.
 _PLAYED = ("success_rate", "spl")
-#: So little that it decides among equals alone: one episode in a thousand is more.
+#: Weight of the loss in the score. It only breaks ties: one episode in a thousand changes SR by more.
 _TIE = 1e-5
 
 
 @dataclass(frozen=True)
 class Validation:
-    """Validation episodes, and what is done with them.
+    """Which validation episodes are used, how they are played, and which figure chooses the best checkpoint.
 
     Raises:
-        ConfigError: a number out of range, an unknown level or figure, or a figure that nothing gives.
+        ConfigError: a number out of range, an unknown level or figure, or a figure that needs play with ``n_play=0``.
     """
 
     episodes: str = "val"
-    """A named set or a file; its first episodes would be of one kind, so they are taken evenly spaced."""
+    """A named set or a file. Evenly spaced episodes are taken: the first ones would all be in one kind of home."""
     n_demonstrations: int = 64
-    """For loss and accuracy."""
+    """Number of demonstrations on which loss and accuracy are measured."""
     n_play: int = 40
-    """That the policy plays; 0: none."""
+    """Number of episodes that the policy plays; 0 plays none."""
     level: str = "retrieval"
-    """Habit level at which it plays."""
+    """Habit level of the played episodes."""
     max_steps: int = 300
-    """Played episodes are cut short here, and have failed."""
+    """Played episodes are cut off after this many actions, and then count as failed."""
     slots: int = 20
-    """Episodes played at once."""
+    """Episodes played in parallel."""
     sample: bool = False
-    """Draw actions by their probabilities in place of the best."""
+    """True: sample actions from the policy's probabilities. False: take the highest logit."""
     choose: str = "spl"
-    """The figure that chooses the best state: loss, accuracy, success_rate or spl."""
+    """Figure that chooses the best checkpoint: loss, accuracy, success_rate or spl."""
 
     def __post_init__(self) -> None:
         for name, least in (("n_demonstrations", 1), ("n_play", 0), ("max_steps", 1), ("slots", 1)):
@@ -63,19 +63,31 @@ class Validation:
 
     @cached_property
     def all(self) -> tuple[Episode, ...]:
-        """The episodes that these are chosen from."""
+        """All episodes of the set, before any are picked; loaded on first use."""
         return load_episodes(self.episodes)
 
     def demonstrations(self, levels: Sequence[str]) -> list[Trajectory]:
-        """What loss and accuracy are measured on: the levels in turn."""
-        chosen = spaced(self.all, self.n_demonstrations, "learner.validation.n_demonstrations")
+        """Demonstrations on which loss and accuracy are measured.
+
+        Args:
+            levels: habit levels, which take turns.
+        """
+        chosen = evenly_spaced(self.all, self.n_demonstrations, "learner.validation.n_demonstrations")
         return [demonstration(episode, levels[k % len(levels)]) for k, episode in enumerate(chosen)]
 
     def played(self, players: Players, seed: int) -> Figures:
-        """SR and SPL of the policy, and how many steps it takes; nothing where nothing is to be played."""
+        """Play validation episodes with the policy.
+
+        Args:
+            players: environments with the policy.
+            seed: of sampled actions.
+
+        Returns:
+            ``success_rate``, ``spl`` and ``steps`` (mean number of actions); empty where ``n_play`` is 0.
+        """
         if not self.n_play:
             return {}
-        chosen = spaced(self.all, self.n_play, "learner.validation.n_play")
+        chosen = evenly_spaced(self.all, self.n_play, "learner.validation.n_play")
         results = players.play(
             [Job(e, self.level) for e in chosen], PolicyChooser(self.sample, seed, "validation"), "validating"
         )
@@ -86,15 +98,23 @@ class Validation:
         }
 
     def score(self, figures: Figures) -> Figures:
-        """The figure that chooses, larger is better; among equals, such as untrained policies, the smaller loss."""
+        """The ``score`` that chooses the best checkpoint, larger is better.
+
+        Among equal figures, such as those of untrained policies, the smaller loss wins.
+        """
         return {SCORE: SCORES[self.choose] * figures[self.choose] - _TIE * figures["loss"]}
 
 
-def spaced(episodes: Sequence[Episode], count: int | None, option: str) -> tuple[Episode, ...]:
-    """So many episodes, evenly spaced, so that every kind of home is among them; None: all.
+def evenly_spaced(episodes: Sequence[Episode], count: int | None, option: str) -> tuple[Episode, ...]:
+    """``count`` evenly spaced episodes of a list, so that every kind of home is among them; None: all.
+
+    Args:
+        episodes: to pick from, in order.
+        count: how many.
+        option: name of the configuration's option, for the error.
 
     Raises:
-        ConfigError: no such number.
+        ConfigError: ``count`` is not a whole number from 1 to the number of episodes.
     """
     if count is None:
         return tuple(episodes)

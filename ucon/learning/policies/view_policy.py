@@ -1,7 +1,7 @@
-"""A network that scores views, such as the habit policy, as a policy that can be trained like those over the actions.
+"""Adapts a network that scores views, such as the habit policy, to the interface of policies over actions.
 
-Its actions are the rows of ``UcONSearch-v0``'s views, its frames the tokens of one decision. It has no memory: what the
-agent remembers is in the tokens.
+Its actions are rows of the views that ``UcONSearch-v0`` offers; its frames are the tokens of one decision. It has no
+recurrent state: what the agent remembers is in the tokens.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ from ucon.core.errors import ConfigError
 from ucon.learning.policies.action_policy import Arrays, Choice, PolicyOutputs, Tensors
 from ucon.search.text_tokens import TextTokens, name_table
 
-#: Embeddings: the encoder rounds them to float16, so nothing is lost by storing them so.
+#: Frames that are text embeddings. The encoder rounds them to float16, so float16 stores them without loss.
 _EMBEDDED: Final = ("target", "habits")
 
 
 class ViewPolicy(nn.Module):
-    """See the module. Implements :class:`ucon.learning.policies.action_policy.ActionPolicy` for ``UcONSearch-v0``.
+    """An :class:`ucon.learning.policies.action_policy.ActionPolicy` for ``UcONSearch-v0``.
 
     Args:
-        network: tokens to ``logits`` (B, V), -inf where there is no view, ``value`` (B,) and ``foresight`` (B, V).
-        text: embeds the names of things, as in the environment.
+        network: maps tokens to ``logits`` (B, V), -inf where there is no view, ``value`` (B,) and ``foresight`` (B, V).
+        text: embeds the names of categories; the same encoder as in the environment.
     """
 
-    chooses: Choice = "actions"  # of the environment's rows: it is played like a policy over actions
+    chooses: Choice = "actions"  # its actions are rows of views, so it is played like a policy over actions
     uses_habits = True
 
     def __init__(self, network: nn.Module, text: TextTokens | None = None) -> None:
@@ -39,24 +39,24 @@ class ViewPolicy(nn.Module):
 
     @property
     def architecture(self) -> str:
-        """That of the network."""
+        """Architecture of the wrapped network, such as ``habit_policy``."""
         return str(self.network.architecture)
 
     @property
     def arguments(self) -> Mapping[str, Any]:
-        """Those of the network."""
+        """Arguments of the wrapped network that its weights depend on."""
         found: Any = self.network.arguments
         return dict(found)
 
     def context(self, info: Mapping[str, Any]) -> Arrays:
-        """Nothing: the environment's observations hold it."""
+        """Empty: everything is in the observations."""
         return {}
 
     def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:
-        """The observation.
+        """The observation's arrays by name, with text embeddings as float16.
 
         Raises:
-            ConfigError: not one of ``UcONSearch-v0``.
+            ConfigError: the observation is not one of ``UcONSearch-v0``.
         """
         if "views" not in observation:
             raise ConfigError(f"{self.architecture} chooses views: expected the environment UcONSearch-v0")
@@ -65,26 +65,35 @@ class ViewPolicy(nn.Module):
         }
 
     def features(self, frames: Tensors) -> Tensors:
-        """Nothing is frozen."""
+        """The frames unchanged: no network is frozen."""
         return frames
 
     def augment(self, frames: Tensors, generator: torch.Generator) -> Tensors:
-        """Nothing is changed."""
+        """The frames unchanged: there is no augmentation."""
         return frames
 
     def update_statistics(self, frames: Tensors) -> None:
-        """It keeps no statistics."""
+        """Does nothing: there are no running statistics."""
 
     def initial_state(self, batch: int) -> Tensors:
-        """No memory."""
+        """Empty: there is no recurrent state."""
         return {}
 
     def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> PolicyOutputs:
-        """Score T decisions of B episodes; each by itself. Logits (T, B, V)."""
+        """Score the views of T decisions of B episodes; each decision by itself.
+
+        Args:
+            frames: observation tensors (T, B, ...) by name.
+            context: empty.
+            state: empty; returned as it is.
+
+        Returns:
+            Logits (T, B, V), -inf where there is no view, values (T, B) and foresight (T, B, V).
+        """
         steps, batch = frames["ego"].shape[:2]
         tokens = {name: tensor.flatten(0, 1).float() for name, tensor in frames.items() if name != "thing_rows"}
         names: Any = self.names
-        tokens["thing_names"] = names[frames["thing_rows"].flatten(0, 1).long()]  # row -1 is the last: none
+        tokens["thing_names"] = names[frames["thing_rows"].flatten(0, 1).long()]  # row -1 is the last one: no category
         scores = self.network(tokens)
         logits, value, foresight = (found.unflatten(0, (steps, batch)) for found in scores)
         return PolicyOutputs(logits, value, state, foresight)

@@ -1,1 +1,1 @@
-"""``learner=ppo``: learning from what came of it, by TorchRL's collectors, advantages and loss."""
+"""``learner=ppo``: training policies on their own play, with TorchRL's collectors, advantages and loss."""

@@ -1,4 +1,4 @@
-"""What ``learner=ppo`` refuses before it begins."""
+"""Checks of a configuration of ``learner=ppo`` before training begins."""
 
 from __future__ import annotations
 
@@ -13,15 +13,19 @@ from ucon.learning.policies.action_policy import ActionPolicy
 from ucon.learning.policies.validation import Validation
 from ucon.learning.run.option_checks import check
 
-#: Of the recurrent states of one collection.
+#: Largest permitted size of one collection's recurrent states, in bytes.
 _MOST_STATE_BYTES: Final = 4 << 30
-#: And where none are asked for: a collection is copied more than once.
+#: The same for ``frames=auto``: smaller, since a collection is copied more than once.
 _USUAL_STATE_BYTES: Final = 1 << 30
 _USUAL_FRAMES: Final = 9000
 
 
 def check_choices(policy: object, validation: Validation) -> None:
-    """Refuse what names no policy, or no figure to choose by.
+    """Refuse an agent without a trainable policy, and a validation figure that PPO does not measure.
+
+    Args:
+        policy: what the configuration gives.
+        validation: chooses the best checkpoint.
 
     Raises:
         ConfigError: naming what to give.
@@ -33,12 +37,12 @@ def check_choices(policy: object, validation: Validation) -> None:
 
 
 def check_taught(policy: nn.Module, env: Any, objective: float) -> None:
-    """Refuse a policy that would be taught nothing, or the wrong thing, in these environments.
+    """Refuse a policy that would learn nothing, or the wrong thing, in these environments.
 
     Args:
         policy: what is trained.
         env: an environment of policies over the seven actions.
-        objective: weight of what came of it.
+        objective: weight of PPO's clipped objective.
 
     Raises:
         ConfigError: naming what to give.
@@ -51,12 +55,16 @@ def check_taught(policy: nn.Module, env: Any, objective: float) -> None:
 
 
 def collection_size(policy: ActionPolicy, frames: int | str) -> int:
-    """Steps of the environment that one collection holds, whose recurrent states, one each, have to fit a machine.
+    """Number of environment steps in one collection; a recurrent state is stored for each of them.
 
-    ``auto`` are 9,000, or as many thousand as a gigabyte of states leaves room for.
+    ``auto`` is 9,000, or as many thousands (at least one) as fit into 1 GiB of states.
+
+    Args:
+        policy: decides the size of a state.
+        frames: the number asked for, or ``auto``.
 
     Raises:
-        ConfigError: more than a machine may hold; the message says how many there may be.
+        ConfigError: states of more than 4 GiB; the message says how many steps are possible.
     """
     size = sum(tensor.nbytes for tensor in policy.initial_state(1).values())
     if frames == AUTO:

@@ -1,4 +1,4 @@
-"""The loss of proximal policy optimisation (Schulman et al., 2017) as TorchRL has it, of a policy's outputs."""
+"""Loss of proximal policy optimisation (Schulman et al., 2017), as TorchRL computes it, from a policy's outputs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from torchrl.objectives import ClipPPOLoss
 from ucon.core.errors import ConfigError, brief
 from ucon.learning.policies.actor import sampling
 
-#: What is logged of a minibatch, by the name in TorchRL's result.
+#: Figures to log of a minibatch, and their names in TorchRL's result.
 LOGGED = {
     "objective": "loss_objective",
     "value_loss": "loss_critic",
@@ -24,11 +24,11 @@ LOGGED = {
 
 
 class PPOLoss:
-    """Clipped objective, squared error of the value (not clipped), and a bonus for entropy.
+    """Clipped objective, squared error of the value (not clipped), and an entropy bonus.
 
     Args:
-        clip: how far the probability of an action may move in one step, as a ratio.
-        entropy: weight of the bonus.
+        clip: largest change of an action's probability ratio from 1.
+        entropy: weight of the entropy bonus.
         value: weight of the value's loss.
         objective: weight of the clipped objective.
 
@@ -41,13 +41,13 @@ class PPOLoss:
         for name, (number, least) in named.items():
             if type(number) not in (int, float) or not least <= number < 1e9:
                 raise ConfigError(f"learner.loss.{name}={brief(number)}: must be a number from {least:g} up")
-        # The network is run once for both, by who calls: TorchRL's parts only pass on what it said.
-        said = TensorDictModule(nn.Identity(), in_keys=["new_logits"], out_keys=["logits"])
-        worth = TensorDictModule(nn.Identity(), in_keys=["new_value"], out_keys=["state_value"])
+        # The caller runs the network once for both; these modules pass its outputs on to TorchRL.
+        outputs = TensorDictModule(nn.Identity(), in_keys=["new_logits"], out_keys=["logits"])
+        critic = TensorDictModule(nn.Identity(), in_keys=["new_value"], out_keys=["state_value"])
         self.objective = objective
         self._loss: Any = ClipPPOLoss(
-            ProbabilisticTensorDictSequential(said, sampling()),
-            worth,
+            ProbabilisticTensorDictSequential(outputs, sampling()),
+            critic,
             clip_epsilon=clip,
             entropy_coeff=entropy,
             critic_coeff=value,
@@ -57,43 +57,54 @@ class PPOLoss:
         )
 
     def __call__(self, played: TensorDictBase, logits: Tensor, value: Tensor) -> tuple[Tensor, Mapping[str, float]]:
-        """The loss, a scalar, and figures.
+        """Loss of a minibatch of n steps.
 
         Args:
-            played: (n,) ``action``, ``action_log_prob``, ``advantage`` (n, 1) and ``value_target`` (n, 1).
-            logits: (n, A).
-            value: (n,).
+            played: (n,) with ``action`` (n,) int64, ``action_log_prob`` (n,), ``advantage`` (n, 1) and ``value_target``
+                (n, 1).
+            logits: (n, A) of the present policy.
+            value: (n,) of the present policy.
+
+        Returns:
+            The loss, a scalar, and figures to log.
         """
-        said = TensorDict({"new_logits": logits, "new_value": value[:, None]}, played.shape)
-        found = self._loss(played.to(logits.device).update(said))
+        outputs = TensorDict({"new_logits": logits, "new_value": value[:, None]}, played.shape)
+        found = self._loss(played.to(logits.device).update(outputs))
         loss = self.objective * found["loss_objective"] + found["loss_critic"] + found["loss_entropy"]
         figures = {name: float(found[key].detach()) for name, key in LOGGED.items()}
         return loss, figures | {"kl": self._kl(played, logits.detach())}
 
     @staticmethod
     def _kl(played: TensorDictBase, logits: Tensor) -> float:
-        """How far the policy is from the one that played: r - 1 - log r, never negative (Schulman, 2020).
+        """Estimate of the KL divergence from the policy that played, in nats: mean of r - 1 - log r (Schulman, 2020).
 
-        TorchRL's estimate, -log r, has the same mean and far more noise.
+        It is never negative. TorchRL's estimate, -log r, has the same expectation and far more noise.
         """
         now = logits.log_softmax(-1).gather(1, played["action"].to(logits.device)[:, None])[:, 0]
         log_ratio = now - played["action_log_prob"].to(logits.device)
         return float((log_ratio.exp() - 1 - log_ratio).mean())
 
 
-def inference_mode_but_memory(policy: nn.Module) -> None:
-    """No dropout while ratios of probabilities are compared; recurrent layers must be in training mode for cuDNN."""
+def eval_mode_except_rnn(policy: nn.Module) -> None:
+    """Evaluation mode, so that no dropout disturbs the ratios.
+
+    Recurrent layers stay in training mode, as cuDNN needs.
+    """
     policy.eval()
     for module in policy.modules():
         if isinstance(module, nn.RNNBase) and not module.dropout:
             module.train()
 
 
-def total(figures: list[Mapping[str, float]]) -> dict[str, float]:
-    """Means of the figures of minibatches."""
+def mean_figures(figures: list[Mapping[str, float]]) -> dict[str, float]:
+    """Mean of each figure over minibatches.
+
+    Args:
+        figures: one mapping per minibatch, all with the same names.
+    """
     return {name: sum(one[name] for one in figures) / len(figures) for name in figures[0]}
 
 
 def finite(tensor: Tensor) -> bool:
-    """Whether all of it are numbers."""
+    """Whether all values of a tensor are finite."""
     return bool(torch.isfinite(tensor).all())

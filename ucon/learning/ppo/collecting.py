@@ -1,6 +1,6 @@
-"""Who gathers experience: TorchRL's collectors, in this process or in workers.
+"""Collects experience for PPO with TorchRL's collectors, in this process or in workers.
 
-Every collection begins with fresh episodes and seeds: it depends on the weights and the seed that it is given alone.
+Every collection begins with fresh episodes and a given seed, so it depends only on the weights and that seed.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from multiprocessing.process import BaseProcess
 from typing import Any, Protocol, cast
 
-# Both are read when torchrl is imported: a worker that hangs is an error after so many seconds, not never.
+# torchrl reads both when it is imported: seconds after which a worker that hangs is an error.
 os.environ.setdefault("MAX_IDLE_COUNT", "3600")
 os.environ.setdefault("BATCHED_PIPE_TIMEOUT", "3600")
 
@@ -33,36 +33,44 @@ MakeEnv = Callable[[], Any]
 
 
 class Collecting(Protocol):
-    """Which collector."""
+    """Which TorchRL collector is used, and with how many environments."""
 
     rows: int
-    """Environments that are played at the same time."""
+    """Number of environments that are played at the same time."""
     worker_timeout_s: float
-    """So long may one collection take."""
+    """Most seconds that one collection may take."""
 
     def collector(self, make: Callable[[], Any], actor: nn.Module, steps: int) -> Any:
-        """A TorchRL collector of batches with ``steps`` of each environment, which begin with a reset."""
+        """A TorchRL collector; each of its batches begins with a reset.
+
+        Args:
+            make: makes an environment.
+            actor: the policy as a module over tensordicts.
+            steps: of each environment in a batch.
+        """
         ...
 
 
 @dataclass(frozen=True)
 class InProcess:
-    """One environment in this process."""
+    """Collects in one environment in this process."""
 
     rows = 1
     worker_timeout_s = WORKER_TIMEOUT_S
 
     def collector(self, make: Callable[[], Any], actor: nn.Module, steps: int) -> Any:
-        """See :class:`Collecting`."""
+        """A collector whose batches are (steps,)."""
         return Collector(make, actor, frames_per_batch=steps, **_OPTIONS)
 
 
 @dataclass(frozen=True)
 class InWorkers:
-    """One environment in each of ``workers`` processes, which end the run if a collection takes them longer than so.
+    """Collects in one environment in each of ``workers`` processes.
+
+    A collection that takes longer than ``worker_timeout_s`` seconds ends the run.
 
     Raises:
-        ConfigError: no workers, or no time.
+        ConfigError: a number out of range.
     """
 
     workers: int = 2
@@ -78,23 +86,24 @@ class InWorkers:
 
     @property
     def rows(self) -> int:
-        """Environments."""
+        """Number of environments, one per worker."""
         return self.workers
 
     def collector(self, make: Callable[[], Any], actor: nn.Module, steps: int) -> Any:
-        """See :class:`Collecting`."""
+        """A collector whose batches are (workers, steps)."""
         frames = steps * self.workers
         made = [functools.partial(_in_worker, make, os.getpid())] * self.workers
         return MultiSyncCollector(made, actor, frames_per_batch=frames, cat_results="stack", **_OPTIONS)
 
 
 def _in_worker(make: Callable[[], Any], trainer: int) -> Any:
-    if os.getpid() != trainer:  # TorchRL may make one where the trainer is
+    """Make an environment in a worker, which is prepared first."""
+    if os.getpid() != trainer:  # TorchRL may make an environment in the trainer's process too
         begin_worker()
     return make()
 
 
-#: Of every collector. What is seen next is what is seen in the next row; storing it once halves the memory.
+#: Arguments of every collector. ``compact_obs``: each observation is stored once, which halves the memory.
 _OPTIONS: dict[str, Any] = {
     "total_frames": -1,
     "reset_at_each_iter": True,
@@ -104,14 +113,15 @@ _OPTIONS: dict[str, Any] = {
 
 
 class ExperienceCollector:
-    """Gathers experience with a policy on the CPU, whatever device it is trained on.
+    """Collects experience with a copy of the policy on the CPU, whatever device it is trained on.
 
     Args:
-        policy: an :class:`ucon.learning.policies.action_policy.ActionPolicy` that is a module; plays with its weights
-            of the time.
-        make_env: makes an environment; sent to workers.
+        policy: an :class:`ucon.learning.policies.action_policy.ActionPolicy` that is a torch module; each collection
+            uses
+            its present weights.
+        make_env: makes an environment; pickled and sent to workers.
         episodes: to draw from.
-        levels: habit levels that are mixed.
+        levels: habit levels, mixed.
         collecting: which collector.
         steps: of each environment in a collection.
     """
@@ -135,16 +145,27 @@ class ExperienceCollector:
         self._batches: Iterator[TensorDictBase] | None = None
 
     def collect(self, seed: int) -> TensorDictBase:
-        """Experience (rows, steps): a function of the weights and ``seed``, below 2 ** 63."""
+        """Play one collection with the policy's present weights.
+
+        Args:
+            seed: below 2 ** 63; with the weights it decides everything that is played.
+
+        Returns:
+            (rows, steps) tensordict on the CPU.
+
+        Raises:
+            LearnerWorkerError: a worker died, or the collection took too long.
+        """
         if self._batches is None:
             self._collector = self._collecting.collector(self._make, self._actor, self.shape[1])
             self._batches = iter(self._collector)
-            atexit.register(self.close)  # before Python waits for processes that nobody ended
+            atexit.register(self.close)  # else Python would wait at exit for the workers
         self._playing.load_state_dict(self._policy.state_dict())
         question = functools.partial(self._collected, seed)
         return ask(question, self._collecting.worker_timeout_s, self._workers, "collector.worker_timeout_s")
 
     def _collected(self, seed: int) -> TensorDictBase:
+        """Update the weights, set the seeds and take the next batch."""
         self._collector.update_policy_weights_()
         self._collector.set_seed(seed % (1 << 31))
         torch.manual_seed(seed)
@@ -155,8 +176,8 @@ class ExperienceCollector:
         return list(getattr(self._collector, "procs", ()))
 
     def close(self) -> None:
-        """End the workers."""
+        """End the workers; a later collection starts new ones."""
         if self._collector is not None:
             atexit.unregister(self.close)
-            self._collector.shutdown(raise_on_error=False)  # of workers that are gone
+            self._collector.shutdown(raise_on_error=False)  # workers may be gone already
             self._collector = self._batches = None

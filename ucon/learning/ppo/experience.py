@@ -1,8 +1,9 @@
-"""What was played, ready to learn from: advantages, and sequences that begin with the recurrent state of their time.
+"""A PPO collection, ready for updates: advantages, and sequences with the recurrent states from when they were played.
 
-Whatever has a memory is learned from in sequences that end where their episode or ``chunk`` ends; what has none, step
-by step. Advantages are generalised (Schulman et al., 2016). The last step of each environment is not learned from: its
-value stands for what the episode that was cut off there would still have been worth.
+A policy with memory is trained on sequences that end where their episode or ``chunk`` ends; one without, on single
+steps. Advantages are generalised (Schulman et al., 2016). The last step of each environment is not trained on: its
+value
+stands for the return that the episode cut off there would still have had.
 """
 
 from __future__ import annotations
@@ -26,25 +27,25 @@ class Sequences:
     """B sequences of up to T steps."""
 
     frames: dict[str, Tensor]
-    """Tensors (T, B, ...)."""
+    """Tensors (T, B, ...); past a sequence's end its last frame is repeated."""
     context: dict[str, Tensor]
-    """Tensors (B, ...)."""
+    """Tensors (B, ...), of each sequence's episode."""
     state: dict[str, Tensor]
-    """Recurrent state before the first step, as it was when it was played; tensors (B, ...)."""
+    """Recurrent state before the first step, as it was when played; tensors (B, ...)."""
     there: Tensor
-    """(T, B) bool: not past the end of a sequence."""
+    """(T, B) bool, False past the end of a sequence."""
     played: TensorDictBase
-    """(n,), the steps that are there: ``action``, ``action_log_prob``, ``advantage``, ``value_target``."""
+    """(n,) the steps where ``there`` holds: ``action``, ``action_log_prob``, ``advantage`` and ``value_target``."""
 
 
 class Experience:
-    """One collection.
+    """One collection with its advantages and value targets.
 
     Args:
         batch: (rows, steps + 1) as a collector gives it.
-        discount: of rewards, a step.
-        trace: of the advantages (lambda).
-        chunk: steps of a sequence; 1 for what has no memory.
+        discount: of rewards, per step.
+        trace: lambda of the generalised advantages.
+        chunk: longest sequence in steps; 1 for a policy without memory.
     """
 
     def __init__(self, batch: TensorDictBase, discount: float, trace: float, chunk: int) -> None:
@@ -61,18 +62,22 @@ class Experience:
             },
             [batch.shape[0], batch.shape[1] - 1],
         )
-        # average_gae: advantages of the whole collection get mean 0 and deviation 1
+        # average_gae: advantages of the whole collection are normalised to mean 0 and standard deviation 1
         learned = GAE(gamma=discount, lmbda=trace, value_network=None, average_gae=True)(learned)
         self.advantage, self.target = learned["advantage"], learned["value_target"]  # (rows, steps, 1)
         self._old = learned["state_value"]
         self.sequences = self._cut(batch["is_init"][:, :-1, 0].numpy())
 
     def __len__(self) -> int:
-        """Steps that are learned from."""
+        """Number of steps that are trained on."""
         return self.advantage.numel()
 
     def _cut(self, begins: NDArray[np.bool_]) -> NDArray[np.int64]:
-        """(n, 3) row, first step and length of each sequence; ``begins`` (rows, steps) where an episode does."""
+        """Row, first step and length of each sequence, (n, 3) int64.
+
+        Args:
+            begins: (rows, steps) bool, True at an episode's first step.
+        """
         found = []
         for row, first in enumerate(begins):
             starts = np.append(np.flatnonzero(first), len(first))
@@ -82,21 +87,30 @@ class Experience:
         return np.array(found, np.int64)
 
     def minibatches(self, steps: int, draw: np.random.Generator) -> Iterator[Sequences]:
-        """All sequences once, in parts of about so many steps, in a drawn order."""
+        """All sequences once, in random order, in minibatches of about ``steps`` steps.
+
+        Args:
+            steps: environment steps of a minibatch.
+            draw: decides the order.
+        """
         order = self.sequences[draw.permutation(len(self.sequences))]
         for part in np.array_split(order, max(1, round(len(self) / steps))):
             if len(part):
                 yield self.taken(part)
 
-    def seen(self, steps: int) -> Iterator[dict[str, Tensor]]:
-        """All frames that are learned from, (n, ...), at most so many at a time."""
+    def frame_batches(self, steps: int) -> Iterator[dict[str, Tensor]]:
+        """All frames that are trained on, in pieces (n, ...) of at most ``steps`` steps."""
         for row in range(len(self.advantage)):
             for at in range(0, self.advantage.shape[1], steps):
                 piece = slice(at, min(at + steps, self.advantage.shape[1]))
                 yield {name: tensor[row, piece] for name, tensor in self._batch["frames"].items()}
 
     def taken(self, part: NDArray[np.int64]) -> Sequences:
-        """The sequences in the rows of ``part``, (B, 3)."""
+        """Gather sequences into padded tensors.
+
+        Args:
+            part: (B, 3) int64, rows of :attr:`sequences`.
+        """
         row, first, length = (torch.from_numpy(column) for column in part.T.copy())
         steps = torch.arange(int(length.max()))[:, None]  # (T, 1)
         there = steps < length  # (T, B)
@@ -115,7 +129,12 @@ class Experience:
         )
 
     def figures(self) -> Figures:
-        """Of the episodes that ended, and how much of the returns the value had foreseen."""
+        """Figures of the collection, to log.
+
+        ``episodes`` that ended; their mean ``success_rate``, ``spl``, ``steps`` and ``return``; and ``explained``, the
+        share of
+        the value targets' variance that the value had predicted.
+        """
         over = self._batch["next", "done"][..., 0]
         outcome = self._batch["next", "outcome"][over].double()  # (episodes, 3)
         figures = {"episodes": float(len(outcome))}

@@ -1,8 +1,8 @@
-"""``learner=ppo``: a policy plays and learns from what came of it (PPO), by TorchRL's collectors, advantages and loss.
+"""``learner=ppo``: a policy is trained on its own play (PPO), with TorchRL's collectors, advantages and loss.
 
 One step is one collection and a few passes over it. The policy is one over the seven actions, or a network that scores
-views, such as the hybrid habit policy. Each collection begins with fresh episodes, drawn with the seed and the number
-of the step, so the state between steps is that of the network and its optimiser alone.
+views, such as the habit policy. Each collection begins with fresh episodes, drawn by the seed and the number of the
+step, so the state between steps is only that of the network and its optimiser.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import entry_parts
 from ucon.learning.policies.action_policy import ActionPolicy, PolicyOutputs, scores_views
 from ucon.learning.policies.playing import Players
-from ucon.learning.policies.validation import Validation, spaced
+from ucon.learning.policies.validation import Validation, evenly_spaced
 from ucon.learning.policies.view_policy import ViewPolicy
 from ucon.learning.ppo.checks import check_choices, check_taught, collection_size
-from ucon.learning.ppo.clipped_loss import PPOLoss, finite, inference_mode_but_memory, total
+from ucon.learning.ppo.clipped_loss import PPOLoss, eval_mode_except_rnn, finite, mean_figures
 from ucon.learning.ppo.collecting import Collecting, ExperienceCollector
 from ucon.learning.ppo.experience import Experience, Sequences
-from ucon.learning.ppo.foresight import TO_GO, ForesightLoss
-from ucon.learning.run.network_files import learns_from, load_network, network_files
+from ucon.learning.ppo.foresight import DISTANCE_TO_GOAL, ForesightLoss
+from ucon.learning.run.network_files import load_network, network_files, set_max_habits
 from ucon.learning.run.option_checks import check_parts, text_weights
 from ucon.learning.run.options import PPOOptions
 from ucon.learning.run.protocol import Card, Figures, State
@@ -40,26 +40,26 @@ from ucon.task.sets import load_episodes
 
 
 class PPOLearner:
-    """See the module.
+    """Proximal policy optimisation of a policy over actions or of a network over views (see the module).
 
     Args:
-        policy: an :class:`ucon.learning.policies.action_policy.ActionPolicy` that is a module, or a network that scores
-            views; begins with the weights that it has.
-        env: makes an environment of ``UcON-v0``; sent to workers.
-        search: makes one of ``UcONSearch-v0``, for networks that score views.
-        collector: who plays.
-        loss: what is learned from a minibatch.
-        foresight: what a network that scores views is told of the way; None: nothing.
-        validation: how states are compared: by ``success_rate`` or ``spl`` of what is played.
-        options: :class:`ucon.learning.run.options.PPOOptions`.
+        policy: an :class:`ucon.learning.policies.action_policy.ActionPolicy` that is a torch module, or a network that
+            scores views; training starts from its present weights.
+        env: makes an environment of ``UcON-v0``; pickled and sent to workers.
+        search: makes an environment of ``UcONSearch-v0``, for networks that score views.
+        collector: plays in this process or in workers.
+        loss: PPO's loss of a minibatch.
+        validation: validation episodes; ``success_rate`` or ``spl`` chooses the best checkpoint.
+        foresight: auxiliary loss of networks that score views; None: no such loss.
+        options: fields of :class:`ucon.learning.run.options.PPOOptions`.
 
     Raises:
-        ConfigError: a value of the wrong type or outside its range, or episodes that must not be learned from.
-        DataError: no weights in ``initial``, or those of another network.
+        ConfigError: a value of the wrong type or out of range, or episodes outside the ``train`` part.
+        DataError: ``initial`` holds no weights, or those of another network.
     """
 
     options_of = PPOOptions
-    """Whose options it takes beside its own."""
+    """Dataclass of the options that ``**options`` may hold; read by the check of configurations."""
 
     def __init__(
         self,
@@ -82,10 +82,10 @@ class PPOLearner:
         self.act, self.network = cast(ActionPolicy, self.policy), policy
         self.make_env = search if views else env
         self.levels = tuple(given.levels) if self.act.uses_habits else ("none",)
-        self.episodes = spaced(load_episodes(given.episodes), given.n_episodes, "learner.n_episodes")
+        self.episodes = evenly_spaced(load_episodes(given.episodes), given.n_episodes, "learner.n_episodes")
         in_actions, in_views = env(), search() if views else None
         check_taught(policy, in_actions, loss.objective)
-        learns_from(policy, in_actions.unwrapped)
+        set_max_habits(policy, in_actions.unwrapped)
         self._read_by = str(fingerprint_of(in_views))
         self.source = (in_views or in_actions).unwrapped.source
         self.dataset = self.source.dataset
@@ -93,7 +93,7 @@ class PPOLearner:
         self.loss, self.validation, self.seed = loss, validation, given.seed
         self.foresight = foresight if views else None
         self.chunk = given.chunk if self.act.initial_state(1) else 1
-        each = -(-collection_size(self.act, given.frames) // collector.rows) + 1  # the last one is not learned from
+        each = -(-collection_size(self.act, given.frames) // collector.rows) + 1  # the last step is not trained on
         self.rollouts = ExperienceCollector(self.policy, self.make_env, self.episodes, self.levels, collector, each)
         self.policy.to(self.device)
         self.updates = Updates(
@@ -104,7 +104,12 @@ class PPOLearner:
 
     @property
     def identity(self) -> Mapping[str, str]:
-        """Hashes of the episodes, of the habits, of frozen weights and of those that read or rank habits."""
+        """Hashes of everything that training starts from; a checkpoint with other hashes is refused.
+
+        Keys: ``habits``, ``episodes``, and where they apply ``frozen`` (weights of frozen networks), ``reader``
+        (weights that
+        read habits in ``UcONSearch-v0``), ``initial`` and ``text`` (weights that embed and rank habits).
+        """
         of_episodes = [f"{e.id} {e.home_hash} {e.solution}" for e in (*self.episodes, *self.validation.all)]
         frozen = fingerprint_of(self.policy)
         text = text_weights(self.source, (*self.levels, self.validation.level))
@@ -114,11 +119,18 @@ class PPOLearner:
 
     @property
     def resolved_options(self) -> Mapping[str, str]:
-        """What ``auto`` came to here, by option: a run keeps it, wherever it goes on."""
+        """Values chosen for options given as ``auto``, by option: ``device`` and ``precision``.
+
+        The run stores them, so that it goes on with the same values on another machine.
+        """
         return {"device": self.device, "precision": str(self._precision).removeprefix("torch.")}
 
     def step(self) -> Figures:
-        """One collection, and what is learned from it.
+        """Collect once, and update the policy in up to ``epochs`` passes.
+
+        Returns:
+            Means over minibatches of the losses and ``kl``, figures of the collection, ``passes``, and ``frames`` so
+            far.
 
         Raises:
             DivergedError: a loss or gradient that is not finite.
@@ -126,7 +138,7 @@ class PPOLearner:
         with part("collecting"):
             batch = self.rollouts.collect(derived_seed(self.seed, "collect", self.done))
         experience = Experience(batch, self.options.discount, self.options.trace, self.chunk)
-        inference_mode_but_memory(self.policy)
+        eval_mode_except_rnn(self.policy)
         learned: list[Mapping[str, float]] = []
         passes = 0
         for epoch in ticked("updating", range(self.options.epochs)):
@@ -134,17 +146,17 @@ class PPOLearner:
             first = len(learned)
             learned += [self._update(some) for some in experience.minibatches(self.options.minibatch, draw)]
             passes += 1
-            if total(learned[first:])["kl"] > self.options.kl_stop:
+            if mean_figures(learned[first:])["kl"] > self.options.kl_stop:
                 break
-        for frames in experience.seen(self.options.minibatch):
+        for frames in experience.frame_batches(self.options.minibatch):
             self.act.update_statistics(_moved(frames, self.device))
         self.done += 1
         self.frames += len(experience)
-        figures = experience.figures() | total(learned)
+        figures = experience.figures() | mean_figures(learned)
         return figures | {"passes": float(passes), "frames": float(self.frames)}
 
     def _update(self, part: Sequences) -> Mapping[str, float]:
-        """One step of the optimiser."""
+        """Update the policy on one minibatch; figures to log."""
         device = self.device
         frames, context, state = (_moved(tensors, device) for tensors in (part.frames, part.context, part.state))
         kind = torch.device(device).type
@@ -152,14 +164,14 @@ class PPOLearner:
             outputs = self.act(frames, context, state)
         there = part.there.to(device)
         logits, value = outputs.logits.float()[there], outputs.value.float()[there]
-        told = {"logits": logits.masked_fill(logits == -torch.inf, 0.0), "value": value}
-        if not all(map(finite, told.values())):  # no loss can be made of them
-            self._diverged(frames, told, part)
+        checked = {"logits": logits.masked_fill(logits == -torch.inf, 0.0), "value": value}
+        if not all(map(finite, checked.values())):  # TorchRL's loss would raise an error of its own
+            self._diverged(frames, checked, part)
         loss, figures = self.loss(part.played, logits, value)
         taught, more = self._taught(frames, outputs, there)
         loss, figures = loss + taught, {**figures, **more}
         if not finite(loss):
-            self._diverged(frames, told, part)
+            self._diverged(frames, checked, part)
         self.updates.begin()
         loss.backward()  # type: ignore[no-untyped-call]
         return {"loss": float(loss.detach()), **figures, **self.updates.take(self.done)}
@@ -167,21 +179,21 @@ class PPOLearner:
     def _taught(
         self, frames: Mapping[str, Tensor], outputs: PolicyOutputs, there: Tensor
     ) -> tuple[Tensor | float, Mapping[str, float]]:
-        """What a network that scores views is told beside rewards: a loss, and figures."""
-        if self.foresight is None or outputs.foresight is None or TO_GO not in frames:
+        """Auxiliary loss of a network that scores views, and its figures; 0 where there is none."""
+        if self.foresight is None or outputs.foresight is None or DISTANCE_TO_GOAL not in frames:
             return 0.0, {}
         decisions = {name: tensor[there] for name, tensor in frames.items()}
         return self.foresight(decisions, outputs.foresight.float()[there])
 
     def _diverged(self, frames: Mapping[str, Tensor], outputs: Mapping[str, Tensor], part: Sequences) -> None:
-        """Name the first tensor on the way to the loss that is not finite."""
+        """Raise an error that names the first tensor, from inputs to loss, that is not finite."""
         groups = {"frames": frames, "parameter": self.updates.parameters, "": outputs, "played": part.played}
         for kind, tensors in groups.items():
             require_finite({f"{kind} {name}".strip(): tensor for name, tensor in tensors.items()}, self.done)
         raise DivergedError(f"step {self.done + 1}: the loss is not finite; start a run anew with a smaller learner.lr")
 
     def validate(self) -> Figures:
-        """SR and SPL of the policy, or of its average, on validation episodes."""
+        """SR and SPL of the averaged policy on validation episodes, mean ``steps``, and ``score``."""
         with self.updates.averaged():
             self.policy.eval()
             found = self.validation.played(self.players, self.seed)
@@ -189,34 +201,45 @@ class PPOLearner:
 
     @cached_property
     def players(self) -> Players:
-        """Those who play validation episodes."""
+        """Environments in which the policy plays validation episodes; made on first use."""
         return Players(self.policy, self.make_env, self.validation.slots, self.validation.max_steps)
 
     def state_dict(self) -> State:
-        """Network, its average, moments of the optimiser, counters."""
+        """Weights, their moving average, optimiser moments, and the counters ``done`` and ``frames``."""
         return State(self.updates.tensors(), {"done": self.done, "frames": self.frames})
 
     def load_state_dict(self, state: State) -> None:
-        """Go on after ``done`` steps."""
+        """Restore a state of :meth:`state_dict`; the next step is number ``done``.
+
+        Raises:
+            DataError: a state of another network or learner.
+        """
         self.done, self.frames = state.count("done"), state.count("frames")
         self.updates.load(state.tensors, self.done)
 
     def lengthen(self, steps: int) -> bool:
-        """See :class:`ucon.learning.run.protocol.Learner`."""
+        """Stretch the learning-rate schedule to ``steps`` in all, from the next step on.
+
+        False where the rate is constant.
+        """
         return self.updates.lengthen(steps)
 
     def product(self) -> Mapping[str, bytes]:
-        """The network, as the agent that plays it loads it."""
+        """Files of the averaged network, by name, as the agent that plays it loads them.
+
+        Raises:
+            DataError: a weight that is not finite, or too large for float16.
+        """
         with self.updates.averaged():
             return network_files(cast(Any, self.network), half=self.options.half)
 
     def close(self) -> None:
-        """See :class:`ucon.learning.run.protocol.Learner`."""
+        """End the workers and close the environments of validation."""
         self.rollouts.close()
         self.players.close()
 
     def card(self) -> Card:
-        """What it is and what for."""
+        """Text of the model card: architecture, size, training episodes, levels and how to use the weights."""
         size = sum(value.numel() for value in self.updates.parameters.values())
         name = self.act.architecture
         learned = (
@@ -235,4 +258,5 @@ class PPOLearner:
 
 
 def _moved(tensors: Mapping[str, Tensor], device: str) -> dict[str, Tensor]:
+    """The tensors on a device, by name."""
     return {name: tensor.to(device) for name, tensor in tensors.items()}

@@ -1,7 +1,8 @@
-"""An environment as TorchRL sees it: the arrays that a policy makes of what it sees, and episodes drawn by a seed.
+"""An environment for TorchRL: observations are the arrays that a policy makes of them; episodes are drawn by a seed.
 
-After ``set_seed(s)`` the episodes and habit levels that follow are a function of s, whatever was played before. So the
-experience of a step of training depends on the weights, the seed and the step alone, and no environment is ever saved.
+After ``set_seed(s)`` all following episodes and habit levels are a function of s, whatever was played before. So the
+experience of a training step depends only on the weights, the seed and the step, and environments have no state to
+save.
 """
 
 from __future__ import annotations
@@ -19,20 +20,20 @@ from ucon.core.rng import stream
 from ucon.learning.policies.action_policy import ActionPolicy, tensors_of
 from ucon.task.episode import Episode
 
-#: What ``outcome`` holds, at the last step of an episode; zeros before.
+#: Entries of ``outcome`` (3,) at the last step of an episode; zeros before.
 OUTCOME: Final = ("success", "spl", "steps")
-#: Where the recurrent state is.
+#: Key of the recurrent state in a tensordict.
 STATE: Final = "state"
 
 
 class PolicyEnv(EnvBase):
-    """One environment.
+    """One environment as a TorchRL ``EnvBase``.
 
     Args:
-        policy: turns what is seen into arrays; its weights are not used.
+        policy: turns observations into arrays; its weights are not used.
         env: of ``UcON-v0`` or ``UcONSearch-v0``.
         episodes: to draw from.
-        levels: habit levels, taken in turn from a drawn one on: every batch mixes them.
+        levels: habit levels; episodes take them in turn from a random first one, so that every batch mixes them.
     """
 
     def __init__(self, policy: nn.Module, env: Any, episodes: Sequence[Episode], levels: Sequence[str]) -> None:
@@ -52,9 +53,9 @@ class PolicyEnv(EnvBase):
         self._set_seed(0)
 
     def _begin(self) -> None:
-        """Draw the next episode and start it."""
-        draw = stream(self._drawn_by, "episode", self._count)
-        first = int(stream(self._drawn_by, "level").integers(len(self._levels)))
+        """Draw the next episode and reset the environment to it."""
+        draw = stream(self._draw_seed, "episode", self._count)
+        first = int(stream(self._draw_seed, "level").integers(len(self._levels)))
         level = self._levels[(first + self._count) % len(self._levels)]
         episode = self._episodes[int(draw.integers(len(self._episodes)))]
         self._count += 1
@@ -62,16 +63,20 @@ class PolicyEnv(EnvBase):
         self._context = tensors_of(self._policy.context(info))
         self._frames = tensors_of(self._policy.frame(observation, info))
 
-    def _seen(self) -> dict[str, dict[str, torch.Tensor]]:
+    def _observation(self) -> dict[str, dict[str, torch.Tensor]]:
+        """Present frames and context as TorchRL expects them."""
         return {"frames": dict(self._frames), "context": dict(self._context)}
 
     def _reset(self, tensordict: TensorDictBase | None = None, **kwargs: Any) -> TensorDictBase:
         self._begin()
         ends = {name: torch.zeros(1, dtype=torch.bool) for name in ("done", "terminated", "truncated")}
-        return TensorDict({**self._seen(), **ends}, [], device=self.device)
+        return TensorDict({**self._observation(), **ends}, [], device=self.device)
 
     def _step(self, tensordict: TensorDictBase) -> TensorDictBase:
-        """Running out of steps is an end like any other: it is part of the task, and seen in the frames."""
+        """Take an action. Reaching the step limit counts as terminated, not truncated.
+
+        The limit is part of the task, and the steps left are in the frames, so no value is estimated beyond it.
+        """
         observation, reward, terminated, truncated, info = self._env.step(int(tensordict["action"]))
         self._frames = tensors_of(self._policy.frame(observation, info))
         metrics = info.get("episode_metrics", {})
@@ -79,16 +84,25 @@ class PolicyEnv(EnvBase):
         over = torch.tensor([bool(terminated or truncated)])
         ends = {"done": over, "terminated": over.clone(), "truncated": torch.zeros_like(over)}
         told = {"reward": torch.tensor([float(reward)]), "outcome": outcome}
-        return TensorDict({**self._seen(), **told, **ends}, [], device=self.device)
+        return TensorDict({**self._observation(), **told, **ends}, [], device=self.device)
 
     def _set_seed(self, seed: int | None) -> None:
-        self._drawn_by, self._count = int(seed or 0), 0
+        self._draw_seed, self._count = int(seed or 0), 0
 
 
 def rollout_env(
     policy: nn.Module, make_env: Callable[[], Any], episodes: Sequence[Episode], levels: Sequence[str]
 ) -> TransformedEnv:
-    """An environment with the policy's recurrent state in it: fresh at each reset, marked by ``is_init``."""
+    """An environment with the policy's recurrent state in its tensordict, fresh at each reset.
+
+    ``is_init`` marks resets.
+
+    Args:
+        policy: an :class:`ucon.learning.policies.action_policy.ActionPolicy` that is a torch module.
+        make_env: makes an environment of ``UcON-v0`` or ``UcONSearch-v0``.
+        episodes: to draw from.
+        levels: habit levels, mixed.
+    """
     made = TransformedEnv(PolicyEnv(policy, make_env(), episodes, levels), Compose(InitTracker()))
     if (primer := state_primer(policy)) is not None:
         made.append_transform(primer)
@@ -96,7 +110,7 @@ def rollout_env(
 
 
 def state_primer(policy: nn.Module) -> TensorDictPrimer | None:
-    """Puts the recurrent state of a policy into an environment; None where it has none."""
+    """Transform that adds the policy's initial recurrent state at each reset; None for a policy without memory."""
     first = {name: tensor[0].detach().cpu().clone() for name, tensor in policy.initial_state(1).items()}  # type: ignore[operator]
     if not first:
         return None

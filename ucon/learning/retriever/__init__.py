@@ -1,1 +1,1 @@
-"""``learner=retriever``: which habits are about what."""
+"""``learner=retriever``: fine-tunes the sentence encoder for retrieval."""

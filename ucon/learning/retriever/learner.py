@@ -1,8 +1,9 @@
-"""Teaches the sentence encoder which habits are about what: InfoNCE inside knowledge bases, by a low-rank adapter.
+"""``learner=retriever``: trains the sentence encoder to retrieve a target's habits, by InfoNCE within knowledge bases.
 
-One step is one knowledge base: each of its categories asks the paper's query, its own habits are the answers, the
-habits of the other categories are what they are told apart from. Habits that support a placement weigh more, for
-they are what a robot needs. Steps depend on seed and number alone, so a resumed run repeats an uninterrupted one.
+Only a low-rank adapter is trained. One step is one knowledge base: each of its categories asks the paper's query, its
+own habits are the positives, and the habits of other categories the negatives. Habits that support a placement weigh
+more, since they are the ones that help a search. A step depends only on seed and number, so a resumed run repeats an
+uninterrupted one.
 """
 
 from __future__ import annotations
@@ -38,19 +39,17 @@ from ucon.retrieval.base import ranked
 from ucon.retrieval.tuned import adapter_file
 
 PRODUCT = "retriever.safetensors"
-_MOST = 1e9
-"""Above every sensible option; keeps infinity out."""
 
 
 def info_nce(similarity: Tensor, own: Tensor, weight: Tensor, temperature: float) -> Tensor:
-    """Contrastive loss, a scalar.
+    """Contrastive loss of queries against habits, a scalar.
 
-    Each own habit of a query is told apart from the habits of others; its siblings are neither for nor against.
+    For each positive of a query, the negatives are the habits of other targets; its other positives are left out.
 
     Args:
         similarity: (Q, N) cosines of queries and habits.
-        own: (Q, N) bool: the habit is about the query's target.
-        weight: (N,) how much a habit counts as an answer.
+        own: (Q, N) bool, True where the habit is about the query's target.
+        weight: (N,) weight of each habit as a positive.
         temperature: cosines are divided by it.
     """
     logits = similarity / temperature
@@ -61,21 +60,21 @@ def info_nce(similarity: Tensor, own: Tensor, weight: Tensor, temperature: float
 
 
 def owner_loss(similarity: Tensor, own: Tensor, weight: Tensor, temperature: float) -> Tensor:
-    """The other way round, a scalar: each habit is to be told whose it is, among the queries.
+    """Contrastive loss of habits against queries, a scalar: which query is each habit about?
 
-    Args: as of :func:`info_nce`; every habit belongs to at least one query.
+    Args:
+        similarity: (Q, N) cosines of queries and habits.
+        own: (Q, N) bool; every habit is about at least one query's target.
+        weight: (N,) weight of each habit.
+        temperature: cosines are divided by it.
     """
     logits = similarity / temperature
     losses = logits.logsumexp(0) - logits.masked_fill(~own, -torch.inf).logsumexp(0)  # (N,)
     return (losses * weight).sum() / weight.sum()
 
 
-#: Of an adapter: what is larger than the maps that it adds to is no adapter.
-_MOST_RANK = 1024
-
-
 class _Ranker:
-    """Ranks with vectors that were made beforehand: the retriever of one validation."""
+    """Retriever with sentence vectors computed beforehand, for validation."""
 
     def __init__(self, vectors: Mapping[str, NDArray[np.float64]]) -> None:
         self._vectors = vectors
@@ -88,20 +87,20 @@ class _Ranker:
 
 
 class RetrieverLearner:
-    """See the module.
+    """Trains an adapter of the sentence encoder (see the module).
 
     Args:
-        dataset: habits; only entries of its ``train`` part teach, those of ``val`` choose.
+        dataset: habits; entries of ``train`` are trained on, entries of ``val`` choose the checkpoint.
         encoder: the frozen encoder; MiniLM by default.
-        options: :class:`ucon.learning.run.options.RetrieverOptions`.
+        options: fields of :class:`ucon.learning.run.options.RetrieverOptions`.
 
     Raises:
-        ConfigError: a value of the wrong type or outside its range.
-        DataError: no adapter in ``initial``, a damaged one, or one of another shape.
+        ConfigError: a value of the wrong type or out of range.
+        DataError: ``initial`` holds no adapter, a damaged one, or one of another shape.
     """
 
     options_of = RetrieverOptions
-    """Whose options it takes beside its own."""
+    """Dataclass of the options that ``**options`` may hold; read by the check of configurations."""
 
     def __init__(
         self,
@@ -126,21 +125,28 @@ class RetrieverLearner:
 
     @property
     def identity(self) -> Mapping[str, str]:
-        """Hashes of the habits, of the frozen weights and of those that it began with."""
+        """Hashes of the habits, of the frozen encoder and, if given, of the initial adapter."""
         initial = {"initial": self._initial} if self._initial else {}
         return {"habits": self.dataset.sha256, "base": MINILM_SHA256, **initial}
 
     def training_kb(self, step: int) -> KnowledgeBase:
-        """What step number ``step`` learns from: entries of the ``train`` part alone."""
+        """Knowledge base of step number ``step``, from 0, with entries of the train part only."""
         return part_kb(self.dataset, "train", self.seed * 1_000_003 + step)
 
     @cached_property
     def validation_kbs(self) -> list[KnowledgeBase]:
-        """The same for every run and seed, so that runs can be compared."""
+        """Knowledge bases of validation; the same for every run and seed, so that runs can be compared."""
         return [part_kb(self.dataset, "val", number) for number in range(self.options.n_kbs)]
 
     def step(self) -> Figures:
-        """One knowledge base."""
+        """Update the adapter on one knowledge base.
+
+        Returns:
+            ``loss``, ``gradient`` and ``rate``.
+
+        Raises:
+            DivergedError: a gradient that is not finite.
+        """
         kb = self.training_kb(self._done)
         targets = list(kb.entries)
         texts = [*map(query_text, targets), *kb.texts]
@@ -161,7 +167,7 @@ class RetrieverLearner:
         return {"loss": float(loss.detach()), **updated}
 
     def _weights(self, kb: KnowledgeBase) -> Tensor:
-        """(N,) What each habit counts as an answer; all the same where supports are unknown."""
+        """(N,) weight of each habit as a positive; all 1 where supports are unknown."""
         known = self.dataset.labelled
         answers = [
             1.0 if self.dataset.habits[row].supports or not known else self.options.other_weight for row in kb.rows
@@ -169,7 +175,12 @@ class RetrieverLearner:
         return torch.tensor(answers)
 
     def validate(self) -> Figures:
-        """Recall and MRR of the average for targets of the ``val`` part; the best state is chosen by ``score``."""
+        """Recall and MRR of the averaged adapter for targets of the val part, and ``score``.
+
+        ``score`` is the recall at 20 of supporting habits, or of all habits where supports are unknown. The other
+        figures are
+        those of :func:`ucon.fitting.measures.measure_retrieval`.
+        """
         parts = entry_parts(self.dataset)
         texts = list(dict.fromkeys(text for kb in self.validation_kbs for text in kb.texts))
         texts += [query_text(target) for target in sorted({t for kb in self.validation_kbs for t in kb.entries})]
@@ -181,28 +192,32 @@ class RetrieverLearner:
         return found | {"score": score}
 
     def state_dict(self) -> State:
-        """Adapter, its average, moments of the optimiser, number of steps."""
+        """Adapter, its moving average, optimiser moments, and the number of steps."""
         return State(self.updates.tensors(), {"done": self._done})
 
     def load_state_dict(self, state: State) -> None:
-        """Go on after ``done`` steps."""
+        """Restore a state of :meth:`state_dict`; the next step is number ``done``.
+
+        Raises:
+            DataError: a state of another adapter or learner.
+        """
         self._done = state.count("done")
         self.updates.load(state.tensors, self._done)
 
     def lengthen(self, steps: int) -> bool:
-        """See :class:`ucon.learning.run.protocol.Learner`."""
+        """Stretch the learning-rate schedule to ``steps`` in all; always True."""
         self.steps = steps
         return True
 
     def product(self) -> Mapping[str, bytes]:
-        """The adapter, as :class:`ucon.language.adapted.AdaptedMiniLM` reads it."""
+        """File of the averaged adapter, as :class:`ucon.language.adapted.AdaptedMiniLM` reads it."""
         return {PRODUCT: adapter_bytes(self.updates.average, MINILM_SHA256)}
 
     def close(self) -> None:
-        """It plays in none."""
+        """Nothing to close: it has neither workers nor environments."""
 
     def card(self) -> Card:
-        """What it is and what for."""
+        """Text of the model card: rank, size, training entries, how to use it, and limits."""
         parts = entry_parts(self.dataset)
         count: Callable[[str], int] = lambda part: sum(p == part for p in parts.values())  # noqa: E731
         size = sum(value.numel() for value in self.updates.parameters.values())

@@ -1,1 +1,1 @@
-"""A run of training: its folder, checkpoints, plan and progress, and what it asks of a learner."""
+"""A training run: its folder, checkpoints, plan and progress, and the interface of learners."""

@@ -1,12 +1,12 @@
-"""Checkpoints: folders of safetensors and JSON under a SHA-256 manifest, whole or not there.
+"""Checkpoints: folders of safetensors and JSON under a SHA-256 manifest, each complete or absent.
 
     checkpoints/step_00000200/{tensors.safetensors, state.json, MANIFEST.json}
-    checkpoints/latest        the name of the newest
-    checkpoints/best          the name of the one that validated best
+    checkpoints/latest        name of the newest checkpoint
+    checkpoints/best          name of the one with the best validation score
 
-A checkpoint is written under a temporary name and renamed, ``best`` and then ``latest`` are moved after that: whenever
-a run is killed, ``latest`` names a whole checkpoint. What was altered since, cut off, or belongs to another run is
-refused.
+A checkpoint is written under a temporary name and renamed; then the pointers ``best`` and ``latest`` are moved. So
+whenever a run is killed, ``latest`` names a complete checkpoint. One that was altered or truncated, or that belongs to
+another run, is refused.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ LATEST: Final = "latest"
 BEST: Final = "best"
 FORMAT: Final = 1
 _NAME: Final = re.compile(r"step_\d{8}")
-#: Bytes: of plain values, among them what DAgger collected; of a pointer; and of tensors where nobody says.
+#: Largest files that are read, in bytes: plain values (with DAgger's trajectories), pointers, and tensors by default.
 _MOST_VALUES: Final = 1 << 28
 _MOST_POINTER: Final = 100
 _MOST_TENSORS: Final = 1 << 34
@@ -45,10 +45,16 @@ class CheckpointError(DataError):
 
 
 class Checkpoints:
-    """The checkpoints of one run, named by its hashes."""
+    """Writes and reads the checkpoints of one run, which is identified by its hashes.
+
+    Args:
+        folder: ``checkpoints/`` of the run.
+        identity: hashes of the run; a checkpoint with other hashes is refused.
+        keep: number of newest checkpoints to keep; the best one as each of them knew it is kept too.
+    """
 
     def __init__(self, folder: Path, identity: Mapping[str, str], keep: int = 2) -> None:
-        """``identity``: hashes of the run; ``keep``: newest checkpoints that stay, each with its best one."""
+
         self.folder = folder
         self.identity = dict(identity)
         self.keep = keep
@@ -56,14 +62,19 @@ class Checkpoints:
     def save(
         self, step: int, state: State, *, best: int | None = None, planned: Callable[[int], bool] = lambda step: True
     ) -> Path:
-        """Write the state after ``step`` steps and point ``latest`` at it, drop what is too old.
+        """Write the state after ``step`` steps, point ``latest`` at it, and delete checkpoints that are no longer kept.
 
         Args:
             step: steps done.
             state: of learner and trainer.
-            best: step of the one that validated best so far, which ``best`` then names.
-            planned: whether a step is one at which the run saves anyway. Others, where it was stopped, stay until it
-                saves again: so it leaves the same checkpoints as a run that was not stopped.
+            best: step of the checkpoint with the best validation score so far; ``best`` points at it if it is ``step``.
+            planned: whether a step is one at which the run saves anyway. A checkpoint of another step, where the run
+                was
+                stopped, is deleted at the next planned one: the run then leaves the same files as one that was not
+                    stopped.
+
+        Returns:
+            Folder of the checkpoint.
         """
         name = step_name(step)
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -74,18 +85,21 @@ class Checkpoints:
         except BaseException:
             shutil.rmtree(temporary, ignore_errors=True)
             raise
-        if best == step:  # before `latest`: who goes on from there does not validate it anew
+        if best == step:  # before `latest`: a run that resumes there does not validate it again
             write_atomic(self.folder / BEST, name + "\n")
         write_atomic(self.folder / LATEST, name + "\n")
         self._drop_old(planned)
         return self.folder / name
 
     def load(self, name: str = LATEST, most: int = _MOST_TENSORS) -> tuple[int, State]:
-        """Steps done and state of a checkpoint.
+        """Read a checkpoint.
 
         Args:
             name: ``latest``, ``best`` or a folder's name.
-            most: bytes of its tensors; a file that has more is not read.
+            most: largest file of tensors that is read, in bytes.
+
+        Returns:
+            Steps done, and the state; tensors on the CPU.
 
         Raises:
             CheckpointError: missing, truncated, altered, or of another run.
@@ -114,19 +128,28 @@ class Checkpoints:
         return content.step, State(tensors, content.values)
 
     def unusable(self, step: int, reason: str) -> CheckpointError:
-        """What to raise about the checkpoint after ``step`` steps, with what to do instead."""
+        """The error about a checkpoint that cannot be used; its message names another one to go on from.
+
+        Args:
+            step: number of steps after which it was written.
+            reason: what is wrong with it, in words.
+        """
         name = step_name(step)
         return CheckpointError(f"checkpoint {self.folder / name}: {reason}; {self._others(name)}")
 
     def rewind(self, name: str) -> None:
-        """Make ``name`` the newest: later checkpoints, which it will make again, are removed."""
+        """Make ``name`` the latest checkpoint and delete all later ones; training will make them again."""
         write_atomic(self.folder / LATEST, name + "\n")
         for path in self.all():
             if path.name > name:
                 shutil.rmtree(path)
 
     def point_to_best(self, step: int | None) -> bool:
-        """Let ``best`` name the checkpoint after ``step`` steps; False, and nothing does, where there is none."""
+        """Point ``best`` at the checkpoint after ``step`` steps.
+
+        Returns:
+            False where ``step`` is None or that checkpoint is gone; the pointer is then deleted.
+        """
         if step is not None and (self.folder / step_name(step)).is_dir():
             write_atomic(self.folder / BEST, step_name(step) + "\n")
             return True
@@ -134,7 +157,7 @@ class Checkpoints:
         return False
 
     def all(self) -> list[Path]:
-        """Folders of all checkpoints, oldest first."""
+        """Folders of all checkpoints, oldest first; links and other files are left out."""
         found = self.folder.glob("step_*")
         return sorted(p for p in found if _NAME.fullmatch(p.name) and p.is_dir() and not p.is_symlink())
 
@@ -155,7 +178,8 @@ class Checkpoints:
 
     @staticmethod
     def _put(temporary: Path, final: Path) -> None:
-        if final.is_dir():  # written before an interruption, and now again
+        """Rename the finished folder into place and flush the directory to disk."""
+        if final.is_dir():  # left by a run that was interrupted after writing it
             shutil.rmtree(final)
         temporary.rename(final)
         handle = os.open(final.parent, os.O_RDONLY)
@@ -165,6 +189,7 @@ class Checkpoints:
             os.close(handle)
 
     def _named(self, pointer: str) -> str:
+        """Name of the checkpoint that ``latest`` or ``best`` points at."""
         try:
             return read_plain(self.folder / pointer, _MOST_POINTER).decode().strip()
         except (OSError, DataError, UnicodeDecodeError):
@@ -173,7 +198,7 @@ class Checkpoints:
             ) from None
 
     def _others(self, bad: str = "") -> str:
-        """What to do instead."""
+        """Advice for an error message: another checkpoint to resume from, or to start anew."""
         names = [path.name for path in self.all() if path.name != bad]
         if not names:
             return "there is no other one, start the run anew"
@@ -194,7 +219,10 @@ class Checkpoints:
 
     @staticmethod
     def _best_of(folder: Path) -> str:
-        """Name of the checkpoint that was best when this one was written; empty if none was, or it cannot be told."""
+        """Name of the best checkpoint when this one was written.
+
+        Empty if there was none, or its file cannot be read.
+        """
         try:
             best = _content(read_plain(folder / VALUES, _MOST_VALUES)).best
         except (OSError, DataError):
@@ -204,7 +232,7 @@ class Checkpoints:
 
 @dataclass(frozen=True)
 class _Content:
-    """What a checkpoint says of itself."""
+    """Content of a checkpoint's ``state.json``."""
 
     identity: dict[str, str]
     step: int
@@ -213,10 +241,10 @@ class _Content:
 
 
 def _content(raw: bytes) -> _Content:
-    """What is in ``state.json``.
+    """Parse and check ``state.json``.
 
     Raises:
-        DataError: no JSON, of another format, or not what it should be.
+        DataError: not JSON, of another format, or with missing or wrong entries.
     """
     try:
         found = parse_json(raw, max_bytes=_MOST_VALUES)
@@ -239,5 +267,5 @@ def _is_step(value: Any) -> bool:
 
 
 def step_name(step: int) -> str:
-    """Name of the checkpoint after ``step`` steps; sorts by step."""
+    """Folder name of the checkpoint after ``step`` steps, such as ``step_00000200``; names sort by step."""
     return f"step_{step:08d}"

@@ -1,4 +1,4 @@
-"""A moving average of parameters: what many small steps agree on, used in place of where the last one ended."""
+"""Exponential moving average of parameters, which is validated and kept in place of the last step's parameters."""
 
 from __future__ import annotations
 
@@ -10,29 +10,30 @@ from torch import Tensor
 
 
 class MovingAverage:
-    """Averages parameters over their last steps.
+    """Exponential moving average of parameters over updates.
 
     Args:
-        parameters: by name; changed in place by an optimiser.
-        decay: share of the average that one step keeps, 0 <= decay < 1; 0 follows the parameters. Smaller in the
-            first steps, so that the start is soon forgotten.
+        parameters: tensors by name; an optimiser changes them in place.
+        decay: share of the average that one update keeps, 0 <= decay < 1; 0 follows the parameters. In the first
+            updates
+            it is smaller, (1 + n) / (10 + n), so that the initial weights are soon forgotten.
     """
 
     def __init__(self, parameters: Mapping[str, Tensor], decay: float) -> None:
         self._parameters, self.decay = parameters, decay
         self.values = {name: value.detach().clone() for name, value in parameters.items()}
-        """The average by name; shapes and dtypes of the parameters."""
+        """The average by name; shapes, dtypes and devices of the parameters."""
 
     @torch.no_grad()
     def update(self, step: int) -> None:
-        """Take in the parameters after update number ``step``, from 0."""
+        """Add the present parameters to the average after update number ``step``, counted from 0."""
         keep = min(self.decay, (1 + step) / (10 + step))
         for name, value in self._parameters.items():
             self.values[name].lerp_(value, 1 - keep)
 
     @contextmanager
     def in_place(self) -> Iterator[None]:
-        """The parameters are the average inside, and themselves again afterwards."""
+        """Context manager: the parameters hold the average inside it, and their own values again afterwards."""
         own = {name: value.detach().clone() for name, value in self._parameters.items()}
         self._set(self.values)
         try:

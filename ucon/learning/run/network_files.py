@@ -1,12 +1,12 @@
-"""Weights of a network as a folder: what ``train.py`` leaves in ``model/``, and what agents are given as checkpoint.
+"""Weights of a network as a folder: what ``train.py`` leaves in ``model/``, and what agents take as ``checkpoint``.
 
-policy.safetensors   all that is learned, in float32 or, rounded, in float16
-config.json          format, architecture and arguments: the network that the weights belong to; of one that reads
-                     habits also max_habits, the longest list that it may have learned from (absent: MAX_HABITS)
-MANIFEST.json        sizes and SHA-256 of both, written by whoever writes the files
+policy.safetensors   all trained tensors, in float32, or rounded to float16
+config.json          format, architecture and arguments of the network that the weights belong to; for a network that
+                     reads habits also max_habits, the longest list in training (absent: MAX_HABITS)
+MANIFEST.json        sizes and SHA-256 of both, added by the caller that writes the files
 
-A network is not built from these files; it is built by its configuration, and then either fits them or says why not.
-So nothing in a folder decides what code runs.
+No network is built from these files. It is built from its configuration, and then the files either fit it or are
+refused, so nothing in a folder decides which code runs.
 """
 
 from __future__ import annotations
@@ -26,44 +26,44 @@ if TYPE_CHECKING:
 
 WEIGHTS: Final = "policy.safetensors"
 CONFIG: Final = "config.json"
-#: Where a run of ``train.py`` puts them.
+#: Name of the folder in a run of ``train.py``.
 IN_RUN: Final = "model"
 FORMAT: Final = 1
-#: Habits of the longest list that environments give by default, in training too.
+#: Longest list of habits that environments give by default, in training too.
 MAX_HABITS: Final = 1024
-#: More than any environment gives.
+#: Upper bound for the check of ``max_habits``; no environment gives as many.
 _MOST_HABITS: Final = 1 << 20
 _MOST_CONFIG: Final = 1 << 20
 
 
 class Network(Protocol):
-    """A torch module that says what it is."""
+    """A torch module that names its architecture and the arguments that its weights depend on."""
 
     architecture: str
 
     @property
     def arguments(self) -> Mapping[str, Any]:
-        """Plain values that its weights depend on beside the architecture."""
+        """Plain values that must be equal for weights to fit: sizes, and hashes of frozen networks."""
         ...
 
     def state_dict(self) -> dict[str, Tensor]:
-        """Its tensors by name."""
+        """The trained tensors by name; frozen networks are left out."""
         ...
 
     def load_state_dict(self, state_dict: Mapping[str, Any], strict: bool = True) -> Any:
-        """Take tensors over."""
+        """Copy tensors into the network; as in torch."""
         ...
 
 
 def network_files(network: Network, *, half: bool = False) -> dict[str, bytes]:
-    """The files of a network by name, to be written beside a manifest (as a learner's product is).
+    """Files of a network by name; the caller writes them beside a manifest.
 
     Args:
         network: whose weights.
-        half: float16 in place of float32. Whole numbers stay as they are.
+        half: store floating-point tensors as float16; integers stay as they are.
 
     Raises:
-        DataError: a weight that is not finite, or beyond what float16 holds.
+        DataError: a weight that is not finite, or too large for float16.
     """
     import torch
     from safetensors.torch import save
@@ -81,27 +81,45 @@ def network_files(network: Network, *, half: bool = False) -> dict[str, bytes]:
     return {WEIGHTS: save(tensors), CONFIG: (json.dumps(config, indent=1, sort_keys=True) + "\n").encode()}
 
 
-def learns_from(network: Any, env: Any) -> None:
-    """Tell a network that reads habits how many its environment gives in training at most."""
+def set_max_habits(network: Any, env: Any) -> None:
+    """Set ``network.max_habits`` to the longest list of habits that the training environment gives.
+
+    Does nothing for a network without ``max_habits``, which reads no habits.
+
+    Args:
+        network: what is trained.
+        env: has ``max_habits``.
+    """
     if getattr(network, "max_habits", None) is not None:
         network.max_habits = env.max_habits
 
 
 def model_folder(path: str) -> Path | None:
-    """The folder of weights that ``path`` names: itself, or ``model/`` in a run of ``train.py``; None if it is none."""
+    """Folder of weights that a path names.
+
+    Args:
+        path: the folder itself, or a run of ``train.py`` with ``model/`` in it.
+
+    Returns:
+        The folder, or None where neither has a ``config.json``.
+    """
     folder = Path(path).expanduser()
     return next((found for found in (folder, folder / IN_RUN) if (found / CONFIG).is_file()), None)
 
 
 def load_network(path: str, network: Network, *, how: str = "") -> str:
-    """Give ``network`` the weights in a folder, or in that of a run; returns their SHA-256.
+    """Load the weights in a folder into a network, and set its ``max_habits`` if it has one.
 
-    A network that says by ``max_habits`` how many habits it may be given is told what these weights learned from.
+    Args:
+        path: folder of weights, or run of ``train.py``.
+        network: is changed in place.
+        how: advice at the end of the error where there are no weights.
 
-    ``how`` says at the end of the message where there are none how to get them.
+    Returns:
+        SHA-256 of the file of weights.
 
     Raises:
-        DataError: no weights there; truncated, altered or no safetensors; of another network.
+        DataError: no weights there; truncated, altered or not safetensors; of another network.
     """
     folder = model_folder(path)
     if folder is None:
@@ -116,7 +134,11 @@ def load_network(path: str, network: Network, *, how: str = "") -> str:
 
 
 def _check_config(path: Path, network: Network) -> int:
-    """Refuse weights of another architecture or version of it; returns how many habits they learned from at most."""
+    """Refuse weights of another architecture, format or arguments.
+
+    Returns:
+        Longest list of habits that the weights were trained with.
+    """
     try:
         config = parse_json(read_verified(path, _MOST_CONFIG))
         found, number, arguments = config["architecture"], config["format"], config["arguments"]

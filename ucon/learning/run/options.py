@@ -1,7 +1,7 @@
-"""The options of learners, checked where they are made: configurations may hold anything.
+"""Options of the learners, as dataclasses that check their values.
 
-A learner takes its parts (a policy, a loss, habits) by name and everything else as one of these; in a configuration
-both stand side by side, as in ``learner.lr=0.001``.
+A learner takes its parts (policy, loss, habits) as objects and everything else as one of these dataclasses. In a
+configuration both stand side by side, as in ``learner.lr=0.001``.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from ucon.learning.run.option_checks import check
 from ucon.learning.run.workers import MOST_WORKERS, WORKER_TIMEOUT_S, check_timeout
 from ucon.retrieval.levels import check_level
 
-#: Pieces of the train text that are read by parts fitted on the others.
+#: Folds of the train categories for cross-fitting.
 N_FOLDS: Final = 2
-#: Above every sensible option; keeps infinity out.
+#: Upper bound of numbers, so that infinity is refused.
 _MOST: Final = 1e9
-#: Of an adapter: what is larger than the maps that it adds to is no adapter.
+#: Highest rank of an adapter; the matrices that it is added to are not larger.
 _MOST_RANK: Final = 1024
 
 
@@ -28,16 +28,16 @@ class LearnerOptions:
     """Options of every learner.
 
     Args:
-        steps: length of the run, and of the schedule of the learning rate.
-        lr: highest learning rate; the schedule is the learner's.
-        warm_up: steps until it is reached.
-        decay: weight decay.
-        average: decay of the moving average of the parameters, which is what is chosen and kept; 0 for none.
-        seed: of all that is drawn.
-        initial: folder of the weights that it begins with, or a run of ``train.py``; None: those that it has.
+        steps: length of the run, and of the learning-rate schedule.
+        lr: highest learning rate; each learner has its own schedule.
+        warm_up: steps of linear rise to the highest rate.
+        decay: weight decay (decoupled).
+        average: decay of the moving average of the parameters, which is validated and kept; 0 for none.
+        seed: of everything that is drawn.
+        initial: folder of weights to start from, or a run of ``train.py``; None: the network as it is built.
 
     Raises:
-        ConfigError: a value of the wrong type or outside its range.
+        ConfigError: a value of the wrong type or out of range.
     """
 
     steps: int
@@ -62,15 +62,16 @@ class PolicyOptions(LearnerOptions):
     """Options of learners of policies.
 
     Args:
-        episodes: a named set or a file, of the ``train`` part alone.
-        n_episodes: so many of them, evenly spaced; None: all.
-        levels: habit levels that are mixed. One is enough for a policy that reads none.
+        episodes: a named set or a file; all of the ``train`` part.
+        n_episodes: how many of them, evenly spaced; None: all.
+        levels: habit levels, mixed in every batch; ignored for a policy that reads no habits.
         chunk: steps through which gradients flow in a policy with memory.
-        clip: norm to which gradients are cut.
-        device: ``cpu``, ``cuda``, or ``auto``: a GPU if there is one. Playing is done on the CPU.
-        precision: ``float32``, or ``bfloat16`` for the passes of the network (the loss stays in float32); ``auto``:
-            the latter on a GPU that has it.
-        half: leave the policy in float16.
+        clip: largest norm of a gradient; larger ones are scaled down to it.
+        device: ``cpu``, ``cuda``, or ``auto``: a GPU if there is one. Episodes are played on the CPU in any case.
+        precision: ``float32``, or ``bfloat16`` for the network's passes (the loss stays in float32); ``auto``: bfloat16
+            on
+            a GPU that has it.
+        half: store the trained policy as float16.
     """
 
     episodes: str = "train"
@@ -97,10 +98,10 @@ class ImitationOptions(PolicyOptions):
     """Options of ``learner=imitation`` and ``learner=dagger``.
 
     Args:
-        batch: episodes of one step; ``auto``: as many as the demonstrator says, four times as many on a GPU.
-        workers: processes that play episodes ahead; 0 plays them in this one. Changes nothing that is learned.
-        worker_timeout_s: so long may the next batch take them; then they are ended, and the run with them.
-        memory_gb: of what was seen, kept for the next time.
+        batch: episodes of one step; ``auto``: the demonstrator's number, four times as many on a GPU.
+        workers: processes that play episodes ahead; 0 plays them in this one. The result does not depend on it.
+        worker_timeout_s: seconds that workers may take for the next batch; then they and the run are ended.
+        memory_gb: memory for replays, compressed, that are kept for the next epoch.
     """
 
     lr: float = 3e-4
@@ -124,17 +125,17 @@ class ImitationOptions(PolicyOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class PPOOptions(PolicyOptions):
-    """Options of ``learner=ppo``; a step is a collection, of many updates.
+    """Options of ``learner=ppo``, whose steps are a collection and many updates each.
 
     Args:
-        frames: steps of the environment that one collection is learned from; ``auto``: 9,000, or fewer where the
-            policy's memory is large.
+        frames: environment steps of one collection; ``auto``: 9,000, or fewer where the policy's recurrent state is
+            large.
         epochs: passes over a collection.
-        minibatch: steps of the environment of one update.
-        discount: of rewards, a step.
-        trace: of the advantages (lambda).
-        kl_stop: no further pass where the policy has moved so far from the one that played.
-        anneal: let the learning rate fall by half a cosine to a tenth; else it stays.
+        minibatch: environment steps of one update.
+        discount: of rewards, per step.
+        trace: lambda of the generalised advantages.
+        kl_stop: no further pass where the KL divergence from the policy that played exceeds this (nats).
+        anneal: True: the learning rate falls by half a cosine to a tenth. False: it stays constant.
     """
 
     lr: float = 5e-4
@@ -163,11 +164,12 @@ class BeliefOptions(LearnerOptions):
     """Options of ``learner=belief``.
 
     Args:
-        households: of one step.
-        relation, relevance: weights of these losses beside that of the anchors.
-        n_folds: of the parts that read the train text; of habits that belong to no scenes, as ``used_folds``.
-        used_folds: so many of them are learned from (each takes minutes to fit); all by default.
-        own_places: of a dataset that is bound to scenes, learn also which places its sentences speak for.
+        households: households of one step.
+        relation: weight of the loss of relations; that of the anchors is 1.
+        relevance: weight of the loss of the habits' relevance.
+        n_folds: folds of the train categories, for habits without scenes; each is read by parts fitted on the others.
+        used_folds: how many of the folds are trained on (each takes minutes to fit); None: all.
+        scene_evidence: for a dataset bound to scenes: also fit a reader of places on its sentences.
         n_kbs: knowledge bases of one validation.
     """
 
@@ -180,7 +182,7 @@ class BeliefOptions(LearnerOptions):
     relevance: float = 0.5
     n_folds: int = N_FOLDS
     used_folds: int | None = None
-    own_places: bool = False
+    scene_evidence: bool = False
     n_kbs: int = 8
 
     def __post_init__(self) -> None:
@@ -188,7 +190,7 @@ class BeliefOptions(LearnerOptions):
         whole = {"households": self.households, "warm_up": self.warm_up, "n_kbs": self.n_kbs}
         check("above 0 and whole", lambda x: x > 0, (int,), **whole)
         check("at least 0", lambda x: 0 <= x < _MOST, relation=self.relation, relevance=self.relevance)
-        check("true or false", lambda x: True, (bool,), own_places=self.own_places)
+        check("true or false", lambda x: True, (bool,), scene_evidence=self.scene_evidence)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -196,14 +198,13 @@ class RetrieverOptions(LearnerOptions):
     """Options of ``learner=retriever``.
 
     Args:
-        rank: of the adapter's matrices; those of ``initial`` are of the same.
-        temperature: of the loss.
-        other_weight: what a habit that supports no placement counts against 1 for one that does.
+        rank: of the adapter's matrices; ``initial`` must have the same.
+        temperature: of the loss; cosines are divided by it.
+        other_weight: weight of a habit that supports no placement; one that does has weight 1.
         owner: weight of :func:`ucon.learning.retriever.learner.owner_loss`.
-        mask: share of the tokens that are hidden while learning.
+        mask: share of tokens that are masked in training.
         n_kbs: knowledge bases of one validation.
-        precision: ``bfloat16`` multiplies in half the bits (three times as fast where the processor can), else
-            ``float32``.
+        precision: ``bfloat16`` (three times as fast where the processor supports it) or ``float32``.
     """
 
     lr: float = 7e-4

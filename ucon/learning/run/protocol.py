@@ -1,4 +1,4 @@
-"""What training asks of a learner."""
+"""The interface between a training run and a learner: the state, the model card and the learner itself."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ if TYPE_CHECKING:
     from torch import Tensor
 
 Figures = dict[str, float]
-#: Name of the habit dataset that is shipped.
+#: Name of the shipped habit dataset.
 BOOK: Final = "book"
-#: Far more steps or frames than anybody takes; seeds are made of such numbers.
+#: Upper bound of counters in a state; seeds are derived from them.
 _MOST_COUNTED: Final = 1 << 53
 
 
 @dataclass(frozen=True)
 class State:
-    """All that decides how a learner goes on: tensors by name, and plain values that JSON can hold."""
+    """Everything that decides how a learner goes on: tensors by name, and plain values that JSON can hold."""
 
     tensors: Mapping[str, Tensor]
     values: Mapping[str, Any] = field(default_factory=dict)
 
     def count(self, name: str) -> int:
-        """A number of something among the values.
+        """Value ``name`` as a count, from 0 up.
 
         Raises:
-            DataError: there is none.
+            DataError: it is missing, or no whole number in range.
         """
         found = self.values.get(name)
         if type(found) is not int or not 0 <= found < _MOST_COUNTED:
@@ -39,17 +39,17 @@ class State:
 
 @dataclass(frozen=True)
 class Card:
-    """What a model card says about a learner beside its figures."""
+    """A learner's part of the model card; figures, files and hashes are added by the run."""
 
     title: str
     text: str
-    """Markdown: what was learned, from what, how to use it, and what it must not be taken for."""
+    """Markdown: the network, its training data, how to use it, and its limits."""
     habits: str = BOOK
-    """Name of the dataset that was learned from; its licence is that of the weights."""
+    """Name of the habit dataset that it was trained on; the licence of the weights follows from it."""
 
     @property
     def licence(self) -> str:
-        """Under what the weights may be used, in a sentence."""
+        """Licence of the weights, in a sentence or two."""
         if self.habits == BOOK:
             return "CC BY 4.0, as the habit book that they were learned from; the code is MIT."
         return (
@@ -59,47 +59,68 @@ class Card:
 
 
 class Learner(Protocol):
-    """Learns by steps. Equal states take equal steps: nothing else may decide, neither time nor earlier calls.
+    """Trains by steps. From equal states it takes equal steps: neither time nor earlier calls may matter.
 
-    Randomness of step n is a function of seed and n, so the state holds no random generators.
+    All randomness of step n is a function of seed and n, so the state holds no random generators.
     """
 
     @property
     def identity(self) -> Mapping[str, str]:
-        """Hashes of what it learns from and starts from; a checkpoint of other hashes is refused."""
+        """Hashes of the training data and of the initial weights, by name.
+
+        A checkpoint with other hashes is refused.
+        """
         ...
 
     def step(self) -> Figures:
-        """One update; the figures to log."""
+        """Do one update (for PPO: one collection and its updates).
+
+        Returns:
+            Figures to log, by name; finite numbers.
+
+        Raises:
+            DivergedError: a loss or gradient that is not finite.
+        """
         ...
 
     def validate(self) -> Figures:
-        """Figures on validation data. Must not change the state."""
+        """Measure the present state on validation data, without changing it.
+
+        Returns:
+            Figures by name; among them ``score``, larger is better, which chooses the best checkpoint.
+        """
         ...
 
     def state_dict(self) -> State:
-        """The state, to be written at once."""
+        """The present state. Tensors may be references, so it has to be written before the next step."""
         ...
 
     def load_state_dict(self, state: State) -> None:
-        """Go on from a state; raises :class:`~ucon.core.errors.DataError` where it does not fit."""
+        """Restore a state of :meth:`state_dict`.
+
+        Raises:
+            DataError: the state is not one of this learner.
+        """
         ...
 
     def lengthen(self, steps: int) -> bool:
-        """Follow, from the next step on, the schedules of a run of so many steps; False where it has none.
+        """Stretch the schedules to a run of ``steps`` steps, from the next step on.
 
-        A state does not hold it: whoever extends a run says it again after loading one.
+        It is no part of the state: a run that was extended calls it again after loading one.
+
+        Returns:
+            False where no schedule depends on the number of steps.
         """
         ...
 
     def product(self) -> Mapping[str, bytes]:
-        """Files of what was learned, by name: what is used afterwards."""
+        """Files of what was learned, by name, as an agent or retriever loads them."""
         ...
 
     def card(self) -> Card:
-        """For the model card."""
+        """Title, text and dataset for the model card."""
         ...
 
     def close(self) -> None:
-        """End the processes and close the environments that it plays in; it makes new ones if it goes on."""
+        """End worker processes and close environments; if training goes on, new ones are made."""
         ...

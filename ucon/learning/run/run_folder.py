@@ -1,6 +1,6 @@
-"""The folder of a training run: what is in it, and reading one that somebody else made.
+"""The folder of a training run: the names of its files, and how one is read that may come from somebody else.
 
-Going on with a run reads, writes and deletes in its folder, so nothing there may lead elsewhere.
+Resuming a run reads, writes and deletes in its folder, so links out of it are refused.
 """
 
 from __future__ import annotations
@@ -21,22 +21,25 @@ SUMMARY: Final = "summary.json"
 SECONDS: Final = "seconds.json"
 MODEL: Final = "model"
 CHECKPOINTS: Final = "checkpoints"
-#: Of an evaluation, see :mod:`ucon.evaluation.kept.folder`.
+#: Records of an evaluation in the same folder; see :mod:`ucon.evaluation.kept.folder`.
 RECORDS: Final = "episodes.jsonl"
-#: What loggers make there.
+#: Folders of the loggers.
 _LOGS: Final = ("tensorboard", "wandb")
 _FILES: Final = (CONFIG, METRICS, CARD, SUMMARY, SECONDS)
 
-#: Bytes: of what is small whatever the run, and of the longest logs.
+#: Largest files that are read, in bytes: small ones, and the log of metrics.
 _MOST_SMALL: Final = 16 << 20
 _MOST_METRICS: Final = 4 << 30
 
 
 def check_run_folder(folder: Path) -> None:
-    """Refuse a folder in which something is no file or folder of its own, where a run has one.
+    """Refuse a run's folder with a link in it, or with a file where a folder belongs and the reverse.
+
+    Args:
+        folder: of the run; files that are missing are no error.
 
     Raises:
-        DataError: naming the first.
+        DataError: naming the first such path.
     """
     for name in _FILES:
         _check(folder / name, file=True)
@@ -63,18 +66,18 @@ def _check(path: Path, *, file: bool) -> None:
 
 
 def read_config(folder: Path) -> bytes:
-    """``config.yaml``.
+    """Bytes of ``config.yaml``.
 
     Raises:
         FileNotFoundError: there is none.
-        DataError: it is no file, or too large for one.
+        DataError: it is a link or a folder, or too large.
     """
     _check(folder / CONFIG, file=True)
     return read_plain(folder / CONFIG, _MOST_SMALL)
 
 
 def read_seconds(folder: Path) -> float:
-    """What earlier calls took; 0 where nothing says it."""
+    """Seconds that earlier calls of the run took; 0 where ``seconds.json`` is missing or unreadable."""
     try:
         found: Any = parse_json(read_plain(folder / SECONDS, _MOST_SMALL))["seconds"]
     except (OSError, DataError, JsonError, LookupError, TypeError):
@@ -83,10 +86,14 @@ def read_seconds(folder: Path) -> float:
 
 
 def cut_metrics(folder: Path, step: int) -> None:
-    """Keep the lines of ``metrics.jsonl`` up to a step; a last line that was cut off goes too.
+    """Drop the lines of ``metrics.jsonl`` after a step, and an incomplete last line.
+
+    Args:
+        folder: of the run.
+        step: last step whose lines are kept.
 
     Raises:
-        DataError: naming a line that is none.
+        DataError: naming a line that is no JSON with a step.
     """
     path = folder / METRICS
     try:
@@ -101,7 +108,7 @@ def cut_metrics(folder: Path, step: int) -> None:
 
 
 def _step_of(line: str, where: str) -> int:
-    """Its figures are not read, and may be what is no number: a run that goes astray says so there."""
+    """Step of a line. Its figures are not checked: those of a diverged run may be NaN."""
     try:
         step = json.loads(line)["step"]
     except (ValueError, LookupError, TypeError, RecursionError):

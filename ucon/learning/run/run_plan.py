@@ -1,4 +1,4 @@
-"""How long a run of training is, how often it validates and saves, and by what it was extended."""
+"""Length of a training run, how often it validates and saves, and its extensions."""
 
 from __future__ import annotations
 
@@ -9,31 +9,32 @@ from typing import Any, Final
 from ucon.core.errors import ConfigError, brief, unknown_name
 
 _NUMBERS: Final = ("steps", "validate_every", "save_every", "keep")
-#: Names of checkpoints have eight digits.
+#: Names of checkpoints have eight digits for the step.
 MOST_STEPS: Final = 99_999_999
 
 
 @dataclass(frozen=True)
 class Extension:
-    """More steps than were planned: after ``at`` steps were done it was decided to take ``steps`` in all."""
+    """An extension of a run: after ``at`` steps were done, its length was raised to ``steps`` steps in all."""
 
     at: int
     steps: int
 
     def to_json(self) -> dict[str, int]:
-        """As configurations, checkpoints and summaries hold it."""
+        """Plain values ``at`` and ``steps``, as configurations, checkpoints and summaries hold them."""
         return {"at": self.at, "steps": self.steps}
 
 
 @dataclass(frozen=True)
 class Plan:
-    """How long, and how often what.
+    """Length of a run and its intervals.
 
     Args:
         steps: planned at the start.
-        validate_every, save_every: steps between two of these.
-        keep: newest checkpoints that stay, beside the best.
-        extended: by what the run was extended since, in order; ``resume=RUN training.steps=MORE`` writes it.
+        validate_every: steps between validations.
+        save_every: steps between checkpoints.
+        keep: number of newest checkpoints to keep, beside the best.
+        extended: later extensions, in order; ``resume=RUN training.steps=MORE`` adds one.
 
     Raises:
         ConfigError: a number out of range, or extensions that do not follow from each other.
@@ -61,10 +62,13 @@ class Plan:
 
     @classmethod
     def of(cls, options: Any) -> Plan:
-        """The plan that a configuration describes.
+        """The plan of a configuration.
+
+        Args:
+            options: the mapping ``training`` of the configuration.
 
         Raises:
-            ConfigError: no options at all, an unknown or a missing one, or a number out of range.
+            ConfigError: no mapping, an unknown or a missing option, or a number out of range.
         """
         names = [field.name for field in fields(cls)]
         if not isinstance(options, Mapping):
@@ -78,33 +82,33 @@ class Plan:
 
     @property
     def length(self) -> int:
-        """Steps in all, with those of extensions."""
+        """Number of steps in all, extensions included."""
         return self.extended[-1].steps if self.extended else self.steps
 
     def length_at(self, step: int) -> int:
-        """Steps that were planned in all when step number ``step``, from 0, is taken: schedules are of that length."""
+        """Length of the run as planned when step number ``step`` (from 0) is taken; schedules have that length."""
         return next((one.steps for one in reversed(self.extended) if one.at <= step), self.steps)
 
     def followed(self, step: int) -> tuple[Extension, ...]:
-        """The extensions that a state after ``step`` steps depends on."""
+        """The extensions that were made before the state after ``step`` steps, on which it depends."""
         return tuple(one for one in self.extended if one.at < step)
 
     def validates(self, step: int) -> bool:
-        """Whether the state after ``step`` steps is validated: at intervals, and where the run ended or had ended."""
+        """Whether the state after ``step`` steps is validated: at intervals, and at the end as planned then."""
         ended = any(one.at == step == self.length_at(step - 1) for one in self.extended)
         return step % self.validate_every == 0 or step == self.length or ended
 
     def saves(self, step: int) -> bool:
-        """Whether the state after ``step`` steps is saved, unless the run is stopped there: then it is too."""
+        """Whether the state after ``step`` steps is saved; a run that is stopped saves its state in any case."""
         return step % self.save_every == 0 or self.validates(step)
 
     def extend(self, step: int, steps: int) -> Plan:
-        """This plan with ``steps`` in all, decided when ``step`` are done; itself where it has as many.
+        """This plan with a length of ``steps``, decided after ``step`` steps; the plan itself where it has that length.
 
-        Extensions that were decided later are forgotten: the run went back to before them.
+        Extensions made after ``step`` are dropped: the run went back to a checkpoint before them.
 
         Raises:
-            ConfigError: so many are done, or more are planned.
+            ConfigError: ``steps`` are done already, or more are planned.
         """
         before = self.followed(step)
         planned = before[-1].steps if before else self.steps
@@ -118,10 +122,13 @@ class Plan:
 
 
 def extensions(given: Any) -> tuple[Extension, ...]:
-    """Extensions as a configuration or a checkpoint holds them.
+    """Extensions from a configuration or a checkpoint.
+
+    Args:
+        given: list of mappings with whole numbers ``at`` and ``steps``; not trusted.
 
     Raises:
-        ConfigError: they are none.
+        ConfigError: it has another form.
     """
     whole = isinstance(given, list | tuple) and all(
         isinstance(one, Mapping) and one.keys() == {"at", "steps"} and all(type(value) is int for value in one.values())

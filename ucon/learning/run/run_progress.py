@@ -1,4 +1,4 @@
-"""What one sees of a training run: its progress; Weights & Biases or TensorBoard where they are asked for."""
+"""Progress of a training run on the terminal, and optional logs for Weights & Biases and TensorBoard."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from ucon.learning.run.trainer_state import SCORE
 from ucon.learning.run.training_run import OnFigures
 
 WANDB_MODES: Final = ("offline", "online")
-#: An online run without a network is given up after this long, and logged offline.
+#: Seconds after which an online run without a network is logged offline instead.
 WANDB_PATIENCE_S: Final = 15
-#: So long may the last figures take on their way when training has ended; the rest stays in the run's folder.
+#: Seconds that uploading may take after training; what is left stays in the run's folder.
 WANDB_UPLOAD_S: Final = 120
 
 
@@ -24,7 +24,18 @@ WANDB_UPLOAD_S: Final = 120
 def training_progress(
     label: str, steps: int, done: int = 0, *, best: float | None = None, visible: bool = True
 ) -> Iterator[OnFigures]:
-    """Progress with the last loss and validation score; ``best``: that of a run that goes on."""
+    """Context manager that shows a progress line with the last loss and validation score.
+
+    Args:
+        label: what the line begins with.
+        steps: length of the run.
+        done: steps done before, of a run that goes on.
+        best: its best validation score so far.
+        visible: False shows nothing.
+
+    Yields:
+        A function of step and figures that updates the line.
+    """
     last: dict[str, float | None] = {"loss": None, f"val/{SCORE}": best}
 
     def note() -> str:
@@ -44,7 +55,10 @@ def _shown(value: float | None) -> str:
 
 
 def check_wandb(mode: str | bool | None) -> None:
-    """Refuse what names no mode, and a mode without the package.
+    """Refuse an unknown mode, and a mode without the package ``wandb``.
+
+    Args:
+        mode: ``offline``, ``online``, or false, None or "" for no log.
 
     Raises:
         ConfigError: naming what to give.
@@ -61,10 +75,19 @@ def check_wandb(mode: str | bool | None) -> None:
 
 @contextmanager
 def wandb_log(mode: str | bool | None, folder: Path, config: Mapping[str, Any]) -> Iterator[OnFigures]:
-    """Also log to Weights & Biases: false, ``offline`` (files in the run's folder) or ``online``.
+    """Context manager that logs to Weights & Biases.
 
-    Nothing is sent and nothing imported unless asked for. ``online`` falls back to ``offline``, with one warning, where
-    there is no network or nobody is logged in: it never asks for a key, since nobody may be there to answer.
+    Nothing is imported or sent unless asked for. ``online`` falls back to ``offline``, with one warning, where there is
+    no
+    network or nobody is logged in. It never asks for a key, so it cannot hang where nobody is there to answer.
+
+    Args:
+        mode: false or None for no log, ``offline`` (files in the run's folder) or ``online``.
+        folder: of the run; its name is the name of the log.
+        config: configuration, stored with the log.
+
+    Yields:
+        A function of step and figures that logs them.
 
     Raises:
         ConfigError: see :func:`check_wandb`.
@@ -100,7 +123,7 @@ def _wandb_run(mode: str, folder: Path, config: Mapping[str, Any]) -> Any:
 
 
 def _finish(run: Any, folder: Path) -> None:
-    """End a log; an upload that takes too long is left to be made up for."""
+    """End a log; warn where the upload takes too long."""
     try:
         run.finish()
     except TimeoutError:
@@ -114,7 +137,18 @@ def _warn(text: str) -> None:
 
 @contextmanager
 def tensorboard_log(wanted: bool, folder: Path) -> Iterator[OnFigures]:
-    """Also write for TensorBoard, to ``tensorboard/`` in the run's folder; nothing is imported unless asked for."""
+    """Context manager that writes figures to ``tensorboard/`` in the run's folder; imports nothing unless asked for.
+
+    Args:
+        wanted: False for no log.
+        folder: of the run.
+
+    Yields:
+        A function of step and figures that writes them.
+
+    Raises:
+        ConfigError: the package is not installed.
+    """
     if not wanted:
         yield lambda step, figures: None
         return

@@ -1,4 +1,4 @@
-"""What a checkpoint holds of the trainer, beside the state of the learner."""
+"""The trainer's part of a checkpoint, beside the state of the learner."""
 
 from __future__ import annotations
 
@@ -17,28 +17,32 @@ _LONGEST_NAME: Final = 80
 
 @dataclass(frozen=True)
 class TrainerState:
-    """Validation figures of the best checkpoint with its step, and what the run was extended by before this state."""
+    """Step and validation figures of the best checkpoint so far, and the extensions made before this state."""
 
     best: dict[str, float] = field(default_factory=dict)
-    """Empty before the first validation."""
+    """Figures by name, with ``step`` and ``score`` among them; empty before the first validation."""
     extended: tuple[Extension, ...] = ()
 
     @property
     def best_step(self) -> int | None:
-        """Of the best checkpoint."""
+        """Step of the best checkpoint; None before the first validation."""
         return int(self.best["step"]) if self.best else None
 
     def to_json(self) -> dict[str, Any]:
-        """Plain values; nothing is said of extensions where there are none."""
+        """Plain values; ``extended`` is left out where there are no extensions."""
         more = {"extended": [one.to_json() for one in self.extended]} if self.extended else {}
         return {"best": self.best, **more}
 
     @classmethod
     def of(cls, values: Any, step: int) -> TrainerState:
-        """What :meth:`to_json` wrote after ``step`` steps.
+        """Read what :meth:`to_json` wrote.
+
+        Args:
+            values: plain values; not trusted.
+            step: steps of the checkpoint.
 
         Raises:
-            DataError: it is something else.
+            DataError: figures or extensions are missing or of another form.
         """
         best = values.get("best") if isinstance(values, Mapping) else None
         if not isinstance(best, dict) or not all(_is_figure(name, value) for name, value in best.items()):
@@ -53,6 +57,6 @@ class TrainerState:
 
 
 def _is_figure(name: str, value: object) -> bool:
-    """Names are printed in the model card."""
+    """Whether name and value can be printed in a model card: a short printable name, a finite number."""
     known = name.isprintable() and len(name) <= _LONGEST_NAME
     return known and type(value) in (int, float) and math.isfinite(value)  # type: ignore[arg-type]

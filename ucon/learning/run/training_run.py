@@ -1,11 +1,11 @@
-"""One training run: a folder, a loop that can be stopped anywhere, and what is left when it ends.
+"""One training run: a folder, a loop that can be stopped after any step, and the files that it leaves.
 
-config.yaml      what was asked for; `resume=` reads it
-metrics.jsonl    a line a step and a validation: no times, so equal runs write equal bytes
+config.yaml      the configuration; `resume=` reads it
+metrics.jsonl    one line per step and per validation, without times: equal runs write equal bytes
 checkpoints/     see :mod:`ucon.learning.run.checkpoints`
-model/           what was learned, by the best checkpoint, with a manifest
+model/           files of the best checkpoint's weights, with a manifest
 MODEL_CARD.md, summary.json
-seconds.json     what it took, over all interruptions: the only file that differs between equal runs
+seconds.json     time taken over all calls: the only file that differs between equal runs
 """
 
 from __future__ import annotations
@@ -41,14 +41,19 @@ from ucon.learning.run.run_folder import (
 from ucon.learning.run.run_plan import Plan
 from ucon.learning.run.trainer_state import SCORE, TrainerState
 
-#: A state has moments of the optimiser, and others of the kind, that a beginning one lacks.
+#: A checkpoint may be this many times as large as the initial state, which has no optimiser moments yet.
 _MORE_TENSORS: Final = 16
 
 OnFigures = Callable[[int, Mapping[str, float]], None]
 
 
 class Interrupted(Exception):  # noqa: N818 (no error: the run was asked to stop and did)
-    """Stopped by a signal after everything was saved."""
+    """A signal stopped the run after its state was saved.
+
+    Attributes:
+        step: steps done.
+        number: of the signal.
+    """
 
     def __init__(self, step: int, number: int) -> None:
         super().__init__(step, number)
@@ -56,26 +61,36 @@ class Interrupted(Exception):  # noqa: N818 (no error: the run was asked to stop
 
 
 class TrainingRun:
-    """Trains ``learner`` by ``plan`` in ``folder``. Use :meth:`start` or :meth:`resume`, then :meth:`run`."""
+    """Trains a learner by a plan in a folder: call :meth:`start` or :meth:`resume`, then :meth:`run`.
+
+    Args:
+        folder: of the run.
+        learner: what is trained.
+        plan: length and intervals.
+        identity: hashes of the run beside the learner's own, such as that of the configuration.
+    """
 
     def __init__(self, folder: Path, learner: Learner, plan: Plan, identity: Mapping[str, str]) -> None:
-        """``identity``: hashes of the run beside the learner's own, such as that of the configuration."""
+
         self.folder, self.learner, self.plan = folder, learner, plan
         self.checkpoints = Checkpoints(folder / CHECKPOINTS, {**identity, **learner.identity}, plan.keep)
         self.step = 0
         self.rescheduled = False
-        """The run was extended, and schedules of the learner depend on its length."""
+        """True where the run was extended and the learner's schedules depend on its length."""
         self._saved = -1
         self.best: dict[str, float] = {}
-        """Validation figures of the best checkpoint and its step; empty before the first validation."""
+        """Step and validation figures of the best checkpoint; empty before the first validation."""
         self._seconds_before, self._started = 0.0, time.perf_counter()
 
     def start(self, config_yaml: str) -> None:
-        """Begin in a folder that holds no run yet.
+        """Begin in a folder that holds no run yet; writes ``config.yaml``.
+
+        Args:
+            config_yaml: text of the configuration.
 
         Raises:
-            ConfigError: there is a run, or what one left, or the folder cannot be written.
-            DataError: something there leads elsewhere.
+            ConfigError: there is a run or its results already, or the folder cannot be written.
+            DataError: the folder holds a link, or a file where a folder belongs.
         """
         if (self.checkpoints.folder / LATEST).exists():
             raise ConfigError(
@@ -97,16 +112,17 @@ class TrainingRun:
             ) from None
 
     def resume(self, checkpoint: str = LATEST, steps: int | None = None) -> None:
-        """Go on from a checkpoint; what was logged after it is logged again.
+        """Go on from a checkpoint; later lines of ``metrics.jsonl`` are dropped and written again.
 
         Args:
             checkpoint: its name, or ``latest``.
-            steps: in all, more than were planned: :attr:`plan` then says so, and whoever wrote ``config.yaml`` is to
-                write it there before the run goes on. None: those that are planned.
+            steps: new length of the run, longer than planned; :attr:`plan` then has the extension, and the caller has
+                to
+                write it to ``config.yaml`` before the run goes on. None: as planned.
 
         Raises:
-            DataError: something in the folder is damaged, leads elsewhere, or is of another run.
-            ConfigError: not more ``steps``.
+            DataError: something in the folder is damaged, a link, or of another run.
+            ConfigError: ``steps`` is not more than is done or planned.
         """
         check_run_folder(self.folder)
         step, state = self.checkpoints.load(checkpoint, self._most_bytes())
@@ -117,16 +133,16 @@ class TrainingRun:
         self._keep_to_schedule()
         if checkpoint != LATEST:
             self.checkpoints.rewind(checkpoint)
-        # Where the best one is gone, the next validation finds another.
+        # If the best checkpoint is gone, the next validation sets a new one.
         self.best = dict(trainer.best) if self.checkpoints.point_to_best(trainer.best_step) else {}
         cut_metrics(self.folder, step)
         self._seconds_before = read_seconds(self.folder)
 
     def _trainer(self, state: State, step: int) -> TrainerState:
-        """What a checkpoint says of this run.
+        """The trainer's state in a checkpoint.
 
         Raises:
-            CheckpointError: nothing that can be used, or it was extended otherwise than the run was.
+            CheckpointError: it is damaged, or has other extensions than ``config.yaml``.
         """
         try:
             found = TrainerState.of(state.values.get("trainer"), step)
@@ -137,7 +153,7 @@ class TrainingRun:
         return found
 
     def _most_bytes(self) -> int:
-        """Bytes that a checkpoint's tensors may have: many times what the learner begins with."""
+        """Upper bound of a checkpoint's tensors in bytes: a multiple of the initial state."""
         return _MORE_TENSORS * sum(tensor.nbytes for tensor in self.learner.state_dict().tensors.values()) + (1 << 26)
 
     def _load(self, state: State) -> None:
@@ -145,17 +161,22 @@ class TrainingRun:
         self.learner.load_state_dict(State(state.tensors, learned if isinstance(learned, dict) else {}))
 
     def _keep_to_schedule(self) -> None:
-        """Tell the learner of how many steps its schedules are from here on."""
+        """Tell the learner the length that its schedules have at the present step."""
         if self.plan.extended:
             self.rescheduled = self.learner.lengthen(self.plan.length_at(self.step))
 
     def run(self, on_figures: OnFigures = lambda step, figures: None) -> dict[str, Any]:
-        """Train to the end and write what is left of it; returns the content of ``summary.json``.
+        """Train to the end and write the results. The initial state is validated before the first step.
 
-        What training starts from is validated before the first step.
+        Args:
+            on_figures: called with step and figures after each step and validation.
+
+        Returns:
+            Content of ``summary.json``.
 
         Raises:
-            Interrupted: SIGINT or SIGTERM came; the state after the last whole step is saved.
+            Interrupted: SIGINT or SIGTERM; the state after the last whole step is saved.
+            DivergedError: a loss, gradient or validation figure that is not finite.
         """
         self._started = time.perf_counter()
         with _signals() as caught:
@@ -169,7 +190,7 @@ class TrainingRun:
             return self._finish()
 
     def _begin(self, on_figures: OnFigures) -> None:
-        """Validate what a new run starts from."""
+        """Validate the initial state of a new run."""
         if self._saved < 0:
             on_figures(self.step, self._validate())
 
@@ -185,7 +206,7 @@ class TrainingRun:
             self._save()
 
     def _validate(self) -> Figures:
-        """Validate, log, save; the first of equally good states stays the best."""
+        """Validate, log and save; among equal scores the first stays the best."""
         found = self.learner.validate()
         if odd := next((name for name, value in found.items() if not math.isfinite(value)), None):
             from ucon.core.errors import DivergedError
@@ -194,7 +215,7 @@ class TrainingRun:
         self._log({f"val/{name}": value for name, value in found.items()})
         better = not self.best or found[SCORE] > self.best[SCORE]
         if better:
-            self.best = dict(sorted({"step": self.step, **found}.items()))  # as a checkpoint gives it back
+            self.best = dict(sorted({"step": self.step, **found}.items()))  # the order in which JSON is read back
         self._save()
         return {f"val/{name}": value for name, value in found.items()}
 
@@ -208,7 +229,7 @@ class TrainingRun:
 
     @property
     def seconds(self) -> float:
-        """What the run took so far, with what earlier calls took up to their last checkpoints."""
+        """Seconds that the run took so far, with earlier calls up to their last checkpoints."""
         return round(self._seconds_before + time.perf_counter() - self._started, 1)
 
     def _write_seconds(self) -> None:
@@ -219,6 +240,7 @@ class TrainingRun:
             file.write(canonical_json({"step": self.step, **figures}) + "\n")
 
     def _finish(self) -> dict[str, Any]:
+        """Load the best checkpoint and write model, card and summary."""
         if not self.best:
             raise self.checkpoints.unusable(self.step, "the best one of the run is gone")
         _, state = self.checkpoints.load(step_name(int(self.best["step"])))
@@ -256,7 +278,7 @@ class TrainingRun:
         )
 
     def extended(self) -> str:
-        """How the run was extended and what that means, in a line; empty where it was not."""
+        """The run's extensions and what they mean for the schedule, in a line; empty where there are none."""
         if not self.plan.extended:
             return ""
         more = "".join(f", after {one.at} extended to {one.steps}" for one in self.plan.extended)
@@ -269,7 +291,10 @@ class TrainingRun:
 
 @contextmanager
 def _signals() -> Iterator[list[int]]:
-    """SIGINT and SIGTERM end the loop after the step in hand; a second SIGINT ends it at once."""
+    """Context manager: SIGINT and SIGTERM are recorded, so that the loop ends after the present step.
+
+    A second SIGINT raises.
+    """
     caught: list[int] = []
 
     def remember(number: int, frame: FrameType | None) -> None:
@@ -281,7 +306,7 @@ def _signals() -> Iterator[list[int]]:
 
     try:
         before = {number: signal.signal(number, remember) for number in (signal.SIGINT, signal.SIGTERM)}
-    except ValueError:  # not the main thread: whoever runs us deals with signals
+    except ValueError:  # not the main thread, where handlers cannot be set; the caller deals with signals
         yield caught
         return
     try:

@@ -1,4 +1,4 @@
-"""Updates of a network: Adam with clipped gradients, a moving average, a stop where numbers are none, and its state."""
+"""Updates of parameters: AdamW with clipped gradients, a moving average, and a check for divergence."""
 
 from __future__ import annotations
 
@@ -14,22 +14,24 @@ from ucon.learning.run.moving_average import MovingAverage
 from ucon.learning.run.protocol import Figures
 
 _MOMENTS = ("exp_avg", "exp_avg_sq", "step")
-#: As the optimiser counts, and far more than it ever will.
+#: Form of the optimiser's step count (a scalar float32), and an upper bound for it.
 _STEP, _MOST_STEPS = torch.zeros(()), 1 << 40
 
 
 class Updates:
-    """Changes parameters, one gradient after the other.
+    """Optimiser of parameters: gradient clipping, AdamW, schedule and moving average.
 
     Args:
-        learned: a module, whose parameters that ask for gradients are learned and whose buffers are kept with them;
-            or parameters by name.
-        lr: highest learning rate of Adam.
-        clip: norm to which gradients are cut.
-        steps: length of the schedule: a rise over ``warm_up`` steps, then half a cosine down to a tenth; 0 holds it.
+        learned: a module, whose trainable parameters are updated and whose buffers are stored with them; or parameters
+            by
+            name.
+        lr: highest learning rate.
+        clip: largest norm of the whole gradient; a larger one is scaled down to it.
+        steps: length of the schedule: a linear rise over ``warm_up`` steps, then half a cosine down to a tenth; 0 for a
+            constant rate after the rise.
         warm_up: steps until the highest rate is reached.
         decay: weight decay (decoupled).
-        average: share of the moving average that one update keeps; 0 follows the parameters.
+        average: decay of the moving average; 0 follows the parameters.
     """
 
     def __init__(
@@ -50,17 +52,24 @@ class Updates:
         self._optimiser = torch.optim.AdamW(self.parameters.values(), lr=lr, weight_decay=decay)
         self._average = MovingAverage(self.parameters, average)
         self.taken = 0
-        """Updates so far: a step may make many."""
+        """Number of updates so far; one step of a learner may make many."""
 
     def begin(self) -> None:
-        """Forget the gradient of the last step."""
+        """Clear the gradients before a backward pass."""
         self._optimiser.zero_grad(set_to_none=True)
 
     def take(self, step: int, rate: float | None = None) -> Figures:
-        """Update along the gradient that was collected, at the rate of step number ``step``, from 0, or at ``rate``.
+        """Clip the accumulated gradient, update the parameters and the moving average.
+
+        Args:
+            step: number of the learner's step, from 0; it decides the learning rate.
+            rate: learning rate to use instead.
+
+        Returns:
+            ``gradient`` (norm before clipping) and ``rate``.
 
         Raises:
-            DivergedError: a gradient that is not finite; names the first of them.
+            DivergedError: a gradient that is not finite; names the first such parameter.
         """
         rate = self._rate(step) if rate is None else rate
         for group in self._optimiser.param_groups:
@@ -76,7 +85,7 @@ class Updates:
         return {"gradient": float(norm), "rate": rate}
 
     def lengthen(self, steps: int) -> bool:
-        """Follow the schedule of so many steps from now on; False where there is none."""
+        """Stretch the schedule to ``steps`` steps from now on; False where the rate is constant."""
         if not self.steps:
             return False
         self.steps = steps
@@ -84,17 +93,20 @@ class Updates:
 
     @property
     def average(self) -> Mapping[str, Tensor]:
-        """The moving average of the parameters by name."""
+        """Moving average of the parameters by name; shapes and dtypes of the parameters."""
         return self._average.values
 
     @contextmanager
     def averaged(self) -> Iterator[None]:
-        """The parameters are their average inside."""
+        """Context manager: the parameters hold their moving average inside it."""
         with self._average.in_place():
             yield
 
     def tensors(self) -> dict[str, Tensor]:
-        """Everything that decides how it goes on but the number of steps."""
+        """State to be stored: parameters and buffers (``learned/``), average (``average/``) and Adam's moments.
+
+        The number of the learner's steps is not in it.
+        """
         found = {f"learned/{name}": value.detach() for name, value in self._held().items()}
         found |= {f"average/{name}": value for name, value in self._average.values.items()}
         for name, value in self.parameters.items():
@@ -103,14 +115,18 @@ class Updates:
         return found
 
     def load(self, tensors: Mapping[str, Tensor], done: int) -> None:
-        """Go on from :meth:`tensors` after ``done`` steps.
+        """Restore a state of :meth:`tensors`.
+
+        Args:
+            tensors: on the CPU, by name; not trusted.
+            done: steps of the learner; 0 means that there are no moments yet.
 
         Raises:
-            DataError: tensors of another network.
+            DataError: names, shapes or dtypes of another network, or impossible values.
         """
         wanted = {f"learned/{name}": value for name, value in self._held().items()}
         wanted |= {f"average/{name}": value for name, value in self.parameters.items()}
-        for kind in _MOMENTS if done else ():  # a parameter that had no gradient yet has none
+        for kind in _MOMENTS if done else ():  # a parameter without a gradient so far has no moments
             had = [name for name in self.parameters if f"{kind}/{name}" in tensors]
             wanted |= {f"{kind}/{n}": _STEP if kind == "step" else self.parameters[n] for n in had}
         if {name: (v.shape, v.dtype) for name, v in tensors.items()} != {
@@ -130,10 +146,11 @@ class Updates:
                 self._optimiser.state[value] = {"step": tensors[f"step/{name}"].clone(), **moments}
 
     def _held(self) -> Mapping[str, Tensor]:
-        """Parameters, and the buffers of a module: to be read, and written in place."""
+        """Parameters, and the buffers of a module, by name; references, so they can be read and written in place."""
         return self._learned.state_dict() if isinstance(self._learned, nn.Module) else self._learned
 
     def _rate(self, step: int) -> float:
+        """Learning rate of step number ``step``, from 0."""
         if step < self.warm_up:
             return self.lr * (step + 1) / self.warm_up
         if not self.steps:
@@ -143,15 +160,11 @@ class Updates:
         return self.lr * (0.1 + 0.9 * share)
 
 
-def _kinds(tensors: Mapping[str, Tensor]) -> dict[str, tuple[torch.Size, torch.dtype]]:
-    return {name: (value.shape, value.dtype) for name, value in tensors.items()}
-
-
 def _require_sound(tensors: Mapping[str, Tensor]) -> None:
-    """Refuse a state that no optimiser leaves.
+    """Refuse values that no optimiser leaves: not finite, or a negative second moment or step count.
 
     Raises:
-        DataError: names the first tensor with a value that cannot be.
+        DataError: naming the first tensor with such a value.
     """
     for name, value in tensors.items():
         least, most = (0.0, _MOST_STEPS) if name.startswith("step/") else (-torch.inf, torch.inf)
@@ -161,10 +174,14 @@ def _require_sound(tensors: Mapping[str, Tensor]) -> None:
 
 
 def require_finite(tensors: Mapping[str, Tensor], step: int) -> None:
-    """Refuse numbers that are none.
+    """Refuse tensors with NaN or infinity.
+
+    Args:
+        tensors: by the name that the message gives.
+        step: number of the step, from 0.
 
     Raises:
-        DivergedError: names the first tensor with one.
+        DivergedError: naming the first such tensor and how many of its values are not finite.
     """
     for name, value in tensors.items():
         if value.is_floating_point() and not bool(torch.isfinite(value).all()):

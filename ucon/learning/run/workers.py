@@ -1,4 +1,4 @@
-"""Processes that work for a learner: one thread each, none outlives it, and none is waited for for ever."""
+"""Worker processes of learners: one thread each, ended with the learner, and waited for no longer than a limit."""
 
 from __future__ import annotations
 
@@ -15,27 +15,30 @@ from typing import Final, TypeVar
 from ucon.core.errors import ConfigError, UconError, brief
 from ucon.core.memory import keep_freed_memory
 
-#: So long may workers take for what one step asks of them, unless another limit is given.
+#: Default limit, in seconds, for what one step asks of the workers.
 WORKER_TIMEOUT_S: Final = 3600.0
-#: So long is waited for the exit code of a worker that is gone, and until whoever waits for it notices.
+#: Seconds to wait for the exit code of a dead worker, and for the waiting library to notice that it died.
 _JOIN_S, _GRACE_S = 5.0, 5.0
-#: How often is looked after the workers while they work.
+#: Seconds between looks at the workers while they work.
 _TICK_S: Final = 0.5
 _KEPT: Final = "what is saved is kept: resume=RUN goes on"
-#: More processes than any machine has use for.
+#: Highest permitted number of workers.
 MOST_WORKERS: Final = 1024
-#: What threads can wait for.
+#: Longest permitted limit in seconds; threads cannot wait much longer.
 _MOST_S: Final = 1e6
 
 T = TypeVar("T")
 
 
 class LearnerWorkerError(UconError):
-    """A worker was killed, or does not answer."""
+    """A worker was killed, ended, or did not answer in time."""
 
 
 def begin_worker() -> None:
-    """To be called first in a worker. It leaves Ctrl-C to the learner, and ends when the learner is killed."""
+    """Prepare a worker process; has to be called first in it.
+
+    It uses one thread, ignores Ctrl-C (the learner handles it), and exits when the learner dies.
+    """
     import torch
 
     torch.set_num_threads(1)
@@ -51,7 +54,11 @@ def _end_with_parent() -> None:
 
 
 def check_timeout(option: str, value: object) -> None:
-    """Refuse what is no time.
+    """Refuse a limit that is no number of seconds.
+
+    Args:
+        option: name of the option, for the message.
+        value: above 0 and at most 1e6.
 
     Raises:
         ConfigError: naming the option.
@@ -61,18 +68,21 @@ def check_timeout(option: str, value: object) -> None:
 
 
 def ask(question: Callable[[], T], seconds: float, workers: Callable[[], Sequence[BaseProcess]], option: str) -> T:
-    """What comes of a question to workers; they are ended where it takes longer than a limit.
+    """Call ``question``, which waits for workers, with a time limit; kill the workers where it takes longer.
 
-    It is asked in a thread, which is left behind where it waits for ever: libraries do, for workers that are gone.
+    The call runs in a thread of its own. That thread is abandoned if it never returns, as libraries do when their
+    workers
+    have died.
 
     Args:
-        question: waits for the answer.
+        question: waits for the workers and returns their answer.
         seconds: the limit.
-        workers: those who are asked; where there are none, the answer is made here.
-        option: what gives them more time.
+        workers: the processes that are asked; where there are none, ``question`` is called directly.
+        option: name of the option that raises the limit, for the message.
 
     Raises:
-        WorkerError: naming those who did not answer in time, or are gone. What a worker raised itself passes.
+        LearnerWorkerError: naming workers that died or did not answer in time. Errors of ``question`` itself pass
+            through.
     """
     asked = list(workers())
     if not asked:
@@ -83,28 +93,29 @@ def ask(question: Callable[[], T], seconds: float, workers: Callable[[], Sequenc
     while not wait([answer], timeout=_TICK_S).done:
         now = time.monotonic()
         if now > limit:
-            raise lost_one(asked) or _late(asked, seconds, option)
+            raise lost_worker(asked) or _late(asked, seconds, option)
         if any(_code(worker) is not None for worker in asked):
             gone_since = gone_since or now
-            if now > gone_since + _GRACE_S:  # whoever waits has not noticed
+            if now > gone_since + _GRACE_S:  # the library has not noticed that a worker died
                 break
     error = answer.exception() if answer.done() else None
     if answer.done() and error is None:
         return answer.result()
-    if lost := lost_one(asked, killed_only=error is not None):
+    if lost := lost_worker(asked, killed_only=error is not None):
         raise lost from None
     return answer.result(timeout=0)
 
 
 def _answer(question: Callable[[], T], answer: Future[T]) -> None:
+    """Call ``question`` and store its result or error in ``answer``."""
     try:
         answer.set_result(question())
-    except BaseException as error:  # of whoever asked
+    except BaseException as error:  # raised again in the thread that waits
         answer.set_exception(error)
 
 
 def _late(asked: Sequence[BaseProcess], seconds: float, option: str) -> LearnerWorkerError:
-    """End those who were asked."""
+    """Kill the workers that are still alive; the error that names them."""
     alive = [worker for worker in asked if _code(worker) is None]
     names = ", ".join(_names(alive or asked))
     for worker in alive:
@@ -114,11 +125,16 @@ def _late(asked: Sequence[BaseProcess], seconds: float, option: str) -> LearnerW
     )
 
 
-def lost_one(asked: Sequence[BaseProcess], *, killed_only: bool = True) -> LearnerWorkerError | None:
-    """What to raise where a worker is gone; None where none is, or where one ended by itself and has said why."""
+def lost_worker(asked: Sequence[BaseProcess], *, killed_only: bool = True) -> LearnerWorkerError | None:
+    """The error to raise where a worker has died; None where none has.
+
+    Args:
+        asked: the workers.
+        killed_only: True leaves out a worker that ended by itself, since it has raised its own error.
+    """
     codes = {worker: _code(worker, _JOIN_S) for worker in asked}
     gone = [worker for worker, code in codes.items() if code is not None and (code < 0 or not killed_only)]
-    # Where one is lost, others are sent home.
+    # Libraries terminate the others when one dies, so look first for one that did not get SIGTERM.
     first = next((worker for worker in gone if codes[worker] != -signal.SIGTERM), gone[0] if gone else None)
     if first is None:
         return None
@@ -128,17 +144,17 @@ def lost_one(asked: Sequence[BaseProcess], *, killed_only: bool = True) -> Learn
 
 
 def _code(worker: BaseProcess, wait_s: float = 0.0) -> int | None:
-    """Exit code; None while it works."""
+    """Exit code of a worker, waiting up to ``wait_s`` seconds for it; None while it runs."""
     try:
         if not worker.is_alive():
             worker.join(wait_s)
         return worker.exitcode
-    except ValueError:  # somebody has closed the handle
+    except ValueError:  # the process object was closed
         return 0
 
 
 def _names(workers: Sequence[BaseProcess]) -> list[str]:
-    """Workers in words; those that are stopped alone, where the system tells which are."""
+    """Names of workers for a message; only the stopped ones, where the system tells which are."""
     stopped = [worker for worker in workers if _is_stopped(worker.pid)]
     return [f"worker {worker.name} (process {worker.pid})" for worker in stopped or workers]
 

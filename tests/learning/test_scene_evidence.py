@@ -14,8 +14,8 @@ from tests.learning.belief_tiny import small_head
 from tests.learning.test_belief import in_two_homes
 from ucon.core.errors import ConfigError, DataError, DivergedError
 from ucon.core.files import write_manifest
-from ucon.fitting import scene_evidence as fit_own_places
-from ucon.fitting.scene_evidence import SceneRecipe, kept_scene_evidence, told_beforehand
+from ucon.fitting import scene_evidence as scene_fitting
+from ucon.fitting.scene_evidence import SceneRecipe, cached_scene_evidence, precomputed_vectors
 from ucon.habits import book
 from ucon.habits.splits import entry_parts
 from ucon.language.pairs import default_pair_reader
@@ -51,12 +51,12 @@ def of_part(data, part):
 @pytest.fixture(scope="module")
 def folder(data, cache):
     torch.set_num_threads(1)
-    return kept_scene_evidence(data, of_part(data, "train"), default_pair_reader(), QUICK)
+    return cached_scene_evidence(data, of_part(data, "train"), default_pair_reader(), QUICK)
 
 
 @pytest.fixture(scope="module")
 def places(folder):
-    return parts_with(None, folder).own_places
+    return parts_with(None, folder).scene_evidence
 
 
 def test_learns_which_places_sentences_speak_for(places, data):
@@ -102,31 +102,31 @@ def _never(text):
 
 
 def test_is_fitted_once(folder, data):
-    assert kept_scene_evidence(data, of_part(data, "train"), default_pair_reader(), QUICK, _never) == folder
+    assert cached_scene_evidence(data, of_part(data, "train"), default_pair_reader(), QUICK, _never) == folder
     with pytest.raises(AssertionError, match="minutes, once"):
-        kept_scene_evidence(data, of_part(data, "train")[1:], default_pair_reader(), QUICK, _never)
+        cached_scene_evidence(data, of_part(data, "train")[1:], default_pair_reader(), QUICK, _never)
     with pytest.raises(
         AssertionError, match="minutes, once"
     ):  # what stands in a home decides what is asked about there
-        kept_scene_evidence(replace(data, standing={}), of_part(data, "train"), default_pair_reader(), QUICK, _never)
+        cached_scene_evidence(replace(data, standing={}), of_part(data, "train"), default_pair_reader(), QUICK, _never)
 
 
 def test_numbers_that_are_none_leave_nothing_behind(data, cache, monkeypatch):
-    monkeypatch.setattr(fit_own_places, "_loss", lambda net, *_: net.bias.sum() * float("nan"))
+    monkeypatch.setattr(scene_fitting, "_loss", lambda net, *_: net.bias.sum() * float("nan"))
     with pytest.raises(DivergedError, match="step 0: the loss is no number"):
-        kept_scene_evidence(data, of_part(data, "val"), default_pair_reader(), QUICK)
+        cached_scene_evidence(data, of_part(data, "val"), default_pair_reader(), QUICK)
     monkeypatch.undo()
     with pytest.raises(AssertionError, match="minutes, once"):
-        kept_scene_evidence(data, of_part(data, "val"), default_pair_reader(), QUICK, _never)
+        cached_scene_evidence(data, of_part(data, "val"), default_pair_reader(), QUICK, _never)
 
 
 def test_many_sentences_are_encoded_beforehand_alike(folder, places, data):
-    told = told_beforehand(folder, data.texts)
+    told = precomputed_vectors(folder, data.texts)
     arrays, sha256 = load_arrays(folder / LAST)
     beforehand = SceneEvidence(arrays, sha256, told, default_pair_reader(), belief_readers.shipped_evidence())
     texts = data.texts[:6]
     assert np.abs(beforehand.spoken(texts, places.known) - places.spoken(texts, places.known)).max() < 0.1
-    kept = told_beforehand(folder, data.texts)
+    kept = precomputed_vectors(folder, data.texts)
     assert np.array_equal(kept.encode_half(texts), told.encode_half(texts))
 
 
@@ -137,19 +137,19 @@ def test_what_reads_a_fold_learned_from_no_entry_of_it(data, folder, monkeypatch
         learned.append({(e.scene, e.category) for e in entries})
         return folder
 
-    monkeypatch.setattr(belief_readers, "kept_places", note)
-    folds = belief_readers.scene_folds(data, own_places=True)
+    monkeypatch.setattr(belief_readers, "kept_scene_evidence", note)
+    folds = belief_readers.scene_folds(data, scene_evidence=True)
     assert [fold.pairs for fold in folds] == [asked for asked, _ in pair_folds(data, 4)]
     for number, fold in enumerate(folds):
         assert not fold.pairs & learned[number // 2]
-        assert fold.parts.own_places is not None
+        assert fold.parts.scene_evidence is not None
     taught = {(e.scene, e.category) for e in of_part(data, "train")}
     assert learned[0] | learned[1] == taught
 
 
 def test_a_head_keeps_what_reads_for_it(data, folder, tmp_path, monkeypatch):
-    monkeypatch.setattr(belief_readers, "kept_places", lambda *_: folder)
-    learner = BeliefLearner(partial(small_head), data, 4, households=1, n_kbs=2, own_places=True)
+    monkeypatch.setattr(belief_readers, "kept_scene_evidence", lambda *_: folder)
+    learner = BeliefLearner(partial(small_head), data, steps=4, households=1, n_kbs=2, scene_evidence=True)
     assert np.isfinite(learner.step()["loss"])
     files = learner.product()
     for name, content in files.items():
@@ -158,9 +158,9 @@ def test_a_head_keeps_what_reads_for_it(data, folder, tmp_path, monkeypatch):
     reader = HeadReader.load(tmp_path)
     entry = of_part(data, "test")[0]
     texts = [habit.text for habit in entry.habits]
-    assert reader.known == learner._parts.own_places.known
+    assert reader.known == learner._parts.scene_evidence.known
     assert np.array_equal(
-        reader.parts.own_places.spoken(texts, ["desk"]), learner._parts.own_places.spoken(texts, ["desk"])
+        reader.parts.scene_evidence.spoken(texts, ["desk"]), learner._parts.scene_evidence.spoken(texts, ["desk"])
     )
     assert "without being told which sentence says so" in learner.card().text
     belief = reader.belief(entry.category, texts, reader.known)
@@ -181,24 +181,24 @@ def test_arrays_that_do_not_fit_are_refused(folder):
 
 
 def test_text_without_scenes_is_read_as_it_is():
-    with pytest.raises(ConfigError, match="own_places=true"):
-        BeliefLearner(partial(small_head), book(), 4, own_places=True)
-    with pytest.raises(ConfigError, match="own_places=1: must be true or false"):
-        BeliefLearner(partial(small_head), book(), 4, own_places=1)
+    with pytest.raises(ConfigError, match="scene_evidence=true"):
+        BeliefLearner(partial(small_head), book(), steps=4, scene_evidence=True)
+    with pytest.raises(ConfigError, match="scene_evidence=1: must be true or false"):
+        BeliefLearner(partial(small_head), book(), steps=4, scene_evidence=1)
 
 
 def test_entries_of_a_step_differ_in_category(data):
     entries = of_part(data, "train")
-    batches = fit_own_places._batches(entries, 0, 8)
+    batches = scene_fitting._batches(entries, 0, 8)
     assert sorted(e.id for batch in batches for e in batch) == sorted(e.id for e in entries)
     for batch in batches:
         assert len({e.category for e in batch}) == len(batch) <= 8
         assert len({e.scene for e in batch}) == 1
-    assert [e.id for e in fit_own_places._batches(entries, 1, 8)[0]] != [e.id for e in batches[0]]
+    assert [e.id for e in scene_fitting._batches(entries, 1, 8)[0]] != [e.id for e in batches[0]]
 
 
 def test_each_entry_has_one_distribution():
     """The probabilities of an entry's places add up to 1, entry by entry."""
     asked = SimpleNamespace(usual=torch.full((2, 2), 0.5), truth=torch.eye(2))
-    loss = fit_own_places._places_loss(torch.tensor([[1.0, 0.0], [1.0, 3.0]]), asked, torch.tensor(0.0))
+    loss = scene_fitting._places_loss(torch.tensor([[1.0, 0.0], [1.0, 3.0]]), asked, torch.tensor(0.0))
     assert float(loss) == pytest.approx(-(np.log(1.5 / 2) + np.log(3.5 / 5)) / 2)
