@@ -22,6 +22,8 @@ PARTS: Final[Mapping[str, tuple[str, str]]] = {
         name: (f"ucon/{name}", f"tests/{name}")
         for name in ("task", "retrieval", "evaluation", "perception", "envs", "learning")
     },
+    "readers": ("ucon/readers", "tests/retrieval"),
+    "search": ("ucon/search", "tests/envs"),
     "models": ("models", "tests/models"),
 }
 
