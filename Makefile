@@ -39,7 +39,7 @@ eval: setup ## Evaluate the `belief` agent with retrieved habits on 50 episodes;
 	$(PY) eval.py agent=belief habit_level=retrieval episodes=mini
 	$(PY) -m ucon demo
 
-test: setup ## Run the tests (some 14 minutes).
+test: setup ## Run the tests (some 12 minutes).
 	$(TOGETHER) -m 'not slow and not timed'
 	$(PY) -m pytest -m 'timed and not slow'
 
