@@ -88,6 +88,7 @@ def test_a_finished_run_is_not_played_again_and_stays_as_it_is(run):
     assert {path: path.read_bytes() for path in run[0].iterdir()} == before
 
 
+@pytest.mark.slow
 def test_a_finished_run_is_printed_without_the_weights_that_made_it(tmp_path):
     """Missing weights stop a run before it begins; exchanged ones are another run; gone ones do not hide results."""
     folder, out = save_causal(tmp_path / "llama", positions=2048), tmp_path / "run"
@@ -158,6 +159,7 @@ def test_an_interrupted_run_goes_on(tmp_path):
     assert (out / "episodes.jsonl").read_bytes() == (tmp_path / "whole" / "episodes.jsonl").read_bytes()
 
 
+@pytest.mark.slow
 def test_context_is_the_same_bytes_with_any_workers(tmp_path):
     levels = ("agent=belief", "episodes=mini", "limit=3", "pictures=0", "progress=false")
     result = evaluate("-m", *levels, "habit_level=retrieval,context", "workers=2", f"out={tmp_path}/sweep")

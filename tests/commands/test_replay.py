@@ -109,6 +109,7 @@ def test_an_interrupted_one_goes_on(kept, tmp_path):
     assert {path.name for path in other.path.iterdir()} == {"episodes.jsonl.partial"}
 
 
+@pytest.mark.slow
 def test_an_episode_that_comes_out_otherwise_is_told(kept, tmp_path):
     first, *rest = map(json.loads, (kept / "episodes.jsonl").read_text().splitlines())
     first["n_habits"] += 1
@@ -121,6 +122,7 @@ def test_an_episode_that_comes_out_otherwise_is_told(kept, tmp_path):
     assert f"see {tmp_path / 'out' / 'kept-2'}\n" in replay(tmp_path, kept).stdout
 
 
+@pytest.mark.slow
 def test_figures_are_compared_where_no_episodes_are_kept(kept, tmp_path):
     assert replay(tmp_path, kept).returncode == 0
     (kept / "episodes.jsonl").unlink()

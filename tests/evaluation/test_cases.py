@@ -111,6 +111,7 @@ def test_runs_that_differ_in_more_than_the_level_are_refused(found, tmp_path, ca
     assert f"the two runs differ in {different}" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_the_habits_are_those_that_the_run_was_given(found, tmp_path, capsys):
     """Another retriever gives other lists, so the same records make other cases, ranked as it ranks."""
     episodes, retrieved, own, cases = found

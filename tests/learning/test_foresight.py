@@ -80,6 +80,7 @@ def search(distance_to_goal: bool) -> UcONSearchEnv:
     return UcONSearchEnv("mini", distance_to_goal=distance_to_goal)
 
 
+@pytest.mark.slow
 def test_it_is_learned_while_playing(tmp_path: Path) -> None:
     """On what it plays again and again; without the label, or without the loss, there is nothing to learn."""
     options = {"search": functools.partial(search, True), "epochs": 30, "frames": 120, "kl_stop": 1e8, "lr": 3e-3}

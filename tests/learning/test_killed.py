@@ -56,7 +56,6 @@ def visible(folder):
 @pytest.mark.parametrize(
     ("kind", "kills"),
     [
-        ("imitation", 1),
         pytest.param("imitation", 20, marks=pytest.mark.slow),
         pytest.param("dagger", 20, marks=pytest.mark.slow),
         pytest.param("ppo", 20, marks=pytest.mark.slow),

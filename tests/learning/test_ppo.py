@@ -116,6 +116,7 @@ def test_a_run_that_is_killed_goes_on_to_the_same_bytes(learner, tmp_path, kind)
         assert all(torch.equal(value, best[name]) for name, value in agent.policy.state_dict().items())
 
 
+@pytest.mark.slow
 def test_workers_remember_nothing(learner):
     """Steps that are taken again, by workers that have played on in between, are the same; each row is its own."""
     found = learner(collector=InWorkers(2), frames=40)

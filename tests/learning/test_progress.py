@@ -70,6 +70,7 @@ def test_offline_writes_a_run_into_the_folder(tmp_path):
     assert "warning" not in told
 
 
+@pytest.mark.slow
 def test_online_without_a_network_goes_on_offline(tmp_path):
     dead = {"WANDB_BASE_URL": "http://127.0.0.1:9", "WANDB_API_KEY": "a" * 40}
     told, seconds = train("online", tmp_path, tmp_path / "run", **dead)
@@ -81,6 +82,7 @@ def test_online_without_a_network_goes_on_offline(tmp_path):
     assert seconds < LIMIT_S / 2
 
 
+@pytest.mark.slow
 def test_online_at_a_terminal_asks_for_no_key(tmp_path):
     told, seconds = train("online", tmp_path, tmp_path / "run", at_a_terminal=True)
     assert "warning: wandb=online: nobody is logged in" in told

@@ -59,6 +59,7 @@ def places(folder):
     return parts_with(None, folder).scene_evidence
 
 
+@pytest.mark.slow
 def test_learns_which_places_sentences_speak_for(places, data):
     told = [
         (habit.text, entry.placements[habit.supports[0]].anchor)

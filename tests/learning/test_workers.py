@@ -35,6 +35,7 @@ def count(pipe):
     pipe.send(torch.get_num_threads())
 
 
+@pytest.mark.slow
 def test_a_worker_begins_with_one_thread():
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
@@ -65,6 +66,7 @@ def test_those_who_play_ahead_of_learning_have_one(tmp_path):
     assert {int(array.max()) for array in replay.frames.values()} == {1}
 
 
+@pytest.mark.slow
 def test_those_who_gather_experience_have_one(tmp_path):
     learner = tiny_ppo(tmp_path, Counting(), collector=InWorkers(2), frames=8, levels=("none",))
     try:
