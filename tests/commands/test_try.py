@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from textwrap import dedent
 
 import numpy as np
 import pytest
@@ -91,3 +92,17 @@ def test_the_demo_shows_the_point(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert "first aid kit" in told
     assert "top cabinet" in told
     assert all(len(line) <= 110 for line in told.splitlines())
+
+
+def test_a_book_of_ones_own_is_placed_where_a_home_can_hold_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = (Path(__file__).resolve().parents[2] / "docs" / "own_household.md").read_text()
+    book = page[page.index("    # mug |") : page.index("A number says which")]
+    (tmp_path / "book").mkdir()
+    (tmp_path / "book" / "things.txt").write_text(dedent(book))
+    words = ["episodes", "make", "mini", "--habits", str(tmp_path / "book"), "--limit", "2"]
+    assert main([*words, "--out", str(tmp_path / "mine.jsonl.xz")]) == 0
+    told = capsys.readouterr().err
+    assert "left out, no target of dataset" in told
+    assert told.endswith("all 2 episodes hold\n")

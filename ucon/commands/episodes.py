@@ -10,6 +10,7 @@ import argparse
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -60,7 +61,7 @@ def _make(args: argparse.Namespace) -> int:
     from ucon.core.errors import ConfigError
     from ucon.core.files import require_writable
     from ucon.task.making.make_sets import make_episodes
-    from ucon.task.making.set_plans import OFFICIAL_SETS, set_orders
+    from ucon.task.making.set_plans import OFFICIAL_SETS, hosted_orders, set_orders
     from ucon.task.sets import save_episodes, set_name, set_path
 
     # The official sets need --habits, so they may be written to their own place; a part of a set may not.
@@ -69,7 +70,12 @@ def _make(args: argparse.Namespace) -> int:
         raise ConfigError(f"{given[0]} without --out: set '{args.name}' itself would be replaced; give --out FILE")
     dataset = load_dataset(args.habits)
     name = set_name(args.name, args.task, context=args.context)
-    orders = list(set_orders(args.name, dataset, args.task, context=args.context, left_out=_say))[: args.limit]
+    planned = set_orders(args.name, dataset, args.task, context=args.context, left_out=_say)
+    if args.habits and args.name not in OFFICIAL_SETS:
+        planned = hosted_orders(planned, dataset, context=args.context, left_out=_say)
+    orders = list(islice(planned, args.limit))
+    if not orders:
+        raise ConfigError(f"dataset '{dataset.name}': nothing of it can be placed in a home of set '{args.name}'")
     path = args.out or set_path(name)
     journal = path.with_name(f"{path.name}.part")
     require_writable(journal)
@@ -111,7 +117,10 @@ def _report(name: str | Path, episodes: Sequence[Episode]) -> int:
             progress(number, len(episodes))
     for line in problems[:_SHOWN]:
         sys.stderr.write(f"  {line}\n")
-    sys.stderr.write(f"{name}: {len(problems)} of {len(episodes)} episodes do not hold\n")
+    found = (
+        f"{len(problems)} of {len(episodes)} episodes do not hold" if problems else f"all {len(episodes)} episodes hold"
+    )
+    sys.stderr.write(f"{name}: {found}\n")
     return 1 if problems else 0
 
 

@@ -25,6 +25,8 @@ _PACKAGES = ("numpy", "numba", "torch", "transformers", "gymnasium", "pybullet",
 
 #: Number of episodes of the set ``test``.
 _MANY: Final = 1000
+#: Fewer episodes tell nothing that one could act on.
+_FEW: Final = 30
 #: Options that do not change what is measured, only where and how fast.
 NEUTRAL_OPTIONS = ("out", "workers", "worker_timeout_s", "pictures", "progress")
 
@@ -162,6 +164,9 @@ def precision_line(figures: dict[str, Any]) -> str:
     """One line on how precisely this many episodes determine SR."""
     low, high = figures["success_rate_ci95"]
     n, half = figures["n"], 50 * (high - low)
+    if n < _FEW:
+        said = "episodes say" if n > 1 else "episode says"
+        return f"{n} {said} next to nothing: SR may be anything from {100 * low:.0f} to {100 * high:.0f} %"
     better = round((_MANY / n) ** 0.5)
     more = f", those of episodes=test to {half / better:.0f}" if better > 1 else ""
     return f"{n} episodes know SR to about {half:.0f} points up or down{more}"

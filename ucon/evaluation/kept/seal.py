@@ -127,7 +127,9 @@ def read_object(path: Path) -> dict[str, Any]:
         DataError: there is no file, or no object in it.
     """
     if not path.is_file():
-        raise DataError(f"{path}: no such file; give the folder of a finished run of eval.py")
+        raise DataError(
+            f"{path}: no such file; give the folder of a finished run of eval.py{_runs_inside(path.parent)}"
+        )
     value = parse_line(read_plain(path, _MAX_BYTES), str(path), f"{_NO_SUMMARY}; {_RESTORE}")
     if not isinstance(value, dict):
         raise DataError(f"{path}: {_NO_SUMMARY}; {_RESTORE}")
@@ -180,3 +182,9 @@ def _compare(folder: Path, by: str, name: str, found: str | None, expected: str 
     else:
         problem = f"SHA-256 {found[:12]}, {by} says {brief(expected[:12])}; the file is altered, {_RESTORE}"
     raise DataError(f"{folder / name}: {problem}")
+
+
+def _runs_inside(folder: Path) -> str:
+    """Names of the runs in a folder of several, as of a sweep or of ``try``."""
+    inside = sorted(path.parent.name for path in folder.glob("*/summary.json"))
+    return f", such as one in it: {brief(', '.join(inside))}" if inside else ""
