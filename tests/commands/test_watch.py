@@ -71,3 +71,11 @@ def test_recorded_actions_end_in_done() -> None:
     for _ in range(2):
         agent.reset([None])
         assert [agent.act([None], [None]) for _ in range(4)] == [[0], [2], [Action.DONE], [Action.DONE]]
+
+
+def test_a_folder_of_several_runs_names_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("none", "retrieval"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "summary.json").write_text("{}")
+    assert main(["watch", str(tmp_path)]) == 2
+    assert capsys.readouterr().err.endswith("such as one in it: none, retrieval\n")
