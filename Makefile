@@ -45,7 +45,7 @@ test: setup ## Run the tests (some 12 minutes).
 
 #: A spine through all parts: what is quick and breaks first.
 SPINE = tests/core tests/habits tests/task tests/retrieval tests/sim tests/test_configs.py tests/test_readme.py \
-  tests/perception/test_semantic_map.py tests/perception/test_belief.py tests/perception/test_planner.py \
+  tests/perception/test_semantic_map.py tests/perception/test_belief.py \
   tests/envs/test_ucon_env.py tests/envs/test_ends.py tests/envs/test_frame.py tests/commands/test_help_page.py \
   tests/evaluation/test_metrics.py tests/evaluation/test_report.py tests/evaluation/test_record.py \
   tests/evaluation/test_runner.py tests/models/test_defaults.py tests/models/test_choosing.py \
