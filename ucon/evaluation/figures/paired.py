@@ -72,7 +72,7 @@ def comparison_table(comparisons: Sequence[Comparison], measures: Sequence[str] 
         comparisons: what is shown.
         measures: names of :data:`MEASURES`.
     """
-    table = Table(title="paired differences", title_justify="left")
+    table = Table(title="paired differences (*: the interval excludes 0)", title_justify="left")
     table.add_column("first - second")
     table.add_column("measure", no_wrap=True)
     for column in ("n", "difference", "95 % interval", ""):
