@@ -77,6 +77,7 @@ def test_mistakes_end_in_one_line(words, expected):
 @pytest.mark.parametrize(
     ("overrides", "expected"),
     [
+        (["--agent", "frontier"], "options are given as name=value"),
         (["agent=fronteir"], "did you mean frontier"),
         (["habit_level=retreival"], "did you mean retrieval"),
         (["limti=3"], "did you mean limit"),

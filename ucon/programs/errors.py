@@ -21,6 +21,12 @@ USER_ERROR, INTERRUPTED = 2, 130
 #: Error numbers that mean a problem of the disk, not a bug.
 _OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO)
 
+#: Words with two dashes that Hydra takes.
+_FLAGS = frozenset(
+    {"--hydra-help", "--version", "--cfg", "--resolve", "--package", "--run", "--multirun", "--shell-completion"}
+    | {"--config-path", "--config-name", "--config-dir", "--experimental-rerun", "--info"}
+)
+
 
 def run_entry(main: Callable[[], Any], config_name: str) -> None:
     """Run a Hydra main, with errors that occur before it begins as one line; prints the help page for ``--help``.
@@ -36,6 +42,9 @@ def run_entry(main: Callable[[], Any], config_name: str) -> None:
     if {"-h", "--help"} & set(words):
         sys.stdout.write(help_page(_configs(), config_name, words))
         return
+    if odd := next((word for word in words if word.startswith("--") and word.partition("=")[0] not in _FLAGS), None):
+        name = odd[2:].partition("=")[0]
+        _end(f"{odd}: options are given as name=value, such as agent=belief; {name}=... or see --help", USER_ERROR)
     os.environ.setdefault("HYDRA_FULL_ERROR", "1")  # otherwise Hydra prints its own message and exits
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
