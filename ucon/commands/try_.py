@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+#: Read places below this probability are a guess.
+_UNSURE = 0.1
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options to its parser."""
     parser.description = (
@@ -69,7 +73,10 @@ def run(args: argparse.Namespace) -> int:
     name = args.object.replace("_", " ")
     n_habits = sum(len(dataset.entries[dataset.entry_number[entry]].habits) for entry in episode.entries)
     print(f"{name} in {args.scene}: kept {spoken_place(place.relation, place.anchor)}{read}")
-    print(f"{len(args.habit)} of your habits among {n_habits - len(args.habit)} others of the household\n")
+    if not wish.place and chance < _UNSURE:
+        print("warning: your sentences hardly say where; give --place, such as --place nextto:laptop", file=sys.stderr)
+    others = n_habits - len(args.habit)
+    print(f"{len(args.habit)} of your sentences among {others} about other things and people of this home\n")
     print_searches(searches)
     print(f"\nOne search says little: another --seed starts elsewhere, among other things. All of it: {out}")
     return 0
