@@ -210,6 +210,12 @@ def test_collections_are_as_large_as_the_memory_of_the_policy_leaves_room_for():
         collection_size(TinyPolicy(), "all")
 
 
+def test_without_the_objective_actions_are_not_learned_but_the_way_is(learner):
+    with pytest.raises(ConfigError, match=r"learner\.loss\.objective=0: TinyPolicy would learn nothing"):
+        learner(TinyPolicy(), loss=PPOLoss(objective=0))
+    learner(narrow_habit_policy(), loss=PPOLoss(objective=0))
+
+
 def test_a_gpu_is_used_in_half_the_bits(learner, monkeypatch):
     on_a_gpu(monkeypatch)
     found = learner(Stays(), device="auto", precision="auto")

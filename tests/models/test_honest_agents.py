@@ -80,9 +80,11 @@ def test_habits_change_a_tenth_of_the_choices(name: str) -> None:
     made = twice(agent) if isinstance(agent, AskingAgent) else []
     for episode in episodes(12):
         play(agent, env, gone(episode), 150)
-    if not agent.uses_habits or not isinstance(agent, AskingAgent):
-        assert not made  # what it chooses by is its own: nothing is asked that could be asked without habits
+    if not agent.uses_habits:
+        assert not made
         return
+    if not isinstance(agent, AskingAgent):
+        pytest.skip("it asks no model, so the same choice cannot be asked for without habits")
     changed = sum(a.number != b.number for a, b in made)
     assert len(made) > 60
     assert 0.1 * len(made) <= changed < len(made)
