@@ -23,6 +23,7 @@ from models.nets.vision.group_norm_resnet import GroupNormResNet50, RunningMeanA
 from ucon.core.errors import ConfigError
 from ucon.core.rng import derived_seed
 from ucon.learning.policies.action_policy import Arrays, PolicyOutputs, Tensors
+from ucon.task.actions import decoded_action
 
 #: Side of a frame in pixels; the encoder's last map is then 4 x 4 with 128 channels, flattened to 2048 numbers.
 FRAME_PX = 128
@@ -92,7 +93,7 @@ class ZSON(PolicyModule):
             raise ConfigError(
                 f"agent zson: observations without images of {FRAME_PX} pixels; give env.observe=pixels {size}"
             )
-        last = int(observation["last_action"])
+        last = decoded_action(observation["last_action"])
         return {"rgb": rgb, "last_action": np.array((last + 1) % (N_ACTIONS + 1), np.int64)}
 
     def augment(self, frames: Tensors, generator: torch.Generator) -> Tensors:

@@ -259,14 +259,14 @@ class NeverCollides(Mutant):
     """Nothing is ever in the way."""
 
     def tell(self, obs: Any, info: Any) -> Any:
-        return obs | {"collision": 0}, info
+        return obs | {"collision": np.zeros(1, np.int8)}, info
 
 
 class LateAction(Mutant):
     """The last action is the one before it."""
 
     def tell(self, obs: Any, info: Any) -> Any:
-        before, self.last = (7 if self.last is None else self.last), obs["last_action"]
+        before, self.last = (np.zeros(7, np.int8) if self.last is None else self.last), obs["last_action"]
         return obs | {"last_action": before}, info
 
 

@@ -27,7 +27,7 @@ class Recorder(gym.Wrapper[Any, int, Any, int]):
         out = self.env.step(action)
         self.actions.append(int(action))
         self.rewards.append(float(out[1]))
-        self.collisions += int(out[0]["collision"])
+        self.collisions += int(out[0]["collision"][0])
         self.saw = self.saw or self._sees()
         return out
 

@@ -84,22 +84,22 @@ def test_torchrl_goes_on_after_the_end_of_a_search_by_views() -> None:
         return gym.make("UcONSearch-v0", texts=False)
 
     vector = gym.vector.SyncVectorEnv([make] * 2, autoreset_mode=gym.vector.AutoresetMode.SAME_STEP)
-    played = GymWrapper(vector, categorical_action_encoding=True).rollout(
+    env = GymWrapper(vector, categorical_action_encoding=True)
+    env.set_seed(0)
+    played = env.rollout(
         80, lambda td: td.set("action", td["action_mask"].long().argmax(-1)), break_when_any_done=False
     )
     ended, steps = played["next", "done"][:, :-1, 0], played["ego"][..., _STEP]
     assert ended.any()
-    assert (steps[:, 1:][ended] < steps[:, :-1][ended]).all()
+    assert steps[:, 1:][ended].max() < 0.02 < steps[:, :-1].max()
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", OURS)
 def test_torchrl_makes_two_in_processes(name: str) -> None:
-    """As they are, but for discrete observations: TorchRL's one-hot codes fail for ``FrozenLake-v1`` likewise."""
     from torchrl.envs import GymEnv  # its processes know our ids by `ucon:` alone
 
-    discrete = {} if name == "UcONSearch-v0" else {"categorical_action_encoding": True}
-    env = GymEnv(f"ucon:{name}", num_envs=2, **discrete, **options(name))
+    env = GymEnv(f"ucon:{name}", num_envs=2, **options(name))
     try:
         assert env.rollout(6, break_when_any_done=False).shape == (2, 6)
     finally:
@@ -166,7 +166,7 @@ def test_successes_are_counted(tmp_path: Path) -> None:
             self.env, self.plan, self.number = env, iter(()), 0
 
         def predict(self, obs: Any, *_: Any, **__: Any) -> Any:
-            if obs["last_action"].argmax() == 7 or (obs["last_action"].size == 1 and obs["last_action"][0] == 7):
+            if not obs["last_action"].any():
                 self.number += 1
                 self.plan = iter(self.env.unwrapped.episode.solution if self.number % 2 else "6")
             return np.array([int(next(self.plan))]), None

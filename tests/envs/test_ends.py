@@ -14,7 +14,7 @@ from ucon.envs.checking.subject import OURS, core, reset, step
 from ucon.envs.image_goal import UcONImageGoalEnv
 from ucon.envs.search.env import UcONSearchEnv
 from ucon.envs.ucon_env import UcONEnv
-from ucon.task.actions import Action
+from ucon.task.actions import Action, decoded_action
 from ucon.task.episode import Episode
 
 
@@ -58,7 +58,7 @@ def test_what_is_no_action_is_refused_and_changes_nothing(wrong: Any) -> None:
 def test_whole_numbers_of_all_sorts_are_actions(right: Any) -> None:
     env = UcONEnv("mini", observe="symbolic")
     env.reset(options={"episode": 0})
-    assert env.step(right)[0]["last_action"] == 2
+    assert decoded_action(env.step(right)[0]["last_action"]) == 2
 
 
 @pytest.mark.parametrize("name", OURS)

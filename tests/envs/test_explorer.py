@@ -56,7 +56,7 @@ def play(env: Any, make: Callable[[Any], Any], manner: Manner, start: Any = None
         out.views.append(explorer.map.view)
         out.actions.append(action)
         obs, _, done, truncated, info = env.step(int(action))
-        out.collisions += int(obs["collision"])
+        out.collisions += int(obs["collision"][0])
         over = done or truncated
     out.info = info
     return out

@@ -13,6 +13,7 @@ from ucon.learning.imitation.learner import ImitationLearner
 from ucon.learning.imitation.sequence_loss import SequenceLoss
 from ucon.learning.policies.action_policy import PolicyOutputs
 from ucon.learning.policies.validation import Validation
+from ucon.task.actions import decoded_action
 from ucon.task.sets import load_episodes, save_episodes
 
 ENV = functools.partial(UcONEnv, "mini", observe="pixels")
@@ -38,7 +39,7 @@ class TinyPolicy(PolicyModule):
 
     def frame(self, observation, info):
         near = observation["depth"].reshape(16, 8, 16, 8).min((1, 3))
-        return {"depth": near.astype(np.float16), "did": np.array(observation["last_action"], np.int64)}
+        return {"depth": near.astype(np.float16), "did": np.array(decoded_action(observation["last_action"]))}
 
     def initial_state(self, batch):
         return lstm_state(batch, self.memory)

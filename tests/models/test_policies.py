@@ -19,6 +19,7 @@ from ucon.core.files import write_atomic, write_manifest
 from ucon.envs.ucon_env import UcONEnv
 from ucon.learning.policies.action_policy import PolicyOutputs, Tensors
 from ucon.learning.run.network_files import load_network, network_files
+from ucon.task.actions import encoded_action
 
 #: Self-attention of the first decoder layer of DETR and VTN attends to zeros: its joint projections never learn, and
 #: what follows them does so only when biases, which start at zero, have moved.
@@ -184,7 +185,7 @@ def test_weights_in_fp16_say_nearly_the_same(name: str, tmp_path: Any) -> None:
 @pytest.mark.parametrize("name", POLICIES)
 def test_an_environment_without_images_is_refused(name: str) -> None:
     with pytest.raises(ConfigError, match=r"give env\.observe=pixels"):
-        policy(name).frame({"last_action": 7}, {})
+        policy(name).frame({"last_action": encoded_action(7)}, {})
 
 
 @pytest.mark.parametrize("name", POLICIES)

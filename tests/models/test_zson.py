@@ -10,6 +10,7 @@ from models.nets.vision.augment import color_jitter, grey, random_shift, turn_hu
 from models.nets.vision.group_norm_resnet import GroupNormResNet50, RunningMeanAndVar
 from models.zson import ZSON
 from ucon.core.errors import ConfigError
+from ucon.task.actions import encoded_action
 
 
 def images(*shape: int, seed: int = 0) -> torch.Tensor:
@@ -44,10 +45,10 @@ def test_the_encoder_halves_five_times() -> None:
 def test_the_start_is_no_action() -> None:
     zson = ZSON()
     rgb = np.zeros((128, 128, 3), np.uint8)
-    given = [int(zson.frame({"rgb": rgb, "last_action": k}, {})["last_action"]) for k in (7, 0, 6)]
+    given = [int(zson.frame({"rgb": rgb, "last_action": encoded_action(k)}, {})["last_action"]) for k in (7, 0, 6)]
     assert given == [0, 1, 7]
     with pytest.raises(ConfigError, match="without images of 128 pixels"):
-        zson.frame({"rgb": rgb[:64], "last_action": 0}, {})
+        zson.frame({"rgb": rgb[:64], "last_action": encoded_action(0)}, {})
 
 
 def test_running_statistics_are_those_of_all_images() -> None:

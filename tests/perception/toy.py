@@ -138,7 +138,12 @@ class ToyEnv:
         c, s = (1, 0, -1, 0)[self.start[2]], (0, 1, 0, -1)[self.start[2]]
         yaw = (0, np.pi / 2, np.pi, -np.pi / 2)[(self.h - self.start[2]) % 4]
         pose = np.array([c * dx + s * dy, c * dy - s * dx, yaw, np.deg2rad(self.pitch)], np.float32)
-        obs = {"depth": depth, "pose": pose, "collision": self.collision, "step": self.steps}
+        obs = {
+            "depth": depth,
+            "pose": pose,
+            "collision": np.array([self.collision], np.int8),
+            "step": np.array([self.steps]),
+        }
         detections = {"track": table[seen], "category": [self.things[k].category for k in seen], "pixels": counts[seen]}
         info = {"detections": detections, "tracks": table[self._instance], "target": self.target, "opened": opened}
         return obs, info

@@ -146,7 +146,7 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
         before_m, before_rad = self._to_go_m(), self._to_turn_rad()
         obs, _, done, truncated, info = self.env.step(action)
         self._steps += 1
-        self._moves += int(action == Action.MOVE_AHEAD and not obs["collision"])
+        self._moves += int(action == Action.MOVE_AHEAD and not obs["collision"][0])
         success = done and near
         if not self._texts:
             info["goal_image"] = self._shown

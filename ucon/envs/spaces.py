@@ -12,8 +12,6 @@ from ucon.core.errors import ConfigError, brief
 from ucon.sim.render import SKY_DEPTH_M
 from ucon.task.actions import Action
 
-NO_ACTION = len(Action)
-"""``last_action`` at the reset."""
 MOST_HABITS = 1 << 20
 """Largest ``max_habits``."""
 MAX_POSE = 1000.0
@@ -44,9 +42,9 @@ def observation_space(image_px: tuple[int, int] | None, dimension: int, max_habi
         "target": spaces.Box(-1.0, 1.0, (dimension,), np.float32),
         "habits": spaces.Box(-1, np.iinfo(np.int32).max, (max_habits,), np.int32),
         "habits_mask": spaces.MultiBinary(max_habits),
-        "last_action": spaces.Discrete(NO_ACTION + 1),
-        "collision": spaces.Discrete(2),
-        "step": spaces.Discrete(max_steps + 1),
+        "last_action": spaces.MultiBinary(len(Action)),
+        "collision": spaces.MultiBinary(1),
+        "step": spaces.Box(0, max_steps, (1,), np.int64),
     }
     return spaces.Dict(entries)
 

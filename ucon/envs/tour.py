@@ -73,7 +73,7 @@ class Tour:
         pose, camera_m = self.frame.pose(guide.pose), guide.camera[2]
         found = detector.detect(Frame(depth, rgb, pose, camera_m, self.fov_deg, instance, counts))
         info = {"camera_m": camera_m, "depth": depth, "detections": found, "tracks": found.image}
-        return {"pose": pose, "collision": 0}, info
+        return {"pose": pose, "collision": np.zeros(1, np.int8)}, info
 
 
 def stops(free: NDArray[np.bool_], start: tuple[int, int]) -> NDArray[np.int64]:

@@ -25,13 +25,13 @@ from ucon.envs.options import (
     with_texts,
 )
 from ucon.envs.painter import Moment, Painter
-from ucon.envs.spaces import NO_ACTION, observation_space, padded
+from ucon.envs.spaces import observation_space, padded
 from ucon.envs.tour import Tour
 from ucon.perception.detectors import Detector, Frame
 from ucon.perception.mapping.nav import Nav
 from ucon.sim.cache import load_house
 from ucon.sim.state import SceneState
-from ucon.task.actions import Action
+from ucon.task.actions import NO_ACTION, Action, encoded_action
 from ucon.task.check import check_home
 from ucon.task.episode import Episode
 from ucon.task.ledger import Ledger
@@ -66,9 +66,9 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
     | target | float32 (D,) | embedding of the target's name |
     | habits | int32 (max_habits,) | rows of ``env.unwrapped.habit_table``, -1 = padding |
     | habits_mask | int8 (max_habits,) | 1 for rows that are habits |
-    | last_action | Discrete(8) | 7 at the start |
-    | collision | Discrete(2) | the last move was blocked |
-    | step | Discrete(max_steps + 1) | steps taken |
+    | last_action | int8 (7,) | one-hot code of the last action, zeros at the start |
+    | collision | int8 (1,) | 1: the last move was blocked |
+    | step | int64 (1,) | steps taken, 0 to max_steps |
 
     ### Info
     ``target`` (category), ``camera_m`` (its height), ``fov_deg`` (its width); at reset ``task`` (name of the rules),
@@ -256,7 +256,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         truncated = not outcome.done and ledger.steps + 1 >= self.rules.max_steps
         obs, info = self._look(outcome.opened)
         ledger.note(action, outcome)
-        obs["step"] = ledger.steps
+        obs["step"] = np.array([ledger.steps])
         if outcome.done or truncated:
             self._over = True
             info["episode_metrics"], info["is_success"] = ledger.outcome().to_json(), ledger.success
@@ -353,8 +353,8 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
             }
         obs["target"] = self._target_embedding.copy()
         obs["habits"], obs["habits_mask"] = self._habits.copy(), self._habits_mask.copy()
-        obs["last_action"], obs["collision"] = self._last_action, self._collision
-        obs["step"] = 0
+        obs["last_action"] = encoded_action(self._last_action)
+        obs["collision"], obs["step"] = np.array([self._collision], np.int8), np.zeros(1, np.int64)
         return obs, info
 
     def _draw(self) -> tuple[NDArray[np.float32] | None, NDArray[np.uint8] | None]:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from enum import IntEnum
 
+import numpy as np
+from numpy.typing import NDArray
+
 
 class Action(IntEnum):
     """What the agent can do in one step (paper, section III)."""
@@ -26,3 +29,17 @@ class Action(IntEnum):
 
 #: (di, dj) in nodes of a MoveAhead at headings 0, 90, 180, 270 degrees.
 AHEAD = ((1, 0), (0, 1), (-1, 0), (0, -1))
+NO_ACTION = len(Action)
+"""Number of the last action at the start of an episode: there was none."""
+
+
+def encoded_action(action: int) -> NDArray[np.int8]:
+    """``last_action`` of an observation: the one-hot code of an action, zeros for :data:`NO_ACTION`, (7,) int8."""
+    code = np.zeros(len(Action), np.int8)
+    code[action:][:1] = 1
+    return code
+
+
+def decoded_action(code: NDArray[np.int8]) -> int:
+    """The action of a ``last_action``, (7,) int8; :data:`NO_ACTION` for zeros."""
+    return int(code.argmax()) if code.any() else NO_ACTION

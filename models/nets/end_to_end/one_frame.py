@@ -12,6 +12,7 @@ from models.nets.end_to_end.read_habits import words
 from models.nets.vision.eye import small_image
 from ucon.core.errors import ConfigError
 from ucon.learning.policies.action_policy import Arrays
+from ucon.task.actions import decoded_action
 
 #: Positions are rounded to cells of this side; looks up or down are in units of these degrees.
 _CELL_M, _LOOK_DEG = 0.25, 30
@@ -48,7 +49,7 @@ def one_frame(observation: Mapping[str, Any], info: Mapping[str, Any], image_px:
     ids[: len(view.names)] = [number.get(name, len(number)) for name in view.names]
     look = int(np.clip(round(np.degrees(pitch) / _LOOK_DEG), -2, 2))
     pose = [round(x / _CELL_M), round(y / _CELL_M), round(yaw / (np.pi / 2)) % 4, look]
-    status = [int(observation["step"]), int(observation["collision"]), int(observation["last_action"])]
+    status = [observation["step"][0], observation["collision"][0], decoded_action(observation["last_action"])]
     frame: Arrays = {
         "image": small_image(observation["rgb"], depth, image_px),
         "pose": np.array(pose, np.int16),

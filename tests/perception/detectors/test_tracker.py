@@ -147,7 +147,7 @@ def test_the_map_knows_obstacles_and_room_without_any_detection() -> None:
     tracker, known, truth = Tracker(), SemanticMap(), SemanticMap()
     for pose in ROUND[:3]:
         frame, owner = room(pose, [thing(2.5, 0.0)])
-        observation = {"depth": frame.depth, "pose": frame.pose, "collision": 0}
+        observation = {"depth": frame.depth, "pose": frame.pose, "collision": np.zeros(1, np.int8)}
         found = tracker.follow(Boxes.none(), frame)
         known.update(observation, {"detections": found, "tracks": found.image})
         found = tracker_of_truth(frame, owner)

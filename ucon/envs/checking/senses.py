@@ -9,7 +9,7 @@ import numpy as np
 
 from ucon.envs.checking.findings import Finding
 from ucon.envs.checking.subject import Step, Subject, core, reset, step
-from ucon.task.actions import Action
+from ucon.task.actions import Action, decoded_action
 
 #: Actions through all headings and pitches, with blocked moves.
 _TOUR: Final = (0, 0, 2, 0, 0, 3, 0, 2, 0, 4, 4, 0, 2, 0, 0, 1, 0, *(0,) * 12, 2, *(0,) * 12)
@@ -56,20 +56,21 @@ def touch(subject: Subject) -> Finding:
     """``collision`` is 1 exactly where the last move was blocked."""
     blocked, expected = 0, "1 where the last move was blocked, else 0"
     for number, (_, seen, reference, _truth) in enumerate(_walked(subject)):
-        blocked += int(reference.obs["collision"])
-        if int(seen.obs["collision"]) != int(reference.obs["collision"]):
-            found = f"{int(seen.obs['collision'])} at step {number}, where it is {int(reference.obs['collision'])}"
+        told, right = int(seen.obs["collision"][0]), int(reference.obs["collision"][0])
+        blocked += right
+        if told != right:
+            found = f"{told} at step {number}, where it is {right}"
             return Finding("collision", False, expected, found)
     return Finding("collision", True, expected, f"so, {blocked} moves were blocked")
 
 
 def memory(subject: Subject) -> Finding:
-    """``last_action`` and ``step`` belong to the step that was just taken; 7 and 0 at the reset."""
-    taken, expected = 0, "the action and the number of the step just taken, 7 and 0 at reset"
+    """``last_action`` and ``step`` belong to the step that was just taken; zeros at the reset."""
+    taken, expected = 0, "the action and the number of the step just taken, 7 (none) and 0 at reset"
     for action, seen, _, _truth in _walked(subject):
         taken = 0 if action < 0 else taken + 1
         wanted = (len(Action) if action < 0 else action, taken)
-        found = (int(seen.obs["last_action"]), int(seen.obs["step"]))
+        found = (decoded_action(seen.obs["last_action"]), int(seen.obs["step"][0]))
         if found != wanted:
             return Finding("last action, step", False, expected, f"{found}, where it is {wanted}")
     return Finding("last action, step", True, expected, "so at all steps")
