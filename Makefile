@@ -11,6 +11,8 @@ WARM   := $(VENV)/.warm
 # not): without PyBullet what is shipped is played and learned from, and no home or set is made.
 PYTHON ?= $(shell for p in python3.11 python3.10 python3.12 python3.13 python3 python; do \
 	$$p -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))' >/dev/null 2>&1 && { echo $$p; break; }; done)
+# Without stored bytecode every command compiles its libraries anew: 3 s for torch, 5 s for TorchRL.
+unexport PYTHONDONTWRITEBYTECODE
 # How many tests run at once; those that hold a bar on seconds run alone, after the others.
 JOBS   ?= 2
 TOGETHER = OMP_NUM_THREADS=1 $(PY) -m pytest -n $(JOBS) --dist worksteal
