@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import dataclasses
 from collections import Counter
 from collections.abc import Iterator
 
@@ -8,12 +9,15 @@ import pytest
 
 from models.agents.belief import BeliefAgent
 from models.agents.frontier import FrontierAgent
+from tests.models.playing import config_of
+from ucon.configuration.wiring import Factory
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.objects.catalogue import catalogue
 from ucon.perception.detectors import Frame, vocabulary
 from ucon.perception.detectors.confusion import confusion, wrong_name
-from ucon.perception.detectors.noisy import EXACT, NoisyDetector, Rates
+from ucon.perception.detectors.noise_rates import EXACT, Rates
+from ucon.perception.detectors.noisy import NoisyDetector
 from ucon.perception.mapping.detections import STRUCTURE_KINDS
 
 WALK = (1, 1, 1, 1, 0, 0, 3, 2, 4, 0, 0, 2, 0, 0, 4, 1, 1, 3, 0, 0, 5, 1, 0, 0)
@@ -56,9 +60,10 @@ def in_view(categories: tuple[str, ...], frame: Frame) -> list[int]:
 
 
 def test_misses_come_out_as_set_for_every_size(frames: list) -> None:
-    rates = Rates(recall=(0.3, 0.9), recall_px=(10, 1000), false_labels=0.0, false_positives=0.0, jitter=0.0)
+    sizes = dataclasses.replace(EXACT, recall=(0.3, 0.9), recall_px=(10, 1000))
+    chance = lambda px: float(np.interp(np.log(px), np.log((10, 1000)), (0.3, 0.9)))  # noqa: E731
     found, expected = np.zeros(3), np.zeros(3)
-    looks = (look for seed in range(16) for look in boxes_of(NoisyDetector(rates, seed=seed), frames))
+    looks = (look for seed in range(16) for look in boxes_of(NoisyDetector(sizes, seed=seed), frames))
     for categories, frame, boxes in looks:
         there, seen = in_view(categories, frame), Counter(boxes.label)
         alone = Counter(categories[k] for k in there)
@@ -67,16 +72,13 @@ def test_misses_come_out_as_set_for_every_size(frames: list) -> None:
                 continue  # which of several was missed cannot be told by name
             row = int(np.digitize(frame.counts[k], (30, 300)))
             found[row] += seen[categories[k]]
-            expected[row] += rates.found(int(frame.counts[k]))
+            expected[row] += chance(frame.counts[k])
     assert expected.min() > 60
     np.testing.assert_allclose(found / expected, 1.0, atol=0.1)
-    assert rates.found(1) == pytest.approx(0.3)
-    assert rates.found(100) == pytest.approx(0.6)
-    assert rates.found(10**6) == pytest.approx(0.9)
 
 
 def test_wrong_names_come_out_as_set(frames: list) -> None:
-    rates = Rates(recall=(1.0,), recall_px=(1.0,), false_labels=0.25, false_positives=0.0, jitter=0.0)
+    rates = dataclasses.replace(EXACT, false_labels=0.25)
     wrong = []
     for categories, frame, boxes in boxes_of(NoisyDetector(rates), frames):
         truth = [categories[k] for k in in_view(categories, frame)]
@@ -88,15 +90,88 @@ def test_wrong_names_come_out_as_set(frames: list) -> None:
 
 
 def test_false_boxes_come_out_as_set(frames: list) -> None:
-    rates = Rates(recall=(0.0,), recall_px=(1.0,), false_labels=0.0, false_positives=0.6, jitter=0.0)
+    rates = dataclasses.replace(EXACT, recall=(0.0,), false_positives=0.6)
     n = [len(boxes.label) for _, _, boxes in boxes_of(NoisyDetector(rates), frames)]
     # One spot may be seen in many frames, so the spread is larger than that of single draws.
     assert np.mean(n) == pytest.approx(0.6, abs=0.15)
 
 
+def _scores(rates: Rates, frames: list) -> dict[bool, list[tuple[float, float]]]:
+    """Score of every box and metres to its middle, of right and of wrong boxes."""
+    scores: dict[bool, list[tuple[float, float]]] = {True: [], False: []}
+    looks = (
+        (detector, look)
+        for seed in range(4)
+        for detector in [NoisyDetector(rates, seed=seed)]
+        for look in boxes_of(detector, frames)
+    )
+    for detector, (categories, frame, boxes) in looks:
+        n = detector._n
+        for row, (label, score) in enumerate(zip(boxes.label, boxes.score.tolist(), strict=True)):
+            k = int(detector._found[0][row]) if row < n else -1
+            away = np.linalg.norm(detector._outlines[1][k] - frame.camera[:3]) if row < n else 0.0
+            scores[row < n and label == categories[k]].append((score, float(away)))
+    return scores
+
+
+def _auroc(right: np.ndarray, wrong: np.ndarray) -> float:
+    below = np.searchsorted(np.sort(wrong), right, "left") + np.searchsorted(np.sort(wrong), right, "right")
+    return float(below.mean() / (2 * len(wrong)))
+
+
+@pytest.mark.parametrize("auroc", [0.75, 0.8, 0.85])
+def test_scores_overlap_as_set_near_and_far(frames: list, auroc: float) -> None:
+    rates = dataclasses.replace(Rates(), recall=(0.6,), recall_px=(1.0,), false_labels=0.4, auroc=auroc)
+    found = _scores(rates, frames)
+    right, wrong = np.array(found[True]), np.array(found[False])
+    assert min(right[:, 0].min(), wrong[:, 0].min()) >= 0.25
+    assert max(right[:, 0].max(), wrong[:, 0].max()) < 1.0
+    assert _auroc(right[:, 0], wrong[:, 0]) == pytest.approx(auroc, abs=0.03)
+    things = wrong[wrong[:, 1] > 0]
+    for near, far in ((0.0, 2.0), (2.0, 4.0), (4.0, 99.0)):
+        a, b = (x[(near <= x[:, 1]) & (x[:, 1] < far), 0] for x in (right, things))
+        assert min(len(a), len(b)) > 100
+        assert _auroc(a, b) == pytest.approx(auroc, abs=0.06)
+
+
+@pytest.mark.parametrize("of", ["hidden", "far"])
+def test_hidden_and_distant_things_are_found_less_often(frames: list, of: str) -> None:
+    half = {
+        "hidden": {"hidden": (0.4, 1.0), "hidden_share": (0.3, 0.300001)},
+        "far": {"far": (1.0, 0.4), "far_m": (3.0, 3.000001)},
+    }
+    detector = NoisyDetector(dataclasses.replace(EXACT, **half[of]))
+    found: dict[bool, list[bool]] = {True: [], False: []}
+    for _categories, frame, _ in boxes_of(detector, frames):
+        _, middle, count = detector._outlines
+        seen = set(detector._found[0][: detector._n].tolist())
+        for k in np.flatnonzero((frame.counts >= 4) & (count > 0) & (detector._surface_m2 > 0)).tolist():
+            away = float(np.linalg.norm(middle[k] - frame.camera[:3]))
+            whole = min(0.25 * detector._surface_m2[k] * (64 / max(away, 0.1)) ** 2, 4000)
+            found[away > 3.0 if of == "far" else frame.counts[k] < 0.3 * whole].append(k in seen)
+    assert min(map(len, found.values())) > 300
+    assert np.mean(found[False]) == 1.0
+    assert np.mean(found[True]) == pytest.approx(0.4, abs=0.06)
+
+
+def test_three_strengths_are_files(frames: list) -> None:
+    looks = []
+    for strength in ("noisy_low", "noisy", "noisy_high"):
+        detector = Factory(config_of("frontier", f"detector={strength}")["detector"])()
+        assert isinstance(detector, NoisyDetector)
+        assert detector.name == strength
+        right = [
+            sum(map(Counter(boxes.label).__contains__, {c[k] for k in in_view(c, f)}))
+            for c, f, boxes in boxes_of(detector, frames)
+        ]
+        looks.append(np.mean(right))
+    assert looks[0] > 1.15 * looks[1]
+    assert looks[1] > 1.15 * looks[2] > 1.0
+
+
 def test_boxes_are_off_by_the_jitter(frames: list) -> None:
     exact = boxes_of(NoisyDetector(EXACT), frames)
-    shaken = boxes_of(NoisyDetector(Rates((1.0,), (1.0,), 0.0, 0.0, 0.1)), frames)
+    shaken = boxes_of(NoisyDetector(dataclasses.replace(EXACT, jitter=0.1)), frames)
     off = []
     for (_, _, a), (_, _, b) in zip(exact, shaken, strict=True):
         side = np.tile(a.xyxy[:, 2:] - a.xyxy[:, :2], 2)
@@ -195,6 +270,11 @@ def test_errors_do_not_depend_on_the_target() -> None:
         {"recall": (0.5,)},
         {"recall": (0.1, 0.2, 0.3, 1.2)},
         {"recall_px": (4, 4, 5, 6)},
+        {"hidden": (0.5,)},
+        {"far_m": (8.0, 3.0)},
+        {"far": (1.1, 0.5)},
+        {"auroc": 0.4},
+        {"auroc": 1.0},
         {"false_labels": -0.1},
         {"false_positives": 99.0},
         {"jitter": 1.0},
