@@ -23,7 +23,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Three episodes of ``frontier``."""
     out = tmp_path_factory.mktemp("run")
     words = ("agent=frontier", "episodes=mini", "limit=3")
-    return search_twice(words, out, ["none"], films=False)[0][0]
+    return search_twice(words, out, ["none"], films=False)[0].folder
 
 
 def test_episodes_are_listed_with_how_they_ended(run: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     import numpy as np
     from numpy.typing import NDArray
+
+    from ucon.commands.two_searches import Search
 
 
 #: Read places below this probability are a guess.
@@ -76,10 +77,32 @@ def run(args: argparse.Namespace) -> int:
     if not wish.place and chance < _UNSURE:
         print("warning: your sentences hardly say where; give --place, such as --place nextto:laptop", file=sys.stderr)
     others = n_habits - len(args.habit)
-    print(f"{len(args.habit)} of your sentences among {others} about other things and people of this home\n")
+    print(f"{len(args.habit)} of your sentences among {others} about other things and people of this home")
+    for line in _given_lines(args.habit, searches[-1]):
+        print(line)
+    print()
     print_searches(searches)
     print(f"\nOne search says little: another --seed starts elsewhere, among other things. All of it: {out}")
     return 0
+
+
+def _given_lines(habits: Sequence[str], search: Search) -> Iterator[str]:
+    """Lines that say which of the user's sentences the agent was given, and at which rank."""
+    from ucon.retrieval.levels import RANKED_LEVELS
+
+    level, given = search.record.habit_level, search.given
+    if given is None:
+        yield f"agent {search.record.agent} reads no habits"
+        return
+    retrieved = level in RANKED_LEVELS
+    for text in habits:
+        if text not in given:
+            said = f"not among the {len(given)} retrieved" if retrieved else f"not given at level {level}"
+        elif retrieved:
+            said = f"number {given.index(text) + 1} of {len(given)} retrieved"
+        else:
+            said = f"one of {len(given)} given"
+        yield f'  {said}: "{text}"'
 
 
 def _read(target: str, habits: Sequence[str]) -> tuple[Sequence[str], NDArray[np.float64]]:

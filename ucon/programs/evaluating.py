@@ -75,6 +75,10 @@ class Evaluation:
         self.n_new, self.seconds = 0, 0.0
         """Episodes that :meth:`play` played, and how long that took."""
 
+    def given(self, episode: Episode) -> tuple[str, ...] | None:
+        """Habits that the agent is given at an episode's start, in order; None for an agent that reads none."""
+        return self.source.knowledge(episode, self.level).texts if self.parts.uses_habits else None
+
     def twin(self) -> Path | None:
         """A finished run beside this one that has the same results.
 
