@@ -24,6 +24,7 @@ COMMANDS = {
     "home to pack": (["pack", "Rs_imt", "--out", "x"], "Rs_int"),
     "scene": (["try", "--scene", "Rs_imt", "--object", "mug", *HABIT], "Rs_int"),
     "object": (["try", "--object", "muug", *HABIT], "mug"),
+    "word of the catalogue": (["catalogue", "muug"], "mug"),
     "relation": (["try", "--object", "mug", "--place", "nexto:laptop", *HABIT], "nextto"),
     "anchor": (["try", "--object", "mug", "--place", "nextto:labtop", *HABIT], "laptop"),
     "agent to demonstrate": (["demo", "--agent", "beleif"], "belief"),
