@@ -51,7 +51,7 @@ def evaluate_and_report(cfg: DictConfig, out: Path, *, sweep: bool) -> None:
     config: dict[str, Any] = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)  # type: ignore[assignment]
     run = Evaluation(config, out)
     if sweep and (twin := run.twin()) is not None:
-        print(f"{config['agent']['_target_'].rsplit('.', 1)[-1]} reads no habits: its results are those in {twin}")
+        print(f"{run.label} reads no habits: its results are those in {twin}")
         return
     figures = run.play()
     wide = is_wide()
