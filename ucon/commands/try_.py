@@ -49,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
     Returns:
         Exit code 0; 2 if the wish has faults, which are printed one per line.
     """
-    from ucon.commands.two_searches import print_searches, search_twice
+    from ucon.commands.two_searches import check_searches, print_searches, search_twice
     from ucon.core.output import stdout_to_stderr
     from ucon.habits.datafile import save_dataset
     from ucon.task.making.own_household import FaultsError, OwnPlacement, own_episode
@@ -62,14 +62,16 @@ def run(args: argparse.Namespace) -> int:
         sys.stderr.write("".join(f"error: {fault}\n" for fault in error.faults))
         return 2
     out = args.out or Path("runs/try") / f"{args.scene.replace(':', '-')}_{args.object}"
+    habits, episodes = out / "own.habits.xz", out / "own.jsonl.xz"
+    words = (f"agent={args.agent}", "habits=folder", f"habits.path={habits}", f"episodes={episodes}")
+    levels = ("none", args.level)
     with stdout_to_stderr():
+        check_searches(words, levels)
         episode, dataset, place, chance = own_episode(wish, _read, args.seed)
         out.mkdir(parents=True, exist_ok=True)
-        habits, episodes = out / "own.habits.xz", out / "own.jsonl.xz"
         save_dataset(dataset, habits)
         save_episodes([episode], episodes)
-        words = (f"agent={args.agent}", "habits=folder", f"habits.path={habits}", f"episodes={episodes}")
-        searches = search_twice(words, out, ("none", args.level), films=args.video)
+        searches = search_twice(words, out, levels, films=args.video)
     read = "" if wish.place else f", as your habits are read ({100 * chance:.0f} %; --place says otherwise)"
     name = args.object.replace("_", " ")
     n_habits = sum(len(dataset.entries[dataset.entry_number[entry]].habits) for entry in episode.entries)

@@ -53,6 +53,24 @@ def search_twice(words: Sequence[str], out: Path, levels: Sequence[str], *, film
     return found
 
 
+def check_searches(words: Sequence[str], levels: Sequence[str]) -> None:
+    """Check what :func:`search_twice` would play, but for episodes and habits, before anything is written.
+
+    Args:
+        words: options of ``eval.py``.
+        levels: habit levels.
+
+    Raises:
+        ConfigError: not in a clone, or a wrong option.
+        DataError: weights are missing.
+    """
+    from ucon.configuration.wiring import Factory
+    from ucon.evaluation.playing.needed_weights import check_weights
+
+    for config in [_config(*words, f"habit_level={level}") for level in levels]:
+        check_weights(Factory(config["agent"])(), Factory(config["env"]["detector"])())
+
+
 def print_searches(searches: Sequence[Search]) -> None:
     """Print a table of the searches, why some were lost, and the paths of the films."""
     print(f"{'habits':<12}{'found':>6}{'steps':>8}{'metres':>9}{'shortest':>10}")
@@ -83,5 +101,5 @@ def _config(*words: str) -> dict[str, Any]:
         with initialize_config_dir(str(configs), version_base="1.3"):
             config: dict[str, Any] = OmegaConf.to_container(compose("eval", overrides=list(words)), resolve=True)  # type: ignore[assignment]
     except HydraException as error:
-        raise ConfigError(explain(error, configs, "eval")) from None
+        raise ConfigError(explain(error, configs, "eval", words)) from None
     return config
