@@ -30,9 +30,10 @@ from ucon.programs.evaluating import Evaluation
 @hydra.main(version_base="1.3", config_path="configs", config_name="eval")
 def main(cfg: DictConfig) -> None:
     """One run. Hydra calls it once for each combination of a sweep."""
-    with one_line_errors("eval"):
-        hydra_config = HydraConfig.get()
-        evaluate_and_report(cfg, Path(hydra_config.runtime.output_dir), sweep=hydra_config.mode == RunMode.MULTIRUN)
+    hydra_config = HydraConfig.get()
+    swept = Path(hydra_config.runtime.output_dir) if hydra_config.mode == RunMode.MULTIRUN else None
+    with one_line_errors("eval", swept):
+        evaluate_and_report(cfg, swept or Path(str(cfg.out)).absolute(), sweep=swept is not None)
 
 
 def evaluate_and_report(cfg: DictConfig, out: Path, *, sweep: bool) -> None:
@@ -51,7 +52,7 @@ def evaluate_and_report(cfg: DictConfig, out: Path, *, sweep: bool) -> None:
     config: dict[str, Any] = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)  # type: ignore[assignment]
     run = Evaluation(config, out)
     if sweep and (twin := run.twin()) is not None:
-        print(f"{config['agent']['_target_'].rsplit('.', 1)[-1]} reads no habits: its results are those in {twin}")
+        print(f"{run.label} reads no habits: its results are those in {twin}")
         return
     figures = run.play()
     wide = is_wide()

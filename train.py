@@ -47,9 +47,9 @@ from ucon.programs.training import ChosenRun, chosen_run, learner_name, run_iden
 @hydra.main(version_base="1.3", config_path="configs", config_name="train")
 def main(cfg: DictConfig) -> None:
     """One run. Hydra calls it once for each combination of a sweep."""
-    with one_line_errors("train"):
-        hydra_config = HydraConfig.get()
-        swept = Path(hydra_config.runtime.output_dir) if hydra_config.mode == RunMode.MULTIRUN else None
+    hydra_config = HydraConfig.get()
+    swept = Path(hydra_config.runtime.output_dir) if hydra_config.mode == RunMode.MULTIRUN else None
+    with one_line_errors("train", swept):
         train_and_report(cfg, list(hydra_config.overrides.task), swept)
 
 

@@ -72,6 +72,20 @@ def test_the_example_counts_whole_words(habit, category, mentions):
     assert agent._score(SimpleNamespace(category=category, cost=0), agent._words[0]) == mentions
 
 
+@pytest.mark.slow
+def test_the_tests_that_the_page_names_are_of_the_example(clone):
+    (line,) = re.findall(r"^python -m (pytest .*)$", PAGE, re.MULTILINE)
+    shutil.copytree(ROOT / "tests", clone / "tests", ignore=shutil.ignore_patterns("__pycache__"))
+    for path in ROOT.iterdir():
+        if not path.name.startswith(".") and not (clone / path.name).exists():
+            (clone / path.name).symlink_to(path)
+    command = [sys.executable, "-m", *line.split(), "-rp", "-p", "no:cacheprovider"]
+    done = subprocess.run(command, cwd=clone, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    played = re.findall(r"^PASSED \S+::(\w+)\[\S*mentioned", done.stdout, re.MULTILINE)
+    assert len(set(played)) >= 4
+
+
 def test_every_file_that_the_page_names_is_there():
     for name in re.findall(r"`((?:models|configs|ucon|docs)/[\w/.]+)`", PAGE):
         assert name in FILES or (ROOT / name).exists(), name

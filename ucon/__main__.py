@@ -28,7 +28,7 @@ COMMANDS = {
     "replay": "play finished runs again, such as those of results/, and say whether their numbers come out the same",
     "watch": "film an episode of a finished run, or list its episodes and how they ended",
     "cases": "find episodes where a habit about a thing beside the target was given, and the target found",
-    "catalogue": "draw the object catalogue",
+    "catalogue": "print the names of the object catalogue, or draw it",
     "scenes": "list and draw the homes",
     "habits": "import a habit dataset, or print a dataset's statistics",
     "episodes": "make or verify fixed episode sets",

@@ -49,7 +49,7 @@ class BeliefAgent(ControllerAgent):
                 what knowing the map is worth.
         """
         super().__init__()
-        self._locate = locate or ReadHabits()
+        self.locate = locate or ReadHabits()
         self._weights = weights or (KNOWN_HOME if tour else BeliefWeights())
         self._coverage = coverage or CoverageWeights()
         self._costs = costs or Costs()
@@ -59,7 +59,7 @@ class BeliefAgent(ControllerAgent):
 
     def fingerprint(self) -> str:
         """Hash of the trained reader's weights; see :mod:`ucon.evaluation.playing.needed_weights`."""
-        return str(fingerprint_of(self._locate))
+        return str(fingerprint_of(self.locate))
 
     def start(self, info: Info) -> Controller:
         """A controller with the belief that the habits in ``info`` give.
@@ -67,7 +67,7 @@ class BeliefAgent(ControllerAgent):
         Raises:
             ConfigError: ``tour`` in an environment that is not privileged.
         """
-        believing = expecting(info, self._locate, self._coverage, self._weights)
+        believing = expecting(info, self.locate, self._coverage, self._weights)
         controller = SearchController(info, believing, self._costs)
         if self._tour:
             controller.searcher.map.tour(tour_of(info))

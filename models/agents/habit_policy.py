@@ -90,7 +90,7 @@ class HabitPolicyAgent:
         """
         self.policy = policy
         self._weights = NetworkCheckpoint(policy, checkpoint)
-        self._locate, self._sizes, self._text = locate or ReadHabits(), sizes or Sizes(), text or TextTokens()
+        self.locate, self._sizes, self._text = locate or ReadHabits(), sizes or Sizes(), text or TextTokens()
         if type(miss) not in (int, float) or not 0.0 < miss <= 1.0:
             raise ConfigError(f"agent.miss={brief(miss)}: expected a chance above 0, at most 1")
         self._miss = miss
@@ -118,7 +118,7 @@ class HabitPolicyAgent:
 
         See :mod:`ucon.evaluation.playing.needed_weights`.
         """
-        reader, own = str(fingerprint_of(self._locate)), self._weights.sha256()
+        reader, own = str(fingerprint_of(self.locate)), self._weights.sha256()
         if own is None:
             return None
         return sha256_bytes(f"{own} {reader}".encode()) if own else reader
@@ -132,7 +132,7 @@ class HabitPolicyAgent:
         """
         self._prepare()
         for slot, info in zip(slots_of(infos, slots), infos, strict=True):
-            believing = expecting(info, self._locate)
+            believing = expecting(info, self.locate)
             searcher = Searcher(info, believing, miss=self._miss)
             reader = TokenReader(searcher, info, self._sizes)
             said = EpisodeTextTokens(self._text, str(info["target"]), believing)

@@ -38,6 +38,7 @@ def test_every_figure_is_said_with_its_unit(short: None, capsys: pytest.CaptureF
     assert note.startswith("CPU time of one process on one core")
     assert len(lines) == 9
     assert all(line.endswith((" steps a second", " choices a second", " steps a choice")) for line in lines)
+    assert len({line[:52] for line in lines}) == len(lines), "one name a row"
     first, *_, last = told.err.splitlines()
     assert first == f"bench: 0 of {STAGES + 1} parts"
     assert last.startswith(f"bench: {STAGES + 1} of {STAGES + 1} parts, ")

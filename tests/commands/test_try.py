@@ -8,29 +8,49 @@ from textwrap import dedent
 import numpy as np
 import pytest
 
+from tests.evaluation.records import record
 from ucon.__main__ import main
+from ucon.commands.try_ import _given_lines
+from ucon.commands.two_searches import Search, print_searches
 from ucon.evaluation.kept.record import read_records
 from ucon.habits.datafile import load_dataset_file
 from ucon.task.making.own_household import FaultsError, OwnPlacement, likely_places
 from ucon.task.sets import load_episodes
 
+ASIDE = "On Sundays the family walks to the lake and feeds the ducks."
 SAID = "After the morning mails the blue mug stays beside the laptop."
 
 
-def test_one_habit_is_enough(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["try", "--object", "mug", "--habit", SAID, "--no-video", "--out", str(tmp_path / "own")]
+def test_own_habits_and_the_search_by_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["try", "--object", "mug", "--habit", SAID, "--habit", ASIDE, "--no-video", "--out", str(tmp_path / "own")]
     assert main(words) == 0
     told = capsys.readouterr().out
     assert "mug in Rs_int: kept beside the laptop, as your habits are read (" in told
+    assert f'  number 1 of 20 retrieved: "{SAID}"\n  not among the 20 retrieved: "{ASIDE}"\n\n' in told
     (episode,) = load_episodes(str(tmp_path / "own" / "own.jsonl.xz"))
     entry = load_dataset_file(tmp_path / "own" / "own.habits.xz").entries[0]
-    assert [habit.text for habit in entry.habits] == [SAID]
+    assert [habit.text for habit in entry.habits] == [SAID, ASIDE]
     assert episode.placed_by[episode.target] == (entry.id, 0)
     for level in ("none", "retrieval"):
         (record,) = read_records(tmp_path / "own" / level)
         assert (record.habit_level, record.target, record.relation) == (level, "mug", "nextto")
         assert f"{record.steps:>8}" in told
     assert main(words) == 0, "again, beside what is there"
+
+
+def test_where_nothing_is_ranked_the_sentences_are_given_or_not(capsys: pytest.CaptureFixture[str]) -> None:
+    def lines(given: tuple[str, ...] | None, level: str) -> list[str]:
+        return [*_given_lines([SAID], Search(Path(), record(0, habit_level=level), given, ""))]
+
+    assert lines((ASIDE, SAID), "gt") == [f'  one of 2 given: "{SAID}"']
+    assert lines((), "none") == [f'  not given at level none: "{SAID}"']
+    assert lines(None, "retrieval") == ["agent belief reads no habits"]
+
+
+def test_a_lost_search_says_why(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    found, lost = record(0), record(0, success=False, habit_level="none")
+    print_searches([Search(tmp_path, lost, (), "never seen; steps ran out at 300"), Search(tmp_path, found, (), "")])
+    assert capsys.readouterr().out.splitlines()[3:] == ["none: never seen; steps ran out at 300"]
 
 
 def test_a_place_is_taken_as_it_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -25,7 +25,7 @@ _FIGURES: Final = {
     "env_symbolic_sps": ("UcON-v0 without images", _STEPS),
     "env_with_resets_sps": ("UcON-v0 with images, resets included", _STEPS),
     "search_decisions_per_s": ("UcONSearch-v0, choices at random", "choices a second"),
-    "search_steps_per_decision": ("UcONSearch-v0, choices at random", "steps a choice"),
+    "search_steps_per_decision": ("UcONSearch-v0, length of choices at random", "steps a choice"),
     "decisions_per_s": ("agent=belief, its environment included", _STEPS),
 }
 

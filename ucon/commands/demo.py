@@ -29,16 +29,17 @@ def run(args: argparse.Namespace) -> int:
     Returns:
         Exit code 0.
     """
-    from ucon.commands.two_searches import print_searches, search_twice
+    from ucon.commands.two_searches import check_searches, print_searches, search_twice
     from ucon.core.output import stdout_to_stderr
     from ucon.task.sets import load_episodes, save_episodes
 
     episode = load_episodes("mini")[_EPISODE]
     file = args.out / "episode.jsonl.xz"
+    words = (f"agent={args.agent}", f"episodes={file}")
     with stdout_to_stderr():
+        check_searches(words, ("none", "retrieval"))
         args.out.mkdir(parents=True, exist_ok=True)
         save_episodes([episode], file)
-        words = (f"agent={args.agent}", f"episodes={file}")
         searches = search_twice(words, args.out, ("none", "retrieval"), films=args.video)
     print(_introduction(episode))
     print_searches(searches)

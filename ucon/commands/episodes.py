@@ -62,7 +62,7 @@ def _make(args: argparse.Namespace) -> int:
     from ucon.core.files import require_writable
     from ucon.task.making.make_sets import make_episodes
     from ucon.task.making.set_plans import OFFICIAL_SETS, hosted_orders, set_orders
-    from ucon.task.sets import save_episodes, set_name, set_path
+    from ucon.task.sets import check_suffix, save_episodes, set_name, set_path
 
     # The official sets need --habits, so they may be written to their own place; a part of a set may not.
     other = [("--habits", args.habits and args.name not in OFFICIAL_SETS), ("--limit", args.limit is not None)]
@@ -77,6 +77,7 @@ def _make(args: argparse.Namespace) -> int:
     if not orders:
         raise ConfigError(f"dataset '{dataset.name}': nothing of it can be placed in a home of set '{args.name}'")
     path = args.out or set_path(name)
+    check_suffix(path)
     journal = path.with_name(f"{path.name}.part")
     require_writable(journal)
     custom = dataset if args.habits else None

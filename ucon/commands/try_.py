@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     import numpy as np
     from numpy.typing import NDArray
+
+    from ucon.commands.two_searches import Search
 
 
 #: Read places below this probability are a guess.
@@ -48,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
     Returns:
         Exit code 0; 2 if the wish has faults, which are printed one per line.
     """
-    from ucon.commands.two_searches import print_searches, search_twice
+    from ucon.commands.two_searches import check_searches, print_searches, search_twice
     from ucon.core.output import stdout_to_stderr
     from ucon.habits.datafile import save_dataset
     from ucon.task.making.own_household import FaultsError, OwnPlacement, own_episode
@@ -61,14 +62,16 @@ def run(args: argparse.Namespace) -> int:
         sys.stderr.write("".join(f"error: {fault}\n" for fault in error.faults))
         return 2
     out = args.out or Path("runs/try") / f"{args.scene.replace(':', '-')}_{args.object}"
+    habits, episodes = out / "own.habits.xz", out / "own.jsonl.xz"
+    words = (f"agent={args.agent}", "habits=folder", f"habits.path={habits}", f"episodes={episodes}")
+    levels = ("none", args.level)
     with stdout_to_stderr():
+        check_searches(words, levels)
         episode, dataset, place, chance = own_episode(wish, _read, args.seed)
         out.mkdir(parents=True, exist_ok=True)
-        habits, episodes = out / "own.habits.xz", out / "own.jsonl.xz"
         save_dataset(dataset, habits)
         save_episodes([episode], episodes)
-        words = (f"agent={args.agent}", "habits=folder", f"habits.path={habits}", f"episodes={episodes}")
-        searches = search_twice(words, out, ("none", args.level), films=args.video)
+        searches = search_twice(words, out, levels, films=args.video)
     read = "" if wish.place else f", as your habits are read ({100 * chance:.0f} %; --place says otherwise)"
     name = args.object.replace("_", " ")
     n_habits = sum(len(dataset.entries[dataset.entry_number[entry]].habits) for entry in episode.entries)
@@ -76,10 +79,32 @@ def run(args: argparse.Namespace) -> int:
     if not wish.place and chance < _UNSURE:
         print("warning: your sentences hardly say where; give --place, such as --place nextto:laptop", file=sys.stderr)
     others = n_habits - len(args.habit)
-    print(f"{len(args.habit)} of your sentences among {others} about other things and people of this home\n")
+    print(f"{len(args.habit)} of your sentences among {others} about other things and people of this home")
+    for line in _given_lines(args.habit, searches[-1]):
+        print(line)
+    print()
     print_searches(searches)
     print(f"\nOne search says little: another --seed starts elsewhere, among other things. All of it: {out}")
     return 0
+
+
+def _given_lines(habits: Sequence[str], search: Search) -> Iterator[str]:
+    """Lines that say which of the user's sentences the agent was given, and at which rank."""
+    from ucon.retrieval.levels import RANKED_LEVELS
+
+    level, given = search.record.habit_level, search.given
+    if given is None:
+        yield f"agent {search.record.agent} reads no habits"
+        return
+    retrieved = level in RANKED_LEVELS
+    for text in habits:
+        if text not in given:
+            said = f"not among the {len(given)} retrieved" if retrieved else f"not given at level {level}"
+        elif retrieved:
+            said = f"number {given.index(text) + 1} of {len(given)} retrieved"
+        else:
+            said = f"one of {len(given)} given"
+        yield f'  {said}: "{text}"'
 
 
 def _read(target: str, habits: Sequence[str]) -> tuple[Sequence[str], NDArray[np.float64]]:

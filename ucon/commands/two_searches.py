@@ -4,13 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from ucon.evaluation.kept.record import EpisodeRecord
 
-Search = tuple[Path, "EpisodeRecord"]
-"""Folder of a run of one episode, and its record."""
+
+class Search(NamedTuple):
+    """A run of one episode."""
+
+    folder: Path
+    record: EpisodeRecord
+    given: tuple[str, ...] | None
+    """Habits that the agent was given at the start, in order; None for an agent that reads none."""
+    lost: str
+    """Why the target was not found; "" where it was."""
 
 
 def search_twice(words: Sequence[str], out: Path, levels: Sequence[str], *, films: bool) -> list[Search]:
@@ -27,6 +35,7 @@ def search_twice(words: Sequence[str], out: Path, levels: Sequence[str], *, film
     Raises:
         ConfigError: not in a clone, or a wrong option.
     """
+    from ucon.evaluation.kept.endings import why_lost
     from ucon.evaluation.kept.finished import FinishedRun
     from ucon.programs.evaluating import Evaluation
 
@@ -36,21 +45,42 @@ def search_twice(words: Sequence[str], out: Path, levels: Sequence[str], *, film
     for level, config in configs.items():
         run = Evaluation(config, out / level, anew=True)
         run.play()
-        records = FinishedRun.read(run.out).records
-        assert records is not None, "a run just played keeps its records"
-        found.append((run.out, records[0]))
+        kept = FinishedRun.read(run.out)
+        assert kept.records is not None, "a run just played keeps its records"
+        record = kept.records[0]
+        lost = why_lost(record, kept.decisions().get(record.episode, ()))
+        found.append(Search(run.out, record, run.given(run.episodes[0]), lost))
     return found
 
 
+def check_searches(words: Sequence[str], levels: Sequence[str]) -> None:
+    """Check what :func:`search_twice` would play, but for episodes and habits, before anything is written.
+
+    Args:
+        words: options of ``eval.py``.
+        levels: habit levels.
+
+    Raises:
+        ConfigError: not in a clone, or a wrong option.
+        DataError: weights are missing.
+    """
+    from ucon.configuration.wiring import Factory
+    from ucon.evaluation.playing.needed_weights import check_weights
+
+    for config in [_config(*words, f"habit_level={level}") for level in levels]:
+        check_weights(Factory(config["agent"])(), Factory(config["env"]["detector"])())
+
+
 def print_searches(searches: Sequence[Search]) -> None:
-    """Print a table of the searches, and the paths of the films."""
+    """Print a table of the searches, why some were lost, and the paths of the films."""
     print(f"{'habits':<12}{'found':>6}{'steps':>8}{'metres':>9}{'shortest':>10}")
-    for _, record in searches:
+    for record in (search.record for search in searches):
         print(
             f"{record.habit_level:<12}{'yes' if record.success else 'no':>6}{record.steps:>8}"
             f"{record.path_length_m:>9.2f}{record.shortest_path_m:>10.2f}"
         )
-    films = [film for folder, _ in searches for film in sorted((folder / "pictures").glob("*.webm"))]
+    print("".join(f"{search.record.habit_level}: {search.lost}\n" for search in searches if search.lost), end="")
+    films = [film for search in searches for film in sorted((search.folder / "pictures").glob("*.webm"))]
     print("".join(f"film: {film}\n" for film in films), end="")
 
 
@@ -71,5 +101,5 @@ def _config(*words: str) -> dict[str, Any]:
         with initialize_config_dir(str(configs), version_base="1.3"):
             config: dict[str, Any] = OmegaConf.to_container(compose("eval", overrides=list(words)), resolve=True)  # type: ignore[assignment]
     except HydraException as error:
-        raise ConfigError(explain(error, configs, "eval")) from None
+        raise ConfigError(explain(error, configs, "eval", words)) from None
     return config

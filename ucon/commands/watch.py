@@ -3,17 +3,29 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Final
 
 from ucon.configuration.kept_config import add_places, bad, configuration_of, places_in
 
 if TYPE_CHECKING:
+    from ucon.evaluation.kept.decisions import DecisionRecord
     from ucon.evaluation.kept.finished import FinishedRun
     from ucon.evaluation.kept.record import EpisodeRecord
+    from ucon.programs.evaluating import Evaluation
+
+#: Most habits that are printed.
+_MOST_HABITS: Final = 5
+#: What a computed choice promises, in the text of its decision.
+_PROMISE: Final = re.compile(r"worth (\S+), (.+? away), score ([^\s,]+)")
+_LEGEND: Final = (
+    "worth: the agent's estimate of how likely a view shows the target; score: worth over its cost; the highest is\n"
+    "chosen; belief: how likely the target is at that place"
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,12 +55,11 @@ def run(args: argparse.Namespace) -> int:
         DataError: the run stores no episodes.
         ConfigError: an unknown episode.
     """
-    from ucon.core.errors import DataError
-    from ucon.evaluation.kept.finished import FinishedRun
+    from ucon.evaluation.kept.finished import FinishedRun, figures_only
 
     kept = FinishedRun.read(args.run)
     if kept.records is None:
-        raise DataError(f"{args.run}: it keeps figures alone and no episodes; evaluate again (python -m ucon replay)")
+        raise figures_only([args.run])
     if args.episode is None:
         _list(kept.records, lost=args.lost)
         return 0
@@ -90,6 +101,7 @@ def _film(args: argparse.Namespace, kept: FinishedRun, number: int) -> int:
     from ucon.configuration.stored import said_in
     from ucon.core.errors import DataError
     from ucon.core.output import stdout_to_stderr
+    from ucon.evaluation.kept.endings import why_lost
     from ucon.evaluation.playing.runner import evaluate
     from ucon.programs.evaluating import Evaluation
     from ucon.task.spoken import target_place
@@ -105,13 +117,67 @@ def _film(args: argparse.Namespace, kept: FinishedRun, number: int) -> int:
             raise DataError(f"{args.run}: other episodes are kept than its configuration names now")
         others = [k for k in range(len(kept.records)) if k != number]
         (played,) = evaluate(replace(run.spec, films=args.out), run.episodes, workers=0, skip=others)
+        habits = [*_habit_lines(run, config["agent"], number, reads=kept.summary.get("uses_habits", True))]
     ending = "found" if record.success else f"not found ({record.failure_cause.replace('_', ' ')})"
+    made = kept.decisions().get(record.episode) or played.decisions
     target, place = record.target.replace("_", " "), target_place(run.episodes[number])
     print(f"{record.episode}: {target} {place}, {ending} after {record.steps} steps")
-    for decision in kept.decisions().get(record.episode) or played.decisions:
-        print(f"  step {decision.step:>3}  {decision.words:<40} {decision.text}".rstrip())
+    print(*habits, sep="\n")
+    for line in _decision_lines(made):
+        print(line)
+    if lost := why_lost(record, made):
+        print(f"not found: {lost}")
     print("\n".join(str(path) for path in sorted(args.out.glob(f"{number:03d}_*"))))
     if (played.record.actions, played.record.spl) != (record.actions, record.spl):
         sys.stderr.write("warning: it came out otherwise than it was kept: another code, or an agent that draws\n")
         return 1
     return 0
+
+
+def _decision_lines(made: Sequence[DecisionRecord]) -> Iterator[str]:
+    """Lines of an episode's decisions; before them what their numbers mean, where they have any."""
+    texts = [d.text if d.asked else _evenly(d.text) for d in made]
+    if any(not d.asked and _PROMISE.search(d.text) for d in made):
+        yield _LEGEND
+    for decision, text in zip(made, texts, strict=True):
+        yield f"  step {decision.step:>3}  {decision.words:<40} {text}".rstrip()
+
+
+def _evenly(text: str) -> str:
+    """The text of a computed choice with four digits after the point in each number of it."""
+
+    def four_digits(found: re.Match[str]) -> str:
+        worth, away, score = found.groups()
+        return f"worth {float(worth):.4f}, {away}, score {float(score):.4f}"
+
+    return _PROMISE.sub(four_digits, text)
+
+
+def _habit_lines(run: Evaluation, agent: Any, number: int, *, reads: bool) -> Iterator[str]:
+    """Lines with the habits that the agent was given at the start: those that it reads most from, or the first.
+
+    Args:
+        run: the run.
+        agent: configuration of the agent.
+        number: of the episode.
+        reads: whether the agent that was played reads habits.
+    """
+    from ucon.configuration.wiring import Factory
+    from ucon.retrieval.levels import RANKED_LEVELS
+
+    episode = run.episodes[number]
+    given = run.given(episode) if reads else None
+    if not given:
+        yield "habits: the agent reads none" if given is None else f"habits: none at level {run.level}"
+        return
+    info = {"target": episode.target_category, "habits": given, "habit_level": run.level}
+    locate = getattr(Factory(agent)(), "locate", None)
+    relevance = None if locate is None else locate(info).relevance
+    says = [0.0] * len(given) if relevance is None else [float(share) for share in relevance]
+    shown = sorted(range(len(given)), key=lambda k: -says[k])[:_MOST_HABITS]
+    known = "those the agent reads most from, and how much each says about the place"
+    order = "the first" if relevance is None else known
+    yield f"habits: {len(given)} {'retrieved' if run.level in RANKED_LEVELS else 'given'}; {order}:"
+    for k in shown:
+        share = "" if relevance is None else f"{says[k]:>4.0%}  "
+        yield f'  number {k + 1:>3}  {share}"{given[k]}"'

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -22,6 +22,7 @@ class HelpEntry(NamedTuple):
     """Dotted name."""
     value: str
     comment: str
+    """Prose without line breaks; code keeps its lines, which start with two spaces."""
 
 
 def help_page(configs: Path, name: str, words: Sequence[str] = ()) -> str:
@@ -62,14 +63,14 @@ def options_of(text: str) -> Iterator[HelpEntry]:
     path: list[tuple[int, str]] = []
     for line in text.splitlines():
         if line.lstrip().startswith("#"):
-            above.append(line.lstrip("# ").rstrip())
+            above.append(_uncommented(line.lstrip()))
             continue
         if (match := _KEY.fullmatch(line)) is not None:
             indent = len(match[1])
             path = [(depth, key) for depth, key in path if depth < indent] + [(indent, match[2])]
             keys = [key for _, key in path]
             if above and keys[0] not in _LEFT_OUT and keys[-1] not in _LEFT_OUT and "@package" not in above[0]:
-                yield HelpEntry(".".join(keys), match[3] or "...", " ".join(above))
+                yield HelpEntry(".".join(keys), match[3] or "...", _joined(above))
         above = []
 
 
@@ -79,8 +80,22 @@ def _head(text: str) -> list[str]:
     for line in text.splitlines():
         if not line.startswith("#"):
             break
-        out.append(line.removeprefix("#").removeprefix(" "))
+        out.append(_uncommented(line))
     return out
+
+
+def _uncommented(line: str) -> str:
+    return line.removeprefix("#").removeprefix(" ").rstrip()
+
+
+def _joined(lines: Iterable[str]) -> str:
+    """A comment's lines as one text: prose is joined, lines of code (indented) stay lines."""
+    text = ""
+    for line in lines:
+        code = line.startswith("  ")
+        broken = code or text.rpartition("\n")[2].startswith("  ")
+        text += ("\n" if broken else " ") + (line if code else line.strip()) if text else line.strip()
+    return text
 
 
 def _groups(text: str) -> Iterator[tuple[str, str]]:
@@ -94,18 +109,25 @@ def _groups(text: str) -> Iterator[tuple[str, str]]:
 
 def _comment(path: Path) -> str:
     lines = [line for line in _head(path.read_text(encoding="utf-8")) if not line.startswith("@package")]
-    return " ".join(line.strip() for line in lines)
+    return _joined(lines)
 
 
 def _first_sentence(text: str) -> str:
-    return re.split(r"(?<=\.) ", text, maxsplit=1)[0]
+    """The first sentence of a comment, with the code that it announces."""
+    return re.split(r"(?<=\.)\s|\n(?!  )", text, maxsplit=1)[0]
 
 
 def _entry_lines(name: str, comment: str) -> list[str]:
-    """Lines of an option or choice and its comment: beside it, or below where its name is long."""
+    """Lines of an option or choice and its comment: beside it, or below where its name is long. Code is not wrapped."""
     column = 24
-    body = textwrap.wrap(comment, _WIDTH - column, break_long_words=False, break_on_hyphens=False) or [""]
+    body: list[str] = []
+    for part in comment.split("\n"):
+        if part.startswith("  "):
+            body.append(f"    {part.strip()}")
+        else:
+            prose = textwrap.wrap(part, _WIDTH - column, break_long_words=False, break_on_hyphens=False)
+            body += [" " * column + line for line in prose]
     first = f"  {name}"
-    if len(first) > column - 2:
-        return [first, *(" " * column + line for line in body)]
-    return [f"{first:<{column}}{body[0]}".rstrip(), *(" " * column + line for line in body[1:])]
+    if len(first) > column - 2 or not body:
+        return [first, *body]
+    return [f"{first:<{column}}{body[0][column:]}", *body[1:]]

@@ -23,7 +23,8 @@ from ucon.configuration.kinds import (
     one_of,
     whole,
 )
-from ucon.core.errors import ConfigError, brief, unknown_name
+from ucon.configuration.near_options import unknown_option
+from ucon.core.errors import ConfigError, brief
 
 #: Highest number of threads; torch fails on far larger ones.
 MOST_THREADS: Final = 1024
@@ -94,7 +95,7 @@ def check_options(config: Mapping[str, Any], kinds: Mapping[str, Kind]) -> None:
     for name, value in _leaves(config, kinds):
         kind = kinds.get(name)
         if kind is None:
-            raise ConfigError(unknown_name("option", name, kinds))
+            raise ConfigError(unknown_option(name, kinds))
         if not kind.takes(value):
             raise ConfigError(f"{name}={brief(value)}: expected {kind.expected}")
 

@@ -6,7 +6,7 @@ Entry points catch :class:`UconError` and end with its one line; anything else i
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from ucon.core.text import is_shown
 
@@ -87,7 +87,7 @@ def brief(value: object) -> str:
     return text if is_shown(text) else ascii(text)[1:-1]
 
 
-def unknown_name(kind: str, name: str, known: Iterable[str], *, remedy: str = "") -> str:
+def unknown_name(kind: str, name: str, known: Iterable[str], *, remedy: str = "", meant: Sequence[str] = ()) -> str:
     """The message for a name that does not exist, with the nearest ones that do.
 
     Args:
@@ -95,10 +95,13 @@ def unknown_name(kind: str, name: str, known: Iterable[str], *, remedy: str = ""
         name: the unknown name.
         known: the names that exist.
         remedy: added at the end.
+        meant: existing names that are near in meaning, nearest first.
     """
     names, name = sorted(known), brief(name)
     close = difflib.get_close_matches(name, names, n=3)
-    hint = f"did you mean {', '.join(close)}?" if close else _sample(names)
+    spelt = f"did you mean {', '.join(close)}?" if close else ""
+    meaning = f"near in meaning: {', '.join(meant)}" if meant else ""
+    hint = " ".join(part for part in (spelt, meaning) if part) or _sample(names)
     return f"unknown {kind} '{name}': {hint}{' ' + remedy if remedy else ''}"
 
 

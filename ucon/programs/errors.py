@@ -8,12 +8,13 @@ import os
 import re
 import sys
 import traceback
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, NoReturn
 
 from ucon.configuration.help_page import help_page
+from ucon.configuration.near_options import unknown_option
 from ucon.core.errors import UconError, unknown_name
 
 #: Exit codes: of errors that the user can mend, and of Ctrl-C (the shell's code).
@@ -21,6 +22,8 @@ USER_ERROR, INTERRUPTED = 2, 130
 #: Error numbers that mean a problem of the disk, not a bug.
 _OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO)
 
+#: File that Hydra writes into the folder of a sweep.
+_OF_SWEEPS = "multirun.yaml"
 #: Words with two dashes that Hydra takes.
 _FLAGS = frozenset(
     {"--hydra-help", "--version", "--cfg", "--resolve", "--package", "--run", "--multirun", "--shell-completion"}
@@ -52,7 +55,7 @@ def run_entry(main: Callable[[], Any], config_name: str) -> None:
     try:
         main()
     except (HydraException, OmegaConfBaseException) as error:
-        _end(explain(error, _configs(), config_name), USER_ERROR)
+        _end(explain(error, _configs(), config_name, sys.argv[1:]), USER_ERROR)
     except (OSError, ValueError) as error:
         if _within(main, error):
             raise
@@ -60,29 +63,32 @@ def run_entry(main: Callable[[], Any], config_name: str) -> None:
             _end(
                 f"{error.filename}: cannot be made ({error.strerror}); give out=FOLDER that can be written", USER_ERROR
             )
-        _end(explain(error, _configs(), config_name), USER_ERROR)
+        _end(explain(error, _configs(), config_name, sys.argv[1:]), USER_ERROR)
     except KeyboardInterrupt:
         _end("interrupted", INTERRUPTED)
 
 
 @contextmanager
-def one_line_errors(config_name: str) -> Iterator[None]:
+def one_line_errors(config_name: str, swept: Path | None = None) -> Iterator[None]:
     """Context manager within a Hydra main: errors that a user can mend end the program in one line, with exit code 2.
 
     Ending by SystemExit keeps Hydra from printing lines of its own. Bugs keep their traceback.
 
     Args:
         config_name: ``eval`` or ``train``.
+        swept: folder that Hydra made for this run of a sweep: it is removed where the run fails before it writes, and
+            so is that of the sweep where no other run has written; None outside a sweep.
     """
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
 
     try:
-        yield
+        with _unused_removed(swept):
+            yield
     except UconError as error:
         _end(str(error), USER_ERROR)
     except (HydraException, OmegaConfBaseException) as error:
-        _end(explain(error, _configs(), config_name), USER_ERROR)
+        _end(explain(error, _configs(), config_name, sys.argv[1:]), USER_ERROR)
     except OSError as error:
         if error.errno not in _OF_THE_DISK:
             raise
@@ -93,6 +99,21 @@ def one_line_errors(config_name: str) -> Iterator[None]:
         )
     except KeyboardInterrupt:
         _end(f"interrupted; {_what_is_kept(config_name)}", INTERRUPTED)
+
+
+@contextmanager
+def _unused_removed(swept: Path | None) -> Iterator[None]:
+    """Context manager that, after an error, removes a run's empty folder, and its sweep's if nothing else is there."""
+    try:
+        yield
+    except BaseException:
+        if swept is not None:
+            with suppress(OSError):
+                swept.rmdir()
+                if [path.name for path in swept.parent.iterdir()] == [_OF_SWEEPS]:
+                    (swept.parent / _OF_SWEEPS).unlink()
+                    swept.parent.rmdir()
+        raise
 
 
 def _within(main: Callable[[], Any], error: BaseException) -> bool:
@@ -109,13 +130,14 @@ def _what_is_kept(config_name: str) -> str:
     return "what is finished is kept: the same command with the same out= goes on"
 
 
-def explain(error: BaseException, configs: Path, config_name: str) -> str:
+def explain(error: BaseException, configs: Path, config_name: str, words: Sequence[str] = ()) -> str:
     """One line for a configuration error, with the nearest existing names.
 
     Args:
         error: of Hydra or OmegaConf.
         configs: folder of the configurations.
         config_name: ``eval`` or ``train``.
+        words: of the command line; options of the agent, detector, ... that they choose exist, too.
     """
     text = str(error)
     if type(error).__name__ in ("MissingMandatoryValue", "InterpolationToMissingValueError"):
@@ -130,21 +152,27 @@ def explain(error: BaseException, configs: Path, config_name: str) -> str:
             return f"agent={name} has no learner of its own; give learner=..., or one that has: {', '.join(names)}"
         return unknown_name(group, name, names)
     if found := re.search(r"Could not (?:override|append to|find a match for) '([^'@]+)'", text):
-        return unknown_name("option", found[1], _options(configs, config_name))
+        return unknown_option(found[1], _options(configs, config_name, words))
     if found := re.search(r"Key '([^']+)' (?:is not in struct|not in)[\s\S]*full_key: (\S+)", text):
-        return unknown_name("option", found[2], _options(configs, config_name))
+        return unknown_option(found[2], _options(configs, config_name, words))
     return " ".join(line.strip() for line in text.splitlines()[:2] if line.strip())
 
 
-def _options(configs: Path, config_name: str) -> list[str]:
-    """Dotted names of all options of a configuration, with its groups."""
+def _options(configs: Path, config_name: str, words: Sequence[str]) -> list[str]:
+    """Dotted names of all options of a configuration with the choices in ``words``, and of its groups."""
     from hydra import compose, initialize_config_dir
     from hydra.core.global_hydra import GlobalHydra
+    from hydra.errors import HydraException
     from omegaconf import OmegaConf
 
     GlobalHydra.instance().clear()
+    chosen = [word for word in words if (configs / f"{word.replace('=', '/')}.yaml").is_file()]
     with initialize_config_dir(str(configs), version_base="1.3"):
-        config = OmegaConf.to_container(compose(config_name), resolve=False)
+        try:
+            composed = compose(config_name, overrides=chosen)
+        except HydraException:  # the choices do not go together
+            composed = compose(config_name)
+        config = OmegaConf.to_container(composed, resolve=False)
     groups = [p.name for p in configs.iterdir() if p.is_dir()]
     return sorted({*groups, *_keys(config)})
 

@@ -18,7 +18,7 @@ from ucon.configuration.wiring import Factory
 from ucon.core.sole_writer import sole_writer
 from ucon.evaluation.figures.report import run_hashes, summary, versions
 from ucon.evaluation.kept.folder import RunFolder, free_folder
-from ucon.evaluation.kept.naming import parts_of
+from ucon.evaluation.kept.naming import agent_label, parts_of
 from ucon.evaluation.kept.seal import has_summary
 from ucon.evaluation.kept.twins import twin_of
 from ucon.evaluation.playing.needed_weights import check_weights, fingerprints
@@ -57,6 +57,8 @@ class Evaluation:
         warn_of_other_rules(self.episodes, task["name"])
         agent, detector = Factory(config["agent"])(), Factory(config["env"]["detector"])()
         self.parts, self.source = parts_of(agent, detector), Factory(config["env"]["source"])()
+        self.label = agent_label({"agent": agent.name, **self.parts.to_json()})
+        """Label of the agent, as in tables."""
         if anew or not has_summary(out):  # a finished run is only read and needs no weights
             check_weights(agent, detector)
         # Weights that rank habits count only for agents that read habits; others have one run for all levels.
@@ -74,6 +76,10 @@ class Evaluation:
         )
         self.n_new, self.seconds = 0, 0.0
         """Episodes that :meth:`play` played, and how long that took."""
+
+    def given(self, episode: Episode) -> tuple[str, ...] | None:
+        """Habits that the agent is given at an episode's start, in order; None for an agent that reads none."""
+        return self.source.knowledge(episode, self.level).texts if self.parts.uses_habits else None
 
     def twin(self) -> Path | None:
         """A finished run beside this one that has the same results.
@@ -143,8 +149,9 @@ class Evaluation:
         config = self.config
         with embedding_progress(visible=config["progress"]) as on_text:
             self.source.prepare(on_text, self.level)
-        label = f"{config['agent']['_target_'].rsplit('.', 1)[-1]} {self.level}"
-        with EvaluationProgress(label, len(self.episodes), visible=config["progress"], done=done.values()) as progress:
+        with EvaluationProgress(
+            f"{self.label} {self.level}", len(self.episodes), visible=config["progress"], done=done.values()
+        ) as progress:
 
             def on_played(played: PlayedEpisode) -> None:
                 folder.add(played)

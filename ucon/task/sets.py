@@ -126,14 +126,19 @@ def _load(path: Path, _mtime: int) -> tuple[Episode, ...]:
     return tuple(episodes)
 
 
+def check_suffix(path: Path) -> None:
+    """Raise :class:`EpisodeError` for a file name that does not end in ``.jsonl.xz``."""
+    if not path.name.endswith(SUFFIX):
+        raise EpisodeError(f"{path}: expected a name ending in {SUFFIX}")
+
+
 def save_episodes(episodes: Sequence[Episode], path: Path) -> None:
     """Write a set and update its folder's manifest; the same episodes give the same bytes.
 
     Raises:
         EpisodeError: the file's name does not end in ``.jsonl.xz``.
     """
-    if not path.name.endswith(SUFFIX):
-        raise EpisodeError(f"{path}: expected a name ending in {SUFFIX}")
+    check_suffix(path)
     text = "".join(canonical_json(episode.to_json()) + "\n" for episode in episodes)
     write_atomic(path, lzma.compress(text.encode(), preset=6))
     write_manifest(path.parent, [p.name for p in path.parent.glob(f"*{SUFFIX}")])

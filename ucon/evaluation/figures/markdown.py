@@ -15,7 +15,7 @@ from ucon.core.errors import ConfigError
 from ucon.evaluation.figures.gap_closed import CELLS, DISTANCES, carried_over, distance_closed
 from ucon.evaluation.figures.intervals import Interval, mean_interval, rate_interval
 from ucon.evaluation.figures.paired import Comparison
-from ucon.evaluation.kept.finished import FinishedRun
+from ucon.evaluation.kept.finished import FinishedRun, figures_only
 from ucon.evaluation.kept.naming import agent_label, level
 from ucon.evaluation.kept.record import EpisodeRecord, read_records
 from ucon.evaluation.kept.seal import has_summary
@@ -46,8 +46,9 @@ def read_run(path: Path) -> Run:
     """
     if has_summary(path):
         run = FinishedRun.read(path)
-        if run.records is not None:
-            return Run(run.label, run.records)
+        if run.records is None:
+            raise figures_only([path])
+        return Run(run.label, run.records)
     records = tuple(read_records(path))
     said = {"agent": records[0].agent, "habit_level": records[0].habit_level}
     return Run(f"{agent_label(said)}, {level(said)}", records)
@@ -62,6 +63,8 @@ def read_runs(folders: Sequence[Path]) -> dict[Path, Run]:
     Raises:
         DataError: no records in one of them.
     """
+    if bare := [folder for folder in folders if has_summary(folder) and FinishedRun.read(folder).records is None]:
+        raise figures_only(bare)
     runs = {folder: read_run(folder) for folder in folders}
     labels = [run.label for run in runs.values()]
     return {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -120,6 +120,19 @@ class FinishedRun:
             i: as_played(i, record, timing, decisions.get(record.episode, []), where)
             for i, (record, timing) in enumerate(zip(self.records, timings, strict=True))
         }
+
+
+def figures_only(folders: Sequence[Path]) -> DataError:
+    """The error about runs of which episodes are needed, but only figures are kept.
+
+    Args:
+        folders: of the runs.
+    """
+    names = " ".join(str(folder) for folder in folders)
+    made = " ".join(f"runs/replay/{folder.resolve().name}" for folder in folders)
+    return DataError(
+        f"{names}: keeps figures only, no episodes; `python -m ucon replay {names}` plays them, then give {made}"
+    )
 
 
 def as_played(

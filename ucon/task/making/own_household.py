@@ -9,11 +9,12 @@ from typing import Final, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.core.errors import ConfigError, EpisodeError, UconError, unknown_name
+from ucon.core.errors import ConfigError, EpisodeError, UconError
 from ucon.habits.book import book, book_anchors
 from ucon.habits.rules import OWN_LIMITS, count_fault, habit_fault, line_fault, placement_fault
 from ucon.habits.types import Entry, Habit, HabitDataset, Placement
 from ucon.habits.verdicts import Triple, Verdicts
+from ucon.language.near_names import unknown_category
 from ucon.objects.catalogue import catalogue
 from ucon.objects.model import RELATIONS, Relation
 from ucon.scenes.library import parse_procedural, parse_scene
@@ -71,9 +72,8 @@ class OwnPlacement:
             FaultsError: with all faults.
         """
         faults = list(_scene_faults(scene))
-        names = catalogue().names
-        if target not in names:
-            faults.append(f"--object: {unknown_name('object', target, names)}")
+        if target not in catalogue():
+            faults.append(f"--object: {unknown_category('object', target)}")
         if fault := count_fault(1, len(habits), OWN_LIMITS):
             faults.append(f"--habit: {fault}")
         for number, text in enumerate(habits, 1):
