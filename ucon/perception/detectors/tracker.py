@@ -69,7 +69,8 @@ class Tracker(PartlyShared):
         owner = np.full(depth.shape, -1, np.int16)
         extent, count = np.tile(_NOTHING, (n, 1)), np.zeros(n, np.int32)
         masks = np.zeros((0, 0, 0), bool) if boxes.mask is None else boxes.mask
-        kernels.segment(depth, pixels_of, masks, camera, owner, extent, count)
+        size_m = np.array([_most_m(label) for label in boxes.label])
+        kernels.segment(depth, pixels_of, masks, size_m, camera, owner, extent, count)
         track = self._associate(boxes, extent, count)
         image = np.append(track, np.int16(-1))[owner]
         kernels.structure(depth, camera, HALF, self._upright, image)
@@ -151,4 +152,4 @@ def _most_m(label: str) -> float:
     Half as long again as the catalogue's, and 0.5 m: sizes vary, doors swing out, boxes hold some background.
     """
     book = catalogue()
-    return 1.5 * float(np.linalg.norm(book[label].size)) + 0.5 if label in book else 3.0
+    return 1.2 * float(np.linalg.norm(book[label].size)) + 0.1 if label in book else 3.0

@@ -17,6 +17,11 @@ ABOVE_FURNITURE_M = 1.95
 #: The depth histogram: bins of 5 % each, from 0.1 m on.
 _STEP, _NEAREST_M, _BINS = np.log(1.05), 0.1, 140
 FLOORS, WALLS, CEILINGS, OBSTACLES = 0, 1, 2, 3
+#: Three pixels in a row lie on one plane if their inverse depths are linear up to this share.
+PLANE_TOLERANCE = np.float32(1e-3)
+#: A plane patch belongs to what is behind a box if less than this share of it lies in the box, unless less than
+#: LEAST_LEFT of the box would be left.
+MOSTLY, LEAST_LEFT = 0.9, 0.15
 
 
 @merged
@@ -29,7 +34,7 @@ def _point(u: int, v: int, d: float, rows: int, columns: int, camera: F64) -> tu
 
 
 @jit
-def main_depth(depth: F32, box: I32, mask: Flags) -> float:
+def main_depth(depth: F32, box: I32, mask: Flags, plane: I32, behind: Flags) -> float:
     """The most common depth in a box, in metres; 0 if the box shows nothing.
 
     Only the inner half of the box counts, or all of it where the inner half shows nothing.
@@ -38,6 +43,8 @@ def main_depth(depth: F32, box: I32, mask: Flags) -> float:
         depth: (H, W) float32, metres along the optical axis.
         box: (4,) int32, pixels within the frame; right and bottom exclusive.
         mask: (H, W) bool, the thing's pixels; (0, 0) for a detector without masks.
+        plane: (H, W) int32, plane patch of every pixel.
+        behind: (n,) bool, patches that go on beyond the box: they are left out. Not read with a mask.
     """
     count = np.zeros(_BINS, np.int32)
     for inner in (True, False):
@@ -46,7 +53,7 @@ def main_depth(depth: F32, box: I32, mask: Flags) -> float:
         for v in range(box[1] + dy, box[3] - dy):
             for u in range(box[0] + dx, box[2] - dx):
                 d = depth[v, u]
-                if 0.0 < d < FAR_M and (mask.shape[0] == 0 or mask[v, u]):
+                if 0.0 < d < FAR_M and (mask[v, u] if mask.shape[0] > 0 else not behind[plane[v, u]]):
                     count[min(max(int(np.log(d / _NEAREST_M) / _STEP), 0), _BINS - 1)] += 1
         if count.max() > 0:
             break
@@ -59,42 +66,178 @@ def main_depth(depth: F32, box: I32, mask: Flags) -> float:
 
 
 @jit
-def segment(depth: F32, boxes: I32, masks: Flags, camera: F64, owner: I16, extent: F64, count: I32) -> None:
-    """Find the pixels of the thing in each box; later boxes overwrite earlier ones.
+def planes(depth: F32, plane: I32) -> int:
+    """Cut a frame into plane patches: neighbouring pixels whose inverse depth is linear, as that of a plane is.
 
     Args:
         depth: (H, W) float32, metres along the optical axis.
-        boxes: (n, 4) int32, pixels within the frame, in the order of painting.
+        plane: (H, W) int32, written: number of the patch of every pixel, from 0.
+
+    Returns:
+        How many patches there are.
+    """
+    rows, columns = depth.shape
+    inverse, root = np.empty((rows, columns), np.float32), np.arange(rows * columns, dtype=np.int32)
+    across, along = np.ones((rows, columns), np.uint8), np.ones((rows, columns), np.uint8)
+    for v in range(rows):
+        for u in range(columns):
+            d = depth[v, u]
+            inverse[v, u] = np.float32(1.0) / d if 0.0 < d < FAR_M else np.float32(0.0)
+    for v in range(rows):
+        for u in range(1, columns - 1):
+            at = inverse[v, u]
+            across[v, u] = abs(inverse[v, u - 1] + inverse[v, u + 1] - 2 * at) > PLANE_TOLERANCE * at
+    for v in range(1, rows - 1):
+        for u in range(columns):
+            at = inverse[v, u]
+            along[v, u] = abs(inverse[v - 1, u] + inverse[v + 1, u] - 2 * at) > PLANE_TOLERANCE * at
+    for v in range(rows):
+        for u in range(columns):
+            here = v * columns + u
+            if u + 1 < columns and (across[v, u] == 0 or across[v, u + 1] == 0):
+                _join(root, here, here + 1)
+            if v + 1 < rows and (along[v, u] == 0 or along[v + 1, u] == 0):
+                _join(root, here, here + columns)
+    n, flat = 0, plane.reshape(rows * columns)
+    for here in range(rows * columns):  # roots come before what joined them
+        if root[here] == here:
+            flat[here] = n
+            n += 1
+        else:
+            flat[here] = flat[root[here]]
+    return n
+
+
+@merged
+def _join(root: I32, a: int, b: int) -> None:
+    """Join the sets of two elements; the smaller root stays."""
+    while root[a] != a:
+        root[a] = root[root[a]]
+        a = root[a]
+    while root[b] != b:
+        root[b] = root[root[b]]
+        b = root[b]
+    if a < b:
+        root[b] = a
+    elif b < a:
+        root[a] = b
+
+
+@jit
+def segment(
+    depth: F32, boxes: I32, masks: Flags, size_m: F64, camera: F64, owner: I16, extent: F64, count: I32
+) -> None:
+    """Find the pixels of the thing in each box; boxes later in the order take pixels from earlier ones.
+
+    A plane that goes on beyond a box (floor, wall, table top) is not the thing in it. Of the rest, what is about as
+    deep as the box's main depth belongs to the thing.
+
+    Args:
+        depth: (H, W) float32, metres along the optical axis.
+        boxes: (n, 4) int32, pixels within the frame, from the largest to the smallest.
         masks: (n, H, W) bool, or (0, 0, 0) for a detector without masks.
+        size_m: (n,) float64, largest plausible diagonal of the thing.
         camera: (8,) float64.
         owner: (H, W) int16, written: number of the box that a pixel belongs to; other pixels are left as they are.
         extent: (n, 6) float64, written: x0 y0 z0 x1 y1 z1 of the thing's points in metres.
-        count: (n,) int32, written: the thing's pixels, including those that later boxes take.
+        count: (n,) int32, written: the thing's pixels, including those that smaller boxes take.
     """
     rows, columns = depth.shape
-    for k in range(boxes.shape[0]):
+    masked = masks.shape[0] > 0
+    plane = np.zeros((rows, columns), np.int32)
+    n = 0 if masked or boxes.shape[0] == 0 else planes(depth, plane)
+    total, inside, behind = np.zeros(n, np.int32), np.zeros(n, np.int32), np.zeros(n, np.bool_)
+    if n > 0:
+        for v in range(rows):
+            for u in range(columns):
+                total[plane[v, u]] += 1
+    for k in range(boxes.shape[0] - 1, -1, -1):
         box = boxes[k]
-        mask = masks[k if masks.shape[0] > 0 else 0 : k + 1 if masks.shape[0] > 0 else 0]
+        mask = masks[k if masked else 0 : k + 1 if masked else 0]
         flat = mask.reshape(mask.shape[0] * mask.shape[1], mask.shape[2])
-        main = main_depth(depth, box, flat)
+        if n > 0:
+            _background(depth, box, plane, total, inside, behind)
+        main = main_depth(depth, box, flat, plane, behind)
         # A thing is taken to be about as deep as it is wide; points farther off than that are something else.
         side_m = max(box[2] - box[0], box[3] - box[1]) * main / camera[7]
-        reach = max(0.08, 0.6 * side_m)
-        on_floor = _mean_height(depth, box, main, camera) < 2 * FLOOR_M
+        reach = min(max(0.08, 0.6 * side_m), size_m[k])
+        count[k] = _claim(depth, box, flat, plane, behind, k, (main, reach), camera, owner, extent[k])
+
+
+@jit
+def _background(depth: F32, box: I32, plane: I32, total: I32, inside: I32, behind: Flags) -> None:
+    """Find the plane patches in a box that go on beyond it: floor, wall, table top.
+
+    Args:
+        depth: (H, W) float32, metres along the optical axis.
+        box: (4,) int32.
+        plane: (H, W) int32, patch of every pixel.
+        total: (n,) int32, pixels of every patch.
+        inside: (n,) int32, scratch.
+        behind: (n,) bool, written for the patches in the box. All False where little would be left of the box: then
+            the thing is flush with what is beside it.
+    """
+    # The box may be off: what is a little beyond it may be the thing.
+    grow = 1 + max(box[2] - box[0], box[3] - box[1]) // 8
+    left, top = max(box[0] - grow, 0), max(box[1] - grow, 0)
+    end, bottom = min(box[2] + grow, depth.shape[1]), min(box[3] + grow, depth.shape[0])
+    for v in range(top, bottom):
+        for u in range(left, end):
+            inside[plane[v, u]] = 0
+    for v in range(top, bottom):
+        for u in range(left, end):
+            inside[plane[v, u]] += 1
+    dry, area = 0, 0
+    for v in range(box[1], box[3]):
+        for u in range(box[0], box[2]):
+            patch = plane[v, u]
+            behind[patch] = inside[patch] < MOSTLY * total[patch]
+            if 0.0 < depth[v, u] < FAR_M:
+                area += 1
+                dry += not behind[patch]
+    if dry < LEAST_LEFT * area:
         for v in range(box[1], box[3]):
             for u in range(box[0], box[2]):
-                d = depth[v, u]
-                masked = flat.shape[0] > 0
-                if not 0.0 < d < FAR_M or (not flat[v, u] if masked else abs(d - main) > reach):
+                behind[plane[v, u]] = False
+
+
+@jit
+def _claim(
+    depth: F32, box: I32, mask: Flags, plane: I32, behind: Flags, k: int, near: tuple[float, float], camera: F64,
+    owner: I16, extent: F64,
+) -> int:  # fmt: skip
+    """Give the thing of box ``k`` its pixels, unless a smaller box has them, and write the extent (6,) of its own.
+
+    Returns:
+        How many pixels it has, with those of smaller boxes.
+    """
+    rows, columns = depth.shape
+    main, reach = near
+    masked = mask.shape[0] > 0
+    on_floor = _mean_height(depth, box, main, camera) < 2 * FLOOR_M
+    count, own = 0, 0
+    for v in range(box[1], box[3]):
+        for u in range(box[0], box[2]):
+            d = depth[v, u]
+            if not 0.0 < d < FAR_M:
+                continue
+            if masked:
+                if not mask[v, u]:
                     continue
-                x, y, z = _point(u, v, d, rows, columns, camera)
-                if z < FLOOR_M and not (on_floor or masked):
-                    continue
-                owner[v, u] = k
-                count[k] += 1
-                extent[k, 0], extent[k, 3] = min(extent[k, 0], x), max(extent[k, 3], x)
-                extent[k, 1], extent[k, 4] = min(extent[k, 1], y), max(extent[k, 4], y)
-                extent[k, 2], extent[k, 5] = min(extent[k, 2], z), max(extent[k, 5], z)
+            elif behind[plane[v, u]] or abs(d - main) > reach:
+                continue
+            x, y, z = _point(u, v, d, rows, columns, camera)
+            if z < FLOOR_M and not (on_floor or masked):
+                continue
+            count += 1
+            if owner[v, u] >= 0:
+                continue
+            owner[v, u] = k
+            own += 1
+            extent[0], extent[3] = min(extent[0], x), max(extent[3], x)
+            extent[1], extent[4] = min(extent[1], y), max(extent[4], y)
+            extent[2], extent[5] = min(extent[2], z), max(extent[5], z)
+    return count if own > 0 else 0
 
 
 @jit
