@@ -49,7 +49,11 @@ class BoxDetector(PartlyShared, ABC):
         Returns:
             Tracks in view: structure first (floors, walls, ceilings, obstacles), then things.
         """
-        found = self._tracker.follow(self.find(frame), frame)
+        return self.follow(self.find(frame), frame)
+
+    def follow(self, boxes: Boxes, frame: Frame) -> Detections:
+        """Assign the boxes of the next frame to tracks; see :meth:`detect`."""
+        found = self._tracker.follow(boxes, frame)
         self._owners.note(found, frame, len(STRUCTURE))
         return found
 

@@ -31,6 +31,23 @@ def _features() -> tuple[dict[str, int], NDArray[np.float64], NDArray[np.str_], 
     return {name: k for k, name in enumerate(names)}, size, shape, group, rooms
 
 
+#: What makes two names alike: columns of :func:`similarity`.
+FEATURES = ("size", "shape", "group", "rooms")
+
+
+@lru_cache(maxsize=1)
+def similarity() -> NDArray[np.float64]:
+    """How alike every two names of the vocabulary are: (V, V, 4) float64, one column for each of :data:`FEATURES`.
+
+    Minus half the mean squared log ratio of the sizes (a factor 1.5 is one standard deviation); same shape; same
+    semantic group; cosine of the rooms.
+    """
+    _, size, shape, group, rooms = _features()
+    ratio = np.square(size[:, None] - size[None]).mean(2) / np.log(1.5) ** 2
+    same = shape[:, None] == shape[None], group[:, None] == group[None]
+    return np.stack([-0.5 * ratio, *(np.asarray(rows, np.float64) for rows in same), rooms @ rooms.T], 2)
+
+
 @lru_cache(maxsize=4096)
 def confusion(name: str) -> NDArray[np.float64]:
     """Probability of every name of the vocabulary, given that ``name`` is called by a wrong one.
