@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import pytest
-
 from ucon.habits import book
 from ucon.task.making.make_sets import hosted_orders
 from ucon.task.making.set_plans import Order
@@ -17,12 +15,11 @@ ORDERS = [
 ]
 
 
-@pytest.mark.parametrize("workers", [1, 2])
-def test_groups_of_one_home_are_judged_each_by_its_targets(workers: int) -> None:
+def test_groups_of_one_home_are_judged_each_by_its_targets() -> None:
     said: list[str] = []
-    found = hosted_orders(ORDERS, book(), workers=workers, left_out=said.append)
+    found = hosted_orders(ORDERS, book(), workers=1, left_out=said.append)
     assert [order.id for order in found] == ["a", "c", "e"]
     assert said == ["Rs_int, those: left out, no target of dataset 'book' can be placed there"]
-    first = hosted_orders(ORDERS, book(), limit=1, workers=workers, left_out=said.append)
+    first = hosted_orders(ORDERS, book(), limit=1, workers=1, left_out=said.append)
     assert [order.id for order in first] == ["a"]
     assert len(said) == 1
