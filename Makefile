@@ -5,12 +5,15 @@ SHELL := /bin/bash
 
 VENV   := .venv
 PY     := $(VENV)/bin/python
+# Installed: what the package needs, and what tests need besides.
+CORE   := $(VENV)/.core
 STAMP  := $(VENV)/.installed
 WARM   := $(VENV)/.warm
 # The newest interpreter that PyBullet has wheels for, else a newer one, that really starts (a version manager's shim may
 # not): without PyBullet what is shipped is played and learned from, and no home or set is made.
 PYTHON ?= $(shell for p in python3.11 python3.10 python3.12 python3.13 python3 python; do \
 	$$p -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))' >/dev/null 2>&1 && { echo $$p; break; }; done)
+INSTALL = $(PY) -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt
 # Without stored bytecode every command compiles its libraries anew: 3 s for torch, 5 s for TorchRL.
 unexport PYTHONDONTWRITEBYTECODE
 # How many tests run at once; those that hold a bar on seconds run alone, after the others.
@@ -24,20 +27,25 @@ help: ## List the targets.
 
 setup: $(STAMP) $(WARM) ## Make .venv, install the pinned set, compile the kernels. Does nothing when done.
 
-$(STAMP): pyproject.toml constraints.txt
-	@if [ ! -x $(PY) ]; then \
-	  if [ -z "$(PYTHON)" ]; then echo "Python 3.10 to 3.13 is needed; install one, or name it: make setup PYTHON=/path/to/python3.11" >&2; exit 2; fi; \
-	  echo "making $(VENV) with $(PYTHON)"; $(PYTHON) -m venv $(VENV); \
-	fi
-	$(PY) -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt --editable '.[dev]'
+$(PY):
+	@if [ -z "$(PYTHON)" ]; then echo "Python 3.10 to 3.13 is needed; install one, or name it: make setup PYTHON=/path/to/python3.11" >&2; exit 2; fi
+	@echo "making $(VENV) with $(PYTHON)"
+	@$(PYTHON) -m venv $(VENV)
+
+$(CORE): pyproject.toml constraints.txt | $(PY)
+	$(INSTALL) --editable .
 	@$(PY) -c 'import sys; sys.version_info >= (3, 12) and print("PyBullet has no wheels for this Python: homes and sets are not made here; those that are shipped are played and learned from")'
 	@touch $@
 
-$(WARM): $(STAMP)
+$(STAMP): $(CORE)
+	$(INSTALL) --editable '.[dev]'
+	@touch $@
+
+$(WARM): $(CORE)
 	$(PY) -m ucon doctor --warm
 	@touch $@
 
-eval: setup ## Evaluate the `belief` agent with retrieved habits on 50 episodes; show one search without and with habits.
+eval: $(WARM) ## Evaluate the `belief` agent with retrieved habits on 50 episodes; show one search without and with habits.
 	$(PY) eval.py agent=belief habit_level=retrieval episodes=mini
 	$(PY) -m ucon demo
 
@@ -61,14 +69,14 @@ test-slow: setup ## Run the long checks too.
 	$(PY) -m pytest -m timed
 
 $(VENV)/.mutants: $(STAMP)
-	$(PY) -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,mutants]'
+	$(INSTALL) --editable '.[dev,mutants]'
 	@touch $@
 
 mutants: setup $(VENV)/.mutants ## Mutate the code in 150 places and see whether tests notice (hours; goes on where it was).
 	OMP_NUM_THREADS=1 $(PY) -m tests.mutants --jobs $(JOBS)
 
 $(VENV)/.docs: $(STAMP)
-	$(PY) -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[docs]'
+	$(INSTALL) --editable '.[docs]'
 	@touch $@
 
 docs: setup $(VENV)/.docs ## Build the pages of docs/ into build/site.

@@ -66,43 +66,6 @@ def test_progress_calls_a_learner_as_its_option_does(name):
     assert learner_name(learner) == name
 
 
-def with_a_policy():
-    """Agents that have one: each can be trained."""
-    return [n for g, n in OPTIONS if g == "agent" and "policy" in composed(f"agent={n}")["agent"]]
-
-
-#: Why a learner does not take every policy.
-UNFIT = {
-    **dict.fromkeys(("imitation", "searches", "dagger"), "scores views, and stored solutions name actions"),
-    "image_goal": "reads names, not images of goals",
-}
-
-
-def fits(policy: str, learner: str) -> bool:
-    """Whether a learner is for a policy: one scores views, the others choose actions, one of these by images."""
-    if learner == "image_goal":
-        return policy == "zson"
-    return learner == "ppo" or policy != "habit_policy"
-
-
-@pytest.mark.parametrize("name", with_a_policy())
-@pytest.mark.parametrize("learner", OF_POLICIES)
-def test_every_policy_can_be_given_to_every_learner_of_policies(name, learner):
-    config = composed(f"agent={name}", f"learner={learner}", root="train")
-    assert config["learner"]["policy"] == config["agent"]["policy"]
-    assert config["learner"]["env"]["config"]["observe"] == "pixels"
-    assert config["learner"]["episodes"] == "train"
-    env = Factory(config["learner"]["env"]["config"])
-    assert env().observation_space["rgb"].shape == (128, 128, 3)
-    if not fits(name, learner):
-        with pytest.raises(ConfigError, match=UNFIT[learner]):
-            Factory(config["learner"])()
-        return
-    built = Factory(config["learner"])()  # refuses what could not be trained as the files say
-    assert built.resolved_options["precision"] in ("float32", "bfloat16")
-    built.close()
-
-
 @pytest.mark.parametrize(("group", "name"), [(g, n) for g, n in OPTIONS if g not in TRAINING])
 def test_every_option_composes(group, name):
     extra = MANDATORY.get((group, name))

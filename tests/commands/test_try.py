@@ -122,10 +122,16 @@ def test_a_book_of_ones_own_is_placed_where_a_home_can_hold_it(
     (tmp_path / "book").mkdir()
     (tmp_path / "book" / "things.txt").write_text(dedent(book))
     words = ["episodes", "make", "mini", "--habits", str(tmp_path / "book"), "--limit", "2"]
-    assert main([*words, "--out", str(tmp_path / "mine.jsonl.xz")]) == 0
-    told = capsys.readouterr().err
-    assert "left out, no target of dataset" in told
-    assert told.endswith("all 2 episodes hold\n")
+    told, made = [], []
+    for workers in ("1", "2"):
+        out = tmp_path / f"by_{workers}.jsonl.xz"
+        assert main([*words, "--workers", workers, "--out", str(out)]) == 0
+        told.append([line for line in capsys.readouterr().err.splitlines() if "left out" in line])
+        made.append(out.read_bytes())
+    assert made[0] == made[1]
+    assert told[0] == told[1]
+    assert "left out, no target of dataset" in told[0][0]
+    assert len(load_episodes(tmp_path / "by_2.jsonl.xz")) == 2
 
 
 def test_sentences_that_say_no_place_are_warned_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

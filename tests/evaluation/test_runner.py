@@ -1,20 +1,16 @@
 """The runner with the real environment: records depend on nothing but the episode; failures reach the user."""
 
 import json
-import os
 from dataclasses import replace
 from functools import partial
 
 import pytest
 
-from models.agents.belief import BeliefAgent
-from models.agents.frontier import FrontierAgent
 from models.agents.oracle import OracleAgent
 from models.agents.random import RandomAgent
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.evaluation.kept.record import EpisodeRecord, episode_spl, to_lines
-from ucon.evaluation.playing.crew import WorkerError
 from ucon.evaluation.playing.pictures import worth_filming
 from ucon.evaluation.playing.play import RunSpec
 from ucon.evaluation.playing.runner import evaluate, resolve_workers
@@ -55,16 +51,6 @@ def test_order_and_batch_change_no_record(spec, episodes, alone):
 def test_shards_change_no_record(spec, episodes, alone):
     shards = [evaluate(spec, episodes[k::2], workers=0) for k in range(2)]
     assert lines(shards[0] + shards[1]) == alone
-
-
-@pytest.mark.parametrize("agent", [BeliefAgent, FrontierAgent])
-def test_searchers_do_not_depend_on_company(spec, episodes, agent):
-    env = partial(UcONEnv, episodes[:1], habit_level="retrieval", observe="symbolic", detector=True)
-    spec = replace(spec, agent=agent, env=env)
-    some = episodes[:4]
-    alone = lines([played for k in range(4) for played in evaluate(spec, some[k : k + 1], workers=0)])
-    assert lines(evaluate(spec, some[::-1], workers=2)) == alone
-    assert lines(evaluate(replace(spec, batch=3), some, workers=0)) == alone
 
 
 def test_skipped_episodes_are_not_played_again(spec, episodes):
@@ -108,31 +94,6 @@ def test_pictures_of_the_first_episodes(spec, episodes, tmp_path):
 )
 def test_both_endings_are_worth_a_film(found, n, chosen):
     assert worth_filming([letter == "Y" for letter in found], n) == chosen
-
-
-def fails():
-    raise ValueError("the agent's own bug")
-
-
-def complains():
-    raise ConfigError("agent: weights missing; train it")
-
-
-def dies():
-    os._exit(7)
-
-
-@pytest.mark.parametrize(
-    ("agent", "error", "message"),
-    [
-        (fails, WorkerError, r"(?s)failed:.*in fails.*the agent's own bug"),
-        (complains, ConfigError, "^agent: weights missing; train it$"),
-        (dies, WorkerError, "died with exit code 7"),
-    ],
-)
-def test_failures_of_workers_reach_the_user(spec, episodes, agent, error, message):
-    with pytest.raises(error, match=message):
-        evaluate(replace(spec, agent=agent), episodes, workers=2)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import subprocess
 import sys
 
 CODE = """
-from ucon.commands.doctor import WARMING
+from ucon.commands.warming import WARMING
 from ucon.envs.ucon_env import UcONEnv
 from ucon.perception.detectors import noisy_kernels as d, tracker_kernels as t
 from ucon.perception.detectors.noisy import NoisyDetector
@@ -20,6 +20,8 @@ called_from_python = (
 for detector in (True, NoisyDetector()):
     known = look_around(UcONEnv("mini", observe="symbolic", detector=detector), WARMING)
     assert known.n_tracks > 3
+twice = {kernel.__name__ for kernel in called_from_python if len(kernel.signatures) > 1}
+assert not twice, f"compiled for several layouts of arrays: {twice}"
 print([kernel.__name__ for kernel in called_from_python if not kernel.signatures])
 """
 

@@ -11,7 +11,6 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -56,8 +55,10 @@ def run(args: argparse.Namespace) -> int:
     from ucon.core.output import stdout_to_stderr
 
     if args.warm:
+        from ucon.commands.warming import compile_kernels
+
         with stdout_to_stderr():
-            seconds = warm_up()
+            seconds = compile_kernels()
         print(f"kernels compiled and one episode started in {seconds:.1f} s")
         return 0
     with stdout_to_stderr():
@@ -177,6 +178,8 @@ def gpu() -> Iterator[Diagnosis]:
 
 def environment() -> Iterator[Diagnosis]:
     """Start an episode of the set ``mini`` and measure the time of a step."""
+    from ucon.commands.warming import warm_up
+
     seconds = warm_up()
     milliseconds = step_milliseconds()
     if milliseconds > _SLOW_FRAME_MS:
@@ -187,32 +190,7 @@ def environment() -> Iterator[Diagnosis]:
         yield Diagnosis("speed", "ok", found)
 
 
-#: Actions that together call every kernel: turns, looks, moves and an Open.
-WARMING = (0, 1, 1, 2, 3, 4, 4, 3, 2, 5, 0, 0)
 CHECKS = (python, packages, threads, write_access, encoder, gpu, environment)
-
-
-def warm_up() -> float:
-    """Compile every numba kernel that an episode and a searching agent need, by playing a few steps.
-
-    Returns:
-        Seconds taken.
-    """
-    from ucon.envs.ucon_env import UcONEnv
-    from ucon.perception.detectors.noisy import NoisyDetector
-    from ucon.perception.warm import look_around
-
-    started = time.perf_counter()
-    make = partial(UcONEnv, "mini", render_mode="rgb_array")
-    for env in (
-        make(observe="pixels", detector=True),
-        make(observe="symbolic", detector=True),
-        make(observe="symbolic", detector=NoisyDetector()),
-    ):
-        look_around(env, WARMING)
-        env.render()
-        env.close()
-    return time.perf_counter() - started
 
 
 def step_milliseconds(steps: int = 400) -> float:

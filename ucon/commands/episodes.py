@@ -60,8 +60,8 @@ def _make(args: argparse.Namespace) -> int:
     from ucon.configuration.wiring import load_dataset
     from ucon.core.errors import ConfigError
     from ucon.core.files import require_writable
-    from ucon.task.making.make_sets import make_episodes
-    from ucon.task.making.set_plans import OFFICIAL_SETS, hosted_orders, set_orders
+    from ucon.task.making.make_sets import hosted_orders, make_episodes
+    from ucon.task.making.set_plans import OFFICIAL_SETS, set_orders
     from ucon.task.sets import check_suffix, save_episodes, set_name, set_path
 
     # The official sets need --habits, so they may be written to their own place; a part of a set may not.
@@ -72,8 +72,11 @@ def _make(args: argparse.Namespace) -> int:
     name = set_name(args.name, args.task, context=args.context)
     planned = set_orders(args.name, dataset, args.task, context=args.context, left_out=_say)
     if args.habits and args.name not in OFFICIAL_SETS:
-        planned = hosted_orders(planned, dataset, context=args.context, left_out=_say)
-    orders = list(islice(planned, args.limit))
+        orders = hosted_orders(
+            planned, dataset, limit=args.limit, context=args.context, workers=args.workers, left_out=_say
+        )
+    else:
+        orders = list(islice(planned, args.limit))
     if not orders:
         raise ConfigError(f"dataset '{dataset.name}': nothing of it can be placed in a home of set '{args.name}'")
     path = args.out or set_path(name)

@@ -231,7 +231,7 @@ def searched(track: I32, relation: I32, share: F64, unseen: F64, shut: Flags, ou
 
 
 @jit
-def copy_unseen(new: F64, old: F64, old_unseen: F64, unseen: F64) -> None:
+def copy_unseen(new: F64, new_relation: I32, old: F64, old_relation: I32, old_unseen: F64, unseen: F64) -> None:
     """Copy ``unseen`` from old points of a thing to its new ones.
 
     A new point takes that of the nearest old point of its relation within 0.3 m, or within 0.1 m for points inside. The
@@ -239,15 +239,17 @@ def copy_unseen(new: F64, old: F64, old_unseen: F64, unseen: F64) -> None:
     misplaced.
 
     Args:
-        new: (a, 4) float64: x, y, z, relation.
-        old: (b, 4) float64, the same.
+        new: (a, 3) float64, metres.
+        new_relation: (a,) int32.
+        old: (b, 3) float64, metres.
+        old_relation: (b,) int32.
         old_unseen: (b,) float64.
         unseen: (a,) float64, updated.
     """
     for a in range(new.shape[0]):
-        best = 0.1 if new[a, 3] == INSIDE else 0.3
+        best = 0.1 if new_relation[a] == INSIDE else 0.3
         for b in range(old.shape[0]):
-            if new[a, 3] != old[b, 3]:
+            if new_relation[a] != old_relation[b]:
                 continue
             gap = max(abs(new[a, 0] - old[b, 0]), abs(new[a, 1] - old[b, 1]), abs(new[a, 2] - old[b, 2]))
             if gap < best:

@@ -141,7 +141,8 @@ def has_room(target: str, category: str) -> tuple[bool, bool, bool]:
 class Places(PartlyShared):
     """The n sample points of all tracks of one map, and what was seen of each.
 
-    Points of a track are replaced when its box grows; replaced points stay, with a share of 0.
+    Points of a track are replaced when its box grows; replaced points stay, with a share of 0. Every column is an array
+    of its own, contiguous at any length: kernels are compiled for one layout.
     """
 
     _flat: ClassVar[frozenset[str]] = frozenset({"_rows", "_turn"})
@@ -156,7 +157,8 @@ class Places(PartlyShared):
         self._made: NDArray[np.float64] = np.zeros((0, 6))
         self._seen_from: NDArray[np.float64] = np.zeros((0, 2))
         self._rows: dict[int, slice] = {}
-        self._data = np.zeros((1024, 12))
+        self._xyz, self._hollow = np.zeros((1024, 3)), np.zeros((1024, 6))
+        self._share, self._unseen = np.zeros(1024), np.zeros(1024)
         self._faces = np.zeros(1024, np.uint8)
         self._track = np.zeros(1024, np.int32)
         self._relation = np.zeros(1024, np.int32)
@@ -170,7 +172,7 @@ class Places(PartlyShared):
     @property
     def xyz(self) -> NDArray[np.float64]:
         """(n, 3) float64, metres in the start frame."""
-        return self._data[: self._n, :3]
+        return self._xyz[: self._n]
 
     @property
     def track(self) -> NDArray[np.int32]:
@@ -188,17 +190,17 @@ class Places(PartlyShared):
 
         Sums to 1 over the points of a (track, relation); 0 for replaced points.
         """
-        return self._data[: self._n, 4]
+        return self._share[: self._n]
 
     @property
     def unseen(self) -> NDArray[np.float64]:
         """(n,) float64 in [0, 1], writable: probability that a target at the point would not have been seen so far."""
-        return self._data[: self._n, 5]
+        return self._unseen[: self._n]
 
     @property
     def hollow(self) -> NDArray[np.float64]:
         """(n, 6) float64, box of the point's compartment: x0 y0 z0 x1 y1 z1 in metres."""
-        return self._data[: self._n, 6:]
+        return self._hollow[: self._n]
 
     @property
     def faces(self) -> NDArray[np.uint8]:
@@ -251,23 +253,26 @@ class Places(PartlyShared):
         self._reserve(total)
         rows = slice(self._n, self._n + total)
         self._n += total
-        new, faces = self._data[rows], self._faces[rows]
-        new[:count, :5], new[:, 5], faces[:] = self._scratch[:count], 1.0, ALL_OPEN
+        new, faces = np.zeros((total, 12)), self._faces[rows]
+        new[:count, :5], faces[:] = self._scratch[:count], ALL_OPEN
         fit(shape, whole, self._turn.get(track, 0), self._lift_m, new[count:], faces[count:])
-        self._track[rows], self._relation[rows] = track, new[:, 3]
+        self._xyz[rows], self._relation[rows], self._share[rows] = new[:, :3], new[:, 3], new[:, 4]
+        self._track[rows], self._unseen[rows], self._hollow[rows] = track, 1.0, new[:, 6:]
         if (old := self._rows.get(track)) is not None:
-            copy_unseen(new[:, :4], self._data[old, :4], self._data[old, 5], new[:, 5])
-            self._data[old, 4:6] = 0.0
+            copy_unseen(
+                self._xyz[rows], self._relation[rows], self._xyz[old], self._relation[old],
+                self._unseen[old], self._unseen[rows],
+            )  # fmt: skip
+            self._share[old] = self._unseen[old] = 0.0
         self._rows[track] = rows
         self._made[track] = box
 
     def _reserve(self, count: int) -> None:
         """Make room for ``count`` more points."""
-        if self._n + count > len(self._data):
-            self._data = np.vstack([self._data, np.zeros_like(self._data)])
-            self._faces = np.concatenate([self._faces, np.zeros_like(self._faces)])
-            self._track = np.concatenate([self._track, np.zeros_like(self._track)])
-            self._relation = np.concatenate([self._relation, np.zeros_like(self._relation)])
+        if self._n + count > len(self._xyz):
+            for name in ("_xyz", "_hollow", "_share", "_unseen", "_faces", "_track", "_relation"):
+                column = getattr(self, name)
+                setattr(self, name, np.concatenate([column, np.zeros_like(column)]))
 
     def look(
         self, known: SemanticMap, depth: NDArray[np.float32], active: NDArray[np.bool_], reach_m: float, miss: float

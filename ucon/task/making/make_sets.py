@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import nullcontext
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, nullcontext
+from itertools import islice
 from pathlib import Path
+from typing import Any, TypeVar
 
 from ucon.core.errors import EpisodeError, UconError
 from ucon.core.files import canonical_json, write_atomic
@@ -12,6 +14,7 @@ from ucon.core.pool import Pool
 from ucon.core.untrusted.plain_file import read_plain
 from ucon.core.untrusted.strict_json import JsonError, parse_json
 from ucon.habits.book import book
+from ucon.habits.splits import Split
 from ucon.habits.types import HabitDataset
 from ucon.sim.cache import load_house
 from ucon.sim.render import RasterRenderer
@@ -23,6 +26,8 @@ from ucon.task.making.set_plans import Order
 from ucon.task.rules import PAPER, task_rules
 from ucon.task.search import Pose, Search
 
+T = TypeVar("T")
+R = TypeVar("R")
 #: Added to the seed of an order that no episode could be sampled for.
 RETRY_SEED_STEP = 1 << 32
 #: Largest journal that is read, bytes.
@@ -56,14 +61,63 @@ def make_episodes(
     Raises:
         EpisodeError: no seed satisfies an order.
     """
-    begin = (dataset, task, context)
     done = [] if journal is None else _noted(journal, orders, (dataset or book()).sha256)
-    left = orders[len(done) :]
+    with _mapping(workers, dataset, task, context) as over:
+        return _collect(over(_sample, orders[len(done) :]), done, len(orders), progress, journal)
+
+
+def hosted_orders(
+    orders: Iterable[Order],
+    dataset: HabitDataset,
+    *,
+    limit: int | None = None,
+    context: bool = False,
+    workers: int = 2,
+    left_out: Callable[[str], None],
+) -> list[Order]:
+    """The orders whose home can hold one of their targets: a small book of one's own fits few homes.
+
+    Args:
+        orders: of a set.
+        dataset: the habits.
+        limit: only the first so many; None: all.
+        context: the version whose episodes state their context.
+        workers: processes that look into homes.
+        left_out: called with one line for each home and group of orders that is left out.
+    """
+    planned = list(orders)
+    homes = dict.fromkeys((order.scene, order.part) for order in planned)
+    with _mapping(workers, dataset, PAPER.name, context) as over:
+        return list(islice(_hosted(planned, over(_targets, homes), dataset.name, left_out), limit))
+
+
+def _hosted(
+    orders: Iterable[Order], looked: Iterator[tuple[str, ...]], name: str, left_out: Callable[[str], None]
+) -> Iterator[Order]:
+    """The orders that can be met; ``looked``: what each home can hold, in the order in which homes are first met."""
+    held, said = dict[tuple[str, Split | None], tuple[str, ...]](), set[str]()
+    for order in orders:
+        home = (order.scene, order.part)
+        if home not in held:
+            held[home] = next(looked)
+        if held[home] and (order.targets is None or not set(order.targets).isdisjoint(held[home])):
+            yield order
+            continue
+        line = f"{order.scene}, {order.split}: left out, no target of dataset '{name}' can be placed there"
+        if line not in said:
+            said.add(line)
+            left_out(line)
+
+
+@contextmanager
+def _mapping(workers: int, *begin: Any) -> Iterator[Callable[[Callable[[T], R], Iterable[T]], Iterator[R]]]:
+    """A ``map`` that works in so many processes, or in this one; each begins with ``_begin(*begin)``."""
     if workers <= 1:
         _begin(*begin)
-        return _collect(map(_sample, left), done, len(orders), progress, journal)
+        yield map
+        return
     with Pool(workers, _begin, begin) as pool:
-        return _collect(pool.map(_sample, left), done, len(orders), progress, journal)
+        yield pool.map
 
 
 def _collect(
@@ -109,6 +163,13 @@ def _begin(dataset: HabitDataset | None, task: str, context: bool) -> None:
 
 
 _sampler: EpisodeSampler | None = None
+
+
+def _targets(home: tuple[str, Split | None]) -> tuple[str, ...]:
+    """Categories that an episode can place in a home, of (its name, the part of its household)."""
+    if _sampler is None:
+        raise RuntimeError("a worker without a sampler")
+    return _sampler.target_categories(*home)
 
 
 def _sample(order: Order) -> Episode:

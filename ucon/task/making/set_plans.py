@@ -11,7 +11,7 @@ generated homes), with targets and households of the ``train`` part alone.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from ucon.core.errors import ConfigError, UconError, brief, unknown_name
@@ -156,29 +156,6 @@ def set_orders(
             scene = cell.scenes[number % len(cell.scenes)]
             seed = derived_seed(0, "set", name, cell.label, number) % (1 << 31)
             yield Order(f"{label}/{cell.label}/{number:03d}", scene, seed, cell.label, targets, cell.part)
-
-
-def hosted_orders(
-    orders: Iterable[Order], dataset: HabitDataset, *, context: bool = False, left_out: Callable[[str], None]
-) -> Iterator[Order]:
-    """The orders whose home can hold a target of the dataset: a small book of one's own fits few homes.
-
-    Args:
-        orders: of a set.
-        dataset: the habits.
-        context: the version whose episodes state their context.
-        left_out: called with one line for each home that is left out.
-    """
-    sampler, fits = EpisodeSampler(dataset, context=context), dict[tuple[str, str], bool]()
-    for order in orders:
-        key = (order.scene, str(order.part))
-        if key not in fits:
-            hosted = set(sampler.target_categories(order.scene, order.part))
-            fits[key] = bool(hosted if order.targets is None else hosted & set(order.targets))
-            if not fits[key]:
-                left_out(f"{order.scene}: left out, no target of dataset '{dataset.name}' can be placed there")
-        if fits[key]:
-            yield order
 
 
 def _official_orders(name: str, dataset: HabitDataset, label: str, left_out: Callable[[str], None]) -> Iterator[Order]:

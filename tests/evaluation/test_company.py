@@ -1,0 +1,70 @@
+"""Workers and the company in an agent's process: searchers act the same, and failures reach the user."""
+
+import os
+from dataclasses import replace
+from functools import partial
+
+import pytest
+
+from models.agents.belief import BeliefAgent
+from models.agents.frontier import FrontierAgent
+from models.agents.random import RandomAgent
+from ucon.core.errors import ConfigError
+from ucon.envs.ucon_env import UcONEnv
+from ucon.evaluation.kept.record import to_lines
+from ucon.evaluation.playing.crew import WorkerError
+from ucon.evaluation.playing.play import RunSpec
+from ucon.evaluation.playing.runner import evaluate
+from ucon.task.sets import load_episodes
+
+N = 6
+
+
+@pytest.fixture(scope="module")
+def episodes():
+    return load_episodes("mini")[:N]
+
+
+@pytest.fixture(scope="module")
+def spec(episodes):
+    env = partial(UcONEnv, episodes[:1], habit_level="retrieval", observe="symbolic", privileged=True)
+    return RunSpec(partial(RandomAgent, seed=4, done_probability=0.02), env, "retrieval", seed=4)
+
+
+def lines(played):
+    return to_lines(p.record for p in sorted(played, key=lambda p: p.record.episode))
+
+
+@pytest.mark.parametrize("agent", [BeliefAgent, FrontierAgent])
+def test_searchers_do_not_depend_on_company(spec, episodes, agent):
+    env = partial(UcONEnv, episodes[:1], habit_level="retrieval", observe="symbolic", detector=True)
+    spec = replace(spec, agent=agent, env=env)
+    some = episodes[:4]
+    alone = lines([played for k in range(4) for played in evaluate(spec, some[k : k + 1], workers=0)])
+    assert lines(evaluate(spec, some[::-1], workers=2)) == alone
+    assert lines(evaluate(replace(spec, batch=3), some, workers=0)) == alone
+
+
+def fails():
+    raise ValueError("the agent's own bug")
+
+
+def complains():
+    raise ConfigError("agent: weights missing; train it")
+
+
+def dies():
+    os._exit(7)
+
+
+@pytest.mark.parametrize(
+    ("agent", "error", "message"),
+    [
+        (fails, WorkerError, r"(?s)failed:.*in fails.*the agent's own bug"),
+        (complains, ConfigError, "^agent: weights missing; train it$"),
+        (dies, WorkerError, "died with exit code 7"),
+    ],
+)
+def test_failures_of_workers_reach_the_user(spec, episodes, agent, error, message):
+    with pytest.raises(error, match=message):
+        evaluate(replace(spec, agent=agent), episodes, workers=2)
