@@ -15,7 +15,8 @@ from ucon.perception.warm import look_around
 called_from_python = (
     m.integrate, m.carve, m.look, p.changed_boxes, p.make_points, p.stretch, p.facing, p.copy_unseen, v.space_gain,
     v.place_gain, v.open_gain, v.fade_space, v.fade_places, planner._search, f.add_frame, f.walk, n.nodes_ahead,
-    a.best_views, p.searched, e.edges, e.groups, d.outline, d.spots, t.segment, t.structure,
+    a.best_views, p.searched, e.edges, e.groups, d.outline, d.things, d.false_boxes, t.segment,
+    t.structure, t.associate, t.overlaps,
 )
 for detector in (True, NoisyDetector()):
     known = look_around(UcONEnv("mini", observe="symbolic", detector=detector), WARMING)

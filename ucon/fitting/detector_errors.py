@@ -41,8 +41,8 @@ def fit_errors(detector: str, looks: Looks, false: FalseBoxes) -> DetectorErrors
     named = looks.keep(looks.name >= 0)
     if len(named.name) < LEAST_LOOKS or named.found.sum() < LEAST_LOOKS // 10:
         raise DataError(
-            f"detector={detector}: {len(named.name)} looks at things, {int(named.found.sum())} found; expected at least "
-            f"{LEAST_LOOKS} and {LEAST_LOOKS // 10}: walk through more homes (--episodes)"
+            f"detector={detector}: {len(named.name)} looks at things, {int(named.found.sum())} found; expected "
+            f"at least {LEAST_LOOKS} and {LEAST_LOOKS // 10}: walk through more homes (--episodes)"
         )
     knots = tuple(float(x) for x in np.log(_KNOTS_PX))
     share = np.minimum(named.pixels / np.maximum(named.whole, 1.0), 1.0)
@@ -135,9 +135,7 @@ def _confusion(true: NDArray[np.int32], called: NDArray[np.int32]) -> NDArray[np
     return weights.detach().numpy()
 
 
-def look_key(
-    bearing: NDArray[np.float64], away_m: NDArray[np.float64], sides: int, octave: float
-) -> NDArray[np.int64]:
+def look_key(bearing: NDArray[np.float64], away_m: NDArray[np.float64], sides: int, octave: float) -> NDArray[np.int64]:
     """Number of the side and distance that looks are from: looks of one number err together."""
     side = np.floor(bearing / (2 * np.pi / sides)).astype(np.int64) % sides
     far = np.round(np.log2(np.maximum(away_m, 0.1)) / octave).astype(np.int64)

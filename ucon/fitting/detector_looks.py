@@ -124,14 +124,23 @@ class Witness(BoxDetector):
             called, score = (-1, 0.0) if b is None else (self._row[boxes.label[b]], float(boxes.score[b]))
             pixels, direction = float(frame.counts[thing]), float(bearing[k])
             self.rows.append(
-                (self.home, thing, self._row.get(name, -1), pixels, whole, away_m[k], direction, b is not None, called, score)
+                (
+                    self.home,
+                    thing,
+                    self._row.get(name, -1),
+                    pixels,
+                    whole,
+                    away_m[k],
+                    direction,
+                    b is not None,
+                    called,
+                    score,
+                )
             )
         self.false += [float(s) for s, thing in zip(boxes.score, of.tolist(), strict=True) if thing < 0]
         self.frames += 1
 
-    def _matched(
-        self, boxes: Boxes, seen: NDArray[np.intp], outlines: NDArray[np.float32]
-    ) -> NDArray[np.int64]:
+    def _matched(self, boxes: Boxes, seen: NDArray[np.intp], outlines: NDArray[np.float32]) -> NDArray[np.int64]:
         """The thing of every box, (n,) int64, -1 for none: pairs that overlap most first, the right name a little."""
         of = np.full(len(boxes.label), -1)
         pairs = []

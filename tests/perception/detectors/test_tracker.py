@@ -128,9 +128,11 @@ def test_what_no_box_holds_is_told_by_geometry() -> None:
     frame, owner = room((0, 0, 0, 0), stool)
     found = Tracker().follow(Boxes.none(), frame)
     assert set(found.category) == set(STRUCTURE)
-    name = np.array(STRUCTURE)[found.image]
-    assert (name[(owner == 0) & (heights(frame) > 0.06)] == "obstacles").mean() > 0.9, "no thing, and no wall either"
-    z = heights(frame)
+    assert (found.image[1::2] == -1).all(), "every second row and column is classified"
+    assert (found.image[:, 1::2] == -1).all()
+    found_image, owner = found.image[::2, ::2], owner[::2, ::2]
+    name, z = np.array(STRUCTURE)[found_image], heights(frame)[::2, ::2]
+    assert (name[(owner == 0) & (z > 0.06)] == "obstacles").mean() > 0.9, "no thing, and no wall either"
     assert (name[(z < 0.04) & (owner < 0)] == "floors").all()
     assert (name[z > 2.3] == "ceilings").all()
     wall = (owner < 0) & (z > 0.1) & (z < 2.1)

@@ -182,7 +182,7 @@ def things(
 
 
 @jit
-def spots(depth: F32, camera: F64, grid: int, key: int, look: Any, pixel: I32) -> int:
+def _spots(depth: F32, camera: F64, grid: int, key: int, look: Any, pixel: I32) -> int:
     """The 0.5 m cubes that the pixels of a grid x grid raster of the frame show.
 
     Args:
@@ -242,7 +242,7 @@ def false_boxes(
     """
     chance, apart, least = rates
     at, name, scores = found
-    shown, n = spots(depth, camera, grid, key, look, pixel), 0
+    shown, n = _spots(depth, camera, grid, key, look, pixel), 0
     for a in range(shown):
         alike, first = 0, True
         for b in range(shown):

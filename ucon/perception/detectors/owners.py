@@ -12,6 +12,7 @@ import numpy as np
 
 from ucon.core.sharing import PartlyShared
 from ucon.perception.detectors.base import Frame
+from ucon.perception.detectors.tracker_kernels import overlaps
 from ucon.perception.mapping.detections import Detections
 
 
@@ -32,18 +33,19 @@ class TrackInstances(PartlyShared):
             frame: the frame, with the true instance of every pixel.
             reserved: tracks below this number are structure and stand for no instance.
         """
-        own = found.image >= reserved
-        if not own.any():
+        track = found.track[found.track >= reserved]
+        if not len(track):
             return
-        width = len(frame.counts) + 1
-        pairs = found.image[own].astype(np.int64) * width + frame.instance[own] + 1
-        pair, pixels = np.unique(pairs, return_counts=True)
-        track, instance = np.divmod(pair, width)
-        total = np.bincount(track, pixels)
-        self._behind.update(dict.fromkeys(track.tolist(), (-1, 0)))
-        most = (2 * pixels > total[track]) & (instance > 0)
-        for k in np.flatnonzero(most).tolist():
-            self._behind[int(track[k])] = (int(instance[k]) - 1, int(pixels[k]))
+        row = np.full(int(track.max()) + 2, -1, np.int32)
+        row[track] = np.arange(len(track))
+        pixels = np.zeros((len(track), len(frame.counts) + 1), np.int32)
+        overlaps(found.image, frame.instance, row, pixels)
+        most = pixels.argmax(1)
+        for k, thing in enumerate(most.tolist()):
+            total = int(pixels[k].sum())
+            if total:
+                own = thing > 0 and 2 * pixels[k, thing] > total
+                self._behind[int(track[k])] = (thing - 1, int(pixels[k, thing])) if own else (-1, 0)
 
     def of(self, instances: tuple[int, ...]) -> tuple[int, ...]:
         """Tracks that stand for any of some instances.

@@ -6,6 +6,7 @@ in no box are floor, wall, ceiling or obstacle by geometry; these have the first
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
@@ -35,7 +36,7 @@ class Tracker(PartlyShared):
         category: name of every track; the first four are :data:`STRUCTURE`.
     """
 
-    _flat: ClassVar[frozenset[str]] = frozenset({"category", "_box"})
+    _flat: ClassVar[frozenset[str]] = frozenset({"category"})
 
     def __init__(self, gate_m: float = GATE_M) -> None:
         """Start without tracks.
@@ -49,8 +50,9 @@ class Tracker(PartlyShared):
     def reset(self) -> None:
         """Start an episode: only the four tracks of structure exist."""
         self.category = list(STRUCTURE)
-        self._box: list[NDArray[np.float64]] = [_NOTHING] * len(STRUCTURE)
-        self._same: dict[str, list[int]] = {}
+        self._box: NDArray[np.float64] = np.tile(_NOTHING, (64, 1))
+        self._label = np.full(64, -1, np.int32)
+        self._number: dict[str, int] = {}
         self._upright = np.zeros((2, SIZE, SIZE), np.uint8)
 
     def follow(self, boxes: Boxes, frame: Frame) -> Detections:
@@ -71,7 +73,7 @@ class Tracker(PartlyShared):
         masks = np.zeros((0, 0, 0), bool) if boxes.mask is None else boxes.mask
         size_m = np.array([_most_m(label) for label in boxes.label])
         kernels.segment(depth, pixels_of, masks, size_m, camera, owner, extent, count)
-        track = self._associate(boxes, extent, count)
+        track = self._associate(boxes, size_m, extent, count)
         image = np.append(track, np.int16(-1))[owner]
         kernels.structure(depth, camera, HALF, self._upright, image)
         return self._detections(boxes, track, count, image)
@@ -80,7 +82,9 @@ class Tracker(PartlyShared):
         self, boxes: Boxes, track: NDArray[np.int16], count: NDArray[np.int32], image: NDArray[np.int16]
     ) -> Detections:
         """The output of one frame: tracks ascending, with names, pixel counts and scores."""
-        building = np.array([np.count_nonzero(image == k) for k in range(len(STRUCTURE))], np.int32)
+        # Every second row and column is classified.
+        building = 4 * np.bincount(np.maximum(image[::2, ::2].ravel(), -1) + 1, minlength=len(STRUCTURE) + 1)
+        building = building[1 : len(STRUCTURE) + 1].astype(np.int32)
         shown = np.flatnonzero(building >= MIN_PIXELS)
         rows = np.flatnonzero(track >= 0)
         rows = rows[np.argsort(track[rows])]
@@ -90,40 +94,24 @@ class Tracker(PartlyShared):
         score = np.concatenate([np.ones(len(shown)), boxes.score[rows]]).astype(np.float32)
         return Detections(tracks, names, pixels, image, score)
 
-    def _associate(self, boxes: Boxes, extent: NDArray[np.float64], count: NDArray[np.int32]) -> NDArray[np.int16]:
+    def _associate(
+        self, boxes: Boxes, size_m: NDArray[np.float64], extent: NDArray[np.float64], count: NDArray[np.int32]
+    ) -> NDArray[np.int16]:
         """Track of every box, (n,) int16; -1 for boxes without pixels. New tracks are numbered by falling size."""
-        track = np.full(len(count), -1, np.int16)
-        pairs = []
-        for k in np.flatnonzero(count).tolist():
-            for old in self._same.get(boxes.label[k], ()):
-                cost = self._cost(boxes.label[k], self._box[old], extent[k])
-                if cost is not None:
-                    pairs.append((cost, old, k))
-        taken: set[int] = set()
-        for _, old, k in sorted(pairs):
-            if track[k] < 0 and old not in taken:
-                track[k] = old
-                taken.add(old)
-                self._box[old] = _union(self._box[old], extent[k])
-        fresh = [k for k in np.flatnonzero(count).tolist() if track[k] < 0]
-        for k in sorted(fresh, key=lambda k: (-count[k], k)):
-            if len(self.category) < MOST_TRACKS:
-                track[k] = len(self.category)
-                self._same.setdefault(boxes.label[k], []).append(len(self.category))
-                self.category.append(boxes.label[k])
-                self._box.append(extent[k].copy())
+        track, old = np.empty(len(count), np.int16), len(self.category)
+        label = np.array([self._number.setdefault(name, len(self._number)) for name in boxes.label], np.int32)
+        kernels.associate(extent, count, label, size_m, self._box[:old], self._label[:old], self._gate_m, track)
+        fresh = np.flatnonzero((count > 0) & (track < 0))
+        for k in fresh[np.lexsort((fresh, -count[fresh]))].tolist():
+            new = len(self.category)
+            if new >= MOST_TRACKS:
+                break
+            if new == len(self._box):
+                self._box = np.concatenate([self._box, np.tile(_NOTHING, (new, 1))])
+                self._label = np.concatenate([self._label, np.full(new, -1, np.int32)])
+            track[k], self._box[new], self._label[new] = new, extent[k], label[k]
+            self.category.append(boxes.label[k])
         return track
-
-    def _cost(self, label: str, old: NDArray[np.float64], new: NDArray[np.float64]) -> float | None:
-        """How badly a 3-D box (6,) fits a track's; None where together they are too large or too far apart."""
-        gap = float(np.linalg.norm(np.maximum(np.maximum(old[:3] - new[3:], new[:3] - old[3:]), 0.0)))
-        whole = _union(old, new)
-        # A box that is too large already, by a poor detection or a wrong name, may still join its own track.
-        most = max(_most_m(label), _diagonal(old), 1.15 * _diagonal(new))
-        if gap > self._gate_m or _diagonal(whole) > most:
-            return None
-        between = 0.5 * (old[:3] + old[3:] - new[:3] - new[3:])
-        return gap + 0.1 * float(np.linalg.norm(between))
 
 
 def _painted(boxes: Boxes, shape: tuple[int, ...]) -> tuple[Boxes, NDArray[np.int32]]:
@@ -136,16 +124,7 @@ def _painted(boxes: Boxes, shape: tuple[int, ...]) -> tuple[Boxes, NDArray[np.in
     return boxes, np.concatenate([low, high], axis=1).astype(np.int32)
 
 
-def _union(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The 3-D box (6,) that holds two boxes."""
-    return np.concatenate([np.minimum(a[:3], b[:3]), np.maximum(a[3:], b[3:])])
-
-
-def _diagonal(box: NDArray[np.float64]) -> float:
-    """Length of a 3-D box's diagonal in metres."""
-    return float(np.linalg.norm(box[3:] - box[:3]))
-
-
+@lru_cache(maxsize=2048)
 def _most_m(label: str) -> float:
     """Longest plausible diagonal of a thing of a category, in metres.
 

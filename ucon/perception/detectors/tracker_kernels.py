@@ -77,8 +77,40 @@ def planes(depth: F32, plane: I32) -> int:
         How many patches there are.
     """
     rows, columns = depth.shape
-    inverse, root = np.empty((rows, columns), np.float32), np.arange(rows * columns, dtype=np.int32)
     across, along = np.ones((rows, columns), np.uint8), np.ones((rows, columns), np.uint8)
+    _bends(depth, across, along)
+    root, beside, below = np.empty(rows * columns, np.int32), False, False
+    for v in range(rows):
+        run = v * columns
+        for u in range(columns):  # runs of a row first: a join costs more
+            if u > 0 and across[v, u - 1] and across[v, u]:
+                run = v * columns + u
+            root[v * columns + u] = run
+        if v == 0:
+            continue
+        below = False
+        for u in range(columns):
+            here = v * columns + u
+            known = below and root[here] != here  # joined with the pixel above already, one pixel to the left
+            beside = u > 0 and (across[v - 1, u - 1] == 0 or across[v - 1, u] == 0)
+            below = along[v - 1, u] == 0 or along[v, u] == 0
+            if below and not (known and beside and (across[v, u - 1] == 0 or across[v, u] == 0)):
+                _join(root, here - columns, here)
+    n, flat = 0, plane.reshape(rows * columns)
+    for here in range(rows * columns):  # roots come before what joined them
+        if root[here] == here:
+            flat[here] = n
+            n += 1
+        else:
+            flat[here] = flat[root[here]]
+    return n
+
+
+@jit
+def _bends(depth: F32, across: U8, along: U8) -> None:
+    """Write 0 where a pixel and its neighbours in the row (``across``) and the column (``along``) lie on one plane."""
+    rows, columns = depth.shape
+    inverse = np.empty((rows, columns), np.float32)
     for v in range(rows):
         for u in range(columns):
             d = depth[v, u]
@@ -91,21 +123,6 @@ def planes(depth: F32, plane: I32) -> int:
         for u in range(columns):
             at = inverse[v, u]
             along[v, u] = abs(inverse[v - 1, u] + inverse[v + 1, u] - 2 * at) > PLANE_TOLERANCE * at
-    for v in range(rows):
-        for u in range(columns):
-            here = v * columns + u
-            if u + 1 < columns and (across[v, u] == 0 or across[v, u + 1] == 0):
-                _join(root, here, here + 1)
-            if v + 1 < rows and (along[v, u] == 0 or along[v + 1, u] == 0):
-                _join(root, here, here + columns)
-    n, flat = 0, plane.reshape(rows * columns)
-    for here in range(rows * columns):  # roots come before what joined them
-        if root[here] == here:
-            flat[here] = n
-            n += 1
-        else:
-            flat[here] = flat[root[here]]
-    return n
 
 
 @merged
@@ -215,29 +232,33 @@ def _claim(
     main, reach = near
     masked = mask.shape[0] > 0
     on_floor = _mean_height(depth, box, main, camera) < 2 * FLOOR_M
-    count, own = 0, 0
-    for v in range(box[1], box[3]):
-        for u in range(box[0], box[2]):
-            d = depth[v, u]
-            if not 0.0 < d < FAR_M:
-                continue
-            if masked:
-                if not mask[v, u]:
+    count = 0
+    for steal in (False, True):  # what smaller boxes cover wholly is taken back
+        count, own = 0, 0
+        for v in range(box[1], box[3]):
+            for u in range(box[0], box[2]):
+                d = depth[v, u]
+                if not 0.0 < d < FAR_M:
                     continue
-            elif behind[plane[v, u]] or abs(d - main) > reach:
-                continue
-            x, y, z = _point(u, v, d, rows, columns, camera)
-            if z < FLOOR_M and not (on_floor or masked):
-                continue
-            count += 1
-            if owner[v, u] >= 0:
-                continue
-            owner[v, u] = k
-            own += 1
-            extent[0], extent[3] = min(extent[0], x), max(extent[3], x)
-            extent[1], extent[4] = min(extent[1], y), max(extent[4], y)
-            extent[2], extent[5] = min(extent[2], z), max(extent[5], z)
-    return count if own > 0 else 0
+                if masked:
+                    if not mask[v, u]:
+                        continue
+                elif behind[plane[v, u]] or abs(d - main) > reach:
+                    continue
+                x, y, z = _point(u, v, d, rows, columns, camera)
+                if z < FLOOR_M and not (on_floor or masked):
+                    continue
+                count += 1
+                if owner[v, u] >= 0 and not steal:
+                    continue
+                owner[v, u] = k
+                own += 1
+                extent[0], extent[3] = min(extent[0], x), max(extent[3], x)
+                extent[1], extent[4] = min(extent[1], y), max(extent[4], y)
+                extent[2], extent[5] = min(extent[2], z), max(extent[5], z)
+        if own > 0 or count == 0:
+            break
+    return count
 
 
 @jit
@@ -259,7 +280,8 @@ def structure(depth: F32, camera: F64, half: int, upright: U8, image: I16) -> No
     """Classify the pixels that belong to no thing as floor, wall, ceiling or obstacle.
 
     A pixel is a wall if it lies on an upright plane along an axis, at a cell border where such a plane was seen above
-    all furniture, in this frame or an earlier one.
+    all furniture, in this frame or an earlier one. Only every second row and column is classified: the map's cells are
+    made from these.
 
     Args:
         depth: (H, W) float32, metres along the optical axis.
@@ -270,8 +292,8 @@ def structure(depth: F32, camera: F64, half: int, upright: U8, image: I16) -> No
     """
     rows, columns = depth.shape
     for marking in (True, False):
-        for v in range(rows):
-            for u in range(columns):
+        for v in range(0, rows, 2):
+            for u in range(0, columns, 2):
                 d = depth[v, u]
                 if image[v, u] >= 0 or not 0.0 < d < FAR_M:
                     continue
@@ -312,3 +334,75 @@ def _border(depth: F32, u: int, v: int, camera: F64, half: int, upright: U8, mar
     if mark:
         upright[axis, i, j] = 1
     return upright[axis, i, j] == 1
+
+
+@jit
+def associate(
+    extent: F64, count: I32, label: I32, most_m: F64, boxes: F64, labels: I32, gate_m: float, track: I16
+) -> None:
+    """Give the boxes of a frame to the tracks that they fit best, the best pair first; a track takes one box.
+
+    Args:
+        extent: (n, 6) float64, 3-D boxes of the frame, metres.
+        count: (n,) int32, pixels; boxes without any join no track.
+        label: (n,) int32, number of each box's name.
+        most_m: (n,) float64, longest plausible diagonal of a thing of that name.
+        boxes: (T, 6) float64, 3-D boxes of the tracks, updated.
+        labels: (T,) int32, numbers of their names.
+        gate_m: largest gap.
+        track: (n,) int16, written: the track, -1 for none.
+    """
+    n, n_tracks = extent.shape[0], boxes.shape[0]
+    cost, taken = np.full((n_tracks, n), np.inf), np.zeros(n_tracks, np.bool_)
+    track[:] = -1
+    for old in range(n_tracks):
+        for k in range(n):
+            if count[k] > 0 and labels[old] == label[k]:
+                cost[old, k] = _misfit(boxes[old], extent[k], most_m[k], gate_m)
+    for _ in range(n):
+        best, lowest = (-1, -1), np.inf
+        for old in range(n_tracks):
+            for k in range(n):
+                if cost[old, k] < lowest and track[k] < 0 and not taken[old]:
+                    best, lowest = (old, k), cost[old, k]
+        if best[0] < 0:
+            break
+        track[best[1]], taken[best[0]] = best[0], True
+    for k in range(n):
+        if track[k] >= 0:
+            for axis in range(3):
+                boxes[track[k], axis] = min(boxes[track[k], axis], extent[k, axis])
+                boxes[track[k], 3 + axis] = max(boxes[track[k], 3 + axis], extent[k, 3 + axis])
+
+
+@jit
+def _misfit(old: F64, new: F64, most_m: float, gate_m: float) -> float:
+    """How badly a 3-D box (6,) fits a track's; infinite where together they are too large or too far apart."""
+    gap, between, whole, a, b = 0.0, 0.0, 0.0, 0.0, 0.0
+    for axis in range(3):
+        apart = max(old[axis] - new[3 + axis], new[axis] - old[3 + axis], 0.0)
+        middle = 0.5 * (old[axis] + old[3 + axis] - new[axis] - new[3 + axis])
+        side = max(old[3 + axis], new[3 + axis]) - min(old[axis], new[axis])
+        gap, between, whole = gap + apart * apart, between + middle * middle, whole + side * side
+        a, b = a + (old[3 + axis] - old[axis]) ** 2, b + (new[3 + axis] - new[axis]) ** 2
+    # A box that is too large already, by a poor detection or a wrong name, may still join its own track.
+    if np.sqrt(gap) > gate_m or np.sqrt(whole) > max(most_m, np.sqrt(a), 1.15 * np.sqrt(b)):
+        return np.inf
+    return np.sqrt(gap) + 0.1 * np.sqrt(between)
+
+
+@jit
+def overlaps(image: I16, instance: I16, row: I32, pixels: I32) -> None:
+    """Count the pixels that tracks and the simulator's instances share.
+
+    Args:
+        image: (H, W) int16, track of every pixel, -1 for none.
+        instance: (H, W) int16, instance of every pixel, -1 for none.
+        row: (most track + 2,) int32, row of each track in ``pixels``, -1 for tracks that are not counted.
+        pixels: (m, n + 1) int32, updated; column 0 is for pixels of no instance.
+    """
+    for v in range(image.shape[0]):
+        for u in range(image.shape[1]):
+            track = image[v, u]
+            if 0 <= track < row.shape[0] and row[track] >= 0:
+                pixels[row[track], instance[v, u] + 1] += 1

@@ -252,7 +252,9 @@ def errors_of(option: str | None, name: str) -> DetectorErrors:
         return shipped_errors(name)
     path = Path(option)
     if not path.is_file():
-        raise ConfigError(f"detector.errors={brief(option)}: no such file; make it: python -m ucon detector fit {name} FILE")
+        raise ConfigError(
+            f"detector.errors={brief(option)}: no such file; make it: python -m ucon detector fit {name} FILE"
+        )
     if path.stat().st_size > _MOST_BYTES:
         raise DataError(f"{path}: larger than {_MOST_BYTES} bytes; {_REMEDY}")
     found = parse_errors(path.read_bytes(), str(path))

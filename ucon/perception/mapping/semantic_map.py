@@ -78,6 +78,7 @@ class SemanticMap(PartlyShared):
         views: poses so far, one a step.
         step: number of the last frame, from 0.
         fresh: cells that the last frame explored.
+        inexact: whether the detector finds boxes, so that what was seen of a thing may be something else in part.
     """
 
     _flat: ClassVar[frozenset[str]] = frozenset({"views", "category"})
@@ -99,6 +100,7 @@ class SemanticMap(PartlyShared):
         self.walls = np.zeros((2, SIZE, SIZE), np.uint8)
         self.step = 0
         self.fresh = 0
+        self.inexact = False
         self.views: list[View] = []
         self.category: list[str] = []
         self.instances: dict[str, list[int]] = {}
@@ -152,6 +154,7 @@ class SemanticMap(PartlyShared):
         self.views.append(view)
         self.step = len(self.views) - 1
         detections = Detections.from_info(info)
+        self.inexact |= detections.score is not None
         self._register(detections)
         for track in info.get("opened", ()):
             if 0 <= int(track) < self.n_tracks:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.sharing import PartlyShared
+from ucon.objects.catalogue import catalogue
 from ucon.perception.mapping.body import Body
 from ucon.perception.mapping.detections import MIN_PIXELS
 from ucon.perception.mapping.planner import UNREACHED, Planner
@@ -19,6 +20,8 @@ from ucon.perception.views.approach_kernels import best_views
 #: Reach in metres for things near an opened drawer: they are seen where the drawer took them, but count where they were
 #: put, farther back.
 DRAWER_NEAR_M = 0.55
+#: Least reach in metres for things whose box is too large.
+LEAST_NEAR_M = 0.5
 
 
 class Approach(PartlyShared):
@@ -121,12 +124,30 @@ def _reach_m(known: SemanticMap, tracks: NDArray[np.int64]) -> NDArray[np.float6
     box = known.box[tracks]
     x, y = 0.5 * (box[:, 0] + box[:, 3]), 0.5 * (box[:, 1] + box[:, 4])
     out = np.full(len(tracks), known.body.near_m - 0.005)
+    if known.inexact:
+        out = np.maximum(out - _excess_m(known, tracks), LEAST_NEAR_M)
     for holder in np.flatnonzero(known.opened[: known.n_tracks]).tolist():
         if affordance(known.category[holder]).drawers:
             x0, y0, _, x1, y1, z1 = known.box[holder]
             gap = np.hypot(np.maximum(np.maximum(x0 - x, x - x1), 0.0), np.maximum(np.maximum(y0 - y, y - y1), 0.0))
             out[(gap < 0.7) & (box[:, 2] < z1 + 0.05)] = DRAWER_NEAR_M
     return out
+
+
+def _excess_m(known: SemanticMap, tracks: NDArray[np.int64]) -> NDArray[np.float64]:
+    """(m,) by how much what was seen of each track is wider than its category, metres.
+
+    By so much the thing may be farther away than what was seen: a box holds some of what is beside it.
+    """
+    sides = known.box[tracks, 3:5] - known.box[tracks, :2]
+    return np.asarray(np.maximum(sides.max(1) - [_widest_m(known.category[k]) for k in tracks.tolist()], 0.0))
+
+
+@lru_cache(maxsize=2048)
+def _widest_m(category: str) -> float:
+    """Longer horizontal side of a category in metres; infinite outside the catalogue."""
+    book = catalogue()
+    return float(max(book[category].size[:2])) if category in book else np.inf
 
 
 def _center(box: NDArray[np.float64]) -> NDArray[np.float64]:
