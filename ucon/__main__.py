@@ -29,6 +29,7 @@ COMMANDS = {
     "watch": "film an episode of a finished run, or list its episodes and how they ended",
     "cases": "find episodes where a habit about a thing beside the target was given, and the target found",
     "catalogue": "print the names of the object catalogue, or draw it",
+    "detector": "fit the errors of a detector on training homes, and show them",
     "scenes": "list and draw the homes",
     "habits": "import a habit dataset, or print a dataset's statistics",
     "episodes": "make or verify fixed episode sets",

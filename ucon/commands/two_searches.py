@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from ucon.evaluation.kept.record import EpisodeRecord
@@ -37,10 +37,11 @@ def search_twice(words: Sequence[str], out: Path, levels: Sequence[str], *, film
     """
     from ucon.evaluation.kept.endings import why_lost
     from ucon.evaluation.kept.finished import FinishedRun
+    from ucon.programs.composing import eval_config
     from ucon.programs.evaluating import Evaluation
 
     fixed = ("workers=0", "progress=false", f"pictures={int(films)}")
-    configs = {level: _config(*words, *fixed, f"habit_level={level}", f"out={out / level}") for level in levels}
+    configs = {level: eval_config(*words, *fixed, f"habit_level={level}", f"out={out / level}") for level in levels}
     found = []
     for level, config in configs.items():
         run = Evaluation(config, out / level, anew=True)
@@ -66,8 +67,9 @@ def check_searches(words: Sequence[str], levels: Sequence[str]) -> None:
     """
     from ucon.configuration.wiring import Factory
     from ucon.evaluation.playing.needed_weights import check_weights
+    from ucon.programs.composing import eval_config
 
-    for config in [_config(*words, f"habit_level={level}") for level in levels]:
+    for config in [eval_config(*words, f"habit_level={level}") for level in levels]:
         check_weights(Factory(config["agent"])(), Factory(config["env"]["detector"])())
 
 
@@ -82,24 +84,3 @@ def print_searches(searches: Sequence[Search]) -> None:
     print("".join(f"{search.record.habit_level}: {search.lost}\n" for search in searches if search.lost), end="")
     films = [film for search in searches for film in sorted((search.folder / "pictures").glob("*.webm"))]
     print("".join(f"film: {film}\n" for film in films), end="")
-
-
-def _config(*words: str) -> dict[str, Any]:
-    """Configuration of ``eval.py`` with some options."""
-    from hydra import compose, initialize_config_dir
-    from hydra.errors import HydraException
-    from omegaconf import OmegaConf
-
-    import ucon
-    from ucon.core.errors import ConfigError
-    from ucon.programs.errors import explain
-
-    configs = Path(ucon.__file__).parents[1] / "configs"
-    if not configs.is_dir():
-        raise ConfigError(f"{configs}: no such folder; agents are in a clone, not in the package: run this in one")
-    try:
-        with initialize_config_dir(str(configs), version_base="1.3"):
-            config: dict[str, Any] = OmegaConf.to_container(compose("eval", overrides=list(words)), resolve=True)  # type: ignore[assignment]
-    except HydraException as error:
-        raise ConfigError(explain(error, configs, "eval", words)) from None
-    return config

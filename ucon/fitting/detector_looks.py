@@ -6,7 +6,7 @@ simulator's instances by overlap.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -178,13 +178,16 @@ def walk(episode: Episode, seed: int) -> Iterator[int]:
             yield int(Action.LOOK_DOWN if look == Action.LOOK_UP else Action.LOOK_UP)
 
 
-def collect(detector: BoxDetector, episodes: Sequence[Episode], seed: int = 0) -> tuple[Looks, FalseBoxes]:
+def collect(
+    detector: BoxDetector, episodes: Sequence[Episode], seed: int = 0, tick: Callable[[int], object] = lambda done: None
+) -> tuple[Looks, FalseBoxes]:
     """Walk through homes with a detector.
 
     Args:
         detector: what is asked.
         episodes: one walk each.
         seed: of the looks up and down.
+        tick: called with the number of walks done.
 
     Returns:
         All looks, and the boxes of nothing.
@@ -198,6 +201,7 @@ def collect(detector: BoxDetector, episodes: Sequence[Episode], seed: int = 0) -
             for action in walk(episode, seed):
                 if any(env.step(action)[2:4]):
                     break
+            tick(number + 1)
     finally:
         env.close()
     return witness.looks()

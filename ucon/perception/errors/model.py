@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import canonical_json
 from ucon.core.sharing import Shared
+from ucon.core.untrusted.plain_file import read_plain
 from ucon.core.untrusted.strict_json import JsonError, parse_json
 from ucon.core.untrusted.typed import read_as
 from ucon.objects.catalogue import catalogue
@@ -28,6 +29,8 @@ from ucon.perception.detectors.confusion import FEATURES, similarity
 
 #: Half the width in pixels of the canonical 128 x 128 view of 90 degrees: its focal length.
 FOCAL_PX: Final = 64.0
+_FIT: Final = "fit them on training homes: python -m ucon detector fit {} FILE"
+_REMEDY: Final = _FIT.format("NAME")
 #: Largest file.
 _MOST_BYTES: Final = 1 << 20
 
@@ -96,7 +99,7 @@ class DetectorErrors(Shared):
             raise DataError(f"errors of detector {brief(self.detector)}: {lengths} weights do not fit; {_REMEDY}")
         if self.vocabulary != vocabulary_hash():
             raise DataError(
-                f"errors of detector {brief(self.detector)} were fitted with other names than the catalogue's; {_REMEDY}"
+                f"errors of detector {brief(self.detector)} were fitted with other names than ours; {_REMEDY}"
             )
 
     def fingerprint(self) -> str:
@@ -198,9 +201,6 @@ def vocabulary_hash() -> str:
     return hashlib.sha256("\n".join(vocabulary()).encode()).hexdigest()
 
 
-_REMEDY: Final = "fit them again: python -m ucon detector fit NAME"
-
-
 def parse_errors(text: str | bytes, where: str) -> DetectorErrors:
     """The errors of a file's content.
 
@@ -218,49 +218,27 @@ def parse_errors(text: str | bytes, where: str) -> DetectorErrors:
     return read_as(DetectorErrors, data, where, "the errors of a detector")
 
 
-@lru_cache(maxsize=16)
-def shipped_errors(name: str) -> DetectorErrors:
-    """The errors of a detector that come with the package.
+def read_errors(name: str, path: Path | None = None) -> DetectorErrors:
+    """The errors of a detector.
 
     Args:
-        name: of the detector.
-
-    Raises:
-        ConfigError: none are shipped for it.
-    """
-    path = files("ucon.perception.errors").joinpath(f"data/{name}.json")
-    if not path.is_file():
-        raise ConfigError(
-            f"detector={name}: its errors are not known, and agents ask how far to trust it; fit them on training homes "
-            f"(python -m ucon detector fit {name} FILE) and give detector.errors=FILE"
-        )
-    return parse_errors(path.read_bytes(), f"ucon/perception/errors/data/{name}.json")
-
-
-def errors_of(option: str | None, name: str) -> DetectorErrors:
-    """The errors that a detector's ``errors`` option names.
-
-    Args:
-        option: a file; None: those that come with the package.
-        name: of the detector.
+        name: of the detector in ``configs/detector``.
+        path: a file; None: those that come with the package.
 
     Raises:
         ConfigError: there are none, or they are of another detector.
         DataError: the file is none.
     """
-    if option is None:
-        return shipped_errors(name)
-    path = Path(option)
+    if path is None:
+        shipped = files("ucon.perception.errors").joinpath(f"data/{name}.json")
+        if not shipped.is_file():
+            raise ConfigError(f"detector={name}: its errors do not come with the package; {_FIT.format(name)}")
+        return parse_errors(shipped.read_bytes(), f"ucon/perception/errors/data/{name}.json")
     if not path.is_file():
-        raise ConfigError(
-            f"detector.errors={brief(option)}: no such file; make it: python -m ucon detector fit {name} FILE"
-        )
-    if path.stat().st_size > _MOST_BYTES:
-        raise DataError(f"{path}: larger than {_MOST_BYTES} bytes; {_REMEDY}")
-    found = parse_errors(path.read_bytes(), str(path))
+        raise ConfigError(f"{path}: no such file; {_FIT.format(name)}")
+    found = parse_errors(read_plain(path, _MOST_BYTES), str(path))
     if found.detector != name:
         raise ConfigError(
-            f"detector.errors={brief(option)}: the errors of {found.detector}, expected those of {name}; fit them: "
-            f"python -m ucon detector fit {name} FILE"
+            f"{path}: the errors of {brief(found.detector)}, expected those of {name}; {_FIT.format(name)}"
         )
     return found

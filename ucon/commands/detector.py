@@ -1,0 +1,129 @@
+"""``python -m ucon detector``: fit a detector's errors on training homes, and show them."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ucon.perception.detectors.box_detector import BoxDetector
+    from ucon.perception.errors.model import DetectorErrors
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's actions to its parser."""
+    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
+    fit = actions.add_parser("fit", help="walk through training homes with a detector and fit its errors")
+    fit.add_argument("name", metavar="NAME", help="of configs/detector")
+    fit.add_argument("file", metavar="FILE", type=Path, help="written: the errors, as JSON")
+    fit.add_argument("option", metavar="OPTION", nargs="*", help="of the detector, such as detector.seed=1")
+    fit.add_argument("--episodes", metavar="SET", default="train", help="a set by name or file (train)")
+    fit.add_argument("--walks", type=int, default=120, help="episodes to walk through, spread over the set (120)")
+    show = actions.add_parser("show", help="print the errors of a detector")
+    show.add_argument("name", metavar="NAME", help="of configs/detector")
+    show.add_argument("file", metavar="FILE", type=Path, nargs="?", help="the errors; those of the package by default")
+    show.add_argument("--thing", default="mug", help="for what the chances are printed (mug)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Fit or show.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0.
+
+    Raises:
+        ConfigError: no such detector, or none that finds boxes.
+        DataError: too few looks, or the file is none.
+    """
+    from ucon.perception.errors.model import read_errors
+
+    if args.action == "fit":
+        return _fit(args)
+    print(described(read_errors(args.name, args.file), args.thing))
+    return 0
+
+
+def _fit(args: argparse.Namespace) -> int:
+    from ucon.core.errors import ConfigError
+    from ucon.core.files import require_writable, write_atomic
+    from ucon.core.progress import Progress
+    from ucon.fitting.detector_errors import fit_errors
+    from ucon.fitting.detector_looks import collect
+    from ucon.fitting.reliability import reliability
+    from ucon.task.sets import load_episodes
+
+    if args.walks < 2:
+        raise ConfigError(f"--walks {args.walks}: expected 2 or more")
+    require_writable(args.file)
+    detector = _detector(args.name, args.option)
+    episodes = load_episodes(args.episodes, "paper")
+    chosen = episodes[:: max(1, len(episodes) // args.walks)][: args.walks]
+    with Progress(f"walks with {args.name}", len(chosen)) as progress:
+        looks, false = collect(detector, chosen, tick=progress.update)
+    errors = fit_errors(args.name, looks, false)
+    write_atomic(args.file, errors.to_json() + "\n")
+    print(described(errors, "mug"))
+    print(f"\n{reliability(args.name, looks, false)}\n\nwritten to {args.file}, {errors.looks:,} looks")
+    return 0
+
+
+def _detector(name: str, options: list[str]) -> BoxDetector:
+    """A configured detector.
+
+    Raises:
+        ConfigError: there is none of this name, or it finds no boxes.
+    """
+    from ucon.configuration.wiring import Factory
+    from ucon.core.errors import ConfigError
+    from ucon.perception.detectors.box_detector import BoxDetector
+    from ucon.programs.composing import eval_config
+
+    detector = Factory(eval_config(f"detector={name}", "out=runs/detector", *options)["detector"])()
+    if not isinstance(detector, BoxDetector):
+        raise ConfigError(f"detector={name}: never errs; expected a detector that finds boxes, such as noisy")
+    return detector
+
+
+def described(errors: DetectorErrors, thing: str) -> str:
+    """The errors as text: recall, scores, wrong names, false boxes.
+
+    Args:
+        errors: of a detector.
+        thing: name of the thing whose chances are printed.
+
+    Raises:
+        ConfigError: no such thing.
+    """
+    import numpy as np
+
+    from ucon.core.errors import ConfigError, unknown_name
+    from ucon.perception.detectors.base import vocabulary
+
+    names = vocabulary()
+    if thing not in names:
+        raise ConfigError(unknown_name("thing", thing, names))
+    sizes, far = np.array([6.0, 25.0, 100.0, 400.0, 1600.0]), np.array([1.0, 2.0, 4.0, 8.0])
+    lines = [f"{errors.detector}: errors fitted on {errors.looks:,} looks", "", "found, of things that show whole (%)"]
+    lines.append("   pixels" + "".join(f"{f'{m:g} m':>8}" for m in far))
+    for px in sizes:
+        chance = 100 * errors.found(np.full(4, px), far, np.ones(4))
+        lines.append(f"{px:9.0f}" + "".join(f"{c:8.0f}" for c in chance))
+    seen = 100 * errors.sighted_curve(thing, far)
+    lines.append(f"{thing[:9]:>9}" + "".join(f"{c:8.0f}" for c in seen) + "  by its size, in free sight")
+    lines.append(f"\ncalled by its own name: {100 * errors.right:.0f} % of what is found")
+    row = np.exp(errors.called[names.index(thing)])
+    likely = ", ".join(f"{names[k]} {100 * row[k]:.0f} %" for k in np.argsort(-row)[:4])
+    lines.append(f"a wrong name of {thing}: {likely}")
+    pairs = zip(errors.score_knots, errors.score_evidence, strict=True)
+    lines.append("how much likelier a right box has a score than a wrong one:")
+    lines.append("  " + "   ".join(f"{score:.2f}: {np.exp(evidence):.2f}" for score, evidence in pairs))
+    lines.append(f"boxes on nothing: {errors.false_boxes:.2f} a frame, {100 * errors.false_share:.0f} % of all boxes")
+    lines.append(
+        f"looks from one of {errors.sides} sides within {errors.octave:g} octave: agree by {errors.repeats:.2f}, "
+        f"others by {errors.repeats_elsewhere:.2f}"
+    )
+    return "\n".join(lines)
