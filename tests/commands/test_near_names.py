@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from ucon.__main__ import main
-from ucon.commands.two_searches import _config
 from ucon.core.errors import ConfigError
+from ucon.programs.composing import eval_config
 
 ROOT = Path(__file__).parents[2]
 HABIT = ["--habit", "The mug stays beside the laptop all day."]
@@ -74,7 +74,7 @@ def test_on_the_command_line(
 @pytest.mark.parametrize("words", IN_GROUPS)
 def test_an_option_of_a_group(words: str, tmp_path: Path) -> None:
     with pytest.raises(ConfigError) as error:
-        _config(*words.split(), f"out={tmp_path}")
+        eval_config(*words.split(), f"out={tmp_path}")
     assert f"unknown option '{words.split()[-1].partition('=')[0]}': {IN_GROUPS[words]}" in str(error.value)
 
 

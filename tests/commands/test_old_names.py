@@ -11,7 +11,7 @@ from hydra.utils import get_object
 
 from ucon.configuration import old_names
 from ucon.configuration.arguments import arguments_of
-from ucon.configuration.old_names import GONE, MOVED, RENAMED, in_todays_names
+from ucon.configuration.old_names import GONE, MOVED, REMOVED, RENAMED, in_todays_names
 from ucon.core.errors import DataError
 
 RESULTS = Path(__file__).resolve().parents[2] / "results"
@@ -62,3 +62,11 @@ def test_at_any_depth(monkeypatch: pytest.MonkeyPatch) -> None:
     assert in_todays_names(stored, "f") == {"x": [{"_target_": "b.New", "size": {"_target_": "c.Kept"}}], "y": 1}
     with pytest.raises(DataError, match=r"^f: shape=square of b.New is no longer there"):
         in_todays_names({"x": {"_target_": "a.Old", "shape": "square"}}, "f")
+
+
+def test_a_constructor_that_is_gone_says_why() -> None:
+    for old in REMOVED:
+        with pytest.raises(Exception, match=r"(?i)locat|import|module"):
+            get_object(f"{old}.nothing")
+        with pytest.raises(DataError, match=rf"^f: {old} is gone \(.*; play the run by the commit"):
+            in_todays_names({"env": {"detector": {"rates": {"_target_": old}}}}, "f")

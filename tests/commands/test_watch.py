@@ -9,12 +9,13 @@ import cv2
 import pytest
 
 from ucon.__main__ import main
-from ucon.commands.two_searches import _config, search_twice
+from ucon.commands.two_searches import search_twice
 from ucon.commands.watch import _decision_lines, _habit_lines
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.evaluation.kept.finished import FinishedRun
 from ucon.evaluation.kept.record import read_records
 from ucon.evaluation.playing.recorded import RecordedAgent
+from ucon.programs.composing import eval_config
 from ucon.programs.evaluating import Evaluation
 from ucon.task.actions import Action
 from ucon.task.sets import load_episodes
@@ -105,7 +106,7 @@ def test_the_numbers_of_computed_choices_are_explained_and_even() -> None:
 
 
 def test_the_habits_that_the_agent_reads_most_from_are_shown(tmp_path: Path) -> None:
-    config = _config("agent=belief", "habit_level=retrieval", "episodes=mini", "limit=1", f"out={tmp_path}")
+    config = eval_config("agent=belief", "habit_level=retrieval", "episodes=mini", "limit=1", f"out={tmp_path}")
     run = Evaluation(config, tmp_path)
     given = run.given(run.episodes[0])
     assert given is not None

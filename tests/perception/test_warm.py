@@ -4,7 +4,7 @@ import subprocess
 import sys
 
 CODE = """
-from ucon.commands.warming import WARMING
+from ucon.programs.warming import WARMING
 from ucon.envs.ucon_env import UcONEnv
 from ucon.perception.detectors import noisy_kernels as d, tracker_kernels as t
 from ucon.perception.detectors.noisy import NoisyDetector

@@ -55,7 +55,7 @@ def run(args: argparse.Namespace) -> int:
     from ucon.core.output import stdout_to_stderr
 
     if args.warm:
-        from ucon.commands.warming import compile_kernels
+        from ucon.programs.warming import compile_kernels
 
         with stdout_to_stderr():
             seconds = compile_kernels()
@@ -178,7 +178,7 @@ def gpu() -> Iterator[Diagnosis]:
 
 def environment() -> Iterator[Diagnosis]:
     """Start an episode of the set ``mini`` and measure the time of a step."""
-    from ucon.commands.warming import warm_up
+    from ucon.programs.warming import warm_up
 
     seconds = warm_up()
     milliseconds = step_milliseconds()

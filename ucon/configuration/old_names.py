@@ -56,6 +56,11 @@ GONE: Final[Mapping[str, Mapping[str, Any]]] = {
     "ucon.envs.search.env.UcONSearchEnv": {"expert": False},
 }
 
+#: Constructors that are no longer there, and why nothing takes their place.
+REMOVED: Final[Mapping[str, str]] = {
+    "ucon.perception.detectors.noisy.Rates": "the noisy detector errs in another way since: occlusion, scores, draws",
+}
+
 #: Renamed arguments, by today's name of the constructor: new name by the old one.
 RENAMED: Final[Mapping[str, Mapping[str, str]]] = {
     "ucon.envs.search.env.UcONSearchEnv": {"to_go": "distance_to_goal"},
@@ -71,7 +76,7 @@ def in_todays_names(node: Any, where: str) -> Any:
         where: names its file, for the error.
 
     Raises:
-        DataError: it uses a removed argument with a value that had an effect.
+        DataError: it uses a removed constructor, or a removed argument with a value that had an effect.
     """
     if isinstance(node, list | tuple):
         return [in_todays_names(inner, where) for inner in node]
@@ -81,6 +86,10 @@ def in_todays_names(node: Any, where: str) -> Any:
     target = out.get("_target_")
     if not isinstance(target, str):
         return out
+    if target in REMOVED:
+        raise DataError(
+            f"{where}: {target} is gone ({REMOVED[target]}); play the run by the commit in its summary.json"
+        )
     target = out["_target_"] = MOVED.get(target, target)
     out = {RENAMED.get(target, {}).get(name, name): value for name, value in out.items()}
     for name, nothing in GONE.get(target, {}).items():

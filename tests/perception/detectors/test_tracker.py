@@ -6,7 +6,8 @@ import pytest
 from ucon.envs.ucon_env import UcONEnv
 from ucon.perception.detectors import Frame
 from ucon.perception.detectors.boxes import Boxes, overlap
-from ucon.perception.detectors.noisy import EXACT, NoisyDetector
+from ucon.perception.detectors.noise_rates import EXACT
+from ucon.perception.detectors.noisy import NoisyDetector
 from ucon.perception.detectors.owners import TrackInstances
 from ucon.perception.detectors.tracker import STRUCTURE, Tracker
 from ucon.perception.mapping import map_kernels

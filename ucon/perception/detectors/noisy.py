@@ -23,11 +23,9 @@ from ucon.perception.detectors.base import Frame, vocabulary
 from ucon.perception.detectors.box_detector import BoxDetector
 from ucon.perception.detectors.boxes import Boxes
 from ucon.perception.detectors.confusion import wrong_name
-from ucon.perception.detectors.noise_rates import EXACT, GRID, LEAST_SCORE, Rates
+from ucon.perception.detectors.noise_rates import GRID, LEAST_SCORE, Rates
 from ucon.perception.detectors.tracker import GATE_M
 from ucon.perception.mapping.detections import MIN_PIXELS, STRUCTURE_KINDS
-
-__all__ = ["EXACT", "NoisyDetector", "Rates"]
 
 
 class NoisyDetector(BoxDetector):
