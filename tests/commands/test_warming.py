@@ -17,7 +17,7 @@ def test_after_setting_up_nothing_is_compiled(tmp_path: Path) -> None:
     kernels = tmp_path / "kernels"
 
     def compiled_by(*words: str) -> set[Path]:
-        """What a program adds to an empty or filled cache of its own."""
+        """Names of the files that a program adds to a cache folder."""
         before = {path: path.stat().st_mtime_ns for path in kernels.rglob("*.nb?")}
         setting = os.environ | {"NUMBA_CACHE_DIR": str(kernels), "OMP_NUM_THREADS": "1"}
         words = (sys.executable, *words)

@@ -8,31 +8,21 @@ import pytest
 
 from models.agents.belief import BeliefAgent
 from models.agents.frontier import FrontierAgent
-from models.agents.random import RandomAgent
+from tests.evaluation.random_runs import lines, random_run, six_episodes
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
-from ucon.evaluation.kept.record import to_lines
 from ucon.evaluation.playing.crew import WorkerError
-from ucon.evaluation.playing.play import RunSpec
 from ucon.evaluation.playing.runner import evaluate
-from ucon.task.sets import load_episodes
-
-N = 6
 
 
 @pytest.fixture(scope="module")
 def episodes():
-    return load_episodes("mini")[:N]
+    return six_episodes()
 
 
 @pytest.fixture(scope="module")
-def spec(episodes):
-    env = partial(UcONEnv, episodes[:1], habit_level="retrieval", observe="symbolic", privileged=True)
-    return RunSpec(partial(RandomAgent, seed=4, done_probability=0.02), env, "retrieval", seed=4)
-
-
-def lines(played):
-    return to_lines(p.record for p in sorted(played, key=lambda p: p.record.episode))
+def spec():
+    return random_run()
 
 
 @pytest.mark.parametrize("agent", [BeliefAgent, FrontierAgent])

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
     from ucon.perception.detectors.box_detector import BoxDetector
     from ucon.perception.errors.model import DetectorErrors
+
+#: Scores that are shown.
+_SCORES: Final = (0.3, 0.5, 0.7, 0.9)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -107,7 +110,11 @@ def described(errors: DetectorErrors, thing: str) -> str:
     if thing not in names:
         raise ConfigError(unknown_name("thing", thing, names))
     sizes, far = np.array([6.0, 25.0, 100.0, 400.0, 1600.0]), np.array([1.0, 2.0, 4.0, 8.0])
-    lines = [f"{errors.detector}: errors fitted on {errors.looks:,} looks", "", "found, of things that show whole (%)"]
+    lines = [
+        f"{errors.detector}: errors fitted on {errors.looks:,} looks (sha256 {errors.fingerprint()[:12]})",
+        "",
+        "found, of things that show whole (%)",
+    ]
     lines.append("   pixels" + "".join(f"{f'{m:g} m':>8}" for m in far))
     for px in sizes:
         chance = 100 * errors.found(np.full(4, px), far, np.ones(4))
@@ -118,9 +125,9 @@ def described(errors: DetectorErrors, thing: str) -> str:
     row = np.exp(errors.called[names.index(thing)])
     likely = ", ".join(f"{names[k]} {100 * row[k]:.0f} %" for k in np.argsort(-row)[:4])
     lines.append(f"a wrong name of {thing}: {likely}")
-    pairs = zip(errors.score_knots, errors.score_evidence, strict=True)
+    scores = np.exp([errors.evidence(score) for score in _SCORES])
     lines.append("how much likelier a right box has a score than a wrong one:")
-    lines.append("  " + "   ".join(f"{score:.2f}: {np.exp(evidence):.2f}" for score, evidence in pairs))
+    lines.append("  " + "   ".join(f"{score:.1f}: {ratio:.2f}" for score, ratio in zip(_SCORES, scores, strict=True)))
     lines.append(f"boxes on nothing: {errors.false_boxes:.2f} a frame, {100 * errors.false_share:.0f} % of all boxes")
     lines.append(
         f"looks from one of {errors.sides} sides within {errors.octave:g} octave: agree by {errors.repeats:.2f}, "

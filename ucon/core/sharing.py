@@ -1,4 +1,4 @@
-"""What deep copies share with the original; classes declare it.
+"""Sharing between an object and its deep copies; classes declare what is shared.
 
 Planners clone environments thousands of times. A clone must own what changes in an episode, and no more. Homes, habits,
 embeddings and episodes never change, so clones share them.

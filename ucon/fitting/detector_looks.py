@@ -157,7 +157,7 @@ class Witness(BoxDetector):
         return of
 
     def looks(self) -> tuple[Looks, FalseBoxes]:
-        """What was written down."""
+        """All looks at things so far, and all boxes on nothing."""
         columns = np.array(self.rows, np.float64).reshape(-1, 10).T
         types = (np.int32,) * 3 + (np.float64,) * 4 + (np.bool_, np.int32, np.float64)
         looks = Looks(*(column.astype(kind) for column, kind in zip(columns, types, strict=True)))

@@ -18,7 +18,7 @@ from ucon.habits.verdicts import Triple, Verdict, Verdicts
 from ucon.task.making.placeable import refusal
 
 Tried = dict[Triple, str | None]
-"""By triple, the reason why one home refuses it; None where it does not."""
+"""Why one home refuses a triple, by triple; None where it takes it."""
 
 
 def tried(dataset: HabitDataset, *, workers: int = 2, progress: Progress | None = None) -> Verdicts:

@@ -39,7 +39,7 @@ _SEASON_OF: Final = {
     **dict.fromkeys(("feast/rosh-hashanah", "feast/diwali"), "autumn"),
     **dict.fromkeys(("weather/heat", "feast/barbecue", "feast/picnic"), "summer"),
 }
-"""By occasion that belongs to one season: the season."""
+"""The season of each occasion that belongs to one, by occasion."""
 _DAY_NAMES = ("Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday")
 _NAMED_DAYS = {"workday": range(5), "weekend": range(5, 7), "dayoff": range(5, 7)}
 _SLUG = re.compile(r"[a-z0-9]+(?:-[a-z0-9]+)*")

@@ -106,7 +106,7 @@ def _scores(rates: Rates, frames: list) -> dict[bool, list[tuple[float, float]]]
         for look in boxes_of(detector, frames)
     )
     for detector, (categories, frame, boxes) in looks:
-        n = detector._n
+        n = len(detector._things(frame, frame.camera))
         for row, (label, score) in enumerate(zip(boxes.label, boxes.score.tolist(), strict=True)):
             k = int(detector._found[0][row]) if row < n else -1
             away = np.linalg.norm(detector._outlines[1][k] - frame.camera[:3]) if row < n else 0.0
@@ -144,7 +144,7 @@ def test_hidden_and_distant_things_are_found_less_often(frames: list, of: str) -
     found: dict[bool, list[bool]] = {True: [], False: []}
     for _categories, frame, _ in boxes_of(detector, frames):
         _, middle, count = detector._outlines
-        seen = set(detector._found[0][: detector._n].tolist())
+        seen = set(detector._found[0][: len(detector._things(frame, frame.camera))].tolist())
         for k in np.flatnonzero((frame.counts >= 4) & (count > 0) & (detector._surface_m2 > 0)).tolist():
             away = float(np.linalg.norm(middle[k] - frame.camera[:3]))
             whole = min(0.25 * detector._surface_m2[k] * (64 / max(away, 0.1)) ** 2, 4000)

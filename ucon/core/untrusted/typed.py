@@ -38,7 +38,7 @@ def parse_line(raw: bytes | str, where: str, remedy: str = _ALTERED) -> Any:
         raise DataError(f"{where}: not JSON ({error}); {remedy}") from None
 
 
-def read_as(cls: type[T], data: Any, where: str, what: str, *, without: tuple[str, ...] = ()) -> T:
+def read_as(cls: type[T], data: Any, where: str, what: str, *, without: tuple[str, ...] = (), remedy: str = "") -> T:
     """An instance of a dataclass from a JSON object with exactly its fields.
 
     Fields may be ``str``, ``bool``, ``int``, ``float``, one of these or None, or a tuple of them.
@@ -49,6 +49,7 @@ def read_as(cls: type[T], data: Any, where: str, what: str, *, without: tuple[st
         where: file and line, for errors.
         what: the class in words, for errors.
         without: fields that the object does not have.
+        remedy: what to do about an object that is none; by default, for records of runs, to evaluate again.
 
     Raises:
         DataError: naming a field that is missing, unknown, or of another type.
@@ -60,14 +61,14 @@ def read_as(cls: type[T], data: Any, where: str, what: str, *, without: tuple[st
         missing, extra = sorted(names - found), sorted(map(brief, found - names))
         raise DataError(
             f"{where}: not {what} (missing {missing or 'nothing'}, unknown {extra[:5] or 'nothing'}); "
-            "was it written by another version? evaluate again"
+            f"{remedy or 'was it written by another version? evaluate again'}"
         )
     values = {}
     for name, value in data.items():
         try:
             values[name] = readers[name](value)
         except _WrongTypeError as error:
-            raise DataError(f"{where}: {name}={brief(value)}: expected {error}; {_ALTERED}") from None
+            raise DataError(f"{where}: {name}={brief(value)}: expected {error}; {remedy or _ALTERED}") from None
     return cls(**values)
 
 

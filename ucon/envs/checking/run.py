@@ -42,5 +42,5 @@ def check(subject: Subject) -> Iterator[Finding]:
 
 
 def _first_line(check: Check) -> str:
-    """What a check expects: the first line of its docstring."""
+    """The promise that a check is about: the first line of its docstring."""
     return (check.__doc__ or "").split("\n")[0].rstrip(".")

@@ -18,7 +18,7 @@ _DEPTH_M, _COLOUR = 0.15, 12.0
 
 
 def _walked(subject: Subject) -> Iterator[tuple[int, Step, Step, Any]]:
-    """By action: number, the subject's answer, the reference's answer, and the environment that knows the truth."""
+    """Walk both environments; yields each action, the subject's answer, the reference's, and who knows the truth."""
     for episode in (0, 1):
         env, ours = subject.make(), subject.reference()
         truth = core(ours)

@@ -42,7 +42,7 @@ class Step(NamedTuple):
 
 @dataclass(frozen=True)
 class Subject:
-    """What is checked, and the environment of UcON inside it, which is the reference.
+    """The environment under check, and the environment of UcON inside it, which is the reference.
 
     Attributes:
         name: as given on the command line.

@@ -7,9 +7,9 @@ from abc import ABC, abstractmethod
 from ucon.core.sharing import PartlyShared
 from ucon.perception.detectors.base import Frame
 from ucon.perception.detectors.boxes import Boxes
-from ucon.perception.detectors.owners import TrackInstances
-from ucon.perception.detectors.tracker import GATE_M, STRUCTURE, Tracker
 from ucon.perception.mapping.detections import Detections
+from ucon.perception.tracking.owners import TrackInstances
+from ucon.perception.tracking.tracker import GATE_M, STRUCTURE, Tracker
 
 
 class BoxDetector(PartlyShared, ABC):

@@ -14,7 +14,7 @@ import numpy as np
 from ucon.perception.detectors.boxes import Boxes
 from ucon.perception.detectors.open_vocabulary import DetectorWeights, Loaded, OpenVocabularyDetector
 from ucon.perception.detectors.phrases import Names, chunks, plain
-from ucon.perception.detectors.tracker import GATE_M
+from ucon.perception.tracking.tracker import GATE_M
 
 
 class GroundingDinoDetector(OpenVocabularyDetector):

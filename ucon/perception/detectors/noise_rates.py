@@ -16,8 +16,9 @@
   (given as the gains of MM Grounding DINO in its paper, arXiv 2401.02361: +2.2 to 50.6, +12.6 to 41.4). Estimated:
   half of this loss is calling found things by a wrong name, of which the catalogue offers 838: one in five.
 - Scores. Published: the scores of YOLOv3 tell right boxes from wrong ones with an AUROC of about 0.83 on COCO's 80
-  names, and boxes below 0.3 "cannot be reliably separated" by them (Riedlinger et al., Gradient-based quantification of
-  epistemic uncertainty for deep object detectors, arXiv 2107.04517); the scores of YOLO-World are poorly calibrated
+  names (quoted from memory, not checked against the paper's tables), and boxes below 0.3 "cannot be reliably
+  separated" by them (Riedlinger et al., Gradient-based quantification of epistemic uncertainty for deep object
+  detectors, arXiv 2107.04517); the scores of YOLO-World are poorly calibrated
   (Applied Sciences 15(22), 12062). Estimated: 0.80 among 838 names. Scores are drawn from two normal distributions of
   one width whose distance gives this AUROC, at every size and distance; the sizes move both alike.
 - Box jitter. Published: AP at IoU 0.75 is 0.74 of that at 0.5 (0.437 and 0.593, same evaluation). Computed: edges that

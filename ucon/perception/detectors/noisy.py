@@ -24,8 +24,8 @@ from ucon.perception.detectors.box_detector import BoxDetector
 from ucon.perception.detectors.boxes import Boxes
 from ucon.perception.detectors.confusion import wrong_name
 from ucon.perception.detectors.noise_rates import GRID, LEAST_SCORE, Rates
-from ucon.perception.detectors.tracker import GATE_M
 from ucon.perception.mapping.detections import MIN_PIXELS, STRUCTURE_KINDS
+from ucon.perception.tracking.tracker import GATE_M
 
 
 class NoisyDetector(BoxDetector):
@@ -87,7 +87,8 @@ class NoisyDetector(BoxDetector):
             Boxes in the frame's pixels; edges may lie outside the frame.
         """
         camera = frame.camera
-        things, n = self._things(frame, camera), self._n
+        things = self._things(frame, camera)
+        n = len(things)
         false = self._false_boxes(frame, camera)
         if not things and not false:
             return Boxes.none()
@@ -96,16 +97,17 @@ class NoisyDetector(BoxDetector):
         return Boxes([*things, *(name for name, _, _ in false)], score.astype(np.float32), box.astype(np.float32))
 
     def _things(self, frame: Frame, camera: NDArray[np.float64]) -> list[str]:
-        """Names given to the ``_n`` instances that are found in this frame; scores and boxes are in ``_found``."""
+        """Names given to the n instances that are found in this frame.
+
+        The first n rows of ``_found`` are their instances, draws of the name, scores and boxes.
+        """
         rates = self._rates
         kernels.outline(frame.depth, frame.instance, camera, *self._outlines)
         chances = (rates.false_labels, rates.apart, rates.jitter, LEAST_SCORE, float(self._min_pixels))
-        self._n = int(
-            kernels.things(
-                self._key, camera, frame.counts, self._surface_m2, self._outlines, self._curves, chances, self._found
-            )
+        n = kernels.things(
+            self._key, camera, frame.counts, self._surface_m2, self._outlines, self._curves, chances, self._found
         )
-        instance, name = self._found[0][: self._n].tolist(), self._found[1][: self._n].tolist()
+        instance, name = self._found[0][:n].tolist(), self._found[1][:n].tolist()
         truth = [self._categories[k] for k in instance]
         return [right if draw < 0.0 else wrong_name(right, draw) for right, draw in zip(truth, name, strict=True)]
 

@@ -19,7 +19,7 @@ from ucon.core.untrusted.weight_files import fingerprint, local_folder, missing_
 from ucon.perception.detectors.base import Frame, vocabulary
 from ucon.perception.detectors.box_detector import BoxDetector
 from ucon.perception.detectors.boxes import Boxes
-from ucon.perception.detectors.tracker import GATE_M
+from ucon.perception.tracking.tracker import GATE_M
 
 if TYPE_CHECKING:
     import torch

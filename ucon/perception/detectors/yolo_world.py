@@ -25,8 +25,8 @@ from ucon.perception.detectors.base import Frame, vocabulary
 from ucon.perception.detectors.box_detector import BoxDetector
 from ucon.perception.detectors.boxes import Boxes
 from ucon.perception.detectors.phrases import plain
-from ucon.perception.detectors.tracker import GATE_M
 from ucon.perception.detectors.worker_link import WorkerLink
+from ucon.perception.tracking.tracker import GATE_M
 
 WORKER = Path(__file__).with_name("yolo_world_worker.py")
 

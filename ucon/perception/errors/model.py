@@ -148,16 +148,6 @@ class DetectorErrors(Shared):
         """(V, V) float32: logarithm of the probability that a thing of name n (row), called wrongly, is called l."""
         return confusions(self.confusion)
 
-    @cached_property
-    def prior(self) -> NDArray[np.float64]:
-        """(V,) float64: expected number of things of each name in a home."""
-        row = {name: k for k, name in enumerate(vocabulary())}
-        out = np.full(len(row), 0.05)
-        for name, count in zip(self.names, self.counts, strict=True):
-            if name in row:
-                out[row[name]] += count
-        return out
-
 
 def size_features(
     pixels: NDArray[np.float64], away_m: NDArray[np.float64], knots: Sequence[float]
@@ -215,7 +205,7 @@ def parse_errors(text: str | bytes, where: str) -> DetectorErrors:
         data: Any = parse_json(text, max_bytes=_MOST_BYTES)
     except JsonError as error:
         raise DataError(f"{where}{error.at}: {error}; {_REMEDY}") from None
-    return read_as(DetectorErrors, data, where, "the errors of a detector")
+    return read_as(DetectorErrors, data, where, "the errors of a detector", remedy=_REMEDY)
 
 
 def read_errors(name: str, path: Path | None = None) -> DetectorErrors:

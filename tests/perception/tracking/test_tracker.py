@@ -8,11 +8,11 @@ from ucon.perception.detectors import Frame
 from ucon.perception.detectors.boxes import Boxes, overlap
 from ucon.perception.detectors.noise_rates import EXACT
 from ucon.perception.detectors.noisy import NoisyDetector
-from ucon.perception.detectors.owners import TrackInstances
-from ucon.perception.detectors.tracker import STRUCTURE, Tracker
 from ucon.perception.mapping import map_kernels
 from ucon.perception.mapping.body import Body
 from ucon.perception.mapping.semantic_map import SemanticMap
+from ucon.perception.tracking.owners import TrackInstances
+from ucon.perception.tracking.tracker import STRUCTURE, Tracker
 
 PX = 128
 

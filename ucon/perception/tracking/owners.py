@@ -12,8 +12,8 @@ import numpy as np
 
 from ucon.core.sharing import PartlyShared
 from ucon.perception.detectors.base import Frame
-from ucon.perception.detectors.tracker_kernels import overlaps
 from ucon.perception.mapping.detections import Detections
+from ucon.perception.tracking.association_kernels import overlaps
 
 
 class TrackInstances(PartlyShared):

@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 
 from ucon.core.sharing import PartlyShared
 from ucon.objects.catalogue import catalogue
-from ucon.perception.detectors import tracker_kernels as kernels
 from ucon.perception.detectors.base import Frame
 from ucon.perception.detectors.boxes import Boxes
 from ucon.perception.mapping.detections import MIN_PIXELS, Detections
 from ucon.perception.mapping.semantic_map import HALF, SIZE
+from ucon.perception.tracking.association_kernels import associate
+from ucon.perception.tracking.segment_kernels import segment
+from ucon.perception.tracking.structure_kernels import structure
 
 #: Categories of tracks 0 to 3, in the order of the kernels' codes.
 STRUCTURE = ("floors", "walls", "ceilings", "obstacles")
@@ -72,10 +74,10 @@ class Tracker(PartlyShared):
         extent, count = np.tile(_NOTHING, (n, 1)), np.zeros(n, np.int32)
         masks = np.zeros((0, 0, 0), bool) if boxes.mask is None else boxes.mask
         size_m = np.array([_most_m(label) for label in boxes.label])
-        kernels.segment(depth, pixels_of, masks, size_m, camera, owner, extent, count)
+        segment(depth, pixels_of, masks, size_m, camera, owner, extent, count)
         track = self._associate(boxes, size_m, extent, count)
         image = np.append(track, np.int16(-1))[owner]
-        kernels.structure(depth, camera, HALF, self._upright, image)
+        structure(depth, camera, HALF, self._upright, image)
         return self._detections(boxes, track, count, image)
 
     def _detections(
@@ -83,8 +85,7 @@ class Tracker(PartlyShared):
     ) -> Detections:
         """The output of one frame: tracks ascending, with names, pixel counts and scores."""
         # Every second row and column is classified.
-        building = 4 * np.bincount(np.maximum(image[::2, ::2].ravel(), -1) + 1, minlength=len(STRUCTURE) + 1)
-        building = building[1 : len(STRUCTURE) + 1].astype(np.int32)
+        building = 4 * np.bincount(image[::2, ::2].ravel() + 1, minlength=len(STRUCTURE) + 1)[1 : len(STRUCTURE) + 1]
         shown = np.flatnonzero(building >= MIN_PIXELS)
         rows = np.flatnonzero(track >= 0)
         rows = rows[np.argsort(track[rows])]
@@ -100,7 +101,7 @@ class Tracker(PartlyShared):
         """Track of every box, (n,) int16; -1 for boxes without pixels. New tracks are numbered by falling size."""
         track, old = np.empty(len(count), np.int16), len(self.category)
         label = np.array([self._number.setdefault(name, len(self._number)) for name in boxes.label], np.int32)
-        kernels.associate(extent, count, label, size_m, self._box[:old], self._label[:old], self._gate_m, track)
+        associate(extent, count, label, size_m, self._box[:old], self._label[:old], self._gate_m, track)
         fresh = np.flatnonzero((count > 0) & (track < 0))
         for k in fresh[np.lexsort((fresh, -count[fresh]))].tolist():
             new = len(self.category)
@@ -128,7 +129,7 @@ def _painted(boxes: Boxes, shape: tuple[int, ...]) -> tuple[Boxes, NDArray[np.in
 def _most_m(label: str) -> float:
     """Longest plausible diagonal of a thing of a category, in metres.
 
-    Half as long again as the catalogue's, and 0.5 m: sizes vary, doors swing out, boxes hold some background.
+    A fifth longer than the catalogue's, and 0.1 m: sizes vary, and boxes hold some of what is beside a thing.
     """
     book = catalogue()
     return 1.2 * float(np.linalg.norm(book[label].size)) + 0.1 if label in book else 3.0

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ucon.perception.detectors import tracker_kernels as kernels
 from ucon.perception.detectors.boxes import Boxes
-from ucon.perception.detectors.tracker import _painted
 from ucon.perception.mapping.map_kernels import FAR_M
+from ucon.perception.tracking import association_kernels, plane_kernels, segment_kernels
+from ucon.perception.tracking.tracker import _painted
 
 ALL = np.zeros((0, 0), bool)
 #: At the origin, 1 m above the floor, looking along x, level, with a focal length of 8 pixels.
@@ -20,7 +20,7 @@ def main_depth(
 ) -> float:
     plane = np.zeros(depth.shape, np.int32) if behind is None else behind.astype(np.int32)
     patches = np.array([False, True])
-    return float(kernels.main_depth(depth.astype(np.float32), np.array(box, np.int32), mask, plane, patches))
+    return float(segment_kernels.main_depth(depth.astype(np.float32), np.array(box, np.int32), mask, plane, patches))
 
 
 def near(metres: float) -> float:
@@ -68,7 +68,7 @@ def scene() -> tuple[np.ndarray, np.ndarray]:
 def test_planes_are_patches_and_what_stands_on_them_is_another() -> None:
     depth, thing = scene()
     plane = np.empty(depth.shape, np.int32)
-    n = kernels.planes(depth, plane)
+    n = plane_kernels.planes(depth, plane)
     assert plane.min() == 0
     assert plane.max() == n - 1
     wall, floor = plane[0, 0], plane[-1, 0]
@@ -114,7 +114,7 @@ def segmented(depth: np.ndarray, boxes: np.ndarray) -> tuple[np.ndarray, np.ndar
     n, focal = len(boxes), np.array([0.0, 0.0, 1.0, 1.0, 0.0, 1.0, 0.0, 0.5 * depth.shape[1]])
     owner, extent = np.full(depth.shape, -1, np.int16), np.tile([np.inf] * 3 + [-np.inf] * 3, (n, 1))
     count, masks = np.zeros(n, np.int32), np.zeros((0, 0, 0), bool)
-    kernels.segment(depth, boxes, masks, np.full(n, 2.0), focal, owner, extent, count)
+    segment_kernels.segment(depth, boxes, masks, np.full(n, 2.0), focal, owner, extent, count)
     return owner, extent, count
 
 
@@ -130,9 +130,9 @@ def test_heights_are_those_of_the_points_at_its_depth() -> None:
     depth = np.full((8, 8), 2.0, np.float32)
     depth[:, 5], depth[1, :3] = 1.0, 9.0
     box = np.array([3, 0, 6, 2], np.int32)  # up = 3.5 / 8 and 2.5 / 8
-    assert kernels._mean_height(depth, box, 2.0, CAMERA) == pytest.approx(1.0 + 2.0 * 3.0 / 8.0)
-    assert kernels._mean_height(depth, box, 1.0, CAMERA) == pytest.approx(1.0 + 1.0 * 3.0 / 8.0)
-    assert kernels._mean_height(depth, box, 5.0, CAMERA) == 0.0
+    assert segment_kernels._mean_height(depth, box, 2.0, CAMERA) == pytest.approx(1.0 + 2.0 * 3.0 / 8.0)
+    assert segment_kernels._mean_height(depth, box, 1.0, CAMERA) == pytest.approx(1.0 + 1.0 * 3.0 / 8.0)
+    assert segment_kernels._mean_height(depth, box, 5.0, CAMERA) == 0.0
 
 
 def test_a_thing_is_as_large_as_its_points() -> None:
@@ -141,7 +141,7 @@ def test_a_thing_is_as_large_as_its_points() -> None:
     owner = np.full((8, 8), -1, np.int16)
     extent, count = np.tile([np.inf] * 3 + [-np.inf] * 3, (1, 1)), np.zeros(1, np.int32)
     boxes, masks = np.array([[2, 1, 6, 3]], np.int32), np.zeros((0, 0, 0), bool)
-    kernels.segment(depth, boxes, masks, np.ones(1), CAMERA, owner, extent, count)
+    segment_kernels.segment(depth, boxes, masks, np.ones(1), CAMERA, owner, extent, count)
     assert count[0] == (owner == 0).sum() == 8
     assert extent[0] == pytest.approx([1.0, -1.5 / 8, 1 + 1.5 / 8, 1.0, 1.5 / 8, 1 + 2.5 / 8])
 
@@ -156,8 +156,8 @@ def test_boxes_have_a_pixel_at_least_and_lie_within_the_frame() -> None:
 def test_what_is_too_large_may_still_be_itself() -> None:
     """A mug of two metres, by a wrong name, seen again a little farther on."""
     old = np.array([1.0, 0.0, 0.0, 2.0, 1.5, 1.0])
-    assert kernels._misfit(old, old + 0.05, 0.3, 0.3) == pytest.approx(0.1 * 0.05 * np.sqrt(3))
-    assert kernels._misfit(old, old + 0.5, 0.3, 0.3) == np.inf
+    assert association_kernels._misfit(old, old + 0.05, 0.3, 0.3) == pytest.approx(0.1 * 0.05 * np.sqrt(3))
+    assert association_kernels._misfit(old, old + 0.5, 0.3, 0.3) == np.inf
 
 
 def test_a_track_takes_the_box_that_fits_it_best() -> None:
@@ -166,12 +166,12 @@ def test_a_track_takes_the_box_that_fits_it_best() -> None:
     extent = np.stack([cube + 0.02, cube + 1.01, cube + 0.11, cube + 5.0, cube])
     track, label = np.empty(5, np.int16), np.array([7, 7, 7, 7, 8], np.int32)
     before = boxes.copy()
-    kernels.associate(
+    association_kernels.associate(
         extent, np.ones(5, np.int32), label, np.full(5, 0.6), boxes, np.array([7, 7, 7], np.int32), 0.3, track
     )
     assert track.tolist() == [0, 1, 2, -1, -1], "far away, and of another name"
     assert boxes[1] == pytest.approx([*before[1, :3], *extent[1, 3:]])
-    kernels.associate(extent, np.zeros(5, np.int32), label, np.full(5, 0.6), boxes, label[:3], 0.3, track)
+    association_kernels.associate(extent, np.zeros(5, np.int32), label, np.full(5, 0.6), boxes, label[:3], 0.3, track)
     assert (track == -1).all(), "boxes without pixels"
 
 
@@ -179,5 +179,5 @@ def test_shared_pixels_are_counted() -> None:
     image = np.array([[4, 4, 5], [-1, 2, 5]], np.int16)
     instance = np.array([[0, -1, 1], [1, 1, 1]], np.int16)
     pixels = np.zeros((2, 3), np.int32)
-    kernels.overlaps(image, instance, np.array([-1, -1, -1, -1, 0, 1, -1], np.int32), pixels)
+    association_kernels.overlaps(image, instance, np.array([-1, -1, -1, -1, 0, 1, -1], np.int32), pixels)
     assert pixels.tolist() == [[1, 1, 0], [0, 0, 2]]
