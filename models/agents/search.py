@@ -7,7 +7,8 @@ from ucon.perception.belief.protocol import Expecting
 from ucon.perception.drawing.map_picture import Image
 from ucon.perception.views.viewpoints import Choice, Costs
 from ucon.search.aims import Aim, aim_at_target, aim_of, aim_to_open
-from ucon.search.searcher import SearchDecision, Searcher
+from ucon.search.search_decision import SearchDecision
+from ucon.search.searcher import Searcher
 from ucon.task.actions import Action
 from ucon.task.agent import Info, Observation
 

@@ -228,6 +228,10 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         }
         if self._knowledge.reranking is not None:
             info["reranking"] = self._knowledge.reranking
+        if self._detector is not None:
+            info["detector"] = self._detector.name
+            if (errors := getattr(self._detector, "errors", None)) is not None:
+                info["detector_errors"] = errors
         if self._planner == "true":
             info["nav"] = Nav(*self._frame.grid(self._world.free))
         return obs, returned_info(info, texts=self._texts)

@@ -18,11 +18,12 @@ from ucon.fitting.detector_looks import FalseBoxes, Looks
 from ucon.perception.detectors.base import vocabulary
 from ucon.perception.detectors.confusion import similarity
 from ucon.perception.errors.model import DetectorErrors, size_features, vocabulary_hash
+from ucon.perception.mapping.detections import MIN_PIXELS
 
 #: Fewer looks than this say too little.
 LEAST_LOOKS: Final = 2000
 #: Pixels at which the slope of the recall may change.
-_KNOTS_PX: Final = (12.0, 60.0, 300.0, 1500.0)
+_KNOTS_PX: Final = (5.0, 12.0, 60.0, 300.0, 1500.0)
 #: Sides and octaves that are tried, the coarsest first: which looks err together?
 _SIDES, _OCTAVES = (4, 8, 16), (2.0, 1.0, 0.5)
 
@@ -38,7 +39,8 @@ def fit_errors(detector: str, looks: Looks, false: FalseBoxes) -> DetectorErrors
     Raises:
         DataError: too few looks, or none of them found anything.
     """
-    named = looks.keep(looks.name >= 0)
+    all_named = looks.keep(looks.name >= 0)
+    named = all_named.keep(all_named.pixels >= MIN_PIXELS)
     if len(named.name) < LEAST_LOOKS or named.found.sum() < LEAST_LOOKS // 10:
         raise DataError(
             f"detector={detector}: {len(named.name)} looks at things, {int(named.found.sum())} found; expected "
@@ -48,7 +50,7 @@ def fit_errors(detector: str, looks: Looks, false: FalseBoxes) -> DetectorErrors
     share = np.minimum(named.pixels / np.maximum(named.whole, 1.0), 1.0)
     size = size_features(named.pixels, named.away_m, knots)
     recall = logistic(np.column_stack([size, share]), named.found)
-    sighted = logistic(size_features(named.whole, named.away_m, knots), named.found)
+    sighted = logistic(size_features(all_named.whole, all_named.away_m, knots), all_named.found)
     hits = named.keep(named.found)
     right = hits.called == hits.name
     score_knots, evidence = _score_evidence(hits.score, right, false.score)

@@ -19,7 +19,7 @@ from ucon.perception.detectors.box_detector import BoxDetector
 from ucon.perception.detectors.boxes import Boxes, overlap
 from ucon.perception.detectors.noisy_kernels import outline
 from ucon.perception.errors.model import whole_pixels
-from ucon.perception.mapping.detections import MIN_PIXELS, STRUCTURE_KINDS, Detections
+from ucon.perception.mapping.detections import STRUCTURE_KINDS, Detections
 from ucon.task.actions import Action
 from ucon.task.episode import Episode
 
@@ -113,7 +113,8 @@ class Witness(BoxDetector):
         n = len(frame.counts)
         box, middle, count = np.empty((n, 4), np.int32), np.empty((n, 3)), np.empty(n, np.int32)
         outline(frame.depth, frame.instance, frame.camera, box, middle, count)
-        seen = np.flatnonzero((frame.counts >= MIN_PIXELS) & (count > 0) & self._thing)
+        # Things too small to count as seen are looks in vain: without them far looks at small things would seem good.
+        seen = np.flatnonzero((frame.counts >= 1) & (count > 0) & self._thing)
         of = self._matched(boxes, seen, box[seen].astype(np.float32))
         away = middle[seen] - frame.camera[:3]
         away_m, bearing = np.linalg.norm(away, axis=1), np.arctan2(away[:, 1], away[:, 0])

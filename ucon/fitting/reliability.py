@@ -6,6 +6,7 @@ import numpy as np
 
 from ucon.fitting.detector_errors import fit_errors
 from ucon.fitting.detector_looks import FalseBoxes, Looks
+from ucon.perception.mapping.detections import MIN_PIXELS
 
 #: Every so many walks one is held out.
 _FOLDS = 4
@@ -22,7 +23,7 @@ def reliability(detector: str, looks: Looks, false: FalseBoxes) -> str:
     Returns:
         Five rows by predicted chance, and the expected calibration error.
     """
-    out = (looks.home % _FOLDS == 0) & (looks.name >= 0)
+    out = (looks.home % _FOLDS == 0) & (looks.name >= 0) & (looks.pixels >= MIN_PIXELS)
     fitted, held = fit_errors(detector, looks.keep(looks.home % _FOLDS != 0), false), looks.keep(out)
     share = np.minimum(held.pixels / np.maximum(held.whole, 1.0), 1.0)
     predicted = fitted.found(held.pixels, held.away_m, share)

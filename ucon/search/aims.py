@@ -18,7 +18,8 @@ from ucon.perception.places.target_places import INSIDE
 from ucon.perception.views import view_kernels as kernels
 from ucon.perception.views.candidates import Candidate
 from ucon.perception.views.viewpoints import Choice, ViewValues
-from ucon.search.searcher import SearchDecision, Searcher
+from ucon.search.search_decision import SearchDecision
+from ucon.search.searcher import Searcher
 
 _AT: Final[dict[Relation, str]] = {"ontop": "on top", "inside": "inside", "under": "under", "nextto": "beside"}
 _MOST_THINGS: Final = 3

@@ -15,7 +15,6 @@ import numpy as np
 from ucon.core.errors import ConfigError, brief
 from ucon.core.rng import stream
 from ucon.core.sharing import PartlyShared
-from ucon.perception.mapping.body import Body
 from ucon.perception.mapping.detections import MIN_PIXELS
 from ucon.perception.mapping.planner import UNREACHED, Planner
 from ucon.perception.mapping.semantic_map import CELL_M, SemanticMap, View
@@ -103,7 +102,7 @@ class Explorer(PartlyShared):
             seed: of random choices.
         """
         self.target = str(info["target"])
-        self.map = SemanticMap(Body.of(info))
+        self.map = SemanticMap.of(info)
         self.planner = Planner(info.get("nav"))
         self.strategy = strategy
         self.manner = manner or Manner()
@@ -244,6 +243,8 @@ class Explorer(PartlyShared):
         """
         known = self.map
         tracks = [t for t in known.instances.get(self.target, ()) if known.seen(t)]
+        if self._taken is not None and known.category[self._taken] != self.target:
+            self._taken = None  # it is something else after all
         if self._taken is not None or not tracks:
             return self._taken
 

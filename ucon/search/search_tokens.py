@@ -21,7 +21,8 @@ from ucon.perception.views.candidates import frontiers
 from ucon.perception.views.pick_kernels import picked_views
 from ucon.perception.views.view_kernels import PITCHES_DEG
 from ucon.perception.views.viewpoints import Choice, ViewValues
-from ucon.search.searcher import SearchDecision, Searcher
+from ucon.search.search_decision import SearchDecision
+from ucon.search.searcher import Searcher
 from ucon.search.text_tokens import category_rows
 from ucon.search.view_tokens import N_VIEW, ViewSurroundings, log_scale, to_agent_frame, view_rows
 

@@ -9,49 +9,35 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.core.sharing import PartlyShared, Shared
+from ucon.core.sharing import PartlyShared
 from ucon.objects.catalogue import catalogue
 from ucon.perception.belief.protocol import Expecting
-from ucon.perception.mapping.body import Body
 from ucon.perception.mapping.planner import Planner
-from ucon.perception.mapping.semantic_map import SemanticMap, frame_depth
+from ucon.perception.mapping.semantic_map import SemanticMap, View, frame_depth
 from ucon.perception.places.containers import Containers, open_reach_m
+from ucon.perception.places.sight import Sight
 from ucon.perception.places.target_places import INSIDE, Places, sight_range_m
 from ucon.perception.views.homing import Homing
 from ucon.perception.views.viewpoints import Choice, Costs, Expectation, Viewpoints, ViewValues
+from ucon.search.doubt import Doubt, Doubts
+from ucon.search.search_decision import SearchDecision
+from ucon.search.suspects import Judge
 from ucon.task.actions import Action
 
 Info = Mapping[str, Any]
+#: Steps of an episode.
+MAX_STEPS = 300
 #: A container that Open failed on so often is not tried again.
 MOST_REFUSALS = 3
 #: The view that the agent is on its way to stays chosen unless another one is better by this factor.
 LOYALTY = 1.25
 #: Probability that a frame that shows a place from within sight range misses a target there.
 MISS = 0.1
-
-
-@dataclass(frozen=True, eq=False)
-class SearchDecision(Shared):
-    """A choice among views that is due."""
-
-    number: int
-    """Number of the decision in its episode, from 0."""
-    step: int
-    """Step of the newest frame, from 0."""
-    best: Choice | None
-    """The choice by gain over cost; None where there is nowhere to go."""
-    valued: ViewValues | None
-    """All views; None where none has any gain, so that ``best`` is merely an unvisited node."""
-    expected: Expectation
-    """Expected mass of tracks, relations and space."""
-    closed: NDArray[np.int64]
-    """(c,) tracks of the containers that may be opened."""
 
 
 class Searcher(PartlyShared):
@@ -74,26 +60,37 @@ class Searcher(PartlyShared):
         decisions: how many choices were made.
     """
 
-    _flat: ClassVar[frozenset[str]] = frozenset({"refused", "_plan"})
+    _flat: ClassVar[frozenset[str]] = frozenset({"refused", "_plan", "_opened_at"})
 
     REPLAN_STEPS = 5
 
-    def __init__(self, info: Info, expecting: Expecting, costs: Costs | None = None, miss: float = MISS) -> None:
+    def __init__(
+        self,
+        info: Info,
+        expecting: Expecting,
+        costs: Costs | None = None,
+        miss: float = MISS,
+        judge: Judge | None = None,
+        doubts: Doubts | None = None,
+    ) -> None:
         """Start an episode.
 
         Args:
             info: the info at the reset.
             expecting: gives the expected mass; a new object, used for this episode only.
             costs: of moves, rotations and looks; defaults where None.
+            judge: says how probable suspects are, where the detector errs; None: the arithmetic posterior.
+            doubts: where doubt ends, where the detector errs; defaults where None.
             miss: probability that a frame that shows a place from within sight range misses a target there. At 1
                 nothing is learned from looking in vain.
         """
         self.target = str(info["target"])
         book = catalogue()
         height_m = book[self.target].size[2] if self.target in book else 0.1
-        self.map = SemanticMap(Body.of(info))
+        self.map = SemanticMap.of(info)
         self.planner = Planner(info.get("nav"))
-        self.places = Places(height_m)
+        errors = info.get("detector_errors")
+        self.places = Places(height_m, None if errors is None else Sight.of(errors, self.target))
         self.viewpoints = Viewpoints(sight_range_m(self.target), costs)
         self.containers = Containers()
         self.homing = Homing()
@@ -104,8 +101,10 @@ class Searcher(PartlyShared):
         self.taking = False
         self.decisions = 0
         self.expected: Expectation | None = None
+        self.doubt = None if self.map.hypotheses is None else Doubt(MAX_STEPS, judge, doubts)
         self._decision: SearchDecision | None = None
         self._plan: deque[Action] = deque()
+        self._opened_at: set[View] = set()
         self._age = 0
 
     def look(self, observation: Mapping[str, Any], info: Info) -> Action | None:
@@ -122,6 +121,15 @@ class Searcher(PartlyShared):
         blocked = bool(observation["collision"])
         if blocked:
             self._plan.clear()
+        if self.doubt is not None:
+            self.expect()
+            action = self.doubt.act(self, frame_depth(observation, info), blocked)
+            self.taking = self.doubt.suspect >= 0
+            if action is not None:
+                self.choice = None
+                return action
+            assert self.expected is not None
+            return self._open_here(self.expected) or self._go_on(self.expected)
         track = self._target_track()
         if track is not None:
             self.taking = True
@@ -197,6 +205,10 @@ class Searcher(PartlyShared):
             return None
         if all(self.refused.get(t, 0) >= MOST_REFUSALS for t in tracks):
             return None
+        if self.doubt is not None:
+            if self.map.view in self._opened_at:
+                return None  # what did not open from here does not open at all, or is no container
+            self._opened_at.add(self.map.view)
         for track in tracks:
             self.refused[track] = self.refused.get(track, 0) + 1
         return Action.OPEN

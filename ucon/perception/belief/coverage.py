@@ -16,6 +16,9 @@ from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.perception.places.target_places import Kind, Places, affordance, has_room
 from ucon.perception.views.viewpoints import Expectation
 
+#: Sum of the coverage weights over a home of common size.
+COVERAGE_UNITS = 450.0
+
 
 class PlaceWeights(NamedTuple):
     """Weight of each relation to one thing, by the kind of the thing.
@@ -80,6 +83,7 @@ class Coverage(PartlyShared):
         """
         self._target, self._weights = target, weights
         self._mass = np.zeros((0, 4))
+        self._named = -1
 
     def expect(self, known: SemanticMap, places: Places) -> Expectation:
         """Expected mass of everything on the map, in units of :class:`CoverageWeights`.
@@ -98,7 +102,12 @@ class Coverage(PartlyShared):
             for track in range(len(self._mass), n):
                 grown[track] = self._relation_weights(known.category[track])
             self._mass = grown
-        return Expectation(self._mass, self._weights.unknown, self._weights.near)
+        renamed = np.flatnonzero(known.named_at[:n] > self._named).tolist()
+        if renamed:
+            self._mass = self._mass.copy()
+            self._mass[renamed] = [self._relation_weights(known.category[track]) for track in renamed]
+        self._named = known.step
+        return Expectation(self._mass, self._weights.unknown, self._weights.near, unit=COVERAGE_UNITS)
 
     def reread(self, known: SemanticMap, places: Places) -> bool:
         """Always False: coverage reads no habits."""

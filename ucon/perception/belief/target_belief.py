@@ -16,14 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.sharing import PartlyShared, Shared
-from ucon.perception.belief.coverage import Coverage
+from ucon.perception.belief.coverage import COVERAGE_UNITS, Coverage
+from ucon.perception.hypotheses.hypotheses import Hypotheses
 from ucon.perception.mapping.semantic_map import CELL_M, SemanticMap
 from ucon.perception.places.neighbourhood import interest
 from ucon.perception.places.target_places import Places, with_fallback
 from ucon.perception.views.viewpoints import Expectation
 
-#: Sum of the coverage weights over a home of common size; divides them into probabilities.
-_COVERAGE_UNITS = 450.0
+#: Names that a thing has with less than this probability are left out.
+_LEAST_NAME = 0.05
 
 
 @dataclass(frozen=True)
@@ -96,7 +97,7 @@ class TargetBelief(PartlyShared):
         self._row = {name: k for k, name in enumerate(locations.names)}
         self.locations = locations
         self._anywhere = max(0.0, 1.0 - float(locations.p.sum()))
-        self._seen = (-1, 0)
+        self._seen = (-1, 0, -1)
 
     def reread(self, known: SemanticMap, places: Places) -> bool:
         """Always False: habits are read once. :class:`ucon.perception.belief.from_habits.ContextBelief` reads again."""
@@ -116,11 +117,12 @@ class TargetBelief(PartlyShared):
         flat = self._coverage.expect(known, places)
         explored_m2 = float(np.count_nonzero(known.floor)) * CELL_M**2
         trust = 1.0 - self._weights.tail
-        tail = (1.0 - trust + trust * self._anywhere) / _COVERAGE_UNITS
+        tail = (1.0 - trust + trust * self._anywhere) / COVERAGE_UNITS
         anywhere = tail * flat.unknown_per_m2
-        if self._seen != (known.n_tracks, int(explored_m2)):
+        state = (known.n_tracks, int(explored_m2), int(known.named_at[: known.n_tracks].max(initial=-1)))
+        if self._seen != state:
             wanted = self._spread(known, explored_m2)
-            self._seen = (known.n_tracks, int(explored_m2))
+            self._seen = state
             part = trust * self._unseen_per_m2 / max(trust * self._unseen_per_m2 + anywhere, 1e-12)
             self._interest = (1.0 - part + part * interest(known, wanted)).astype(np.float32)
         unknown = trust * self._unseen_per_m2 + anywhere
@@ -139,12 +141,15 @@ class TargetBelief(PartlyShared):
         share_left = left_m2 / (left_m2 + explored_m2)
         self._mass = np.zeros((known.n_tracks, 4))
         total, seen = float(p.sum()), 0.0
-        for name, tracks in known.instances.items():
-            k = self._row.get(name)
-            if k is None:
-                continue
-            self._mass[tracks] = with_fallback(p[k] * (1.0 - w.hidden * share_left), name) / len(tracks)
-            seen += float(p[k].sum())
+        if known.hypotheses is not None:
+            seen = self._among_hypotheses(known, known.hypotheses, 1.0 - w.hidden * share_left)
+        else:
+            for name, tracks in known.instances.items():
+                k = self._row.get(name)
+                if k is None:
+                    continue
+                self._mass[tracks] = with_fallback(p[k] * (1.0 - w.hidden * share_left), name) / len(tracks)
+                seen += float(p[k].sum())
         unseen = share_left * (w.hidden * seen + w.exists * (total - seen))
         found = float(self._mass.sum())
         scale = total / max(found + unseen, 1e-9)
@@ -154,3 +159,18 @@ class TargetBelief(PartlyShared):
             name: float(p[k].sum()) * (w.hidden if name in known.instances else w.exists)
             for name, k in self._row.items()
         }
+
+    def _among_hypotheses(self, known: SemanticMap, hypotheses: Hypotheses, part: float) -> float:
+        """Divide ``part`` of each category's probability among the things that may be of it.
+
+        Writes ``_mass``. Returns the probability of the categories that were probably seen.
+        """
+        p = self.locations.p
+        called = hypotheses.named(self.locations.names, known.n_tracks)
+        called[called < _LEAST_NAME] = 0.0
+        count = called.sum(0)
+        self._mass = part * (called / np.maximum(count, 1.0)) @ p
+        for track in np.flatnonzero(self._mass.any(1)).tolist():
+            name = known.category[track]
+            self._mass[track] = with_fallback(self._mass[track], name) if name else 0.0
+        return float(np.minimum(count, 1.0) @ p.sum(1))

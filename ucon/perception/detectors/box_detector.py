@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from functools import cached_property
+from pathlib import Path
 
 from ucon.core.sharing import PartlyShared
 from ucon.perception.detectors.base import Frame
 from ucon.perception.detectors.boxes import Boxes
+from ucon.perception.errors.model import DetectorErrors, has_errors, read_errors
 from ucon.perception.mapping.detections import Detections
 from ucon.perception.tracking.owners import TrackInstances
 from ucon.perception.tracking.tracker import GATE_M, STRUCTURE, Tracker
@@ -18,17 +21,33 @@ class BoxDetector(PartlyShared, ABC):
     Implements :class:`ucon.perception.detectors.base.Detector`.
     """
 
+    _shared = frozenset({"errors"})
+
     name = ""
     needs_rgb = True
 
-    def __init__(self, gate_m: float = GATE_M) -> None:
+    def __init__(self, gate_m: float = GATE_M, errors: str | None = None) -> None:
         """Make the tracker.
 
         Args:
             gate_m: boxes of one category farther apart than this, in metres, are two things.
+            errors: file of this detector's errors; None: those that come with the package, where there are any.
         """
+        self._errors_file = errors
         self._tracker = Tracker(gate_m)
         self._owners = TrackInstances()
+
+    @cached_property
+    def errors(self) -> DetectorErrors | None:
+        """What is known of this detector's errors; None where nothing is.
+
+        Raises:
+            ConfigError: a file was named that is not there, or is of another detector.
+            DataError: it is no such file.
+        """
+        if self._errors_file is not None:
+            return read_errors(self.name, Path(self._errors_file))
+        return read_errors(self.name) if has_errors(self.name) else None
 
     @abstractmethod
     def find(self, frame: Frame) -> Boxes:

@@ -32,6 +32,7 @@ class GroundingDinoDetector(OpenVocabularyDetector):
         most_boxes: int = 100,
         names: Sequence[str] | None = None,
         gate_m: float = GATE_M,
+        errors: str | None = None,
     ) -> None:
         """Set the model's options; nothing is loaded yet.
 
@@ -43,12 +44,19 @@ class GroundingDinoDetector(OpenVocabularyDetector):
             most_boxes: of one frame.
             names: the vocabulary, by default all names of the catalogue.
             gate_m: of the tracker, metres.
+            errors: file of its errors; None: those that come with the package, where there are any.
 
         Raises:
             ConfigError: a number is out of its range.
         """
         super().__init__(
-            weights, threshold=threshold, nms_iou=nms_iou, most_boxes=most_boxes, names=names, gate_m=gate_m
+            weights,
+            threshold=threshold,
+            nms_iou=nms_iou,
+            most_boxes=most_boxes,
+            names=names,
+            gate_m=gate_m,
+            errors=errors,
         )
         self._text_threshold = text_threshold
         self._meant = Names(self._names)

@@ -46,6 +46,7 @@ class NoisyDetector(BoxDetector):
         min_pixels: int = MIN_PIXELS,
         seed: int = 0,
         gate_m: float = GATE_M,
+        errors: str | None = None,
     ) -> None:
         """Set the errors.
 
@@ -55,8 +56,9 @@ class NoisyDetector(BoxDetector):
             min_pixels: instances with fewer pixels in the canonical 128 x 128 view are never found.
             seed: of the random errors.
             gate_m: of the tracker, metres.
+            errors: file of its errors; None: those that come with the package, where there are any.
         """
-        super().__init__(gate_m)
+        super().__init__(gate_m, errors)
         self.name = name
         self._rates, self._min_pixels, self._seed = rates or Rates(), min_pixels, seed
         self._curves = self._rates.curves()

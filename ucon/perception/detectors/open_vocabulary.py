@@ -102,6 +102,7 @@ class OpenVocabularyDetector(BoxDetector):
         most_boxes: int = 100,
         names: Sequence[str] | None = None,
         gate_m: float = GATE_M,
+        errors: str | None = None,
     ) -> None:
         """Set the options; nothing is loaded yet.
 
@@ -112,11 +113,12 @@ class OpenVocabularyDetector(BoxDetector):
             most_boxes: of one frame.
             names: the vocabulary, by default all names of the catalogue.
             gate_m: of the tracker, metres.
+            errors: file of its errors; None: those that come with the package, where there are any.
 
         Raises:
             ConfigError: a number is out of its range.
         """
-        super().__init__(gate_m)
+        super().__init__(gate_m, errors)
         if not 0.0 <= threshold < 1.0 or not 0.0 <= nms_iou <= 1.0 or most_boxes < 1:
             raise ConfigError(
                 f"detector: threshold={threshold}, nms_iou={nms_iou}, most_boxes={most_boxes}: expected a threshold "

@@ -34,6 +34,7 @@ class Owlv2Detector(OpenVocabularyDetector):
         most_boxes: int = 100,
         names: Sequence[str] | None = None,
         gate_m: float = GATE_M,
+        errors: str | None = None,
         batch: int = 64,
     ) -> None:
         """Set the model's options; nothing is loaded yet.
@@ -45,13 +46,20 @@ class Owlv2Detector(OpenVocabularyDetector):
             most_boxes: of one frame.
             names: the vocabulary, by default all names of the catalogue.
             gate_m: of the tracker, metres.
+            errors: file of its errors; None: those that come with the package, where there are any.
             batch: names that are embedded at a time.
 
         Raises:
             ConfigError: a number is out of its range.
         """
         super().__init__(
-            weights, threshold=threshold, nms_iou=nms_iou, most_boxes=most_boxes, names=names, gate_m=gate_m
+            weights,
+            threshold=threshold,
+            nms_iou=nms_iou,
+            most_boxes=most_boxes,
+            names=names,
+            gate_m=gate_m,
+            errors=errors,
         )
         self._batch = batch
         self._queries: torch.Tensor | None = None

@@ -52,6 +52,7 @@ class YoloWorldDetector(BoxDetector):
         timeout_s: float = 30.0,
         names: Sequence[str] | None = None,
         gate_m: float = GATE_M,
+        errors: str | None = None,
     ) -> None:
         """Set the options; nothing is started yet.
 
@@ -67,11 +68,12 @@ class YoloWorldDetector(BoxDetector):
             timeout_s: seconds for one frame.
             names: the vocabulary, by default all names of the catalogue.
             gate_m: of the tracker, metres.
+            errors: file of its errors; None: those that come with the package, where there are any.
 
         Raises:
             ConfigError: a number is out of its range.
         """
-        super().__init__(gate_m)
+        super().__init__(gate_m, errors)
         if not 0.0 <= threshold < 1.0 or min(load_timeout_s, timeout_s) <= 0.0 or most_boxes < 1 or image_px < 32:
             raise ConfigError(
                 f"detector yolo_world: threshold={threshold}, load_timeout_s={load_timeout_s}, timeout_s={timeout_s}, "

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property, lru_cache
 from importlib.resources import files
+from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, Final
 
@@ -153,7 +154,7 @@ def size_features(
     pixels: NDArray[np.float64], away_m: NDArray[np.float64], knots: Sequence[float]
 ) -> NDArray[np.float64]:
     """Rows of the recall's logit by size and distance, (n, 3 + len(knots)) float64."""
-    size = np.log(np.maximum(pixels, 1.0))
+    size = np.log(np.maximum(pixels, 0.1))
     hinges = [np.maximum(size - knot, 0.0) for knot in knots]
     return np.column_stack([np.ones_like(size), size, *hinges, np.log(np.maximum(away_m, 0.25))])
 
@@ -208,6 +209,16 @@ def parse_errors(text: str | bytes, where: str) -> DetectorErrors:
     return read_as(DetectorErrors, data, where, "the errors of a detector", remedy=_REMEDY)
 
 
+def has_errors(name: str) -> bool:
+    """Whether the errors of a detector come with the package."""
+    return _shipped(name).is_file()
+
+
+def _shipped(name: str) -> Traversable:
+    """Where the package keeps the errors of a detector."""
+    return files("ucon.perception.errors").joinpath(f"data/{name}.json")
+
+
 def read_errors(name: str, path: Path | None = None) -> DetectorErrors:
     """The errors of a detector.
 
@@ -220,10 +231,9 @@ def read_errors(name: str, path: Path | None = None) -> DetectorErrors:
         DataError: the file is none.
     """
     if path is None:
-        shipped = files("ucon.perception.errors").joinpath(f"data/{name}.json")
-        if not shipped.is_file():
+        if not has_errors(name):
             raise ConfigError(f"detector={name}: its errors do not come with the package; {_FIT.format(name)}")
-        return parse_errors(shipped.read_bytes(), f"ucon/perception/errors/data/{name}.json")
+        return parse_errors(_shipped(name).read_bytes(), f"ucon/perception/errors/data/{name}.json")
     if not path.is_file():
         raise ConfigError(f"{path}: no such file; {_FIT.format(name)}")
     found = parse_errors(read_plain(path, _MOST_BYTES), str(path))

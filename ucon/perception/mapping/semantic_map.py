@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 from ucon.core.errors import ConfigError
 from ucon.core.geometry import HEADING_COS, HEADING_SIN
 from ucon.core.sharing import PartlyShared, Shared
+from ucon.perception.errors.model import DetectorErrors
+from ucon.perception.hypotheses.hypotheses import Hypotheses
 from ucon.perception.mapping import map_kernels as kernels
 from ucon.perception.mapping.body import PAPER_BODY, Body
 from ucon.perception.mapping.detections import MIN_PIXELS, STRUCTURE_KINDS, Detections
@@ -28,6 +30,11 @@ HALF = 128
 SIZE = 2 * HALF + 1
 #: Cells under a sight line count as explored up to so many metres from the camera.
 CARVE_M = 8.0
+#: What to do where the errors of a detector are not known.
+NO_ERRORS = (
+    "its errors are not known, and agents that map weigh what it says by them; fit them on training homes: python -m ucon "
+    "detector fit {} FILE, then detector.errors=FILE"
+)
 _FOV_DEG = 90.0
 _PITCH = {p: (float(np.cos(np.deg2rad(p))), float(np.sin(np.deg2rad(p)))) for p in (-60, -30, 0, 30, 60)}
 
@@ -79,17 +86,22 @@ class SemanticMap(PartlyShared):
         step: number of the last frame, from 0.
         fresh: cells that the last frame explored.
         inexact: whether the detector finds boxes, so that what was seen of a thing may be something else in part.
+        hypotheses: what the tracks may be, where the detector errs; None where it does not.
+        named_at: (>= T,) int32, step at which the name of a track last changed, -1 never.
     """
 
     _flat: ClassVar[frozenset[str]] = frozenset({"views", "category"})
 
-    def __init__(self, body: Body = PAPER_BODY) -> None:
+    def __init__(self, body: Body = PAPER_BODY, errors: DetectorErrors | None = None, target: str = "") -> None:
         """Start with an empty map.
 
         Args:
             body: the agent's camera and reach; those of the paper's rules by default.
+            errors: of the detector, where it errs.
+            target: what is searched for.
         """
         self.body = body
+        self.hypotheses = None if errors is None else Hypotheses(errors, target)
 
         def grid(dtype: type, fill: float = 0) -> NDArray[Any]:
             return np.full((SIZE, SIZE), fill, dtype)
@@ -106,6 +118,15 @@ class SemanticMap(PartlyShared):
         self.instances: dict[str, list[int]] = {}
         self._grow(64)
 
+    @classmethod
+    def of(cls, info: Mapping[str, Any]) -> SemanticMap:
+        """The empty map of an episode whose info at the reset is given.
+
+        Args:
+            info: ``task``, ``target``, and ``detector_errors`` where the detector errs.
+        """
+        return cls(Body.of(info), info.get("detector_errors"), str(info["target"]))
+
     def _grow(self, capacity: int) -> None:
         """Give the arrays of tracks room for ``capacity`` rows."""
         old = len(self.category)
@@ -115,6 +136,7 @@ class SemanticMap(PartlyShared):
             "opened": np.zeros(capacity, bool),
             "pixels": np.zeros(capacity, np.int32),
             "last_seen": np.full(capacity, -1, np.int32),
+            "named_at": np.full(capacity, -1, np.int32),
         }
         for name, array in blank.items():
             if old:
@@ -126,6 +148,7 @@ class SemanticMap(PartlyShared):
     opened: NDArray[np.bool_]
     pixels: NDArray[np.int32]
     last_seen: NDArray[np.int32]
+    named_at: NDArray[np.int32]
 
     @property
     def n_tracks(self) -> int:
@@ -161,6 +184,8 @@ class SemanticMap(PartlyShared):
                 self.opened[int(track)] = True
         depth = frame_depth(observation, info)
         self._integrate(view, depth, detections.image)
+        if detections.score is not None:
+            self._doubt(detections, depth, info)
 
     def tour(self, frames: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]]) -> None:
         """Learn the home before the search begins; poses and steps are reset afterwards.
@@ -172,6 +197,7 @@ class SemanticMap(PartlyShared):
             self.update(observation, info)
         self.views.clear()
         self.visited[:], self.pixels[:], self.last_seen[:] = 0, 0, -1
+        self.named_at[self.named_at > 0] = 0
 
     def _register(self, detections: Detections) -> None:
         """Enter the tracks of a frame: names, pixels, step."""
@@ -187,12 +213,42 @@ class SemanticMap(PartlyShared):
         ):
             if pixels < MIN_PIXELS:
                 continue
-            if not self.category[track]:
-                self.category[track] = name
+            if self.named_at[track] < 0 and (detections.score is None or name in STRUCTURE_KINDS):
                 self.kind[track] = STRUCTURE_KINDS.get(name, 0)
-                self.instances.setdefault(name, []).append(track)
+                self._name(track, name)
             self.pixels[track] = pixels
             self.last_seen[track] = self.step
+
+    def _name(self, track: int, name: str) -> None:
+        """Call a track by another name; "" where there is probably no thing."""
+        if before := self.category[track]:
+            self.instances[before].remove(track)
+            if not self.instances[before]:
+                del self.instances[before]
+        self.category[track], self.named_at[track] = name, self.step
+        if name:
+            self.instances.setdefault(name, []).append(track)
+
+    def _doubt(self, detections: Detections, depth: NDArray[np.float32], info: Mapping[str, Any]) -> None:
+        """Weigh what the detector calls the things in view."""
+        if self.hypotheses is None:
+            name = info.get("detector", "of this environment")
+            raise ConfigError(f"detector {name}: {NO_ERRORS.format(name)}")
+        assert detections.score is not None
+        called = {
+            track: (name, score)
+            for track, name, score, pixels in zip(
+                detections.track.tolist(), detections.category, detections.score.tolist(), detections.pixels.tolist(),
+                strict=True,
+            )
+            if pixels >= MIN_PIXELS and name not in STRUCTURE_KINDS and self.seen(track)
+        }  # fmt: skip
+        n = self.n_tracks
+        changed = self.hypotheses.look(
+            self.box[:n], self.kind[:n], self.category, called, depth, camera_of(self.view, depth, self.body)
+        )
+        for track, name in changed.items():
+            self._name(track, name)
 
     def _integrate(self, view: View, depth: NDArray[np.float32], image: NDArray[np.int16]) -> None:
         """Enter the points of a frame: cells, boxes, explored space."""

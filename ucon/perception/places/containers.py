@@ -21,6 +21,11 @@ def open_reach_m(known: SemanticMap) -> float:
     return known.body.near_m - _MARGIN_M
 
 
+def _opens(name: str) -> bool:
+    """Whether things of a name open; "" is no thing."""
+    return bool(name) and affordance(name).openable
+
+
 class Containers(PartlyShared):
     """The containers of one episode. Whether a category opens is read from the catalogue."""
 
@@ -28,6 +33,7 @@ class Containers(PartlyShared):
 
     def __init__(self) -> None:
         self._openable: list[bool] = []
+        self._named = -1
 
     def closed(self, known: SemanticMap) -> NDArray[np.int64]:
         """Tracks of containers that were not opened yet and of which at least one point was seen.
@@ -36,8 +42,10 @@ class Containers(PartlyShared):
             (n,) int64, ascending.
         """
         for track in range(len(self._openable), known.n_tracks):
-            name = known.category[track]
-            self._openable.append(bool(name) and affordance(name).openable)
+            self._openable.append(_opens(known.category[track]))
+        for track in np.flatnonzero(known.named_at[: known.n_tracks] > self._named).tolist():
+            self._openable[track] = _opens(known.category[track])
+        self._named = known.step
         shut = np.array(self._openable, bool) & ~known.opened[: known.n_tracks]
         return np.flatnonzero(shut & (known.box[: known.n_tracks, 3] >= known.box[: known.n_tracks, 0]))
 

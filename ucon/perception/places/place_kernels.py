@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ucon.core.jit import F32, F64, I32, U8, Flags, jit, merged
@@ -231,7 +233,10 @@ def searched(track: I32, relation: I32, share: F64, unseen: F64, shut: Flags, ou
 
 
 @jit
-def copy_unseen(new: F64, new_relation: I32, old: F64, old_relation: I32, old_unseen: F64, unseen: F64) -> None:
+def copy_unseen(
+    new: F64, new_relation: I32, old: F64, old_relation: I32, old_unseen: F64, unseen: F64, old_looked: Any,
+    looked: Any,
+) -> None:  # fmt: skip
     """Copy ``unseen`` from old points of a thing to its new ones.
 
     A new point takes that of the nearest old point of its relation within 0.3 m, or within 0.1 m for points inside. The
@@ -245,6 +250,8 @@ def copy_unseen(new: F64, new_relation: I32, old: F64, old_relation: I32, old_un
         old_relation: (b,) int32.
         old_unseen: (b,) float64.
         unseen: (a,) float64, updated.
+        old_looked: (b,) uint64, from where the old points were looked at.
+        looked: (a,) uint64, updated alike.
     """
     for a in range(new.shape[0]):
         best = 0.1 if new_relation[a] == INSIDE else 0.3
@@ -254,4 +261,4 @@ def copy_unseen(new: F64, new_relation: I32, old: F64, old_relation: I32, old_un
             gap = max(abs(new[a, 0] - old[b, 0]), abs(new[a, 1] - old[b, 1]), abs(new[a, 2] - old[b, 2]))
             if gap < best:
                 best = gap
-                unseen[a] = old_unseen[b]
+                unseen[a], looked[a] = old_unseen[b], old_looked[b]

@@ -18,6 +18,7 @@ from ucon.objects.catalogue import catalogue
 from ucon.objects.models import build_model
 from ucon.perception.mapping.map_kernels import look
 from ucon.perception.mapping.semantic_map import HALF, SemanticMap, camera_of
+from ucon.perception.places.chance_kernels import look_by_chance
 from ucon.perception.places.hollows import ALL_OPEN, fit, template
 from ucon.perception.places.place_kernels import (
     INSIDE,
@@ -31,6 +32,7 @@ from ucon.perception.places.place_kernels import (
     make_points,
     searched,
 )
+from ucon.perception.places.sight import Sight
 
 __all__ = [
     "INSIDE",
@@ -147,12 +149,15 @@ class Places(PartlyShared):
 
     _flat: ClassVar[frozenset[str]] = frozenset({"_rows", "_turn"})
 
-    def __init__(self, target_height_m: float) -> None:
+    def __init__(self, target_height_m: float, sight: Sight | None = None) -> None:
         """Start without points.
 
         Args:
             target_height_m: height of the target in metres; points lie half of it above the surface.
+            sight: what a look is worth, where the detector errs.
         """
+        self.sight = sight
+        self._looked = np.zeros(1024, np.uint64)
         self._lift_m = 0.5 * target_height_m
         self._made: NDArray[np.float64] = np.zeros((0, 6))
         self._seen_from: NDArray[np.float64] = np.zeros((0, 2))
@@ -168,6 +173,7 @@ class Places(PartlyShared):
         self._sizes: NDArray[np.float64] = np.zeros((0, 3))
         self._quarters: NDArray[np.int32] = np.zeros(0, np.int32)
         self._turn: dict[int, int] = {}
+        self._named = -1
 
     @property
     def xyz(self) -> NDArray[np.float64]:
@@ -198,6 +204,11 @@ class Places(PartlyShared):
         return self._unseen[: self._n]
 
     @property
+    def looked(self) -> NDArray[np.uint64]:
+        """(n,) uint64, writable: bits of the sides and distances from which each point was looked at."""
+        return self._looked[: self._n]
+
+    @property
     def hollow(self) -> NDArray[np.float64]:
         """(n, 6) float64, box of the point's compartment: x0 y0 z0 x1 y1 z1 in metres."""
         return self._hollow[: self._n]
@@ -225,8 +236,27 @@ class Places(PartlyShared):
         changed = [track for track in moved[:count].tolist() if known.category[track]]
         if changed:
             self._seen_from[changed] = known.view.xy
+        renamed = self._renamed(known)
+        changed += [track for track in renamed if known.category[track] and track not in changed]
         for track in sorted({*changed, *self._turned(known, changed)}):
             self._make(track, known)
+
+    def _renamed(self, known: SemanticMap) -> list[int]:
+        """Tracks with points whose name changed since the last call; their turn is forgotten, and points of what is no
+        thing after all.
+        """
+        rows = [k for k in np.flatnonzero(known.named_at[: known.n_tracks] > self._named).tolist() if k in self._rows]
+        self._named = known.step
+        for track in rows:
+            self._turn.pop(track, None)
+            if not known.category[track]:
+                old = self._rows.pop(track)
+                self._share[old] = self._unseen[old] = 0.0
+                self._made[track] = np.inf
+        if rows and (stale := np.isin(self._turning, rows)).any():
+            self._turning, self._quarters = self._turning[~stale], self._quarters[~stale]
+            self._sizes = self._sizes[~stale]
+        return rows
 
     def _turned(self, known: SemanticMap, tracks: list[int]) -> list[int]:
         """Tracks whose estimated orientation changed. Those of ``tracks`` without an estimate get their first one."""
@@ -235,6 +265,8 @@ class Places(PartlyShared):
             self._turning = np.append(self._turning, new)
             self._sizes = np.array([template(known.category[k]).size for k in self._turning.tolist()])
             self._quarters = np.append(self._quarters, np.full(len(new), -1, np.int32))
+        if not len(self._turning):
+            return []
         before, boxes = self._quarters.copy(), known.box[self._turning]
         if not facing(boxes, self._sizes, known.floor, known.blocked, known.walls, HALF, self._quarters):
             return []
@@ -258,10 +290,11 @@ class Places(PartlyShared):
         fit(shape, whole, self._turn.get(track, 0), self._lift_m, new[count:], faces[count:])
         self._xyz[rows], self._relation[rows], self._share[rows] = new[:, :3], new[:, 3], new[:, 4]
         self._track[rows], self._unseen[rows], self._hollow[rows] = track, 1.0, new[:, 6:]
+        self._looked[rows] = 0
         if (old := self._rows.get(track)) is not None:
             copy_unseen(
                 self._xyz[rows], self._relation[rows], self._xyz[old], self._relation[old],
-                self._unseen[old], self._unseen[rows],
+                self._unseen[old], self._unseen[rows], self._looked[old], self._looked[rows],
             )  # fmt: skip
             self._share[old] = self._unseen[old] = 0.0
         self._rows[track] = rows
@@ -270,7 +303,7 @@ class Places(PartlyShared):
     def _reserve(self, count: int) -> None:
         """Make room for ``count`` more points."""
         if self._n + count > len(self._xyz):
-            for name in ("_xyz", "_hollow", "_share", "_unseen", "_faces", "_track", "_relation"):
+            for name in ("_xyz", "_hollow", "_share", "_unseen", "_looked", "_faces", "_track", "_relation"):
                 column = getattr(self, name)
                 setattr(self, name, np.concatenate([column, np.zeros_like(column)]))
 
@@ -291,6 +324,12 @@ class Places(PartlyShared):
         """
         flat = depth.reshape(depth.shape[:2])
         camera = camera_of(known.view, flat, known.body)
+        if self.sight is not None:
+            return int(
+                look_by_chance(
+                    flat, camera, self.sight.model, self.xyz, self.hollow, self.faces, active, self.unseen, self.looked
+                )
+            )
         return int(look(flat, camera, reach_m, self.xyz, self.hollow, self.faces, active, self.unseen, miss))
 
     def searched(self, shut: NDArray[np.bool_]) -> NDArray[np.bool_]:

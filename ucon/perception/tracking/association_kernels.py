@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ucon.core.jit import F64, I16, I32, jit
+from ucon.core.jit import F64, I16, I32, jit, merged
+
+#: Added to the cost of a track that was never called by a box's name: others come first.
+OTHER_NAME = 100.0
+#: Two boxes of other names are one thing if they have so much of the shorter side in common, along every axis.
+COMMON = 0.6
+#: Sides of boxes count as at least so many metres.
+THIN_M = 0.06
 
 
 @jit
@@ -13,13 +20,15 @@ def associate(
 ) -> None:
     """Give the boxes of a frame to the tracks that they fit best, the best pair first; a track takes one box.
 
+    Tracks that were called by a box's name before come first; of others, only one that it covers will do.
+
     Args:
         extent: (n, 6) float64, 3-D boxes of the frame, metres.
         count: (n,) int32, pixels; boxes without any join no track.
         label: (n,) int32, number of each box's name.
         most_m: (n,) float64, longest plausible diagonal of a thing of that name.
         boxes: (T, 6) float64, 3-D boxes of the tracks, updated.
-        labels: (T,) int32, numbers of their names.
+        labels: (T, L) int32, numbers of their names so far, -1 where there are fewer; updated.
         gate_m: largest gap.
         track: (n,) int16, written: the track, -1 for none.
     """
@@ -28,8 +37,12 @@ def associate(
     track[:] = -1
     for old in range(n_tracks):
         for k in range(n):
-            if count[k] > 0 and labels[old] == label[k]:
+            if count[k] == 0 or labels[old, 0] < 0:
+                continue
+            if _called(labels[old], label[k]):
                 cost[old, k] = _misfit(boxes[old], extent[k], most_m[k], gate_m)
+            elif _covers(boxes[old], extent[k]):
+                cost[old, k] = OTHER_NAME + _misfit(boxes[old], extent[k], np.inf, gate_m)
     for _ in range(n):
         best, lowest = (-1, -1), np.inf
         for old in range(n_tracks):
@@ -41,9 +54,43 @@ def associate(
         track[best[1]], taken[best[0]] = best[0], True
     for k in range(n):
         if track[k] >= 0:
+            _remember(labels[track[k]], label[k])
             for axis in range(3):
                 boxes[track[k], axis] = min(boxes[track[k], axis], extent[k, axis])
                 boxes[track[k], 3 + axis] = max(boxes[track[k], 3 + axis], extent[k, 3 + axis])
+
+
+@merged
+def _called(names: I32, label: int) -> bool:
+    """Whether a track (its names, (L,)) was called by a name before."""
+    found = False
+    for n in range(names.shape[0]):
+        found = found or names[n] == label
+    return found
+
+
+@merged
+def _remember(names: I32, label: int) -> None:
+    """Add a name to those of a track (L,), where there is room."""
+    for n in range(names.shape[0]):
+        if names[n] == label:
+            break
+        if names[n] < 0:
+            names[n] = label
+            break
+
+
+@merged
+def _covers(a: F64, b: F64) -> bool:
+    """Whether two 3-D boxes (6,) may be of one thing: much of each side in common, and sizes within a factor of two."""
+    one, two, covers = 0.0, 0.0, True
+    for axis in range(3):
+        side_a, side_b = max(a[3 + axis] - a[axis], THIN_M), max(b[3 + axis] - b[axis], THIN_M)
+        middle = 0.5 * (a[axis] + a[3 + axis] - b[axis] - b[3 + axis])
+        common = 0.5 * (side_a + side_b) - abs(middle)
+        covers = covers and common >= COMMON * min(side_a, side_b)
+        one, two = one + side_a * side_a, two + side_b * side_b
+    return covers and 0.25 < one / two < 4.0
 
 
 @jit

@@ -1,7 +1,9 @@
 """Tracks labelled boxes through an episode: boxes and depth become 3-D boxes, and these become tracks.
 
-A box joins the nearest track of its category if the two can be one thing. A track takes at most one box a frame. Pixels
-in no box are floor, wall, ceiling or obstacle by geometry; these have the first four tracks of every episode.
+A box joins the nearest track that was called by its name before, if the two can be one thing; else a track that it
+covers, whatever that was called: one thing that a detector calls by two names is one track. A track takes at most one
+box a frame. Pixels in no box are floor, wall, ceiling or obstacle by geometry; these have the first four tracks of every
+episode.
 """
 
 from __future__ import annotations
@@ -26,19 +28,17 @@ from ucon.perception.tracking.structure_kernels import structure
 STRUCTURE = ("floors", "walls", "ceilings", "obstacles")
 #: Boxes of one category farther apart than this, in metres, are two things.
 GATE_M = 0.3
+#: Names of a track that are remembered.
+MOST_NAMES = 6
 #: Most tracks of an episode: track numbers are int16.
 MOST_TRACKS = 32000
 _NOTHING = np.array([1e3, 1e3, 1e3, -1e3, -1e3, -1e3])
 
 
 class Tracker(PartlyShared):
-    """The tracks of one episode.
+    """The tracks of one episode; the first four are :data:`STRUCTURE`."""
 
-    Attributes:
-        category: name of every track; the first four are :data:`STRUCTURE`.
-    """
-
-    _flat: ClassVar[frozenset[str]] = frozenset({"category"})
+    _flat: ClassVar[frozenset[str]] = frozenset({"_number", "_box", "_label", "_upright"})
 
     def __init__(self, gate_m: float = GATE_M) -> None:
         """Start without tracks.
@@ -51,9 +51,9 @@ class Tracker(PartlyShared):
 
     def reset(self) -> None:
         """Start an episode: only the four tracks of structure exist."""
-        self.category = list(STRUCTURE)
+        self._n = len(STRUCTURE)
         self._box: NDArray[np.float64] = np.tile(_NOTHING, (64, 1))
-        self._label = np.full(64, -1, np.int32)
+        self._label = np.full((64, MOST_NAMES), -1, np.int32)
         self._number: dict[str, int] = {}
         self._upright = np.zeros((2, SIZE, SIZE), np.uint8)
 
@@ -83,14 +83,14 @@ class Tracker(PartlyShared):
     def _detections(
         self, boxes: Boxes, track: NDArray[np.int16], count: NDArray[np.int32], image: NDArray[np.int16]
     ) -> Detections:
-        """The output of one frame: tracks ascending, with names, pixel counts and scores."""
+        """The output of one frame: tracks ascending, with the names of this frame, pixel counts and scores."""
         # Every second row and column is classified.
         building = 4 * np.bincount(image[::2, ::2].ravel() + 1, minlength=len(STRUCTURE) + 1)[1 : len(STRUCTURE) + 1]
         shown = np.flatnonzero(building >= MIN_PIXELS)
         rows = np.flatnonzero(track >= 0)
         rows = rows[np.argsort(track[rows])]
         tracks = np.concatenate([shown, track[rows]]).astype(np.int16)
-        names = tuple(self.category[k] for k in tracks)
+        names = (*(STRUCTURE[k] for k in shown.tolist()), *(boxes.label[k] for k in rows.tolist()))
         pixels = np.concatenate([building[shown], count[rows]]).astype(np.int32)
         score = np.concatenate([np.ones(len(shown)), boxes.score[rows]]).astype(np.float32)
         return Detections(tracks, names, pixels, image, score)
@@ -99,19 +99,19 @@ class Tracker(PartlyShared):
         self, boxes: Boxes, size_m: NDArray[np.float64], extent: NDArray[np.float64], count: NDArray[np.int32]
     ) -> NDArray[np.int16]:
         """Track of every box, (n,) int16; -1 for boxes without pixels. New tracks are numbered by falling size."""
-        track, old = np.empty(len(count), np.int16), len(self.category)
+        track, old = np.empty(len(count), np.int16), self._n
         label = np.array([self._number.setdefault(name, len(self._number)) for name in boxes.label], np.int32)
         associate(extent, count, label, size_m, self._box[:old], self._label[:old], self._gate_m, track)
         fresh = np.flatnonzero((count > 0) & (track < 0))
         for k in fresh[np.lexsort((fresh, -count[fresh]))].tolist():
-            new = len(self.category)
+            new = self._n
             if new >= MOST_TRACKS:
                 break
             if new == len(self._box):
                 self._box = np.concatenate([self._box, np.tile(_NOTHING, (new, 1))])
-                self._label = np.concatenate([self._label, np.full(new, -1, np.int32)])
-            track[k], self._box[new], self._label[new] = new, extent[k], label[k]
-            self.category.append(boxes.label[k])
+                self._label = np.concatenate([self._label, np.full((new, MOST_NAMES), -1, np.int32)])
+            track[k], self._box[new], self._label[new, 0] = new, extent[k], label[k]
+            self._n += 1
         return track
 
 

@@ -22,6 +22,8 @@ from ucon.perception.views.approach_kernels import best_views
 DRAWER_NEAR_M = 0.55
 #: Least reach in metres for things whose box is too large.
 LEAST_NEAR_M = 0.5
+#: By how much of its longer side the box of a thing may be too wide where the detector errs.
+LOOSE = 0.1
 
 
 class Approach(PartlyShared):
@@ -35,8 +37,10 @@ class Approach(PartlyShared):
 
     def arrived(self, known: SemanticMap, track: int) -> bool:
         """Whether Done would succeed for a track now, as far as the map can tell: in view and within reach."""
-        if known.pixels[track] < MIN_PIXELS:
-            return False
+        return bool(known.pixels[track] >= MIN_PIXELS) and self.near(known, track)
+
+    def near(self, known: SemanticMap, track: int) -> bool:
+        """Whether a track is within the reach of Done, as far as the map can tell."""
         return known.gap_m(track, known.view.xy) <= float(_reach_m(known, np.array([track]))[0])
 
     def failed(self, view: View) -> None:
@@ -140,7 +144,8 @@ def _excess_m(known: SemanticMap, tracks: NDArray[np.int64]) -> NDArray[np.float
     By so much the thing may be farther away than what was seen: a box holds some of what is beside it.
     """
     sides = known.box[tracks, 3:5] - known.box[tracks, :2]
-    return np.asarray(np.maximum(sides.max(1) - [_widest_m(known.category[k]) for k in tracks.tolist()], 0.0))
+    loose = 0.0 if known.hypotheses is None else LOOSE * sides.max(1)
+    return np.asarray(loose + np.maximum(sides.max(1) - [_widest_m(known.category[k]) for k in tracks.tolist()], 0.0))
 
 
 @lru_cache(maxsize=2048)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ucon.core.sharing import PartlyShared, Shared
 from ucon.perception.mapping.planner import UNREACHED, Planner
 from ucon.perception.mapping.semantic_map import HALF, SIZE, SemanticMap, View
+from ucon.perception.places.chance_kernels import fade_by_chance, gain_by_chance
 from ucon.perception.places.containers import open_reach_m
 from ucon.perception.places.target_places import INSIDE, Places
 from ucon.perception.views import view_kernels as kernels
@@ -20,6 +21,8 @@ from ucon.perception.views import view_kernels as kernels
 FINE_CELLS = 4
 #: Places with ``unseen`` up to this are not looked at again until everything else was.
 SEEN = 0.15
+#: The same where the detector errs.
+DOUBTED = 0.02
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +37,8 @@ class Expectation(Shared):
     """Of a square metre that was seen, but from too far away to have shown the target."""
     interest: NDArray[np.float32] | None = None
     """(257, 257) factors of ``unknown_per_m2`` by cell; all 1 where None."""
+    unit: float = 1.0
+    """Mass of a whole home."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,12 +272,18 @@ class Viewpoints(PartlyShared):
         looks = space.copy()
         opens = np.zeros_like(looks)
         weight = self.weights(places, expected, closed)
-        worth = (weight > 1e-9) & (places.unseen > SEEN)
+        worth = (weight > 1e-9) & (places.unseen > (SEEN if places.sight is None else DOUBTED))
         xyz = np.ascontiguousarray(places.xyz[worth])
-        kernels.place_gain(
-            self._index, xyz, places.hollow[worth], places.faces[worth], weight[worth], self.reach_m,
-            known.body.camera_m, known.height, known.walls, HALF, looks,
-        )  # fmt: skip
+        if places.sight is None:
+            kernels.place_gain(
+                self._index, xyz, places.hollow[worth], places.faces[worth], weight[worth], self.reach_m,
+                known.body.camera_m, known.height, known.walls, HALF, looks,
+            )  # fmt: skip
+        else:
+            gain_by_chance(
+                self._index, xyz, places.hollow[worth], places.faces[worth], weight[worth], places.looked[worth],
+                places.sight.model, known.body.camera_m, known.height, known.walls, HALF, looks,
+            )  # fmt: skip
         if len(closed):
             inside = expected.mass[closed, INSIDE]
             kernels.open_gain(
@@ -321,6 +332,12 @@ class Viewpoints(PartlyShared):
             return
         pitch = kernels.PITCHES_DEG.index(view.pitch_deg)
         weight = self.weights(places, expected, closed)
+        if places.sight is not None:
+            fade_by_chance(
+                x, y, known.body.camera_m, view.heading, pitch, places.xyz, places.hollow, places.faces, weight,
+                places.sight.model, known.height, known.walls, HALF, places.unseen, places.looked, factor,
+            )  # fmt: skip
+            return
         kernels.fade_places(
             x, y, known.body.camera_m, view.heading, pitch, places.xyz, places.hollow, places.faces, weight,
             self.reach_m, known.height, known.walls, HALF, places.unseen, factor,

@@ -1,0 +1,101 @@
+"""Hypotheses of searches in training homes, with the truth: what the judge of suspects learns from.
+
+A search by belief is played with a detector that errs. Whenever something new was seen of a thing that may be the target,
+its evidence and whether it is the target are written down; of other things a few.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.rng import stream
+from ucon.envs.ucon_env import UcONEnv
+from ucon.perception.belief.from_habits import ReadHabits, expecting
+from ucon.perception.detectors.box_detector import BoxDetector
+from ucon.search.doubt import Doubts
+from ucon.search.searcher import Searcher
+from ucon.search.suspects import EVIDENCE, evidence_of
+from ucon.task.episode import Episode
+
+#: Habit levels that the searches are given, in turn.
+LEVELS = ("none", "retrieval", "full", "gt")
+#: Share of the new looks at things that are no suspects that is written down.
+OTHERS = 0.1
+#: Searches for cases doubt longer than those that are measured, so that there is more to learn from.
+PATIENT = Doubts(take=0.9, settle=0.7)
+
+
+@dataclass(frozen=True)
+class SuspectCases:
+    """n hypotheses; all arrays have one row for each."""
+
+    evidence: NDArray[np.float32]
+    """(n, F), a column for each of :data:`ucon.search.suspects.EVIDENCE`."""
+    is_target: NDArray[np.bool_]
+    """Whether it is the target."""
+    weight: NDArray[np.float32]
+    """How many hypotheses it stands for."""
+    home: NDArray[np.int32]
+    """Number of the episode."""
+
+    @classmethod
+    def join(cls, parts: Sequence[SuspectCases]) -> SuspectCases:
+        """All rows of some cases."""
+        return cls(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(cls)))
+
+    def keep(self, rows: NDArray[np.bool_]) -> SuspectCases:
+        """A selection of the rows."""
+        return SuspectCases(*(getattr(self, f.name)[rows] for f in fields(self)))
+
+
+def cases_of(episode: Episode, number: int, detector: BoxDetector, seed: int = 0) -> SuspectCases:
+    """Search for the target of one episode, and write down the hypotheses on the way.
+
+    Args:
+        episode: of a training home.
+        number: of the episode; the habit level follows from it.
+        detector: errs.
+        seed: of what is written down.
+
+    Returns:
+        Perhaps no rows.
+    """
+    draw = stream(seed, "suspect cases", episode.id)
+    env = UcONEnv(
+        [episode], habit_level=LEVELS[number % len(LEVELS)], observe="symbolic", detector=detector, privileged=True
+    )
+    rows: list[NDArray[np.float32]] = []
+    truth: list[bool] = []
+    weight: list[float] = []
+    try:
+        observation, info = env.reset(options={"episode": 0})
+        target = int(info["privileged"]["target_instance"])
+        search = Searcher(info, expecting(info, ReadHabits()), doubts=PATIENT)
+        looks: dict[int, int] = {}
+        over = False
+        while not over:
+            action = search.look(observation, info)
+            assert search.map.hypotheses is not None and search.doubt is not None
+            suspects = set(search.doubt.suspects.tracks)
+            new = [t for t, seen in search.map.hypotheses.looks.items() if len(seen) != looks.get(t, 0)]
+            looks.update({t: len(search.map.hypotheses.looks[t]) for t in new})
+            chosen = [t for t in new if t in suspects or draw.random() < OTHERS]
+            if chosen:
+                right = set(detector.tracks_of((target,)))
+                rows.append(evidence_of(search, chosen))
+                truth += [t in right for t in chosen]
+                weight += [1.0 if t in suspects else 1.0 / OTHERS for t in chosen]
+            if action is None:
+                action = search.choose(search.decision().best)
+            observation, _, terminated, truncated, info = env.step(int(action))
+            over = terminated or truncated
+    finally:
+        env.close()
+    evidence = np.concatenate(rows) if rows else np.zeros((0, len(EVIDENCE)), np.float32)
+    return SuspectCases(
+        evidence, np.array(truth, bool), np.array(weight, np.float32), np.full(len(truth), number, np.int32)
+    )
