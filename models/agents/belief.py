@@ -13,6 +13,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from models.agents.base import Controller, ControllerAgent
+from models.agents.judging import judge_of
 from models.agents.search import SearchController
 from ucon.core.errors import ConfigError
 from ucon.core.fingerprint import fingerprint_of
@@ -36,6 +37,7 @@ class BeliefAgent(ControllerAgent):
         costs: Costs | None = None,
         *,
         tour: bool = False,
+        judge: str | None = "shipped",
     ) -> None:
         """Set up the agent.
 
@@ -47,8 +49,10 @@ class BeliefAgent(ControllerAgent):
             tour: True: the agent gets a map of the home from a walk before the target was placed. Privileged; it
                 measures
                 what knowing the map is worth.
+            judge: of suspects, where the detector errs: ``shipped``, a folder, or None for the arithmetic posterior.
         """
         super().__init__()
+        self.judge = judge_of(judge)
         self.locate = locate or ReadHabits()
         self._weights = weights or (KNOWN_HOME if tour else BeliefWeights())
         self._coverage = coverage or CoverageWeights()
@@ -68,7 +72,7 @@ class BeliefAgent(ControllerAgent):
             ConfigError: ``tour`` in an environment that is not privileged.
         """
         believing = expecting(info, self.locate, self._coverage, self._weights)
-        controller = SearchController(info, believing, self._costs)
+        controller = SearchController(info, believing, self._costs, self.judge)
         if self._tour:
             controller.searcher.map.tour(tour_of(info))
         return controller

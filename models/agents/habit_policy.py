@@ -11,6 +11,7 @@ import numpy as np
 
 from models.agents.base import slots_of
 from models.agents.checkpoint import NetworkCheckpoint
+from models.agents.judging import judge_of
 from models.agents.search import SearchLog
 from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, brief
@@ -66,6 +67,7 @@ class HabitPolicyAgent:
         miss: float = MISS,
         sizes: Sizes | None = None,
         text: TextTokens | None = None,
+        judge: str | None = "shipped",
         sample: bool = False,
         seed: int = 0,
         device: str = "cpu",
@@ -80,6 +82,7 @@ class HabitPolicyAgent:
             locate: gives the distribution over the target's places; by default it is read from the habits.
             miss: probability that a look at a place misses a target there; at 1, empty places do not change the belief.
             sizes: numbers of rows of the tokens, as in training.
+            judge: of suspects, where the detector errs: ``shipped``, a folder, or None for the arithmetic posterior.
             text: embeds names and habits, as in training.
             sample: draw views from the policy's probabilities; each draw is a function of seed, episode and decision.
             seed: of the draws.
@@ -94,6 +97,7 @@ class HabitPolicyAgent:
         if type(miss) not in (int, float) or not 0.0 < miss <= 1.0:
             raise ConfigError(f"agent.miss={brief(miss)}: expected a chance above 0, at most 1")
         self._miss = miss
+        self.judge = judge_of(judge)
         self._sample, self._seed, self._device = sample, seed, device
         self._ready = False
         self._searches: dict[int, _Search] = {}
@@ -133,7 +137,7 @@ class HabitPolicyAgent:
         self._prepare()
         for slot, info in zip(slots_of(infos, slots), infos, strict=True):
             believing = expecting(info, self.locate)
-            searcher = Searcher(info, believing, miss=self._miss)
+            searcher = Searcher(info, believing, miss=self._miss, judge=self.judge)
             reader = TokenReader(searcher, info, self._sizes)
             said = EpisodeTextTokens(self._text, str(info["target"]), believing)
             self._searches[slot] = _Search(str(info.get("episode", "")), searcher, reader, said, SearchLog(info))

@@ -39,10 +39,11 @@ class OracleLocationsAgent(BeliefAgent):
     name = "oracle_locations"
     uses_habits = False
 
-    def __init__(self, *, tour: bool = False) -> None:
+    def __init__(self, *, tour: bool = False, judge: str | None = "shipped") -> None:
         """Set up the agent.
 
         Args:
             tour: True: it also gets a map of the home beforehand; see :class:`models.agents.belief.BeliefAgent`.
+            judge: of suspects; see there.
         """
-        super().__init__(true_locations, tour=tour)
+        super().__init__(true_locations, tour=tour, judge=judge)

@@ -9,6 +9,7 @@ from ucon.perception.views.viewpoints import Choice, Costs
 from ucon.search.aims import Aim, aim_at_target, aim_of, aim_to_open
 from ucon.search.search_decision import SearchDecision
 from ucon.search.searcher import Searcher
+from ucon.search.suspects import Judge
 from ucon.task.actions import Action
 from ucon.task.agent import Info, Observation
 
@@ -79,10 +80,13 @@ class SearchController:
         info: of the reset.
         expecting: gives the expected gain of looking at a place.
         costs: of moves, turns and looks, in actions.
+        judge: says how probable suspects are, where the detector errs; None: the arithmetic posterior.
     """
 
-    def __init__(self, info: Info, expecting: Expecting, costs: Costs | None = None) -> None:
-        self.searcher = Searcher(info, expecting, costs)
+    def __init__(
+        self, info: Info, expecting: Expecting, costs: Costs | None = None, judge: Judge | None = None
+    ) -> None:
+        self.searcher = Searcher(info, expecting, costs, judge=judge)
         self._log = SearchLog(info)
 
     def act(self, observation: Observation, info: Info) -> int:

@@ -1,7 +1,7 @@
 """Hypotheses of searches in training homes, with the truth: what the judge of suspects learns from.
 
-A search by belief is played with a detector that errs. Whenever something new was seen of a thing that may be the target,
-its evidence and whether it is the target are written down; of other things a few.
+A search by belief is played with a detector that errs. Whenever something new was seen of a thing that may be the
+target, its evidence and whether it is the target are written down; of other things a few.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from ucon.task.episode import Episode
 #: Habit levels that the searches are given, in turn.
 LEVELS = ("none", "retrieval", "full", "gt")
 #: Share of the new looks at things that are no suspects that is written down.
-OTHERS = 0.1
+OTHERS = 0.05
 #: Searches for cases doubt longer than those that are measured, so that there is more to learn from.
 PATIENT = Doubts(take=0.9, settle=0.7)
 
@@ -79,10 +79,10 @@ def cases_of(episode: Episode, number: int, detector: BoxDetector, seed: int = 0
         over = False
         while not over:
             action = search.look(observation, info)
-            assert search.map.hypotheses is not None and search.doubt is not None
-            suspects = set(search.doubt.suspects.tracks)
-            new = [t for t, seen in search.map.hypotheses.looks.items() if len(seen) != looks.get(t, 0)]
-            looks.update({t: len(search.map.hypotheses.looks[t]) for t in new})
+            assert search.doubt is not None
+            suspects, seen = set(search.doubt.suspects.tracks), search.doubt.looks(search)
+            new = [t for t, found in seen.items() if len(found) != looks.get(t, 0)]
+            looks.update({t: len(seen[t]) for t in new})
             chosen = [t for t in new if t in suspects or draw.random() < OTHERS]
             if chosen:
                 right = set(detector.tracks_of((target,)))

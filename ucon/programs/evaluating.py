@@ -59,12 +59,16 @@ class Evaluation:
         self.parts, self.source = parts_of(agent, detector), Factory(config["env"]["source"])()
         self.label = agent_label({"agent": agent.name, **self.parts.to_json()})
         """Label of the agent, as in tables."""
+        errors = getattr(detector, "errors", None)
+        judge = getattr(agent, "judge", None) if errors is not None else None  # others are never asked
         if anew or not has_summary(out):  # a finished run is only read and needs no weights
-            check_weights(agent, detector)
+            check_weights(agent, detector, judge)
         # Weights that rank habits count only for agents that read habits; others have one run for all levels.
         of_habits = self.source.weights(self.level if self.parts.uses_habits else "none")
-        of_parts = fingerprints(agent, detector)
+        of_parts = fingerprints(agent, detector, judge)
         self.hashes = run_hashes(config, self.episodes, None if of_parts is None else (*of_habits, *of_parts))
+        if errors is not None:
+            self.hashes["detector_errors"] = errors.fingerprint()
         self.out = free_folder(out, self.hashes, versions()) if anew else out
         self.config = config | {"out": str(self.out)} if anew else config
         self.spec = RunSpec(

@@ -1,8 +1,8 @@
 """Suspects: things on the map that may be the target, what speaks for each, and how probable each is.
 
-The arithmetic posterior multiplies the odds of the looks (:mod:`ucon.perception.hypotheses.hypotheses`) by how much more
-of the target is expected in the suspect's place than in that of any thing. A judge may be asked in its place: it takes
-the numbers of :data:`EVIDENCE`.
+The arithmetic posterior multiplies the odds of the looks (:mod:`ucon.perception.hypotheses.hypotheses`) by how much
+more of the target is expected in the suspect's place than in that of any thing. A judge may be asked in its place: it
+takes the numbers of :data:`EVIDENCE`.
 """
 
 from __future__ import annotations
@@ -100,32 +100,25 @@ def evidence_of(search: Seeking, tracks: list[int]) -> NDArray[np.float32]:
         (m, F) float32, a column for each of :data:`EVIDENCE`.
     """
     known, expected, places = search.map, search.expected, search.places
-    hypotheses = known.hypotheses
-    assert hypotheses is not None and expected is not None
-    errors, target = hypotheses.errors, search.target
-    whole = places.weights(expected.mass)
-    left = np.log(max(float(whole.sum()) / expected.unit, 1e-3))
-    general = _of_target(errors, target)
-    p = np.clip(hypotheses.p_target[tracks], 1e-9, 1.0 - 1e-6)
-    rows = np.zeros((len(tracks), len(EVIDENCE)))
+    hypotheses, target = known.hypotheses, search.target
+    assert hypotheses is not None
+    assert expected is not None
+    boxes, of = known.box[tracks], np.array(tracks, np.int32)
     mass, crowd = np.zeros((len(tracks), 4)), np.zeros(len(tracks))
-    boxes = known.box[tracks]
-    mass_near(
-        boxes, np.array(tracks, np.int32), places.xyz, places.track, places.relation, places.share, expected.mass, NEAR_M,
-        mass, crowd,
-    )  # fmt: skip
+    mass_near(boxes, of, places.xyz, places.track, places.relation, places.share, expected.mass, NEAR_M, mass, crowd)
     mass /= expected.unit
+    ratio = np.clip(mass.sum(1) * THINGS / TOGETHER, 1.0 / MOST_RATIO, MOST_RATIO)
+    sides = np.log(np.maximum(np.sort(boxes[:, 3:] - boxes[:, :3], axis=1), 0.02)) - _log_sides(target)
+    p = np.clip(hypotheses.p_target[tracks], 1e-9, 1.0 - 1e-6)
     second, first = np.sort(np.append(p, [0.0, 0.0]))[-2:].tolist()
-    every = float(p.sum())
-    all_sides = np.log(np.maximum(np.sort(boxes[:, 3:] - boxes[:, :3], axis=1), 0.02)) - _log_sides(target)
+    left = np.log(max(float(places.weights(expected.mass).sum()) / expected.unit, 1e-3))
+    general, step, every = _of_target(hypotheses.errors, target), known.step / 100.0, float(p.sum())
+    rows = np.zeros((len(tracks), len(EVIDENCE)))
     for k, track in enumerate(tracks):
-        own = _own(hypotheses, track, target)
-        ratio = min(max(float(mass[k].sum()) * THINGS / TOGETHER, 1.0 / MOST_RATIO), MOST_RATIO)
-        rival = second if p[k] == first else first
-        rows[k] = (
-            np.log(p[k] / (1.0 - p[k])), hypotheses.exists[track], *own, *all_sides[k], crowd[k], rival, min(every - p[k], 3.0),
-            known.step / 100.0, *general, np.log(ratio), *(mass[k] / max(mass[k].sum(), 1e-9)), left,
-        )  # fmt: skip
+        looks, exists, own = np.log(p[k] / (1.0 - p[k])), hypotheses.exists[track], _own(hypotheses, track, target)
+        others = second if p[k] == first else first, min(every - p[k], 3.0)
+        place = np.log(ratio[k]), *(mass[k] / max(mass[k].sum(), 1e-9))
+        rows[k] = looks, exists, *own, *sides[k], crowd[k], *others, step, *general, *place, left
     return rows.astype(np.float32)
 
 

@@ -194,6 +194,38 @@ class BeliefOptions(LearnerOptions):
 
 
 @dataclass(frozen=True, kw_only=True)
+class JudgeOptions(LearnerOptions):
+    """Options of ``learner=judge``.
+
+    Args:
+        episodes: set of training episodes.
+        searches: how many searches in them.
+        validation: set of validation episodes.
+        validation_searches: how many searches in them.
+        workers: processes that search; the result does not depend on it.
+        batch: cases of one step.
+    """
+
+    lr: float = 2e-3
+    warm_up: int = 50
+    decay: float = 0.01
+    average: float = 0.99
+    episodes: str = "train"
+    searches: int = 4000
+    validation: str = "val"
+    validation_searches: int = 160
+    workers: int = 2
+    batch: int = 1024
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        counts = {"searches": self.searches, "validation_searches": self.validation_searches, "batch": self.batch}
+        check("above 0 and whole", lambda x: x > 0, (int,), **counts)
+        check(f"1 to {MOST_WORKERS}", lambda x: 1 <= x <= MOST_WORKERS, (int,), workers=self.workers)
+        check("the name of a set", lambda x: bool(x), (str,), episodes=self.episodes, validation=self.validation)
+
+
+@dataclass(frozen=True, kw_only=True)
 class RetrieverOptions(LearnerOptions):
     """Options of ``learner=retriever``.
 

@@ -71,9 +71,14 @@ class Hypotheses(PartlyShared):
                 setattr(self, name, np.concatenate([column, blank]))
 
     def look(
-        self, box: NDArray[np.float64], kind: NDArray[np.uint8], category: list[str], called: dict[int, tuple[str, float]],
-        depth: NDArray[np.float32], camera: NDArray[np.float64],
-    ) -> dict[int, str]:  # fmt: skip
+        self,
+        box: NDArray[np.float64],
+        kind: NDArray[np.uint8],
+        category: list[str],
+        called: dict[int, tuple[str, float]],
+        depth: NDArray[np.float32],
+        camera: NDArray[np.float64],
+    ) -> dict[int, str]:
         """Take in one frame.
 
         Args:
@@ -94,7 +99,17 @@ class Hypotheses(PartlyShared):
         event, away_m = np.empty((n, 3), np.int32), np.empty(n)
         errors = self.errors
         count = new_looks(
-            box, kind, named, depth, camera, errors.sides, limits_m2(errors.octave), REACH_M, self._state[:n], event, away_m
+            box,
+            kind,
+            named,
+            depth,
+            camera,
+            errors.sides,
+            limits_m2(errors.octave),
+            REACH_M,
+            self._state[:n],
+            event,
+            away_m,
         )
         if not count:
             return {}

@@ -32,8 +32,8 @@ SIZE = 2 * HALF + 1
 CARVE_M = 8.0
 #: What to do where the errors of a detector are not known.
 NO_ERRORS = (
-    "its errors are not known, and agents that map weigh what it says by them; fit them on training homes: python -m ucon "
-    "detector fit {} FILE, then detector.errors=FILE"
+    "its errors are not known, and agents that map weigh what it says by them; fit them on training homes: "
+    "python -m ucon detector fit {} FILE, then detector.errors=FILE"
 )
 _FOV_DEG = 90.0
 _PITCH = {p: (float(np.cos(np.deg2rad(p))), float(np.sin(np.deg2rad(p)))) for p in (-60, -30, 0, 30, 60)}

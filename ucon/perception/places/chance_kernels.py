@@ -146,8 +146,9 @@ def fade_by_chance(
     x: float, y: float, cam_z: float, heading: int, pitch: int, place: F64, hollow: F64, faces: U8, weight: F64,
     model: Any, height: F32, walls: U8, half: int, unseen: F64, looked: Any, factor: float,
 ) -> None:  # fmt: skip
-    """Multiply ``unseen`` of the points that a view was expected to show and evidently did not, and mark them as looked
-    at from there.
+    """Multiply ``unseen`` of the points that a view was expected to show and evidently did not.
+
+    They are marked as looked at from there.
 
     Args:
         x: of the camera, metres.

@@ -242,8 +242,9 @@ class Places(PartlyShared):
             self._make(track, known)
 
     def _renamed(self, known: SemanticMap) -> list[int]:
-        """Tracks with points whose name changed since the last call; their turn is forgotten, and points of what is no
-        thing after all.
+        """Tracks with points whose name changed since the last call.
+
+        Their orientation is forgotten, and the points of what is no thing after all.
         """
         rows = [k for k in np.flatnonzero(known.named_at[: known.n_tracks] > self._named).tolist() if k in self._rows]
         self._named = known.step

@@ -32,32 +32,44 @@ def associate(
         gate_m: largest gap.
         track: (n,) int16, written: the track, -1 for none.
     """
-    n, n_tracks = extent.shape[0], boxes.shape[0]
-    cost, taken = np.full((n_tracks, n), np.inf), np.zeros(n_tracks, np.bool_)
-    track[:] = -1
-    for old in range(n_tracks):
-        for k in range(n):
-            if count[k] == 0 or labels[old, 0] < 0:
-                continue
-            if _called(labels[old], label[k]):
-                cost[old, k] = _misfit(boxes[old], extent[k], most_m[k], gate_m)
-            elif _covers(boxes[old], extent[k]):
-                cost[old, k] = OTHER_NAME + _misfit(boxes[old], extent[k], np.inf, gate_m)
-    for _ in range(n):
-        best, lowest = (-1, -1), np.inf
-        for old in range(n_tracks):
-            for k in range(n):
-                if cost[old, k] < lowest and track[k] < 0 and not taken[old]:
-                    best, lowest = (old, k), cost[old, k]
-        if best[0] < 0:
-            break
-        track[best[1]], taken[best[0]] = best[0], True
-    for k in range(n):
+    cost = np.full((boxes.shape[0], extent.shape[0]), np.inf)
+    for old in range(boxes.shape[0]):
+        for k in range(extent.shape[0]):
+            if count[k] > 0 and labels[old, 0] >= 0:
+                cost[old, k] = _cost(boxes[old], labels[old], extent[k], label[k], most_m[k], gate_m)
+    _assign(cost, track)
+    for k in range(extent.shape[0]):
         if track[k] >= 0:
             _remember(labels[track[k]], label[k])
             for axis in range(3):
                 boxes[track[k], axis] = min(boxes[track[k], axis], extent[k, axis])
                 boxes[track[k], 3 + axis] = max(boxes[track[k], 3 + axis], extent[k, 3 + axis])
+
+
+@jit
+def _cost(old: F64, names: I32, new: F64, label: int, most_m: float, gate_m: float) -> float:
+    """Cost of a 3-D box (6,) of a name for a track (its box and names); infinite where they cannot be one thing."""
+    if _called(names, label):
+        return _misfit(old, new, most_m, gate_m)
+    if _covers(old, new):
+        return OTHER_NAME + _misfit(old, new, np.inf, gate_m)
+    return np.inf
+
+
+@jit
+def _assign(cost: F64, track: I16) -> None:
+    """Give each box (column) the track (row) of the least cost, the cheapest pair first; a track takes one box."""
+    taken = np.zeros(cost.shape[0], np.bool_)
+    track[:] = -1
+    for _ in range(cost.shape[1]):
+        best, lowest = (-1, -1), np.inf
+        for old in range(cost.shape[0]):
+            for k in range(cost.shape[1]):
+                if cost[old, k] < lowest and track[k] < 0 and not taken[old]:
+                    best, lowest = (old, k), cost[old, k]
+        if best[0] < 0:
+            break
+        track[best[1]], taken[best[0]] = best[0], True
 
 
 @merged

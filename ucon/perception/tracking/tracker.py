@@ -2,8 +2,8 @@
 
 A box joins the nearest track that was called by its name before, if the two can be one thing; else a track that it
 covers, whatever that was called: one thing that a detector calls by two names is one track. A track takes at most one
-box a frame. Pixels in no box are floor, wall, ceiling or obstacle by geometry; these have the first four tracks of every
-episode.
+box a frame. Pixels in no box are floor, wall, ceiling or obstacle by geometry; these have the first four tracks of
+every episode.
 """
 
 from __future__ import annotations

@@ -1,0 +1,99 @@
+"""Collects hypotheses of searches for the judge, in worker processes; what was collected is kept and found again."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+from collections.abc import Sequence
+from dataclasses import fields
+from functools import lru_cache
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+import ucon
+from ucon.core.files import sha256_bytes, user_cache, write_atomic
+from ucon.core.pool import Pool
+from ucon.core.progress import Progress
+from ucon.core.rng import stream
+from ucon.fitting.suspect_cases import SuspectCases, cases_of
+from ucon.perception.detectors.box_detector import BoxDetector
+from ucon.task.episode import Episode
+from ucon.task.sets import load_episodes
+
+#: Searches of one file.
+BATCH: Final = 10
+#: Code that defines what is collected. How the search goes on decides which cases come up, not what they mean.
+_CODE: Final = ("search/suspects.py", "search/suspect_kernels.py", "perception/hypotheses", "fitting/suspect_cases.py")
+
+
+def collected(episodes: str, searches: int, detectors: Sequence[BoxDetector], seed: int, workers: int) -> SuspectCases:
+    """Hypotheses of searches, with the truth.
+
+    Args:
+        episodes: a set by name; drawn from it without repetition.
+        searches: how many searches.
+        detectors: taken in turn, after every round of habit levels.
+        seed: of the draw.
+        workers: processes; the result does not depend on it.
+
+    Returns:
+        Rows in the order of the searches. They are kept in the user's cache, by :func:`case_hash`.
+    """
+    folder = user_cache() / "judge" / case_hash(episodes, detectors, seed)
+    batches = [range(first, min(first + BATCH, searches)) for first in range(0, searches, BATCH)]
+    files = [folder / f"{batch[0]:06d}-{len(batch)}.npz" for batch in batches]
+    missing = [k for k, file in enumerate(files) if not file.is_file()]
+    if missing:
+        given = (episodes, tuple(detectors), seed)
+        with Progress(f"searches in {episodes} homes", len(missing) * BATCH) as progress, Pool(workers) as pool:
+            asked = [(k, pool.submit(_batch, *given, batches[k])) for k in missing]
+            for done, (k, answer) in enumerate(asked, 1):
+                write_atomic(files[k], pool.result(answer))
+                progress.update(done * BATCH)
+    return SuspectCases.join([_read(file) for file in files])
+
+
+def case_hash(episodes: str, detectors: Sequence[BoxDetector], seed: int) -> str:
+    """Hash of what the cases mean: code of the evidence, episodes, errors of the detectors, seed."""
+    errors = [d.errors.fingerprint() if d.errors is not None else d.name for d in detectors]
+    of_episodes = sha256_bytes("".join(e.id for e in _episodes(episodes)).encode())
+    return hashlib.sha256(" ".join([_code(), of_episodes, *errors, str(seed)]).encode()).hexdigest()[:16]
+
+
+def _batch(episodes: str, detectors: tuple[BoxDetector, ...], seed: int, numbers: range) -> bytes:
+    """Cases of some searches, as the bytes of a file."""
+    every = _episodes(episodes)
+    order = stream(seed, "judge", episodes).permutation(len(every))
+    found = [cases_of(every[int(order[k % len(every)])], k, detectors[k // 4 % len(detectors)], seed) for k in numbers]
+    return _bytes(SuspectCases.join(found))
+
+
+@lru_cache(maxsize=4)
+def _episodes(name: str) -> tuple[Episode, ...]:
+    return load_episodes(name)
+
+
+@lru_cache(maxsize=1)
+def _code() -> str:
+    """Hash of the code that defines what is collected."""
+    root, found = Path(ucon.__file__).parent, hashlib.sha256()
+    for part in _CODE:
+        paths = sorted((root / part).rglob("*.py")) if (root / part).is_dir() else [root / part]
+        for path in paths:
+            found.update(path.read_bytes())
+    return found.hexdigest()
+
+
+def _bytes(cases: SuspectCases) -> bytes:
+    """Cases as a file; equal cases give equal bytes."""
+    out = io.BytesIO()
+    np.savez(out, **{f.name: getattr(cases, f.name) for f in fields(cases)})
+    return out.getvalue()
+
+
+def _read(path: Path) -> SuspectCases:
+    """The cases of a file of :func:`_bytes`."""
+    with np.load(path, allow_pickle=False) as found:
+        return SuspectCases(*(found[f.name] for f in fields(SuspectCases)))
