@@ -78,6 +78,7 @@ class Witness(BoxDetector):
         Args:
             detector: it and its tracker are used as they are.
         """
+        self._errors_file = None
         self.inner, self.name, self.needs_rgb = detector, detector.name, detector.needs_rgb
         self.rows: list[tuple[float, ...]] = []
         self.false: list[float] = []

@@ -13,6 +13,7 @@ from ucon.perception.mapping.fine_map import FineMap
 from ucon.perception.mapping.planner import Planner
 from ucon.perception.mapping.semantic_map import SemanticMap, frame_depth
 from ucon.perception.places.neighbourhood import interest
+from ucon.perception.places.sight import Sight
 from ucon.perception.places.target_places import INSIDE, Places
 from ucon.perception.views.candidates import candidates
 from ucon.perception.views.heading_candidates import in_view
@@ -30,7 +31,9 @@ def look_around(env: gym.Env[Any, Any], actions: Sequence[int]) -> SemanticMap:
         The map of the frames.
     """
     obs, info = env.reset(options={"episode": 0})
-    known, places, planner, viewpoints = SemanticMap(), Places(0.1), Planner(info["nav"]), Viewpoints(3.0)
+    errors = info.get("detector_errors")
+    sight = None if errors is None else Sight.of(errors, str(info["target"]))
+    known, places, planner, viewpoints = SemanticMap.of(info), Places(0.1, sight), Planner(info["nav"]), Viewpoints(3.0)
     fine = FineMap()
     for action in actions:
         known.update(obs, info)

@@ -16,6 +16,7 @@ from ucon.perception.detectors.base import vocabulary
 from ucon.perception.detectors.confusion import wrong_name
 from ucon.perception.detectors.noise_rates import EXACT, Rates
 from ucon.perception.detectors.noisy import NoisyDetector
+from ucon.perception.mapping.detections import MIN_PIXELS
 from ucon.task.sets import load_episodes
 
 
@@ -80,7 +81,9 @@ def walks() -> dict[str, tuple[Looks, FalseBoxes]]:
 def test_exact_boxes_are_matched_with_their_things(walks: dict[str, tuple[Looks, FalseBoxes]]) -> None:
     looks, false = walks["exact"]
     assert len(looks.name) > 2000
-    assert looks.found.mean() > 0.99
+    seen = looks.pixels >= MIN_PIXELS
+    assert looks.found[seen].mean() > 0.99
+    assert not looks.found[~seen].any(), "looks at what is too small are in vain"
     hits = looks.keep(looks.found)
     assert (hits.called == hits.name).mean() > 0.99
     assert len(false.score) == 0

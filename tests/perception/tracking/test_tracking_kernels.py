@@ -165,14 +165,26 @@ def test_a_track_takes_the_box_that_fits_it_best() -> None:
     boxes = np.stack([cube, cube + 1.0, cube + 0.1])
     extent = np.stack([cube + 0.02, cube + 1.01, cube + 0.11, cube + 5.0, cube])
     track, label = np.empty(5, np.int16), np.array([7, 7, 7, 7, 8], np.int32)
-    before = boxes.copy()
-    association_kernels.associate(
-        extent, np.ones(5, np.int32), label, np.full(5, 0.6), boxes, np.array([7, 7, 7], np.int32), 0.3, track
-    )
-    assert track.tolist() == [0, 1, 2, -1, -1], "far away, and of another name"
+    before, names = boxes.copy(), np.full((3, 2), -1, np.int32)
+    names[:, 0] = 7
+    association_kernels.associate(extent, np.ones(5, np.int32), label, np.full(5, 0.6), boxes, names, 0.3, track)
+    assert track.tolist() == [0, 1, 2, -1, -1], "far away, and after the box of the track's own name"
     assert boxes[1] == pytest.approx([*before[1, :3], *extent[1, 3:]])
-    association_kernels.associate(extent, np.zeros(5, np.int32), label, np.full(5, 0.6), boxes, label[:3], 0.3, track)
+    association_kernels.associate(extent, np.zeros(5, np.int32), label, np.full(5, 0.6), boxes, names, 0.3, track)
     assert (track == -1).all(), "boxes without pixels"
+
+
+def test_a_box_of_another_name_joins_the_track_that_it_covers() -> None:
+    cube = np.array([0.0, 0.0, 0.0, 0.2, 0.2, 0.2])
+    boxes, names = np.stack([cube, cube + 1.0]), np.array([[7, -1], [7, -1]], np.int32)
+    extent = np.stack([cube + 0.03, cube + 1.15, np.array([1.0, 1.0, 1.0, 1.05, 1.05, 1.05])])
+    track, label, count = np.empty(3, np.int16), np.array([8, 8, 9], np.int32), np.ones(3, np.int32)
+    association_kernels.associate(extent, count, label, np.full(3, 0.6), boxes, names, 0.3, track)
+    assert track.tolist() == [0, -1, -1], "not one that it hardly touches, nor a much larger one"
+    assert names[0].tolist() == [7, 8]
+    association_kernels.associate(extent[:1], count[:1], label[:1] + 2, np.full(1, 0.6), boxes, names, 0.3, track[:1])
+    assert track[0] == 0, "a third name"
+    assert names[0].tolist() == [7, 8], "is not remembered where there is no room"
 
 
 def test_shared_pixels_are_counted() -> None:

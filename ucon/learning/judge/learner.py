@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,12 +21,15 @@ from torch import Tensor, nn
 from torch.nn.functional import binary_cross_entropy_with_logits
 
 from ucon.core.errors import ConfigError
+from ucon.core.files import sha256_file
 from ucon.core.rng import derived_seed, stream
+from ucon.core.tensor_files import read_fitting
 from ucon.fitting.rate_schedule import schedule
 from ucon.fitting.suspect_cases import SuspectCases
 from ucon.learning.judge.cases import case_hash, collected
 from ucon.learning.run.options import JudgeOptions
 from ucon.learning.run.protocol import Card, Figures, State
+from ucon.learning.run.run_folder import MODEL
 from ucon.learning.run.updates import Updates
 from ucon.perception.detectors.box_detector import BoxDetector
 from ucon.readers.belief_scores import calibration_error
@@ -47,6 +51,7 @@ class JudgeLearner:
 
     Raises:
         ConfigError: a value out of range, or no detectors.
+        DataError: ``initial`` holds no judge, a damaged one, or one of other sizes.
     """
 
     options_of = JudgeOptions
@@ -59,13 +64,22 @@ class JudgeLearner:
         self.steps, self._detectors = given.steps, tuple(detectors.values())
         torch.manual_seed(derived_seed(given.seed, "judge"))
         self.net = judge()
+        self._initial = "" if given.initial is None else self._begin_with(Path(given.initial).expanduser())
         self.updates = Updates(self.net, lr=given.lr, decay=given.decay, average=given.average)
         self._done = 0
 
     @property
     def identity(self) -> Mapping[str, str]:
-        """Hash of what decides the training data."""
-        return {"cases": f"{case_hash(self.options.episodes, self._detectors, 0)} {self.options.searches}"}
+        """Hash of what decides the training data and, if given, of the initial weights."""
+        initial = {"initial": self._initial} if self._initial else {}
+        cases = f"{case_hash(self.options.episodes, self._detectors, 0)} {self.options.searches}"
+        return {"cases": cases, **initial}
+
+    def _begin_with(self, folder: Path) -> str:
+        """Load the weights of another judge; returns the SHA-256 of their file."""
+        path = (folder / MODEL if (folder / MODEL).is_dir() else folder) / WEIGHTS
+        self.net.load_state_dict(read_fitting(path, self.net.state_dict())[0])
+        return sha256_file(path)
 
     @cached_property
     def cases(self) -> SuspectCases:

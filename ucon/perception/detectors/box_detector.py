@@ -71,7 +71,12 @@ class BoxDetector(PartlyShared, ABC):
         return self.follow(self.find(frame), frame)
 
     def follow(self, boxes: Boxes, frame: Frame) -> Detections:
-        """Assign the boxes of the next frame to tracks; see :meth:`detect`."""
+        """Assign the boxes of the next frame to tracks; see :meth:`detect`.
+
+        Raises:
+            DetectorError: scores outside [0, 1], or boxes that are no numbers.
+        """
+        boxes.check(self.name)
         found = self._tracker.follow(boxes, frame)
         self._owners.note(found, frame, len(STRUCTURE))
         return found

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.errors import DetectorError, brief
+
 
 @dataclass(frozen=True, slots=True)
 class Boxes:
@@ -21,6 +23,27 @@ class Boxes:
     """(n, 4) left, top, right, bottom in pixels; right and bottom are exclusive."""
     mask: NDArray[np.bool_] | None = None
     """(n, H, W) pixels of each box's thing; None from detectors that do not segment."""
+
+    def check(self, detector: str) -> None:
+        """Refuse what no detector may report.
+
+        Args:
+            detector: its name, for the error.
+
+        Raises:
+            DetectorError: scores outside [0, 1], or edges that are no numbers.
+        """
+        odd = np.flatnonzero(~((self.score >= 0.0) & (self.score <= 1.0)))
+        if len(odd):
+            k = int(odd[0])
+            raise DetectorError(
+                f"detector {detector}: score {self.score[k]} of a {brief(self.label[k])}; expected a number from 0 to 1"
+            )
+        if not np.isfinite(self.xyxy).all():
+            k = int(np.flatnonzero(~np.isfinite(self.xyxy).all(1))[0])
+            raise DetectorError(
+                f"detector {detector}: the box of a {brief(self.label[k])} has edges that are no numbers"
+            )
 
     @classmethod
     def none(cls) -> Boxes:

@@ -186,7 +186,7 @@ class Hypotheses(PartlyShared):
         changed = {}
         for track, k, there in zip(tracks.tolist(), best.tolist(), exists.tolist(), strict=True):
             if track in self.looks:
-                name = names[k] if there >= _LEAST else ""
+                name = names[k] if there >= _LEAST and self._found[track] else ""
                 if name != category[track]:
                     changed[track] = name
         return changed
