@@ -29,7 +29,7 @@ class SearchLog:
         self.decisions: list[DecisionRecord] = []
         self._episode = str(info.get("episode", ""))
         self._going: Choice | None = None
-        self._taking = False
+        self._taking = -1
 
     def looked(self, searcher: Searcher, action: Action | None) -> None:
         """Record, after a frame, what is done without choosing a view: approaching the target, or opening on the way.
@@ -38,9 +38,11 @@ class SearchLog:
             searcher: has taken in the frame.
             action: that follows at once; None where a view is to be chosen.
         """
-        if searcher.taking:
-            if not self._taking:
-                self._taking = True
+        taking = -1 if not searcher.taking else 0 if searcher.doubt is None else searcher.doubt.suspect
+        before, self._taking = self._taking, taking
+        if taking >= 0:
+            if taking != before:
+                self._going = None
                 self._add(searcher, aim_at_target(searcher))
         elif action is Action.OPEN and not self._came_to_open(searcher):
             self._add(searcher, aim_to_open(searcher))

@@ -23,10 +23,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     fit.add_argument("option", metavar="OPTION", nargs="*", help="of the detector, such as detector.seed=1")
     fit.add_argument("--episodes", metavar="SET", default="train", help="a set by name or file (train)")
     fit.add_argument("--walks", type=int, default=120, help="episodes to walk through, spread over the set (120)")
+    fit.add_argument("--plots", metavar="FOLDER", type=Path, help="draw the errors as PNG files into a folder")
     show = actions.add_parser("show", help="print the errors of a detector")
     show.add_argument("name", metavar="NAME", help="of configs/detector")
     show.add_argument("file", metavar="FILE", type=Path, nargs="?", help="the errors; those of the package by default")
     show.add_argument("--thing", default="mug", help="for what the chances are printed (mug)")
+    show.add_argument("--plots", metavar="FOLDER", type=Path, help="draw the errors as PNG files into a folder")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -46,7 +48,12 @@ def run(args: argparse.Namespace) -> int:
 
     if args.action == "fit":
         return _fit(args)
-    print(described(read_errors(args.name, args.file), args.thing))
+    errors = read_errors(args.name, args.file)
+    print(described(errors, args.thing))
+    if args.plots:
+        from ucon.fitting.error_plots import draw_errors
+
+        _say_drawn(draw_errors(errors, args.thing, args.plots.expanduser()))
     return 0
 
 
@@ -54,14 +61,19 @@ def _fit(args: argparse.Namespace) -> int:
     from ucon.core.errors import ConfigError
     from ucon.core.files import require_writable, write_atomic
     from ucon.core.progress import Progress
+    from ucon.evaluation.figures.plotting import require_matplotlib
     from ucon.fitting.detector_errors import fit_errors
     from ucon.fitting.detector_looks import collect
+    from ucon.fitting.error_plots import draw_errors
     from ucon.fitting.reliability import reliability
     from ucon.task.sets import load_episodes
 
     if args.walks < 2:
         raise ConfigError(f"--walks {args.walks}: expected 2 or more")
     require_writable(args.file)
+    if args.plots:  # check first: walking takes minutes
+        require_matplotlib()
+        require_writable(args.plots.expanduser() / "recall.png")
     detector = _detector(args.name, args.option)
     episodes = load_episodes(args.episodes, "paper")
     chosen = episodes[:: max(1, len(episodes) // args.walks)][: args.walks]
@@ -70,8 +82,15 @@ def _fit(args: argparse.Namespace) -> int:
     errors = fit_errors(args.name, looks, false)
     write_atomic(args.file, errors.to_json() + "\n")
     print(described(errors, "mug"))
-    print(f"\n{reliability(args.name, looks, false)}\n\nwritten to {args.file}, {errors.looks:,} looks")
+    held = reliability(args.name, looks, false)
+    print(f"\n{held.text}\n\nwritten to {args.file}, {errors.looks:,} looks")
+    if args.plots:
+        _say_drawn(draw_errors(errors, "mug", args.plots.expanduser(), held))
     return 0
+
+
+def _say_drawn(files: list[Path]) -> None:
+    print(f"drawn in {files[0].parent}: {', '.join(file.name for file in files)}")
 
 
 def _detector(name: str, options: list[str]) -> BoxDetector:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ucon.fitting.detector_errors import fit_errors
 from ucon.fitting.detector_looks import FalseBoxes, Looks
@@ -10,29 +13,50 @@ from ucon.perception.mapping.detections import MIN_PIXELS
 
 #: Every so many walks one is held out.
 _FOLDS = 4
+#: Groups of equal width by predicted chance.
+GROUPS = 10
+#: Groups of fewer looks are left out.
+LEAST_LOOKS = 20
 
 
-def reliability(detector: str, looks: Looks, false: FalseBoxes) -> str:
-    """Table of the predicted and the observed share of things found, in walks that are held out.
+@dataclass(frozen=True)
+class Reliability:
+    """Predicted and observed share of things found, in walks that were held out; a row for each group of looks."""
+
+    predicted: NDArray[np.float64]
+    """(g,) mean predicted chance."""
+    observed: NDArray[np.float64]
+    """(g,) share that was found."""
+    looks: NDArray[np.int64]
+    """(g,) how many looks."""
+
+    @property
+    def error(self) -> float:
+        """Expected calibration error."""
+        return float((np.abs(self.predicted - self.observed) * self.looks).sum() / self.looks.sum())
+
+    @property
+    def text(self) -> str:
+        """The rows as a table."""
+        lines = [f"found in {self.looks.sum():,} looks of walks held out: predicted, observed (%)"]
+        for p, found, n in zip(self.predicted, self.observed, self.looks, strict=True):
+            lines.append(f"{100 * p:9.0f}{100 * found:8.0f}{n:12,} looks")
+        return "\n".join([*lines, f"expected calibration error {self.error:.3f}"])
+
+
+def reliability(detector: str, looks: Looks, false: FalseBoxes) -> Reliability:
+    """Compare predicted and observed finding in walks that are held out of a second fit.
 
     Args:
         detector: its name.
-        looks: all looks; a quarter of the walks is held out of a second fit.
+        looks: all looks; a quarter of the walks is held out.
         false: boxes on nothing.
-
-    Returns:
-        Five rows by predicted chance, and the expected calibration error.
     """
     out = (looks.home % _FOLDS == 0) & (looks.name >= 0) & (looks.pixels >= MIN_PIXELS)
     fitted, held = fit_errors(detector, looks.keep(looks.home % _FOLDS != 0), false), looks.keep(out)
     share = np.minimum(held.pixels / np.maximum(held.whole, 1.0), 1.0)
     predicted = fitted.found(held.pixels, held.away_m, share)
-    group = np.minimum((predicted * 5).astype(int), 4)
-    lines, error = [f"found in {len(held.name):,} looks of walks held out: predicted, observed (%)"], 0.0
-    for k in range(5):
-        rows = group == k
-        if rows.any():
-            a, b = float(predicted[rows].mean()), float(held.found[rows].mean())
-            error += rows.mean() * abs(a - b)
-            lines.append(f"{100 * a:9.0f}{100 * b:8.0f}{int(rows.sum()):12,} looks")
-    return "\n".join([*lines, f"expected calibration error {error:.3f}"])
+    group = np.minimum((predicted * GROUPS).astype(int), GROUPS - 1)
+    count, stated, found = (np.bincount(group, w, GROUPS) for w in (None, predicted, held.found))
+    some = count >= min(LEAST_LOOKS, len(group))
+    return Reliability(stated[some] / count[some], found[some] / count[some], count[some].astype(np.int64))

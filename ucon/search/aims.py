@@ -11,6 +11,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from ucon.objects.model import RELATIONS, Relation
+from ucon.perception.detectors.base import vocabulary
 from ucon.perception.drawing.overlay import words
 from ucon.perception.mapping.semantic_map import HALF, SemanticMap, View
 from ucon.perception.places.containers import open_reach_m
@@ -80,8 +81,27 @@ def aim_to_open(searcher: Searcher) -> Aim:
 
 
 def aim_at_target(searcher: Searcher) -> Aim:
-    """The aim of the end of a search: walk up to the target, which is in view."""
-    return Aim("target", f"take: {words(searcher.target)}", "it is seen")
+    """The aim of walking up to the target, or where the detector errs to a thing that may be the target."""
+    if searcher.doubt is None:
+        return Aim("target", f"take: {words(searcher.target)}", "it is seen")
+    return Aim("target", f"is it the {words(searcher.target)}? {suspect_words(searcher)}", how_sure(searcher))
+
+
+def suspect_words(searcher: Searcher) -> str:
+    """The suspect that is being walked up to as text: its most probable name and its number."""
+    assert searcher.doubt is not None
+    track = searcher.doubt.suspect
+    return f"{words(searcher.map.category[track] or 'something')} {track}"
+
+
+def how_sure(searcher: Searcher) -> str:
+    """How probable it is that the suspect is the target, and what it was called so far."""
+    assert searcher.doubt is not None
+    looks = searcher.doubt.looks(searcher)[searcher.doubt.suspect]
+    named = searcher.doubt.p.get(searcher.doubt.suspect, 0.0)
+    found = [name for name, _, _ in looks if name >= 0]
+    called = sum(vocabulary()[name] == searcher.target for name in found)
+    return f"{named:.0%} sure, called so in {called} of {len(looks)} looks from new sides"
 
 
 def candidate_words(known: SemanticMap, candidate: Candidate) -> str:

@@ -24,12 +24,15 @@ from ucon.perception.drawing.overlay import (
 )
 from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.perception.places.target_places import INSIDE
+from ucon.search.aims import how_sure, suspect_words
 
 if TYPE_CHECKING:
     from ucon.search.searcher import Searcher
 
 #: Most pixels of a 0.25 m cell.
 _MOST_CELL_PX = 10
+#: Suspects less probable than this are not marked.
+_LEAST_SHOWN = 0.02
 
 
 def draw_search(searcher: Searcher, height: int = 384, width: int = 384, *, also: str = "") -> Image:
@@ -72,9 +75,19 @@ def _map(searcher: Searcher, mass: NDArray[np.float64], height: int, width: int)
     for track in np.argsort(total, kind="stable").tolist():
         if total[track] > 0.0 and known.seen(track):
             _tint(image, px, known.box[track], float(np.sqrt(total[track] / total.sum())))
+    for track, p in ({} if searcher.doubt is None else searcher.doubt.p).items():
+        if p >= _LEAST_SHOWN:
+            _mark(image, px, known.box[track], p)
     if searcher.choice is not None:
         cv2.circle(image, px(*searcher.choice.view.xy), max(4, cell_px), GOAL, 2, cv2.LINE_AA)
     return image
+
+
+def _mark(image: Image, px: Pixels, box: NDArray[np.float64], p: float) -> None:
+    """Ring a suspect, and write how probable it is that it is the target."""
+    at = px(0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]))
+    cv2.circle(image, at, 5, WARM, 1 + int(2 * p), cv2.LINE_AA)
+    cv2.putText(image, f"{p:.0%}", (at[0] + 7, at[1] + 4), cv2.FONT_HERSHEY_PLAIN, 0.8, (30, 30, 30), 1, cv2.LINE_AA)
 
 
 def _tint(image: Image, px: Pixels, box: NDArray[np.float64], share: float) -> None:
@@ -101,6 +114,8 @@ def _lines(searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64], wi
 
 def _going(searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64]) -> str:
     """The goal as text."""
+    if searcher.taking and searcher.doubt is not None:
+        return f"is it the {words(searcher.target)}? {suspect_words(searcher)}: {how_sure(searcher)}"
     if searcher.taking:
         return f"goes to: the {words(searcher.target)}, which it sees"
     if searcher.choice is None:

@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from ucon.__main__ import main
 from ucon.core.errors import DataError
@@ -56,7 +57,7 @@ def test_a_known_rule_is_found_again() -> None:
     assert errors.evidence(0.8) - errors.evidence(0.5) == pytest.approx(np.log(4), abs=0.5)
     assert errors.confusion[0] == pytest.approx(1.0, abs=0.3)
     assert errors.confusion[1] == pytest.approx(np.log(6), abs=0.4)
-    assert "0.0" in reliability("made", looks, false).splitlines()[-1]
+    assert "0.0" in reliability("made", looks, false).text.splitlines()[-1]
 
 
 @pytest.mark.parametrize("n", [0, 100, 1900])
@@ -99,12 +100,19 @@ def test_a_walk_shows_the_rates_of_a_simulated_detector(walks: dict[str, tuple[L
     assert errors.evidence(0.9) > 1.0 > -0.5 > errors.evidence(0.4)
 
 
-def test_the_command_fits_and_shows(tmp_path, capsys: pytest.CaptureFixture[str]) -> None:
-    file = tmp_path / "errors.json"
+def test_the_command_fits_shows_and_draws(tmp_path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, plots = tmp_path / "errors.json", tmp_path / "plots"
     words = ["detector", "fit", "noisy", str(file), "detector.seed=3", "--episodes", "mini", "--walks", "6"]
+    words += ["--plots", str(plots)]
     assert main(words) == 0
     said = capsys.readouterr().out
     assert "expected calibration error" in said
+    names = {"recall.png", "scores.png", "confusions.png", "reliability.png"}
+    assert {path.name for path in plots.iterdir()} == names
+    for path in plots.iterdir():
+        assert len(np.unique(np.asarray(Image.open(path)))) > 20, "something is drawn"
+    assert main(["detector", "show", "noisy", "--plots", str(tmp_path / "shown")]) == 0
+    assert {path.name for path in (tmp_path / "shown").iterdir()} == names - {"reliability.png"}
     assert max(map(len, said.replace(str(tmp_path), "").splitlines())) <= 80
     assert main(["detector", "show", "noisy", str(file), "--thing", "laptop"]) == 0
     assert "laptop" in capsys.readouterr().out
