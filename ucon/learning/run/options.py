@@ -211,7 +211,7 @@ class JudgeOptions(LearnerOptions):
     decay: float = 0.01
     average: float = 0.99
     episodes: str = "train"
-    searches: int = 4000
+    searches: int = 1620
     validation: str = "val"
     validation_searches: int = 160
     workers: int = 2
