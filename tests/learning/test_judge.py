@@ -45,14 +45,17 @@ def made(**options) -> JudgeLearner:
 def test_cases_are_kept_and_the_number_of_workers_does_not_matter(
     cache: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    files = sorted((cache / "judge").rglob("*.npz"))
+    files = sorted((cache / "judge").rglob("*.safetensors"))
     assert len(files) == 2
     monkeypatch.setenv("UCON_CACHE", str(tmp_path))
     judge_cases.collected("mini", 10, [NoisyDetector()], 0, 1)
-    (one,) = (tmp_path / "judge").rglob("*.npz")
+    (one,) = (tmp_path / "judge").rglob("*.safetensors")
     assert one.read_bytes() == files[0].read_bytes()
     monkeypatch.setattr(judge_cases, "Pool", None)  # nothing is searched again
     assert len(judge_cases.collected("mini", 10, [NoisyDetector()], 0, 1).home)
+    one.write_bytes(one.read_bytes()[:100])
+    with pytest.raises(DataError, match=r"no cases .*remove it[^\n]*$"):
+        judge_cases.collected("mini", 10, [NoisyDetector()], 0, 1)
 
 
 def test_cases_hold_the_truth(learner: JudgeLearner) -> None:

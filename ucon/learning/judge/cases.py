@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import io
 from collections.abc import Sequence
 from dataclasses import fields
 from functools import lru_cache
@@ -11,8 +10,11 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+from safetensors import SafetensorError
+from safetensors.numpy import load, save
 
 import ucon
+from ucon.core.errors import DataError, brief
 from ucon.core.files import sha256_bytes, user_cache, write_atomic
 from ucon.core.pool import Pool
 from ucon.core.progress import Progress
@@ -43,7 +45,7 @@ def collected(episodes: str, searches: int, detectors: Sequence[BoxDetector], se
     """
     folder = user_cache() / "judge" / case_hash(episodes, detectors, seed)
     batches = [range(first, min(first + BATCH, searches)) for first in range(0, searches, BATCH)]
-    files = [folder / f"{batch[0]:06d}-{len(batch)}.npz" for batch in batches]
+    files = [folder / f"{batch[0]:06d}-{len(batch)}.safetensors" for batch in batches]
     missing = [k for k, file in enumerate(files) if not file.is_file()]
     if missing:
         given = (episodes, tuple(detectors), seed)
@@ -88,12 +90,17 @@ def _code() -> str:
 
 def _bytes(cases: SuspectCases) -> bytes:
     """Cases as a file; equal cases give equal bytes."""
-    out = io.BytesIO()
-    np.savez(out, **{f.name: getattr(cases, f.name) for f in fields(cases)})
-    return out.getvalue()
+    return save({f.name: np.ascontiguousarray(getattr(cases, f.name)) for f in fields(cases)})
 
 
 def _read(path: Path) -> SuspectCases:
-    """The cases of a file of :func:`_bytes`."""
-    with np.load(path, allow_pickle=False) as found:
+    """The cases of a file of :func:`_bytes`.
+
+    Raises:
+        DataError: the file is damaged.
+    """
+    try:
+        found = load(path.read_bytes())
         return SuspectCases(*(found[f.name] for f in fields(SuspectCases)))
+    except (SafetensorError, KeyError) as error:
+        raise DataError(f"{path}: no cases ({brief(str(error))}); remove it, and they are collected again") from None
