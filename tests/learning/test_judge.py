@@ -105,6 +105,18 @@ def test_the_product_is_a_judge_and_damaged_ones_are_refused(learner: JudgeLearn
             TrainedJudge.load(other)
 
 
+def test_a_judge_trained_further_begins_as_it_was(learner: JudgeLearner, tmp_path: Path) -> None:
+    for _ in range(5):
+        learner.step()
+    files = learner.product()
+    for name, content in files.items():
+        (tmp_path / name).write_bytes(content)
+    write_manifest(tmp_path, files)
+    further = made(initial=str(tmp_path), searches=10)
+    assert further.product()[WEIGHTS] == files[WEIGHTS], "on other cases, with the scale that its weights belong to"
+    assert "initial" in further.identity
+
+
 def test_without_habits_they_change_nothing() -> None:
     torch.manual_seed(0)
     net, rows = JudgeNet(8, habits=False), torch.randn(5, len(EVIDENCE))

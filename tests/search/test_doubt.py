@@ -131,7 +131,7 @@ def test_evidence_is_finite_and_the_posterior_grows_with_the_place() -> None:
 
 
 def test_all_that_depends_on_names_follows_when_names_change() -> None:
-    """What was computed step by step is what would be computed of the final map at once."""
+    """Places, coverage and containers kept step by step equal those computed from the final map at once."""
     search = played(NoisyDetector(), 1)["search"]
     known, n = search.map, search.map.n_tracks
     assert (known.named_at[:n] > 0).sum() > 5, "names came and changed"
@@ -167,3 +167,18 @@ def test_hypotheses_are_copied_with_the_search() -> None:
     }
     assert copy.map.hypotheses.errors is search.map.hypotheses.errors
     env.close()
+
+
+def test_nothing_is_learned_from_looking_in_vain_where_that_is_switched_off() -> None:
+    env = UcONEnv("mini", observe="symbolic", detector=NoisyDetector(), habit_level="none")
+    least = {}
+    for miss in (0.1, 1.0):
+        observation, info = env.reset(options={"episode": 0})
+        search = Searcher(info, Coverage(str(info["target"]), CoverageWeights()), miss=miss)
+        for _ in range(4):
+            search.observe(observation, info)
+            observation, *_, info = env.step(Action.ROTATE_LEFT)
+        least[miss] = search.places.unseen[search.places.share > 0.0].min()
+    env.close()
+    assert least[1.0] == 1.0
+    assert least[0.1] < 0.9

@@ -28,7 +28,6 @@ from ucon.envs.painter import Moment, Painter
 from ucon.envs.spaces import observation_space, padded
 from ucon.envs.tour import Tour
 from ucon.perception.detectors import Detector, Frame
-from ucon.perception.detectors.box_detector import BoxDetector
 from ucon.perception.mapping.nav import Nav
 from ucon.sim.cache import load_house
 from ucon.sim.state import SceneState
@@ -229,10 +228,10 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         }
         if self._knowledge.reranking is not None:
             info["reranking"] = self._knowledge.reranking
-        if isinstance(self._detector, BoxDetector):  # others never err
+        if self._detector is not None and hasattr(self._detector, "errors"):  # others never err
             info["detector"] = self._detector.name
-            if self._detector.errors is not None:
-                info["detector_errors"] = self._detector.errors
+            if (errors := self._detector.errors) is not None:
+                info["detector_errors"] = errors
         if self._planner == "true":
             info["nav"] = Nav(*self._frame.grid(self._world.free))
         return obs, returned_info(info, texts=self._texts)

@@ -73,12 +73,12 @@ class Doubt(PartlyShared):
 
     @property
     def p(self) -> dict[int, float]:
-        """By track, the probability of each suspect."""
+        """Probability of each suspect, by track."""
         return self.suspects.p
 
     @staticmethod
     def looks(search: Seeking) -> dict[int, list[tuple[int, float, float]]]:
-        """By track, its looks; see :class:`ucon.perception.hypotheses.hypotheses.Hypotheses`."""
+        """Looks at each thing found, by track; see :class:`ucon.perception.hypotheses.hypotheses.Hypotheses`."""
         assert search.map.hypotheses is not None
         return search.map.hypotheses.looks
 

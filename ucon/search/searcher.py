@@ -28,10 +28,9 @@ from ucon.search.doubt import Doubt, Doubts
 from ucon.search.search_decision import SearchDecision
 from ucon.search.suspects import Judge
 from ucon.task.actions import Action
+from ucon.task.rules import PAPER, task_rules
 
 Info = Mapping[str, Any]
-#: Steps of an episode.
-MAX_STEPS = 300
 #: A container that Open failed on so often is not tried again.
 MOST_REFUSALS = 3
 #: The view that the agent is on its way to stays chosen unless another one is better by this factor.
@@ -101,7 +100,11 @@ class Searcher(PartlyShared):
         self.taking = False
         self.decisions = 0
         self.expected: Expectation | None = None
-        self.doubt = None if self.map.hypotheses is None else Doubt(MAX_STEPS, judge, doubts)
+        self.doubt = (
+            None
+            if self.map.hypotheses is None
+            else Doubt(task_rules(str(info.get("task", PAPER.name))).max_steps, judge, doubts)
+        )
         self._decision: SearchDecision | None = None
         self._plan: deque[Action] = deque()
         self._opened_at: set[View] = set()

@@ -1,4 +1,4 @@
-"""What things may be, by looks of a detector that errs."""
+"""Tests of the posterior over names and existence, from looks of a detector that errs."""
 
 from __future__ import annotations
 

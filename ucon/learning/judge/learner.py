@@ -85,6 +85,8 @@ class JudgeLearner:
     def cases(self) -> SuspectCases:
         """Training cases; collected at first use, which takes most of the time."""
         found = self._cases(self.options.episodes, self.options.searches)
+        if self._initial:  # its weights belong to its own scale
+            return found
         mean, scale = found.evidence.mean(0), found.evidence.std(0)
         self.net.mean.copy_(torch.from_numpy(mean))  # type: ignore[operator, union-attr]
         self.net.scale.copy_(torch.from_numpy(np.maximum(scale, 1e-3)))  # type: ignore[operator, union-attr]

@@ -58,7 +58,8 @@ class Detector(Protocol):
     """Finds things in frames and follows them through one episode.
 
     A detector with weights also has ``check()`` and ``fingerprint()``, see
-    :mod:`ucon.evaluation.playing.needed_weights`.
+    :mod:`ucon.evaluation.playing.needed_weights`. One that errs gives scores, and has ``errors``: a
+    :class:`ucon.perception.errors.model.DetectorErrors`, or None where they are not known.
     """
 
     name: str

@@ -21,8 +21,6 @@ class BoxDetector(PartlyShared, ABC):
     Implements :class:`ucon.perception.detectors.base.Detector`.
     """
 
-    _shared = frozenset({"errors"})
-
     name = ""
     needs_rgb = True
 
@@ -39,7 +37,7 @@ class BoxDetector(PartlyShared, ABC):
 
     @cached_property
     def errors(self) -> DetectorErrors | None:
-        """What is known of this detector's errors; None where nothing is.
+        """The fitted errors of this detector; None where they are not known.
 
         Raises:
             ConfigError: a file was named that is not there, or is of another detector.

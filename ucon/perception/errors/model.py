@@ -103,6 +103,10 @@ class DetectorErrors(Shared):
                 f"errors of detector {brief(self.detector)} were fitted with other names than ours; {_REMEDY}"
             )
 
+    def __hash__(self) -> int:
+        """Cheap, since caches are asked on every step; equality compares everything."""
+        return hash((self.detector, self.vocabulary, self.looks, self.right))
+
     def fingerprint(self) -> str:
         """SHA-256 of the content."""
         return hashlib.sha256(self.to_json().encode()).hexdigest()

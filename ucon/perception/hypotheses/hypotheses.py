@@ -26,7 +26,7 @@ _LEAST = 0.5
 
 
 class Hypotheses(PartlyShared):
-    """What the tracks of one episode may be.
+    """The hypotheses of one episode: what its tracks may be.
 
     Attributes:
         errors: of the detector.

@@ -13,12 +13,10 @@ import numpy as np
 from ucon.core.jit import F32, F64, I32, U8, Flags, jit, merged
 from ucon.perception.hypotheses.look_kernels import look_key
 from ucon.perception.mapping.map_kernels import CELL_M, shows
-from ucon.perception.views.view_kernels import sight
+from ucon.perception.views.view_kernels import add_to_views, sight
 
 #: Chances are given at every so many metres of distance, from 0 on.
 STEP_M = 0.25
-_COS = np.cos(np.deg2rad((-60, -30, 0, 30)))
-_SIN = np.sin(np.deg2rad((-60, -30, 0, 30)))
 
 
 @merged
@@ -119,26 +117,7 @@ def gain_by_chance(
                     continue
                 if not sight(x, y, cam_z, px, py, pz, height, walls, half):
                     continue
-                _share(dx, dy, dz, w * _chance(np.sqrt(away_m2), chance), out[n])
-
-
-@merged
-def _share(dx: float, dy: float, dz: float, w: float, out: F64) -> None:
-    """Add ``w`` to every view (heading, pitch) of ``out`` (4, 4) in which a point (dx, dy, dz) from the camera lies."""
-    for heading in range(4):
-        if heading == 0:
-            flat, side = dx, abs(dy)
-        elif heading == 1:
-            flat, side = dy, abs(dx)
-        elif heading == 2:
-            flat, side = -dx, abs(dy)
-        else:
-            flat, side = -dy, abs(dx)
-        for p in range(4):
-            cp, sp = _COS[p], _SIN[p]
-            optical, up = cp * flat + sp * dz, cp * dz - sp * flat
-            if optical > 0.15 and side <= 0.95 * optical and abs(up) <= 0.95 * optical:
-                out[heading, p] += w
+                add_to_views(dx, dy, dz, w * _chance(np.sqrt(away_m2), chance), reach_m, out[n])
 
 
 @jit
@@ -183,7 +162,7 @@ def fade_by_chance(
         if not sight(x, y, cam_z, px, py, pz, height, walls, half):
             continue
         view[:] = 0.0
-        _share(dx, dy, dz, 1.0, view)
+        add_to_views(dx, dy, dz, 1.0, reach_m, view)
         bit = np.uint64(1) << np.uint64(look_key(dx, dy, dz, sides, limits_m2))
         if view[heading, pitch] > 0.0 and looked[m] & bit == 0:
             looked[m] |= bit

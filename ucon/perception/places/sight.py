@@ -23,7 +23,11 @@ PASSES: Final = 3.0
 
 @dataclass(frozen=True, eq=False)
 class Sight(Shared):
-    """What a look is worth: (chances (k,) at every ``STEP_M``, sides, limits), as the kernels take it."""
+    """Chances that a look shows the target, and which looks err together.
+
+    Attributes:
+        model: chances (k,) at every ``STEP_M``, sides and limits, as the kernels take them.
+    """
 
     model: tuple[NDArray[np.float64], int, NDArray[np.float64]]
 

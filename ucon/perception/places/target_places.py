@@ -318,14 +318,15 @@ class Places(PartlyShared):
             depth: (H, W) or (H, W, 1) float32, metres along the optical axis.
             active: (n,) bool, points to look at; see :meth:`searched`.
             reach_m: greatest optical depth from which a target would be recognised, metres.
-            miss: probability that a frame that shows a point misses a target there; multiplies ``unseen``.
+            miss: probability that a frame that shows a point misses a target there; multiplies ``unseen``. Where the
+                detector errs its ``sight`` says it; at 1 nothing is learned there either.
 
         Returns:
             How many points the frame shows.
         """
         flat = depth.reshape(depth.shape[:2])
         camera = camera_of(known.view, flat, known.body)
-        if self.sight is not None:
+        if self.sight is not None and miss < 1.0:
             return int(
                 look_by_chance(
                     flat, camera, self.sight.model, self.xyz, self.hollow, self.faces, active, self.unseen, self.looked

@@ -195,11 +195,11 @@ def place_gain(
                     continue
                 if not sight(x, y, cam_z, px, py, pz, height, walls, half):
                     continue
-                _share(dx, dy, dz, w, reach_m, out[n])
+                add_to_views(dx, dy, dz, w, reach_m, out[n])
 
 
 @merged
-def _share(dx: float, dy: float, dz: float, w: float, reach_m: float, out: F64) -> None:
+def add_to_views(dx: float, dy: float, dz: float, w: float, reach_m: float, out: F64) -> None:
     """Add ``w`` to every view (heading, pitch) of ``out`` (4, 4) in which a point (dx, dy, dz) from the camera lies."""
     for heading in range(4):
         if heading == 0:
@@ -251,7 +251,7 @@ def fade_places(
         if not sight(x, y, cam_z, px, py, pz, height, walls, half):
             continue
         view[:] = 0.0
-        _share(px - x, py - y, pz - cam_z, 1.0, reach_m, view)
+        add_to_views(px - x, py - y, pz - cam_z, 1.0, reach_m, view)
         if view[heading, pitch] > 0.0:
             unseen[m] *= factor
 
@@ -293,4 +293,4 @@ def open_gain(
                 px, py = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
                 pz = min(max(cam_z - 0.2, z0), z1)
                 if sight(x, y, cam_z, px, py, pz, height, walls, half):
-                    _share(px - x, py - y, pz - cam_z, w, 4.0, out[n])
+                    add_to_views(px - x, py - y, pz - cam_z, w, 4.0, out[n])
