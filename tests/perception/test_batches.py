@@ -13,7 +13,8 @@ from ucon.envs.ucon_env import UcONEnv
 from ucon.perception.mapping.map_kernels import carve
 from ucon.perception.mapping.planner import UNREACHED, Planner
 from ucon.perception.mapping.semantic_map import CARVE_M, CELL_M, HALF, SIZE, SemanticMap, View, camera_of
-from ucon.perception.places.target_places import Places, affordance
+from ucon.perception.places.affordances import affordance
+from ucon.perception.places.target_places import Places
 from ucon.perception.views.approach import DRAWER_NEAR_M, Approach
 from ucon.perception.views.approach_kernels import FAILED_COST, SMALL_COST, UNSEEN_COST
 from ucon.perception.views.candidates import candidates, frontiers

@@ -9,16 +9,10 @@ from ucon.perception.mapping.body import PAPER_BODY
 from ucon.perception.mapping.map_kernels import shows
 from ucon.perception.mapping.planner import Planner
 from ucon.perception.mapping.semantic_map import HALF, SemanticMap, View, frame_depth
+from ucon.perception.places.affordances import affordance, has_room, sight_range_m, with_fallback
 from ucon.perception.places.containers import Containers, open_reach_m
-from ucon.perception.places.target_places import (
-    INSIDE,
-    NEXTTO,
-    Places,
-    affordance,
-    has_room,
-    sight_range_m,
-    with_fallback,
-)
+from ucon.perception.places.place_kernels import INSIDE, NEXTTO
+from ucon.perception.places.target_places import Places
 from ucon.perception.views.approach import Approach
 from ucon.perception.views.view_kernels import sight
 from ucon.perception.views.viewpoints import Expectation, Viewpoints

@@ -13,8 +13,9 @@ from ucon.perception.mapping.fine_map import FineMap
 from ucon.perception.mapping.planner import Planner
 from ucon.perception.mapping.semantic_map import SemanticMap, frame_depth
 from ucon.perception.places.neighbourhood import interest
+from ucon.perception.places.place_kernels import INSIDE
 from ucon.perception.places.sight import Sight
-from ucon.perception.places.target_places import INSIDE, Places
+from ucon.perception.places.target_places import Places
 from ucon.perception.views.candidates import candidates
 from ucon.perception.views.heading_candidates import in_view
 from ucon.perception.views.viewpoints import Expectation, Viewpoints

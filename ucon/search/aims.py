@@ -15,7 +15,7 @@ from ucon.perception.detectors.base import vocabulary
 from ucon.perception.drawing.overlay import words
 from ucon.perception.mapping.semantic_map import HALF, SemanticMap, View
 from ucon.perception.places.containers import open_reach_m
-from ucon.perception.places.target_places import INSIDE
+from ucon.perception.places.place_kernels import INSIDE
 from ucon.perception.views import view_kernels as kernels
 from ucon.perception.views.candidates import Candidate
 from ucon.perception.views.viewpoints import Choice, ViewValues

@@ -23,7 +23,7 @@ from ucon.perception.drawing.overlay import (
     words,
 )
 from ucon.perception.mapping.semantic_map import SemanticMap
-from ucon.perception.places.target_places import INSIDE
+from ucon.perception.places.place_kernels import INSIDE
 from ucon.search.aims import how_sure, suspect_words
 
 if TYPE_CHECKING:

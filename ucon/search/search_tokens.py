@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from ucon.core.sharing import PartlyShared, Shared
 from ucon.objects.catalogue import catalogue
 from ucon.perception.mapping.semantic_map import CELL_M
-from ucon.perception.places.target_places import INSIDE, affordance, sight_range_m
+from ucon.perception.places.affordances import affordance, sight_range_m
+from ucon.perception.places.place_kernels import INSIDE
 from ucon.perception.views.candidates import frontiers
 from ucon.perception.views.pick_kernels import picked_views
 from ucon.perception.views.view_kernels import PITCHES_DEG

@@ -19,9 +19,11 @@ from ucon.objects.catalogue import catalogue
 from ucon.perception.belief.protocol import Expecting
 from ucon.perception.mapping.planner import Planner
 from ucon.perception.mapping.semantic_map import SemanticMap, View, frame_depth
+from ucon.perception.places.affordances import sight_range_m
 from ucon.perception.places.containers import Containers, open_reach_m
+from ucon.perception.places.place_kernels import INSIDE
 from ucon.perception.places.sight import Sight
-from ucon.perception.places.target_places import INSIDE, Places, sight_range_m
+from ucon.perception.places.target_places import Places
 from ucon.perception.views.homing import Homing
 from ucon.perception.views.viewpoints import Choice, Costs, Expectation, Viewpoints, ViewValues
 from ucon.search.doubt import Doubt, Doubts

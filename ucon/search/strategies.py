@@ -18,7 +18,8 @@ from ucon.perception.mapping.fine_map import FineMap
 from ucon.perception.mapping.planner import Planner
 from ucon.perception.mapping.semantic_map import SemanticMap, frame_depth
 from ucon.perception.mapping.sightings import Sighting, Sightings
-from ucon.perception.places.target_places import Places, sight_range_m
+from ucon.perception.places.affordances import sight_range_m
+from ucon.perception.places.target_places import Places
 from ucon.perception.views.candidates import Candidate, candidates, frontiers
 from ucon.perception.views.heading_candidates import Goal, directions
 

@@ -18,7 +18,7 @@ from ucon.language.phrases import phrase, query_text
 from ucon.language.store import StoredEncoder, default_encoder
 from ucon.objects.catalogue import catalogue
 from ucon.objects.model import RELATIONS
-from ucon.perception.places.target_places import affordance
+from ucon.perception.places.affordances import affordance
 from ucon.readers.protocol import Read, Reader
 
 N_HABITS = 24

@@ -13,7 +13,8 @@ import numpy as np
 
 from ucon.core.sharing import PartlyShared, Shared
 from ucon.perception.mapping.semantic_map import SemanticMap
-from ucon.perception.places.target_places import Kind, Places, affordance, has_room
+from ucon.perception.places.affordances import Kind, affordance, has_room
+from ucon.perception.places.target_places import Places
 from ucon.perception.views.viewpoints import Expectation
 
 #: Sum of the coverage weights over a home of common size.

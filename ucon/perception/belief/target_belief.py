@@ -19,8 +19,9 @@ from ucon.core.sharing import PartlyShared, Shared
 from ucon.perception.belief.coverage import COVERAGE_UNITS, Coverage
 from ucon.perception.hypotheses.hypotheses import Hypotheses
 from ucon.perception.mapping.semantic_map import CELL_M, SemanticMap
+from ucon.perception.places.affordances import with_fallback
 from ucon.perception.places.neighbourhood import interest
-from ucon.perception.places.target_places import Places, with_fallback
+from ucon.perception.places.target_places import Places
 from ucon.perception.views.viewpoints import Expectation
 
 #: Names that a thing has with less than this probability are left out.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ucon.core.sharing import PartlyShared
 from ucon.perception.mapping.detections import MIN_PIXELS
 from ucon.perception.mapping.semantic_map import SemanticMap
-from ucon.perception.places.target_places import affordance
+from ucon.perception.places.affordances import affordance
 
 #: Taken off the reach of Open, metres: the box of what was seen may be smaller than the container.
 _MARGIN_M = 0.02

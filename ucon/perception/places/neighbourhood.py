@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ucon.objects.catalogue import catalogue
 from ucon.perception.mapping.semantic_map import SIZE, SemanticMap
-from ucon.perception.places.target_places import affordance
+from ucon.perception.places.affordances import affordance
 from ucon.perception.views.view_kernels import CELL_M
 
 #: A thing's evidence spreads as a Gaussian of this standard deviation.

@@ -14,7 +14,7 @@ from ucon.perception.mapping.body import Body
 from ucon.perception.mapping.detections import MIN_PIXELS
 from ucon.perception.mapping.planner import UNREACHED, Planner
 from ucon.perception.mapping.semantic_map import CELL_M, HALF, SemanticMap, View
-from ucon.perception.places.target_places import affordance
+from ucon.perception.places.affordances import affordance
 from ucon.perception.views.approach_kernels import best_views
 
 #: Reach in metres for things near an opened drawer: they are seen where the drawer took them, but count where they were

@@ -16,7 +16,8 @@ from ucon.core.sharing import Shared
 from ucon.perception.mapping.frontier_kernels import edges, groups
 from ucon.perception.mapping.planner import UNREACHED, Planner
 from ucon.perception.mapping.semantic_map import SemanticMap, View
-from ucon.perception.places.target_places import Places, affordance
+from ucon.perception.places.affordances import affordance
+from ucon.perception.places.target_places import Places
 from ucon.perception.views.approach import Approach
 
 Kind = Literal["frontier", "landmark", "container", "view", "wander"]

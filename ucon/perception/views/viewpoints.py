@@ -14,15 +14,16 @@ from ucon.perception.mapping.planner import UNREACHED, Planner
 from ucon.perception.mapping.semantic_map import HALF, SIZE, SemanticMap, View
 from ucon.perception.places.chance_kernels import fade_by_chance, gain_by_chance
 from ucon.perception.places.containers import open_reach_m
-from ucon.perception.places.target_places import INSIDE, Places
+from ucon.perception.places.place_kernels import INSIDE
+from ucon.perception.places.target_places import Places
 from ucon.perception.views import view_kernels as kernels
 
 #: Every node within so many cells is considered, and one in four beyond.
 FINE_CELLS = 4
 #: Places with ``unseen`` up to this are not looked at again until everything else was.
 SEEN = 0.15
-#: The same where the detector errs.
-DOUBTED = 0.02
+#: Where the detector errs, the places that hold this share of the mass are looked at.
+MOST = 0.97
 
 
 @dataclass(frozen=True, slots=True)
@@ -272,7 +273,7 @@ class Viewpoints(PartlyShared):
         looks = space.copy()
         opens = np.zeros_like(looks)
         weight = self.weights(places, expected, closed)
-        worth = (weight > 1e-9) & (places.unseen > (SEEN if places.sight is None else DOUBTED))
+        worth = (weight > 1e-9) & (places.unseen > SEEN) if places.sight is None else _most_of(weight)
         xyz = np.ascontiguousarray(places.xyz[worth])
         if places.sight is None:
             kernels.place_gain(
@@ -342,3 +343,12 @@ class Viewpoints(PartlyShared):
             x, y, known.body.camera_m, view.heading, pitch, places.xyz, places.hollow, places.faces, weight,
             self.reach_m, known.height, known.walls, HALF, places.unseen, factor,
         )  # fmt: skip
+
+
+def _most_of(weight: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """The fewest sample points (n,) bool that hold ``MOST`` of the mass."""
+    order = np.argsort(-weight, kind="stable")
+    held = np.cumsum(weight[order])
+    out = np.zeros(len(weight), bool)
+    out[order[: int(np.searchsorted(held, MOST * held[-1])) + 1] if len(held) else order] = True
+    return out & (weight > 0.0)
