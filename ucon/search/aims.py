@@ -101,7 +101,7 @@ def how_sure(searcher: Searcher) -> str:
     named = searcher.doubt.p.get(searcher.doubt.suspect, 0.0)
     found = [name for name, _, _ in looks if name >= 0]
     called = sum(vocabulary()[name] == searcher.target for name in found)
-    return f"{named:.0%} sure, called so in {called} of {len(looks)} looks from new sides"
+    return f"{named:.0%} sure, called so in {called} of {len(looks)} looks"
 
 
 def candidate_words(known: SemanticMap, candidate: Candidate) -> str:

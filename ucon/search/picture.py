@@ -18,9 +18,11 @@ from ucon.perception.drawing.overlay import (
     Line,
     belief_lines,
     habit_lines,
+    letters,
     map_room,
     page,
     words,
+    wrapped,
 )
 from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.perception.places.place_kernels import INSIDE
@@ -99,12 +101,12 @@ def _tint(image: Image, px: Pixels, box: NDArray[np.float64], share: float) -> N
 
 def _lines(searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64], width: int) -> list[Line]:
     """The text below the map."""
-    found, going = searcher.expecting.locations, Line(_going(searcher, known, mass), GOAL)
+    found, going = searcher.expecting.locations, wrapped(_going(searcher, known, mass), letters(width))[:2]
     if found is None:
-        return [going._replace(color=INK)]
+        return [Line(line, INK) for line in going]
     best = np.argsort(-found.p, axis=None, kind="stable")[:3]
     places = [(found.names[k // len(RELATIONS)], RELATIONS[k % len(RELATIONS)], float(found.p.flat[k])) for k in best]
-    lines = [*belief_lines(places, width), going]
+    lines = [*belief_lines(places, width), *(Line(line, GOAL) for line in going)]
     for thing in (_near_goal(searcher, known, mass), places[0][0]):
         support = found.support(thing) if thing and found.support is not None else ()
         if speaks := habit_lines(zip(found.habits, map(float, support), strict=False), width):
