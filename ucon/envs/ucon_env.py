@@ -171,6 +171,11 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         self._instance, self._habit_rows = np.empty((height_px, width_px), np.int16), np.empty(0, np.int32)
 
     @property
+    def detector(self) -> Detector | None:
+        """What finds things in the frames; None where nothing does."""
+        return self._detector
+
+    @property
     def max_habits(self) -> int:
         """Rows of habits in observations: the longest list of habits that can be given."""
         return self._max_habits

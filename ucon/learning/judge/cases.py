@@ -10,16 +10,12 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from safetensors import SafetensorError
-from safetensors.numpy import load, save
+from safetensors.numpy import save
 
-import ucon
-from ucon.core.errors import DataError, brief
-from ucon.core.files import sha256_bytes, user_cache, write_atomic
-from ucon.core.pool import Pool
-from ucon.core.progress import Progress
+from ucon.core.files import sha256_bytes, user_cache
 from ucon.core.rng import stream
 from ucon.fitting.suspect_cases import SuspectCases, cases_of
+from ucon.learning.run.kept_batches import code_hash, kept_batches, read_batch
 from ucon.perception.detectors.box_detector import BoxDetector
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
@@ -44,16 +40,8 @@ def collected(episodes: str, searches: int, detectors: Sequence[BoxDetector], se
         Rows in the order of the searches. They are kept in the user's cache, by :func:`case_hash`.
     """
     folder = user_cache() / "judge" / case_hash(episodes, detectors, seed)
-    batches = [range(first, min(first + BATCH, searches)) for first in range(0, searches, BATCH)]
-    files = [folder / f"{batch[0]:06d}-{len(batch)}.safetensors" for batch in batches]
-    missing = [k for k, file in enumerate(files) if not file.is_file()]
-    if missing:
-        given = (episodes, tuple(detectors), seed)
-        with Progress(f"searches in {episodes} homes", len(missing) * BATCH) as progress, Pool(workers) as pool:
-            asked = [(k, pool.submit(_batch, *given, batches[k])) for k in missing]
-            for done, (k, answer) in enumerate(asked, 1):
-                write_atomic(files[k], pool.result(answer))
-                progress.update(done * BATCH)
+    what, given = f"searches in {episodes} homes", (episodes, tuple(detectors), seed)
+    files = kept_batches(folder, searches, BATCH, what, workers, _batch, given)
     return SuspectCases.join([_read(file) for file in files])
 
 
@@ -61,7 +49,7 @@ def case_hash(episodes: str, detectors: Sequence[BoxDetector], seed: int) -> str
     """Hash of what the cases mean: code of the evidence, episodes, errors of the detectors, seed."""
     errors = [d.errors.fingerprint() if d.errors is not None else d.name for d in detectors]
     of_episodes = sha256_bytes("".join(e.id for e in _episodes(episodes)).encode())
-    return hashlib.sha256(" ".join([_code(), of_episodes, *errors, str(seed)]).encode()).hexdigest()[:16]
+    return hashlib.sha256(" ".join([code_hash(*_CODE), of_episodes, *errors, str(seed)]).encode()).hexdigest()[:16]
 
 
 def _batch(episodes: str, detectors: tuple[BoxDetector, ...], seed: int, numbers: range) -> bytes:
@@ -77,17 +65,6 @@ def _episodes(name: str) -> tuple[Episode, ...]:
     return load_episodes(name)
 
 
-@lru_cache(maxsize=1)
-def _code() -> str:
-    """Hash of the code that defines what is collected."""
-    root, found = Path(ucon.__file__).parent, hashlib.sha256()
-    for part in _CODE:
-        paths = sorted((root / part).rglob("*.py")) if (root / part).is_dir() else [root / part]
-        for path in paths:
-            found.update(path.read_bytes())
-    return found.hexdigest()
-
-
 def _bytes(cases: SuspectCases) -> bytes:
     """Cases as a file; equal cases give equal bytes."""
     return save({f.name: np.ascontiguousarray(getattr(cases, f.name)) for f in fields(cases)})
@@ -99,8 +76,4 @@ def _read(path: Path) -> SuspectCases:
     Raises:
         DataError: the file is damaged.
     """
-    try:
-        found = load(path.read_bytes())
-        return SuspectCases(*(found[f.name] for f in fields(SuspectCases)))
-    except (SafetensorError, KeyError) as error:
-        raise DataError(f"{path}: no cases ({brief(str(error))}); remove it, and they are collected again") from None
+    return SuspectCases(**read_batch(path, [f.name for f in fields(SuspectCases)], "cases"))

@@ -1,0 +1,105 @@
+"""The store of labelled decisions: made by worker processes, kept in the cache, found again."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import Any, Final
+
+import numpy as np
+from safetensors import safe_open
+from safetensors.numpy import save
+
+from ucon.core.errors import DataError
+from ucon.core.files import sha256_bytes, user_cache
+from ucon.core.fingerprint import fingerprint_of
+from ucon.core.rng import stream
+from ucon.learning.foresight.decisions import TEXT, Decisions, decisions_of
+from ucon.learning.run.kept_batches import code_hash, kept_batches, read_batch
+from ucon.task.episode import Episode
+from ucon.task.sets import load_episodes
+
+#: Searches of one file.
+BATCH: Final = 20
+#: Code that decides what a decision is and how the search goes on.
+_CODE: Final = ("search", "perception", "envs/search", "learning/foresight/decisions.py")
+MakeEnv = Callable[[], Any]
+
+
+def kept_decisions(
+    episodes: str, searches: int, makers: Sequence[MakeEnv], levels: Sequence[str], seed: int, workers: int
+) -> Decisions:
+    """Decisions of some searches, in the order of the searches.
+
+    Args:
+        episodes: a set by name; drawn from it, and drawn anew when all came up.
+        searches: how many.
+        makers: each makes an environment of ``UcONSearch-v0`` with ``distance_to_goal=True``; taken in turn.
+        levels: habit levels, taken in turn after every round of ``makers``.
+        seed: of the draw.
+        workers: processes; the result does not depend on it.
+    """
+    folder = user_cache() / "foresight" / store_hash(episodes, makers, levels, seed)
+    given = (episodes, tuple(makers), tuple(levels), seed)
+    files = kept_batches(folder, searches, BATCH, f"searches in {episodes} homes", workers, _batch, given)
+    return Decisions.join([_read(path) for path in files])
+
+
+def store_hash(episodes: str, makers: Sequence[MakeEnv], levels: Sequence[str], seed: int) -> str:
+    """Hash of what decides the decisions: code, episodes, habits, reader, detectors, levels and seed."""
+    of_episodes = sha256_bytes("".join(f"{e.id} {e.home_hash}" for e in _episodes(episodes)).encode())
+    parts = [code_hash(*_CODE), of_episodes, *levels, str(seed)]
+    for make in makers:
+        env = make()
+        detector = env.env.detector
+        errors = getattr(detector, "errors", None)
+        parts += [env.source.dataset.sha256, str(fingerprint_of(env)), str(getattr(detector, "name", ""))]
+        parts += [] if errors is None else [errors.fingerprint()]
+        env.close()
+    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()[:16]
+
+
+def _batch(episodes: str, makers: tuple[MakeEnv, ...], levels: tuple[str, ...], seed: int, numbers: range) -> bytes:
+    """Decisions of some searches, as the bytes of a file."""
+    every, found = _episodes(episodes), []
+    envs = [make() for make in makers]
+    try:
+        for k in numbers:
+            turn, at = divmod(k, len(every))
+            order = stream(seed, "foresight", episodes, turn).permutation(len(every))
+            level = levels[k // len(makers) % len(levels)]
+            one = decisions_of(envs[k % len(makers)], every[int(order[at])], level)
+            found += [] if one is None else [one]
+    finally:
+        for env in envs:
+            env.close()
+    return _bytes(Decisions.join(found))
+
+
+@lru_cache(maxsize=4)
+def _episodes(name: str) -> tuple[Episode, ...]:
+    return load_episodes(name)
+
+
+def _bytes(decisions: Decisions) -> bytes:
+    """Decisions as a file; equal ones give equal bytes."""
+    text = {f"text/{name}": value for name, value in decisions.text.items()}
+    return save({**{f"frames/{name}": v for name, v in decisions.frames.items()}, **text, "episode": decisions.episode})
+
+
+def _read(path: Any) -> Decisions:
+    """The decisions of a file of :func:`_bytes`.
+
+    Raises:
+        DataError: the file is damaged.
+    """
+    try:
+        with safe_open(path, "numpy") as file:  # type: ignore[no-untyped-call]
+            names = list(file.keys())
+    except Exception as error:
+        raise DataError(f"{path}: no decisions ({error}); remove it, and they are made again") from None
+    found = read_batch(path, [*names, "episode"], "decisions")
+    frames = {name[7:]: value for name, value in found.items() if name.startswith("frames/")}
+    return Decisions(frames, {name: found[f"text/{name}"] for name in TEXT}, found["episode"].astype(np.int32))
