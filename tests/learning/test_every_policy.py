@@ -12,7 +12,7 @@ from ucon.core.errors import ConfigError
 CONFIGS = Path(__file__).parents[2] / "configs"
 OPTIONS = sorted((p.parent.name, p.stem) for p in CONFIGS.glob("*/*.yaml"))
 #: Learners of an agent's policy.
-OF_POLICIES = [n for g, n in OPTIONS if g == "learner" and n not in ("belief", "judge", "retriever")]
+OF_POLICIES = [n for g, n in OPTIONS if g == "learner" and n not in ("belief", "foresight", "judge", "retriever")]
 
 
 def composed(*overrides: str, root: str = "eval") -> dict:

@@ -1,96 +1,148 @@
-"""What is foretold of the way: its labels, its loss, and that a policy learns it from what it plays."""
+"""Foresight from labelled decisions: the store, mirror images, and the learner."""
 
 from __future__ import annotations
 
-import functools
 from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
+from hydra import compose, initialize_config_dir
+from omegaconf import OmegaConf
 
-from tests.learning.tiny_ppo import narrow_habit_policy, tiny_ppo
-from ucon.core.errors import ConfigError
-from ucon.envs.search.env import UcONSearchEnv
-from ucon.learning.ppo.foresight import ForesightLoss, progress
-from ucon.search.view_tokens import N_VIEW, moves_to
+from models.habit_policy import HabitPolicy
+from ucon.configuration.wiring import Factory
+from ucon.core.errors import ConfigError, DataError
+from ucon.learning.foresight import store
+from ucon.learning.foresight.batches import batch_of, mirrored
+from ucon.learning.foresight.decisions import TEXT
+from ucon.learning.foresight.learner import ForesightLearner
+from ucon.learning.ppo.foresight import progress
+from ucon.learning.run import kept_batches
 
-
-def decision(moves: list[float], distance_to_goal: list[float], here: float) -> dict[str, torch.Tensor]:
-    """One decision among some views, and a row where there is none."""
-    views = torch.zeros(1, len(moves) + 1, N_VIEW)
-    views[0, :-1, 6] = (torch.tensor(moves) / 40).sqrt()
-    mask = torch.tensor([[1] * len(moves) + [0]], dtype=torch.int8)
-    return {"views": views, "action_mask": mask, "distance_to_goal": torch.tensor([[*distance_to_goal, -1.0, here]])}
-
-
-def test_labels_are_the_part_of_each_move_that_counts() -> None:
-    frames = decision([10, 10, 10, 20, 0, 5], [10, 30, 20, 10, 20, -1], 20.0)
-    assert torch.allclose(moves_to(frames["views"])[0, :4], torch.tensor([10.0, 10.0, 10.0, 20.0]))
-    shortened, told = progress(frames)
-    assert told[0].tolist() == [True, True, True, True, False, False, False]
-    assert torch.allclose(shortened[0, :4], torch.tensor([1.0, -1.0, 0.0, 0.5]))
-    assert not shortened[0, 4:].any()
+CONFIGS = Path(__file__).parents[2] / "configs"
+LEVELS = ("none", "retrieval")
 
 
-def test_a_move_counts_for_no_more_than_it_is_long() -> None:
-    """Ways that are known only roughly may differ by more than the move between them: a label stays within [-1, 1]."""
-    shortened, _ = progress(decision([10, 10, 10], [5, 35, 12], 20.0))
-    assert shortened[0, :3].tolist() == pytest.approx([1.0, -1.0, 0.8])
+@pytest.fixture(scope="module")
+def search() -> Factory:
+    """Makes the environment that ``learner=foresight`` searches in."""
+    with initialize_config_dir(str(CONFIGS), version_base="1.3"):
+        config = compose("train", overrides=["agent=habit_policy", "learner=foresight", "out=runs/test"])
+    return Factory(OmegaConf.to_container(config.search, resolve=True))
 
 
-def test_turning_on_the_spot_is_no_move() -> None:
-    """A view less than half a move away tells nothing; from there to one move it counts as one."""
-    frames = decision([0.0, 0.4, 0.6, 1.0], [19.5] * 4, 20.0)
-    shortened, told = progress(frames)
-    assert told[0, :4].tolist() == [False, False, True, True]
-    assert shortened[0, :4].tolist() == pytest.approx([0.0, 0.0, 0.5, 0.5])
+@pytest.fixture(scope="module")
+def cache(search: Factory, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A cache of its own, with the decisions of a few searches."""
+    folder = tmp_path_factory.mktemp("cache")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("UCON_CACHE", str(folder))
+        store.kept_decisions("mini", 24, [search], LEVELS, 0, 2)
+    return folder
 
 
-def test_the_way_may_be_none() -> None:
-    """0 is a way like others, where the agent is and where it goes; less than 0 says that it is not known."""
-    _, told = progress(decision([10], [0.0], 10.0))
-    assert bool(told[0, 0])
-    shortened, told = progress(decision([10], [10.0], 0.0))
-    assert bool(told[0, 0])
-    assert float(shortened[0, 0]) == -1.0
-    _, told = progress(decision([10], [10.0], -1.0))
-    assert not told.any()
+@pytest.fixture
+def kept(cache: Path, search: Factory, monkeypatch: pytest.MonkeyPatch) -> store.Decisions:
+    monkeypatch.setenv("UCON_CACHE", str(cache))
+    return store.kept_decisions("mini", 24, [search], LEVELS, 0, 1)
 
 
-def test_the_loss_counts_what_is_told_alone() -> None:
-    frames = decision([10, 10], [10, 30], 20.0)
-    foretold = torch.tensor([[0.5, -1.0, 9.0]], requires_grad=True)
-    loss, figures = ForesightLoss(2.0)(frames, foretold)
-    assert float(loss.detach()) == pytest.approx(2 * 0.5**2 / 2)
-    assert figures["foresight_loss"] == pytest.approx(0.5**2 / 2)
-    assert figures["foreseen"] == pytest.approx(1 - 0.125 / 2)
-    loss.backward()
-    assert foretold.grad is not None
-    assert foretold.grad[0].tolist() == pytest.approx([-1.0, 0.0, 0.0])
-    nothing = decision([0], [-1], -1.0)
-    loss, _ = ForesightLoss()(nothing, torch.ones(1, 2, requires_grad=True))
-    loss.backward()
-    assert float(loss.detach()) == 0.0
-    with pytest.raises(ConfigError, match=r"learner\.foresight\.weight"):
-        ForesightLoss(-1.0)
+@pytest.fixture
+def learner(kept: store.Decisions, search: Factory, monkeypatch: pytest.MonkeyPatch) -> ForesightLearner:
+    monkeypatch.setattr("ucon.learning.foresight.learner.check_parts", lambda *given: None)  # mini is no training set
+    return made(search)
 
 
-def search(distance_to_goal: bool) -> UcONSearchEnv:
-    return UcONSearchEnv("mini", distance_to_goal=distance_to_goal)
+def made(search: Factory, **options) -> ForesightLearner:
+    given = {
+        "steps": 60, "episodes": "mini", "n_searches": 24, "validation": "mini", "validation_searches": 24,
+        "levels": LEVELS, "batch": 64, "lr": 3e-3, "warm_up": 5, "decay": 0.0, "average": 0.5, "device": "cpu",
+    }  # fmt: skip
+    return ForesightLearner(HabitPolicy(16, 1, 2), {"gt": search}, **{**given, **options})
 
 
-@pytest.mark.slow
-def test_it_is_learned_while_playing(tmp_path: Path) -> None:
-    """On what it plays again and again; without the label, or without the loss, there is nothing to learn."""
-    options = {"search": functools.partial(search, True), "epochs": 30, "frames": 120, "kl_stop": 1e8, "lr": 3e-3}
-    learner = tiny_ppo(tmp_path, narrow_habit_policy(), foresight=ForesightLoss(), **options)
-    first, last = learner.step(), learner.step()
-    assert np.isfinite(last["foresight_loss"])
-    assert last["foreseen"] > 0.05
-    assert first["foresight_loss"] > 0
-    learner.rollouts.close()
-    for more in ({"search": functools.partial(search, False), "foresight": ForesightLoss()}, {"foresight": None}):
-        untold = tiny_ppo(tmp_path, narrow_habit_policy(), **{**options, "epochs": 1, **more})
-        assert "foresight_loss" not in untold.step()
-        untold.rollouts.close()
+def test_decisions_are_kept_and_the_number_of_workers_does_not_matter(
+    cache: Path, search: Factory, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    files = sorted((cache / "foresight").rglob("*.safetensors"))
+    assert [file.stem for file in files] == ["000000-20", "000020-4"]
+    monkeypatch.setenv("UCON_CACHE", str(tmp_path))
+    store.kept_decisions("mini", 20, [search], LEVELS, 0, 1)
+    (one,) = (tmp_path / "foresight").rglob("*.safetensors")
+    assert one.read_bytes() == files[0].read_bytes()
+    monkeypatch.setattr(kept_batches, "Pool", None)  # nothing is searched again
+    assert len(store.kept_decisions("mini", 20, [search], LEVELS, 0, 1))
+    one.write_bytes(one.read_bytes()[:1000])
+    with pytest.raises(DataError, match=r"no decisions .*remove it[^\n]*$"):
+        store.kept_decisions("mini", 20, [search], LEVELS, 0, 1)
+
+
+def test_other_episodes_levels_and_seeds_have_other_folders(search: Factory) -> None:
+    found = {
+        store.store_hash("mini", [search], LEVELS, 0), store.store_hash("val", [search], LEVELS, 0),
+        store.store_hash("mini", [search], ("none",), 0), store.store_hash("mini", [search], LEVELS, 1),
+    }  # fmt: skip
+    assert len(found) == 4
+
+
+def test_every_decision_has_its_episodes_text_and_a_way(kept: store.Decisions) -> None:
+    assert len(kept) == len(kept.frames["views"]) > 100
+    assert {*kept.text} == {*TEXT}
+    assert kept.episode.max() + 1 == len(kept.text["target"]) <= 24
+    assert (np.diff(kept.episode) >= 0).all()
+    frames = batch_of(kept, np.arange(len(kept)))
+    shortened, known = progress(frames)
+    assert known.any(1).float().mean() > 0.9
+    assert shortened[known].abs().max() <= 1.0
+    assert shortened[known].std() > 0.1
+
+
+def test_a_mirror_keeps_the_way_and_turned_twice_it_is_the_same(kept: store.Decisions) -> None:
+    frames = batch_of(kept, np.arange(50))
+    once = mirrored(frames)
+    twice = mirrored(once)
+    assert all(torch.equal(twice[name], frames[name]) for name in frames)
+    assert not torch.equal(once["views"], frames["views"])
+    for name in ("distance_to_goal", "prior", "thing_rows", "ego"):
+        assert torch.equal(once[name], frames[name])
+
+
+def test_training_foresees_more_and_resumes_to_the_same_weights(learner: ForesightLearner, search: Factory) -> None:
+    before = learner.validate()
+    for _ in range(30):
+        learner.step()
+    half = learner.state_dict()
+    kept = {name: value.clone() for name, value in half.tensors.items()}, dict(half.values)
+    for _ in range(30):
+        learner.step()
+    after = learner.validate()
+    assert after["foreseen_within"] > before["foreseen_within"] + 0.03  # these are the homes it learns in
+    again = made(search)
+    again.load_state_dict(type(half)(*kept))
+    for _ in range(30):
+        again.step()
+    assert again.product() == learner.product()
+
+
+def test_only_foresight_learns(learner: ForesightLearner) -> None:
+    before = {name: value.clone() for name, value in learner.network.state_dict().items()}
+    for _ in range(3):
+        learner.step()
+    moved = {name for name, value in learner.network.state_dict().items() if not torch.equal(value, before[name])}
+    assert any(name.startswith("body.") for name in moved)
+    assert any(name.startswith("foresee.") for name in moved)
+    assert not any(name.startswith(("score.", "worth.", "trust", "sharpness")) for name in moved)
+
+
+def test_wrong_options_are_refused(search: Factory, kept: store.Decisions) -> None:
+    acting = torch.nn.Linear(2, 2)
+    acting.chooses = "actions"
+    with pytest.raises(ConfigError, match="scores views"):
+        ForesightLearner(acting, {"gt": search}, steps=1, lr=1e-3, warm_up=0, decay=0.0, average=0.0)
+    with pytest.raises(ConfigError, match="learner.searches"):
+        ForesightLearner(HabitPolicy(16, 1, 2), {}, steps=1, lr=1e-3, warm_up=0, decay=0.0, average=0.0)
+    with pytest.raises(ConfigError, match="n_searches"):
+        made(search, n_searches=0)
+    with pytest.raises(ConfigError, match="train"):
+        made(search, episodes="test")

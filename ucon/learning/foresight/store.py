@@ -6,10 +6,10 @@ import hashlib
 import json
 from collections.abc import Callable, Sequence
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from safetensors import safe_open
 from safetensors.numpy import save
 
 from ucon.core.errors import DataError
@@ -89,17 +89,14 @@ def _bytes(decisions: Decisions) -> bytes:
     return save({**{f"frames/{name}": v for name, v in decisions.frames.items()}, **text, "episode": decisions.episode})
 
 
-def _read(path: Any) -> Decisions:
+def _read(path: Path) -> Decisions:
     """The decisions of a file of :func:`_bytes`.
 
     Raises:
         DataError: the file is damaged.
     """
-    try:
-        with safe_open(path, "numpy") as file:  # type: ignore[no-untyped-call]
-            names = list(file.keys())
-    except Exception as error:
-        raise DataError(f"{path}: no decisions ({error}); remove it, and they are made again") from None
-    found = read_batch(path, [*names, "episode"], "decisions")
+    found = read_batch(path, (), "decisions")
+    if missing := {"episode", "frames/views", "frames/distance_to_goal", *(f"text/{name}" for name in TEXT)} - {*found}:
+        raise DataError(f"{path}: no {min(missing)}; remove it, and it is made again")
     frames = {name[7:]: value for name, value in found.items() if name.startswith("frames/")}
     return Decisions(frames, {name: found[f"text/{name}"] for name in TEXT}, found["episode"].astype(np.int32))

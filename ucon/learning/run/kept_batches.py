@@ -58,7 +58,7 @@ def read_batch(path: Path, names: Sequence[str], what: str) -> dict[str, NDArray
 
     Args:
         path: the file.
-        names: that it must have.
+        names: of the arrays; none: all that it has.
         what: what it holds, for the error.
 
     Raises:
@@ -66,7 +66,7 @@ def read_batch(path: Path, names: Sequence[str], what: str) -> dict[str, NDArray
     """
     try:
         found = load(path.read_bytes())
-        return {name: found[name] for name in names}
+        return {name: found[name] for name in names or found}
     except (SafetensorError, KeyError) as error:
         raise DataError(f"{path}: no {what} ({brief(str(error))}); remove it, and they are made again") from None
 

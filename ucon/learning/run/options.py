@@ -226,6 +226,48 @@ class JudgeOptions(LearnerOptions):
 
 
 @dataclass(frozen=True, kw_only=True)
+class ForesightOptions(LearnerOptions):
+    """Options of ``learner=foresight``.
+
+    Args:
+        episodes: set of training episodes.
+        n_searches: how many searches in them.
+        validation: set of validation episodes.
+        validation_searches: how many searches in them.
+        levels: habit levels, mixed.
+        workers: processes that search; the result does not depend on it.
+        batch: decisions of one step.
+        mirror: whether half of the batches are mirrored left to right.
+        clip: largest norm of a gradient; larger ones are scaled down to it.
+        device: ``cpu``, ``cuda``, or ``auto``: a GPU if there is one.
+    """
+
+    episodes: str = "train"
+    n_searches: int = 12000
+    validation: str = "val"
+    validation_searches: int = 400
+    levels: Sequence[str] = ("none", "retrieval", "full", "gt")
+    workers: int = 2
+    batch: int = 256
+    mirror: bool = True
+    clip: float = 1.0
+    device: str = "auto"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        counts = {"n_searches": self.n_searches, "validation_searches": self.validation_searches, "batch": self.batch}
+        check("above 0 and whole", lambda x: x > 0, (int,), **counts)
+        check(f"1 to {MOST_WORKERS}", lambda x: 1 <= x <= MOST_WORKERS, (int,), workers=self.workers)
+        check("the name of a set", lambda x: bool(x), (str,), episodes=self.episodes, validation=self.validation)
+        check("above 0", lambda x: 0 < x < _MOST, clip=self.clip)
+        check("true or false", lambda x: True, (bool,), mirror=self.mirror)
+        if isinstance(self.levels, str) or not self.levels:
+            raise ConfigError(f"learner.levels={brief(self.levels)}: expected a list of at least one habit level")
+        for level in self.levels:
+            check_level(str(level))
+
+
+@dataclass(frozen=True, kw_only=True)
 class RetrieverOptions(LearnerOptions):
     """Options of ``learner=retriever``.
 
