@@ -140,7 +140,7 @@ def test_wrong_options_are_refused(search: Factory, kept: store.Decisions) -> No
     acting.chooses = "actions"
     with pytest.raises(ConfigError, match="scores views"):
         ForesightLearner(acting, {"gt": search}, steps=1, lr=1e-3, warm_up=0, decay=0.0, average=0.0)
-    with pytest.raises(ConfigError, match="learner.searches"):
+    with pytest.raises(ConfigError, match=r"learner\.searches"):
         ForesightLearner(HabitPolicy(16, 1, 2), {}, steps=1, lr=1e-3, warm_up=0, decay=0.0, average=0.0)
     with pytest.raises(ConfigError, match="n_searches"):
         made(search, n_searches=0)
