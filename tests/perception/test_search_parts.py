@@ -33,7 +33,7 @@ def started(target: str = "ring") -> tuple[ToyEnv, SemanticMap, Planner, dict]:
 @pytest.mark.parametrize("name", catalogue().names)
 def test_every_category_has_a_range_and_somewhere_to_be(name: str) -> None:
     assert 1.0 < sight_range_m(name) < 5.0
-    mass = with_fallback(np.array([0.4, 0.3, 0.2, 0.1]), name)
+    mass = with_fallback(np.array([[0.4, 0.3, 0.2, 0.1]]), [name])[0]
     assert mass.sum() == pytest.approx(1.0)
     assert (mass[:3][~affordance(name).offers] == 0).all()
     assert mass[NEXTTO] >= 0.1

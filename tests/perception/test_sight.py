@@ -37,12 +37,11 @@ def test_a_look_lowers_unseen_by_its_chance_and_once() -> None:
 
 def gains(looked: np.ndarray) -> np.ndarray:
     half = 64
-    index = np.full((129, 129), -1, np.int32)
-    index[half, half], index[half + 4, half] = 0, 1
+    nodes = np.array([[half, half], [half + 4, half]], np.int32)
     out, height = np.zeros((2, 4, 4)), np.full((129, 129), -1.0, np.float32)
     walls = np.zeros((2, 129, 129), np.uint8)
     kernels.gain_by_chance(
-        index, POINT, HOLLOW, ALL_OPEN, np.array([0.5]), looked, MODEL, 1.0, height, walls, half, out
+        nodes, POINT, HOLLOW, ALL_OPEN, np.array([0.5]), looked, MODEL, 1.0, height, walls, half, out
     )
     return out
 

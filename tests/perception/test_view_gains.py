@@ -27,13 +27,13 @@ class Home:
             self.index[node] = row
         self.height = np.full((SIZE, SIZE), -1.0, np.float32)
         self.walls = np.zeros((2, SIZE, SIZE), np.uint8)
-        self.n = len(nodes)
+        self.nodes, self.n = np.array(nodes, np.int32).reshape(-1, 2), len(nodes)
 
     def places(self, xyz: np.ndarray, weight: np.ndarray) -> np.ndarray:
         out = np.zeros((self.n, 4, 4))
         hollow, faces = np.zeros((len(xyz), 6)), np.full(len(xyz), ALL_OPEN, np.uint8)
         place_gain(
-            self.index, xyz, hollow, faces, weight, REACH_M, CAMERA_M, self.height, self.walls, HALF, out
+            self.nodes, xyz, hollow, faces, weight, REACH_M, CAMERA_M, self.height, self.walls, HALF, out
         )  # fmt: skip
         return out
 

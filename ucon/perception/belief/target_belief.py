@@ -145,11 +145,11 @@ class TargetBelief(PartlyShared):
         if known.hypotheses is not None:
             seen = self._among_hypotheses(known, known.hypotheses, 1.0 - w.hidden * share_left)
         else:
-            for name, tracks in known.instances.items():
-                k = self._row.get(name)
-                if k is None:
-                    continue
-                self._mass[tracks] = with_fallback(p[k] * (1.0 - w.hidden * share_left), name) / len(tracks)
+            found_names = [name for name in known.instances if name in self._row]
+            rows = [self._row[name] for name in found_names]
+            spread = with_fallback(p[rows] * (1.0 - w.hidden * share_left), found_names)
+            for name, mass, k in zip(found_names, spread, rows, strict=True):
+                self._mass[known.instances[name]] = mass / len(known.instances[name])
                 seen += float(p[k].sum())
         unseen = share_left * (w.hidden * seen + w.exists * (total - seen))
         found = float(self._mass.sum())
@@ -171,7 +171,8 @@ class TargetBelief(PartlyShared):
         called[called < _LEAST_NAME] = 0.0
         count = called.sum(0)
         self._mass = part * (called / np.maximum(count, 1.0)) @ p
-        for track in np.flatnonzero(self._mass.any(1)).tolist():
-            name = known.category[track]
-            self._mass[track] = with_fallback(self._mass[track], name) if name else 0.0
+        tracks = np.flatnonzero(self._mass.any(1))
+        names = [known.category[track] for track in tracks.tolist()]
+        self._mass[tracks] = with_fallback(self._mass[tracks], names)
+        self._mass[[track for track, name in zip(tracks.tolist(), names, strict=True) if not name]] = 0.0
         return float(np.minimum(count, 1.0) @ p.sum(1))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Literal
@@ -101,16 +102,22 @@ def has_room(target: str, category: str) -> tuple[bool, bool, bool]:
     return ontop, inside, small <= 0.7 * high
 
 
-def with_fallback(mass: NDArray[np.float64], category: str) -> NDArray[np.float64]:
-    """Move the mass of relations that a thing cannot offer to "next to".
+def with_fallback(mass: NDArray[np.float64], categories: Sequence[str]) -> NDArray[np.float64]:
+    """Move the mass of relations that things cannot offer to "next to".
 
     Args:
-        mass: (4,) mass of ontop, inside, under, nextto.
-        category: of the thing.
+        mass: (n, 4) mass of ontop, inside, under, nextto.
+        categories: of the n things.
 
     Returns:
-        (4,) float64 with the same sum.
+        (n, 4) float64 with the same sums.
     """
-    out = np.where(np.append(affordance(category).offers, True), mass, 0.0)
-    out[NEXTTO] += mass.sum() - out.sum()
+    out = np.where(np.array([_offered(category) for category in categories]).reshape(-1, 4), mass, 0.0)
+    out[:, NEXTTO] += mass.sum(1) - out.sum(1)
     return out
+
+
+@lru_cache(maxsize=4096)
+def _offered(category: str) -> tuple[bool, ...]:
+    """Whether a thing offers ontop, inside, under, nextto."""
+    return (*affordance(category).offers.tolist(), True)

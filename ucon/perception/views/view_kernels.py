@@ -157,7 +157,7 @@ def _ray(
 
 @jit
 def place_gain(
-    index: I32, place: F64, hollow: F64, faces: U8, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8,
+    nodes: I32, place: F64, hollow: F64, faces: U8, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8,
     half: int, out: F64,
 ) -> None:  # fmt: skip
     """Add the weight of the sample points that each view would show.
@@ -165,7 +165,7 @@ def place_gain(
     A point in a compartment is shown through the open sides only.
 
     Args:
-        index: (c, c) int32, row of a node in ``out``, -1 where no view is considered.
+        nodes: (n, 2) int32.
         place: (m, 3) float64, the points, metres.
         hollow: (m, 6) float64, boxes of their compartments, metres.
         faces: (m,) uint8, bits of the compartments' open sides.
@@ -182,20 +182,14 @@ def place_gain(
         if w <= 0.0:
             continue
         px, py, pz = place[m]
-        ci, cj = int(np.floor(px / CELL_M + 0.5)) + half, int(np.floor(py / CELL_M + 0.5)) + half
-        span = int(reach_m / CELL_M) + 1
-        for i in range(max(1, ci - span), min(index.shape[0] - 1, ci + span + 1)):
-            for j in range(max(1, cj - span), min(index.shape[0] - 1, cj + span + 1)):
-                n = index[i, j]
-                if n < 0:
-                    continue
-                x, y = (i - half) * CELL_M, (j - half) * CELL_M
-                dx, dy, dz = px - x, py - y, pz - cam_z
-                if dx * dx + dy * dy > reach_m * reach_m or not shows(x, y, cam_z, px, py, pz, hollow[m], faces[m]):
-                    continue
-                if not sight(x, y, cam_z, px, py, pz, height, walls, half):
-                    continue
-                add_to_views(dx, dy, dz, w, reach_m, out[n])
+        for n in range(nodes.shape[0]):
+            x, y = (nodes[n, 0] - half) * CELL_M, (nodes[n, 1] - half) * CELL_M
+            dx, dy, dz = px - x, py - y, pz - cam_z
+            if dx * dx + dy * dy > reach_m * reach_m or not shows(x, y, cam_z, px, py, pz, hollow[m], faces[m]):
+                continue
+            if not sight(x, y, cam_z, px, py, pz, height, walls, half):
+                continue
+            add_to_views(dx, dy, dz, w, reach_m, out[n])
 
 
 @merged

@@ -277,12 +277,12 @@ class Viewpoints(PartlyShared):
         xyz = np.ascontiguousarray(places.xyz[worth])
         if places.sight is None:
             kernels.place_gain(
-                self._index, xyz, places.hollow[worth], places.faces[worth], weight[worth], self.reach_m,
+                nodes, xyz, places.hollow[worth], places.faces[worth], weight[worth], self.reach_m,
                 known.body.camera_m, known.height, known.walls, HALF, looks,
             )  # fmt: skip
         else:
             gain_by_chance(
-                self._index, xyz, places.hollow[worth], places.faces[worth], weight[worth], places.looked[worth],
+                nodes, xyz, places.hollow[worth], places.faces[worth], weight[worth], places.looked[worth],
                 places.sight.model, known.body.camera_m, known.height, known.walls, HALF, looks,
             )  # fmt: skip
         if len(closed):
