@@ -13,6 +13,7 @@ from ucon.__main__ import main
 from ucon.commands import bench
 from ucon.evaluation import bench_env
 from ucon.evaluation.bench_env import STAGES, bench_environment
+from ucon.programs import learning_speed
 from ucon.sim.cache import load_house
 from ucon.sim.render.bench import bench_renderer
 from ucon.task.episode import Episode
@@ -50,3 +51,23 @@ def test_names_in_json(short: None, capsys: pytest.CaptureFixture[str]) -> None:
     rendered = bench_renderer([load_house("Rs_int")], poses=2, rounds=1)
     assert {name.removesuffix("_worst") for name in (*found, *rendered)} == NAMES
     assert all(bench.said(name, value) for name, value in rendered.items())
+
+
+def test_learners_are_measured_with_each_number_of_workers(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    measured = {f"{name}" for name in (*learning_speed.LEARNERS, *learning_speed.OF_FORESIGHT)}
+    assert measured == set(bench._OF_LEARNERS)
+    words, option = learning_speed.LEARNERS["hybrid_ppo_decisions_per_s"]
+    small = {"hybrid_ppo_decisions_per_s": ((*words, "learner.frames=60", "learner.epochs=1"), option)}
+    monkeypatch.setattr(learning_speed, "LEARNERS", small)
+    monkeypatch.setattr(learning_speed, "STEPS", 1)
+    monkeypatch.setattr(learning_speed, "SEARCHES", 2)
+    monkeypatch.setattr(bench, "_WORKERS", (1,))
+    assert main(["bench", "--learning"]) == 0
+    told = capsys.readouterr()
+    *lines, note = told.out.splitlines()
+    assert note.startswith("wall time")
+    assert [float(line.split()[-4]) > 0 for line in lines] == [True] * 3
+    assert all(", 1 worker " in line and line.endswith(" decisions a second") for line in lines)
+    assert told.err.splitlines()[-1].startswith("bench: 2 of 2 parts")

@@ -1,4 +1,4 @@
-"""``python -m ucon bench``: speed of renderer, environments and agent, in one process on one core."""
+"""``python -m ucon bench``: speed of renderer, environments and agent, on one core; with ``--learning`` of learners."""
 
 from __future__ import annotations
 
@@ -12,6 +12,10 @@ import ucon
 
 _TIMES: Final = "times as fast as TinyRenderer"
 _STEPS: Final = "steps a second"
+_FRAMES: Final = "frames a second"
+_LEARNED: Final = "decisions a second"
+#: Worker processes that learners are measured with.
+_WORKERS: Final = (1, 2)
 #: Description and unit of each figure of ``--json``.
 _FIGURES: Final = {
     "renderer_ratio_128": ("frames of 128 x 128 pixels", _TIMES),
@@ -28,12 +32,24 @@ _FIGURES: Final = {
     "search_steps_per_decision": ("UcONSearch-v0, length of choices at random", "steps a choice"),
     "decisions_per_s": ("agent=belief, its environment included", _STEPS),
 }
+#: The same of ``--learning``; the number of worker processes is added to the name.
+_OF_LEARNERS: Final = {
+    "imitation_frames_per_s": ("end to end, imitation of searches", _FRAMES),
+    "dagger_frames_per_s": ("end to end, DAgger", _FRAMES),
+    "ppo_frames_per_s": ("end to end, PPO", _FRAMES),
+    "hybrid_ppo_decisions_per_s": ("habit_policy, PPO", _LEARNED),
+    "foresight_played_per_s": ("habit_policy, foresight: played and labelled", _LEARNED),
+    "foresight_decisions_per_s": ("habit_policy, foresight: learned from", _LEARNED),
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options to its parser."""
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--no-renderer", action="store_true", help="skip the comparison with PyBullet's TinyRenderer")
+    parser.add_argument(
+        "--learning", action="store_true", help="measure the learners instead, with 1 and 2 worker processes (minutes)"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -48,13 +64,17 @@ def run(args: argparse.Namespace) -> int:
     from ucon.core.output import stdout_to_stderr
 
     with stdout_to_stderr():
-        figures = measure(renderer=not args.no_renderer)
+        figures = measure_learning() if args.learning else measure(renderer=not args.no_renderer)
     if args.json:
         print(json.dumps(figures, indent=1))
     else:
         for name, value in figures.items():
             print(said(name, value))
-        print("CPU time of one process on one core; medians over homes, and the slowest home")
+        print(
+            "wall time, medians over steps; a step plays, feeds and updates"
+            if args.learning
+            else "CPU time of one process on one core; medians over homes, and the slowest home"
+        )
     return 0
 
 
@@ -62,12 +82,18 @@ def said(name: str, value: float) -> str:
     """One line with a figure and its unit.
 
     Args:
-        name: key in ``--json``; ``_worst`` at its end means the slowest home.
+        name: key in ``--json``; ``_worst`` at its end means the slowest home, a number the worker processes.
         value: of the figure.
     """
-    what, unit = _FIGURES[name.removesuffix("_worst")]
-    slowest = ", slowest home" if name.endswith("_worst") else ""
-    return f"{what + slowest:<52} {value:>9.1f} {unit}"
+    base, _, last = name.rpartition("_")
+    if last == "worst":
+        what, more = base, ", slowest home"
+    elif last.isdecimal() and base in _OF_LEARNERS:
+        what, more = base, f", {last} worker{'s' * (last != '1')}"
+    else:
+        what, more = name, ""
+    title, unit = (_FIGURES | _OF_LEARNERS)[what]
+    return f"{title + more:<60} {value:>9.1f} {unit}"
 
 
 def measure(*, renderer: bool = True) -> dict[str, Any]:
@@ -91,6 +117,16 @@ def measure(*, renderer: bool = True) -> dict[str, Any]:
             figures |= bench_renderer([load_house(name) for name in BENCH_SCENES])
             progress.update(next(stages))
         return figures | bench_environment(load_episodes("mini"), agent, lambda: progress.update(next(stages)))
+
+
+def measure_learning() -> dict[str, Any]:
+    """Frames or decisions a second of every learner, by name and number of worker processes."""
+    from ucon.core.progress import Progress
+    from ucon.programs.learning_speed import learning_rates, stages
+
+    done = count(1)
+    with Progress("bench", stages(_WORKERS), unit="parts") as progress:
+        return learning_rates(_WORKERS, lambda: progress.update(next(done)))
 
 
 def _belief_agent() -> Any:
