@@ -20,6 +20,7 @@ from torch import Tensor, nn
 
 from models.nets.sizes import check_heads, check_sizes
 from models.nets.token_transformer import TokenTransformer
+from ucon.core.errors import ConfigError
 from ucon.core.rng import derived_seed
 from ucon.search.search_tokens import N_EGO, N_FRONTIER, N_THING, THING_AHEAD
 from ucon.search.searcher import LOYALTY
@@ -70,7 +71,14 @@ class HabitPolicy(nn.Module):
     chooses = "views"
 
     def __init__(
-        self, width: int = 64, layers: int = 2, heads: int = 4, *, use_prior: bool = True, seed: int = 0
+        self,
+        width: int = 64,
+        layers: int = 2,
+        heads: int = 4,
+        *,
+        use_prior: bool = True,
+        silent: bool = False,
+        seed: int = 0,
     ) -> None:
         """Build the network with random weights; the last layers are zero, so that it starts as gain over cost.
 
@@ -79,14 +87,19 @@ class HabitPolicy(nn.Module):
             layers: number of its blocks.
             heads: of attention in each block.
             use_prior: True: logits start from gain over cost. False: everything is learned.
+            silent: True: the transformer is left out, whatever its weights, and nothing else is: views are chosen by
+                gain over cost.
             seed: of the initial weights.
 
         Raises:
-            ConfigError: a size below 1, or a width that is no multiple of the heads.
+            ConfigError: a size below 1, a width that is no multiple of the heads, or ``silent`` without ``use_prior``.
         """
         super().__init__()
         check_heads("agent.policy", width, heads)
         check_sizes("agent.policy", layers=layers)
+        if silent and not use_prior:
+            raise ConfigError("agent.policy.silent=true with use_prior=false: nothing is left to choose views by")
+        self.silent = silent
         self.arguments: Mapping[str, Any] = {"width": width, "layers": layers, "heads": heads, "use_prior": use_prior}
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(derived_seed(seed, self.architecture))
@@ -120,6 +133,10 @@ class HabitPolicy(nn.Module):
         Returns:
             Logits (B, V), -inf where there is no view, values (B,) and foresight (B, V).
         """
+        if self.silent:
+            prior = tokens["prior"] + _KEPT * tokens["views"][..., IS_KEPT]
+            logits = (self.sharpness.exp() * prior).masked_fill(tokens["action_mask"] == 0, float("-inf"))
+            return Scores(logits, torch.zeros_like(logits[:, 0]), torch.zeros_like(logits))
         x = self.body(torch.cat(self._embedded(tokens), 1), *_positions(tokens))
         own, seen = x[:, :1], x[:, 1 : 1 + tokens["views"].shape[1]]
         joined = torch.cat([seen, own.expand_as(seen)], -1)
@@ -143,7 +160,9 @@ class HabitPolicy(nn.Module):
 
     @property
     def adds(self) -> bool:
-        """Whether the transformer changes any score: False while its last layers are zero, as at initialisation."""
+        """Whether the transformer changes any score: False where it is silent, and while its last layers are zero."""
+        if self.silent:
+            return False
         last = (self.score[-1], self.foresee[-1])
         return any(bool(parameter.any()) for layer in last for parameter in layer.parameters())
 

@@ -101,6 +101,21 @@ def test_everything_that_is_there_matters(name: str) -> None:
 
 
 @torch.no_grad()
+def test_a_silent_transformer_adds_nothing_whatever_its_weights() -> None:
+    loud, silent, tokens = random_policy(), HabitPolicy(silent=True).eval(), some_tokens()
+    silent.load_state_dict(loud.state_dict())
+    untrained = HabitPolicy().eval()
+    untrained.sharpness.copy_(loud.sharpness)
+    torch.testing.assert_close(silent(tokens).logits, untrained(tokens).logits, rtol=1e-5, atol=1e-5)
+    assert not torch.allclose(loud(tokens).logits, untrained(tokens).logits, atol=1e-2)
+    assert loud.adds
+    assert not silent.adds
+    assert silent.arguments == loud.arguments, "the same weights fit"
+    with pytest.raises(ConfigError, match="nothing is left"):
+        HabitPolicy(silent=True, use_prior=False)
+
+
+@torch.no_grad()
 def test_attention_for_people_is_what_the_network_attends_by() -> None:
     policy, tokens = random_policy(), some_tokens()
     seen = tokens["action_mask"] > 0
