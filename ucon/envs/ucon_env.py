@@ -172,7 +172,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
 
     @property
     def detector(self) -> Detector | None:
-        """What finds things in the frames; None where nothing does."""
+        """The detector whose output is in ``info``; None without one."""
         return self._detector
 
     @property

@@ -76,6 +76,11 @@ class ForesightLearner:
         decisions = f"{store_hash(o.episodes, self._makers, o.levels, 0)} {o.n_searches}"
         return {"decisions": decisions, **({"initial": self._initial} if self._initial else {})}
 
+    @property
+    def resolved_options(self) -> Mapping[str, str]:
+        """Value chosen for ``device`` where it is ``auto``; the run stores it."""
+        return {"device": self.device}
+
     @cached_property
     def decisions(self) -> Decisions:
         """Training decisions; played at first use, which takes most of the time."""
@@ -105,8 +110,8 @@ class ForesightLearner:
             frames = mirrored(frames)
         self.network.train()
         self.updates.begin()
-        error, known = self._errors(frames)
-        loss = (error**2)[known].mean()
+        foreseen, truth, known = self._foreseen(frames)
+        loss = ((foreseen - truth) ** 2)[known].mean()
         if not bool(torch.isfinite(loss)):
             raise DivergedError(f"step {self._done + 1}: the loss is not finite; start anew with a smaller learner.lr")
         loss.backward()  # type: ignore[no-untyped-call]
@@ -114,13 +119,12 @@ class ForesightLearner:
         self._done += 1
         return {"loss": float(loss.detach()), **updated}
 
-    def _errors(self, frames: Mapping[str, Tensor]) -> tuple[Tensor, Tensor]:
-        """Error of the predicted progress (n, V), and where the truth is known (n, V) bool."""
+    def _foreseen(self, frames: Mapping[str, Tensor]) -> tuple[Tensor, Tensor, Tensor]:
+        """Predicted and true progress (n, V), and where the truth is known (n, V) bool."""
         moved = {name: tensor.to(self.device) for name, tensor in frames.items()}
-        shortened, known = progress(moved)
         foresight = self.policy({name: tensor[None] for name, tensor in moved.items()}, {}, {}).foresight
         assert foresight is not None
-        return foresight[0].float() - shortened, known
+        return foresight[0].float(), *progress(moved)
 
     def validate(self) -> Figures:
         """Figures of the averaged network in homes that it was not trained on.
@@ -128,35 +132,21 @@ class ForesightLearner:
         ``foreseen``: share of variance of the progress that is explained; ``foreseen_within``: of its variance among
         the views of a decision, which is what a choice turns on. ``score`` is ``foreseen_within``.
         """
-        off, off_within, spread, spread_within = 0.0, 0.0, 0.0, 0.0
-        every = len(self.validation)
-        mean = self._mean_progress
+        n, total, squares, off, spread_within, off_within = np.zeros(6)
+        every, batch = len(self.validation), self.options.batch
         self.network.eval()
         with self.updates.averaged(), torch.no_grad():
-            for first in range(0, every, self.options.batch):
-                frames = batch_of(self.validation, np.arange(first, min(first + self.options.batch, every)))
-                error, known = self._errors(frames)
-                truth = progress({name: tensor.to(self.device) for name, tensor in frames.items()})[0]
-                off += float((error**2)[known].sum())
-                spread += float(((truth - mean) ** 2)[known].sum())
-                off_within += float((_centred(error, known) ** 2).sum())
+            for first in range(0, every, batch):
+                rows = np.arange(first, min(first + batch, every))
+                foreseen, truth, known = self._foreseen(batch_of(self.validation, rows))
+                n, total = n + float(known.sum()), total + float(truth[known].sum())
+                squares += float((truth**2)[known].sum())
+                off += float(((foreseen - truth) ** 2)[known].sum())
                 spread_within += float((_centred(truth, known) ** 2).sum())
+                off_within += float((_centred(foreseen - truth, known) ** 2).sum())
+        whole = 1.0 - off / max(squares - total**2 / max(n, 1.0), 1e-9)
         within = 1.0 - off_within / max(spread_within, 1e-9)
-        return {
-            "foreseen": round(1.0 - off / max(spread, 1e-9), 5),
-            "foreseen_within": round(within, 5),
-            "score": within,
-        }
-
-    @cached_property
-    def _mean_progress(self) -> float:
-        """Mean progress over the views of all validation decisions."""
-        total, n = 0.0, 0
-        for first in range(0, len(self.validation), self.options.batch):
-            rows = np.arange(first, min(first + self.options.batch, len(self.validation)))
-            truth, known = progress(batch_of(self.validation, rows))
-            total, n = total + float(truth[known].sum()), n + int(known.sum())
-        return total / max(n, 1)
+        return {"foreseen": round(whole, 5), "foreseen_within": round(within, 5), "score": within}
 
     def state_dict(self) -> State:
         """Parameters, their moving average, optimiser moments, and the number of steps."""

@@ -44,7 +44,7 @@ def kept_decisions(
     folder = user_cache() / "foresight" / store_hash(episodes, makers, levels, seed)
     given = (episodes, tuple(makers), tuple(levels), seed)
     files = kept_batches(folder, searches, BATCH, f"searches in {episodes} homes", workers, _batch, given)
-    return Decisions.join([_read(path) for path in files])
+    return Decisions.join([part for path in files if (part := _read(path)) is not None])
 
 
 def store_hash(episodes: str, makers: Sequence[MakeEnv], levels: Sequence[str], seed: int) -> str:
@@ -75,7 +75,7 @@ def _batch(episodes: str, makers: tuple[MakeEnv, ...], levels: tuple[str, ...], 
     finally:
         for env in envs:
             env.close()
-    return _bytes(Decisions.join(found))
+    return _bytes(Decisions.join(found)) if found else save({"episode": np.zeros(0, np.int32)})
 
 
 @lru_cache(maxsize=4)
@@ -89,13 +89,15 @@ def _bytes(decisions: Decisions) -> bytes:
     return save({**{f"frames/{name}": v for name, v in decisions.frames.items()}, **text, "episode": decisions.episode})
 
 
-def _read(path: Path) -> Decisions:
-    """The decisions of a file of :func:`_bytes`.
+def _read(path: Path) -> Decisions | None:
+    """The decisions of a file of :func:`_batch`; None where nothing was to be decided.
 
     Raises:
         DataError: the file is damaged.
     """
     found = read_batch(path, (), "decisions")
+    if [*found] == ["episode"] and not len(found["episode"]):
+        return None
     if missing := {"episode", "frames/views", "frames/distance_to_goal", *(f"text/{name}" for name in TEXT)} - {*found}:
         raise DataError(f"{path}: no {min(missing)}; remove it, and it is made again")
     frames = {name[7:]: value for name, value in found.items() if name.startswith("frames/")}

@@ -1,4 +1,4 @@
-"""What things of a category offer to a target, by the catalogue: a top, an inside, space below, and room enough."""
+"""Affordances: whether things of a category have a top, an inside or space below, and room for a target there."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Affordance:
 
 @lru_cache(maxsize=4096)
 def affordance(category: str) -> Affordance:
-    """What things of a category offer; computed once.
+    """Affordances of a category, by the catalogue; computed once.
 
     A name outside the catalogue counts as a plain thing with a top.
     """

@@ -22,8 +22,8 @@ from ucon.perception.views import view_kernels as kernels
 FINE_CELLS = 4
 #: Places with ``unseen`` up to this are not looked at again until everything else was.
 SEEN = 0.15
-#: Where the detector errs, the places that hold this share of the mass are looked at.
-MOST = 0.97
+#: Where the detector errs, views are valued by the places that hold this share of the mass.
+VALUED = 0.97
 
 
 @dataclass(frozen=True, slots=True)
@@ -346,9 +346,9 @@ class Viewpoints(PartlyShared):
 
 
 def _most_of(weight: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """The fewest sample points (n,) bool that hold ``MOST`` of the mass."""
+    """The fewest sample points (n,) bool that hold ``VALUED`` of the mass."""
     order = np.argsort(-weight, kind="stable")
     held = np.cumsum(weight[order])
     out = np.zeros(len(weight), bool)
-    out[order[: int(np.searchsorted(held, MOST * held[-1])) + 1] if len(held) else order] = True
+    out[order[: int(np.searchsorted(held, VALUED * held[-1])) + 1] if len(held) else order] = True
     return out & (weight > 0.0)
