@@ -78,6 +78,15 @@ def test_decisions_are_kept_and_the_number_of_workers_does_not_matter(
         store.kept_decisions("mini", 20, [search], LEVELS, 0, 1)
 
 
+def test_a_batch_in_which_nothing_was_to_be_decided_is_kept_as_empty(
+    search: Factory, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(store, "decisions_of", lambda *given: None)
+    file = tmp_path / "000000-1.safetensors"
+    file.write_bytes(store._batch("mini", (search,), LEVELS, 0, range(1)))
+    assert store._read(file) is None
+
+
 def test_other_episodes_levels_and_seeds_have_other_folders(search: Factory) -> None:
     found = {
         store.store_hash("mini", [search], LEVELS, 0), store.store_hash("val", [search], LEVELS, 0),

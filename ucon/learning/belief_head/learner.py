@@ -32,8 +32,9 @@ from ucon.learning.belief_head.draws import Draw, Draws, Sample, sample
 from ucon.learning.belief_head.held_out_readers import Fold, folds_of, parts_of
 from ucon.learning.belief_head.households import KnowledgeBases
 from ucon.learning.belief_head.losses import losses
+from ucon.learning.run.counted_steps import CountedSteps
 from ucon.learning.run.options import BeliefOptions
-from ucon.learning.run.protocol import Card, Figures, State
+from ucon.learning.run.protocol import Card, Figures
 from ucon.learning.run.run_folder import MODEL
 from ucon.learning.run.updates import Updates
 from ucon.readers.belief_scores import best_of, calibration_error, scores
@@ -48,7 +49,7 @@ PRIOR = "prior.npz"
 _CHOOSE, _CALIBRATE = 0, 5_000
 
 
-class BeliefLearner:
+class BeliefLearner(CountedSteps):
     """Trains the belief head on drawn households (see the module).
 
     Args:
@@ -97,7 +98,6 @@ class BeliefLearner:
         ]
         self._chosen_by = KnowledgeBases(dataset, self._parts.known)
         self.updates = Updates(self.head, lr=given.lr, decay=given.decay, average=given.average)
-        self._done = 0
 
     @property
     def identity(self) -> Mapping[str, str]:
@@ -185,19 +185,6 @@ class BeliefLearner:
         with torch.no_grad():
             outputs = self.head(one.inputs)
         return outputs.log_p.exp().numpy()[:, :-1], outputs.relation.softmax(-1).numpy()
-
-    def state_dict(self) -> State:
-        """Parameters, their moving average, optimiser moments, and the number of steps."""
-        return State(self.updates.tensors(), {"done": self._done})
-
-    def load_state_dict(self, state: State) -> None:
-        """Restore a state of :meth:`state_dict`; the next step is number ``done``.
-
-        Raises:
-            DataError: a state of another network or learner.
-        """
-        self._done = state.count("done")
-        self.updates.load(state.tensors, self._done)
 
     def lengthen(self, steps: int) -> bool:
         """Stretch the learning-rate schedule to ``steps`` in all; always True."""

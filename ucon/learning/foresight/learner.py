@@ -24,15 +24,16 @@ from ucon.learning.foresight.store import kept_decisions, store_hash
 from ucon.learning.policies.action_policy import scores_views
 from ucon.learning.policies.view_policy import ViewPolicy
 from ucon.learning.ppo.foresight import progress
+from ucon.learning.run.counted_steps import CountedSteps
 from ucon.learning.run.network_files import load_network, network_files
 from ucon.learning.run.option_checks import check_parts
 from ucon.learning.run.options import ForesightOptions
-from ucon.learning.run.protocol import Card, Figures, State
+from ucon.learning.run.protocol import Card, Figures
 from ucon.learning.run.updates import Updates
 from ucon.task.sets import load_episodes
 
 
-class ForesightLearner:
+class ForesightLearner(CountedSteps):
     """Trains the foresight of a network that scores views (see the module).
 
     Args:
@@ -67,7 +68,6 @@ class ForesightLearner:
             policy, lr=given.lr, clip=given.clip, steps=given.steps, warm_up=given.warm_up, decay=given.decay,
             average=given.average,
         )  # fmt: skip
-        self._done = 0
 
     @property
     def identity(self) -> Mapping[str, str]:
@@ -147,19 +147,6 @@ class ForesightLearner:
         whole = 1.0 - off / max(squares - total**2 / max(n, 1.0), 1e-9)
         within = 1.0 - off_within / max(spread_within, 1e-9)
         return {"foreseen": round(whole, 5), "foreseen_within": round(within, 5), "score": within}
-
-    def state_dict(self) -> State:
-        """Parameters, their moving average, optimiser moments, and the number of steps."""
-        return State(self.updates.tensors(), {"done": self._done})
-
-    def load_state_dict(self, state: State) -> None:
-        """Restore a state of :meth:`state_dict`.
-
-        Raises:
-            DataError: a state of another network or learner.
-        """
-        self._done = state.count("done")
-        self.updates.load(state.tensors, self._done)
 
     def lengthen(self, steps: int) -> bool:
         """Stretch the learning-rate schedule to ``steps`` in all, from the next step on."""

@@ -27,8 +27,9 @@ from ucon.core.tensor_files import read_fitting
 from ucon.fitting.rate_schedule import schedule
 from ucon.fitting.suspect_cases import SuspectCases
 from ucon.learning.judge.cases import case_hash, collected
+from ucon.learning.run.counted_steps import CountedSteps
 from ucon.learning.run.options import JudgeOptions
-from ucon.learning.run.protocol import Card, Figures, State
+from ucon.learning.run.protocol import Card, Figures
 from ucon.learning.run.run_folder import MODEL
 from ucon.learning.run.updates import Updates
 from ucon.perception.detectors.box_detector import BoxDetector
@@ -41,7 +42,7 @@ CONFIG = "config.json"
 INDEPENDENT = 2
 
 
-class JudgeLearner:
+class JudgeLearner(CountedSteps):
     """Trains the judge (see the module).
 
     Args:
@@ -66,7 +67,6 @@ class JudgeLearner:
         self.net = judge()
         self._initial = "" if given.initial is None else self._begin_with(Path(given.initial).expanduser())
         self.updates = Updates(self.net, lr=given.lr, decay=given.decay, average=given.average)
-        self._done = 0
 
     @property
     def identity(self) -> Mapping[str, str]:
@@ -137,19 +137,6 @@ class JudgeLearner:
             f"arithmetic/{name}": value for name, value in measures(arithmetic(suspects.evidence), suspects).items()
         }
         return {**found, **plain, "suspects": float(len(p)), "score": -found["nll"]}
-
-    def state_dict(self) -> State:
-        """Parameters, their moving average, optimiser moments, and the number of steps."""
-        return State(self.updates.tensors(), {"done": self._done})
-
-    def load_state_dict(self, state: State) -> None:
-        """Restore a state of :meth:`state_dict`.
-
-        Raises:
-            DataError: a state of another network or learner.
-        """
-        self._done = state.count("done")
-        self.updates.load(state.tensors, self._done)
 
     def lengthen(self, steps: int) -> bool:
         """Stretch the learning-rate schedule to ``steps`` in all; always True."""

@@ -31,8 +31,9 @@ from ucon.language.adapter import adapter_bytes, add_adapters, begin_with, read_
 from ucon.language.batch_encoder import BatchEncoder
 from ucon.language.encoder import MINILM_SHA256, MiniLM
 from ucon.language.phrases import query_text
+from ucon.learning.run.counted_steps import CountedSteps
 from ucon.learning.run.options import RetrieverOptions
-from ucon.learning.run.protocol import Card, Figures, State
+from ucon.learning.run.protocol import Card, Figures
 from ucon.learning.run.updates import Updates
 from ucon.readers.sampled_homes import part_kb
 from ucon.retrieval.base import ranked
@@ -86,7 +87,7 @@ class _Ranker:
         return ranked(self.scores(target, kb), kb.rows)
 
 
-class RetrieverLearner:
+class RetrieverLearner(CountedSteps):
     """Trains an adapter of the sentence encoder (see the module).
 
     Args:
@@ -121,7 +122,6 @@ class RetrieverLearner:
             self._initial = sha256_file(path)
         self.updates = Updates(adapters, lr=given.lr, decay=given.decay, average=given.average)
         self._encode = BatchEncoder(tokenizer, model, kind)
-        self._done = 0
 
     @property
     def identity(self) -> Mapping[str, str]:
@@ -190,19 +190,6 @@ class RetrieverLearner:
         found = measure_retrieval(self.validation_kbs, ranker, lambda entry: parts[entry.id] == "val")
         score = found["supporting_at_20"] if self.dataset.labelled else found["recall_at_20"]
         return found | {"score": score}
-
-    def state_dict(self) -> State:
-        """Adapter, its moving average, optimiser moments, and the number of steps."""
-        return State(self.updates.tensors(), {"done": self._done})
-
-    def load_state_dict(self, state: State) -> None:
-        """Restore a state of :meth:`state_dict`; the next step is number ``done``.
-
-        Raises:
-            DataError: a state of another adapter or learner.
-        """
-        self._done = state.count("done")
-        self.updates.load(state.tensors, self._done)
 
     def lengthen(self, steps: int) -> bool:
         """Stretch the learning-rate schedule to ``steps`` in all; always True."""
