@@ -23,6 +23,11 @@ UNITS = 450.0
 PLACES = Places(0.1)
 
 
+def wanting(known: SemanticMap, wanted: dict[str, float]) -> np.ndarray:
+    """Factors of the worth of unexplored cells where so much of each category waits there."""
+    return interest(known, tuple(wanted), np.array(list(wanted.values())))
+
+
 def coverage() -> Coverage:
     return Coverage("mug", CoverageWeights())
 
@@ -113,7 +118,7 @@ def test_neighbourhoods_count_as_far_as_habits_speak_of_the_unexplored() -> None
     known = home(60.0)
     found = TargetBelief(LOCATIONS, coverage(), WEIGHTS).expect(known, PLACES)
     assert found.interest is not None
-    factors = interest(known, {"sofa": 0.3, "fridge": 0.05})
+    factors = wanting(known, {"sofa": 0.3, "fridge": 0.05})
     tail = (0.2 + 0.8 * 0.2) / UNITS * CoverageWeights().unknown
     part = 1.0 - tail / found.unknown_per_m2
     assert 0.1 < part < 0.9

@@ -10,6 +10,7 @@ from ucon.perception.hypotheses.hypotheses import limits_m2
 from ucon.perception.hypotheses.look_kernels import look_key
 from ucon.perception.places import chance_kernels as kernels
 from ucon.perception.places.sight import PASSES, Sight
+from ucon.perception.views.view_kernels import WORDS
 
 POINT = np.array([[2.0, 0.0, 1.0]])
 ALL_OPEN = np.full(1, 63, np.uint8)
@@ -41,8 +42,9 @@ def gains(looked: np.ndarray) -> np.ndarray:
     out, height = np.zeros((2, 4, 4)), np.full((129, 129), -1.0, np.float32)
     walls = np.zeros((2, 129, 129), np.uint8)
     kernels.gain_by_chance(
-        nodes, POINT, HOLLOW, ALL_OPEN, np.array([0.5]), looked, MODEL, 1.0, height, walls, half, out
-    )
+        nodes, np.zeros(1, np.int32), POINT, HOLLOW, ALL_OPEN, np.array([0.5]), np.zeros((1, WORDS), np.uint64), looked,
+        MODEL, 1.0, height, walls, half, out,
+    )  # fmt: skip
     return out
 
 

@@ -8,7 +8,15 @@ import numpy as np
 import pytest
 
 from ucon.perception.mapping.map_kernels import ALL_OPEN, CELL_M
-from ucon.perception.views.view_kernels import PITCHES_DEG, fade_places, open_gain, place_gain, sight, space_gain
+from ucon.perception.views.view_kernels import (
+    PITCHES_DEG,
+    WORDS,
+    fade_places,
+    open_gain,
+    place_gain,
+    sight,
+    space_gain,
+)
 
 HALF = 20
 SIZE = 2 * HALF + 1
@@ -27,13 +35,18 @@ class Home:
             self.index[node] = row
         self.height = np.full((SIZE, SIZE), -1.0, np.float32)
         self.walls = np.zeros((2, SIZE, SIZE), np.uint8)
+        self.hidden: np.ndarray | None = None
         self.nodes, self.n = np.array(nodes, np.int32).reshape(-1, 2), len(nodes)
 
     def places(self, xyz: np.ndarray, weight: np.ndarray) -> np.ndarray:
         out = np.zeros((self.n, 4, 4))
         hollow, faces = np.zeros((len(xyz), 6)), np.full(len(xyz), ALL_OPEN, np.uint8)
+        if self.hidden is None:
+            self.hidden = np.zeros((len(xyz), WORDS), np.uint64)
+        rows = np.flatnonzero(weight > 0).astype(np.int32)
         place_gain(
-            self.nodes, xyz, hollow, faces, weight, REACH_M, CAMERA_M, self.height, self.walls, HALF, out
+            self.nodes, rows, xyz, hollow, faces, weight, self.hidden, REACH_M, CAMERA_M, self.height, self.walls, HALF,
+            out,
         )  # fmt: skip
         return out
 
@@ -93,6 +106,23 @@ def test_every_view_and_every_place_counts_by_itself() -> None:
     free = Home(NODES).places(xyz, weight)
     assert (together <= free + 1e-12).all()
     assert together.sum() < free.sum()
+
+
+def test_what_was_hidden_once_is_not_asked_for_again_and_what_was_in_sight_may_be_hidden_later() -> None:
+    xyz, weight = places()
+    home = Home(NODES)
+    first = home.places(xyz, weight)
+    assert np.array_equal(home.places(xyz, weight), first)
+    assert home.hidden is not None
+    hidden = home.hidden.copy()
+    home.walls[0, HALF + 1, HALF - 3 : HALF + 1] = 1
+    walled = home.places(xyz, weight)
+    assert walled.sum() < first.sum()
+    assert (home.hidden & hidden == hidden).all()
+    assert (home.hidden != hidden).any()
+    anew = Home(NODES)
+    anew.walls[:] = home.walls
+    assert np.array_equal(anew.places(xyz, weight), walled)
 
 
 def test_containers_count_within_reach_of_an_open() -> None:

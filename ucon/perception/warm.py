@@ -48,7 +48,7 @@ def look_around(env: gym.Env[Any, Any], actions: Sequence[int]) -> SemanticMap:
         candidates(known, planner, places)
         mass = np.ones((known.n_tracks, 4))
         closed = np.unique(places.track[places.relation == INSIDE]).astype(np.int64)
-        expected = Expectation(mass, 1.0, 0.1, interest(known, {"fridge": 1.0}))
+        expected = Expectation(mass, 1.0, 0.1, interest(known, ("fridge",), np.ones(1)))
         best, _ = viewpoints.choose(known, planner, places, expected, closed)
         if best is not None:
             planner.plan(best.view)

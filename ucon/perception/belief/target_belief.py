@@ -76,7 +76,7 @@ class TargetBelief(PartlyShared):
     Implements :class:`ucon.perception.belief.protocol.Expecting`.
     """
 
-    _shared: ClassVar[frozenset[str]] = frozenset({"_mass", "_interest", "_row"})
+    _shared: ClassVar[frozenset[str]] = frozenset({"_mass", "_interest", "_row", "_p"})
 
     def __init__(self, locations: Locations, coverage: Coverage, weights: BeliefWeights) -> None:
         """Start with an empty map.
@@ -96,6 +96,7 @@ class TargetBelief(PartlyShared):
     def believe(self, locations: Locations) -> None:
         """Replace the distribution over anchors and relations; the next :meth:`expect` uses it."""
         self._row = {name: k for k, name in enumerate(locations.names)}
+        self._p = np.array([float(p.sum()) for p in locations.p])
         self.locations = locations
         self._anywhere = max(0.0, 1.0 - float(locations.p.sum()))
         self._seen = (-1, 0, -1)
@@ -125,41 +126,42 @@ class TargetBelief(PartlyShared):
             wanted = self._spread(known, explored_m2)
             self._seen = state
             part = trust * self._unseen_per_m2 / max(trust * self._unseen_per_m2 + anywhere, 1e-12)
-            self._interest = (1.0 - part + part * interest(known, wanted)).astype(np.float32)
+            around = interest(known, self.locations.names, wanted)
+            self._interest = (1.0 - part + part * around).astype(np.float32)
         unknown = trust * self._unseen_per_m2 + anywhere
         return Expectation(trust * self._mass + tail * flat.mass, unknown, tail * flat.near_per_m2, self._interest)
 
-    def _spread(self, known: SemanticMap, explored_m2: float) -> dict[str, float]:
+    def _spread(self, known: SemanticMap, explored_m2: float) -> NDArray[np.float64]:
         """Divide each category's probability among its instances and the unexplored part of the home.
 
         Writes ``_mass`` (T, 4) and ``_unseen_per_m2``.
 
         Returns:
-            By category, the probability that waits in unexplored space (not normalised).
+            (A,) by category, the probability that waits in unexplored space (not normalised).
         """
         w, p = self._weights, self.locations.p
         left_m2 = max(w.least_m2, w.home_m2 - explored_m2, w.least_share * explored_m2)
         share_left = left_m2 / (left_m2 + explored_m2)
         self._mass = np.zeros((known.n_tracks, 4))
         total, seen = float(p.sum()), 0.0
+        found_names = [name for name in known.instances if name in self._row]
+        rows = [self._row[name] for name in found_names]
         if known.hypotheses is not None:
             seen = self._among_hypotheses(known, known.hypotheses, 1.0 - w.hidden * share_left)
-        else:
-            found_names = [name for name in known.instances if name in self._row]
-            rows = [self._row[name] for name in found_names]
+        elif rows:
             spread = with_fallback(p[rows] * (1.0 - w.hidden * share_left), found_names)
-            for name, mass, k in zip(found_names, spread, rows, strict=True):
-                self._mass[known.instances[name]] = mass / len(known.instances[name])
-                seen += float(p[k].sum())
+            tracks = [known.instances[name] for name in found_names]
+            count = np.array([len(of) for of in tracks])
+            self._mass[np.concatenate(tracks)] = np.repeat(spread / count[:, None], count, axis=0)
+            seen = sum(self._p[rows].tolist())
         unseen = share_left * (w.hidden * seen + w.exists * (total - seen))
         found = float(self._mass.sum())
         scale = total / max(found + unseen, 1e-9)
         self._mass *= scale
         self._unseen_per_m2 = scale * unseen / left_m2
-        return {
-            name: float(p[k].sum()) * (w.hidden if name in known.instances else w.exists)
-            for name, k in self._row.items()
-        }
+        waiting = np.full(len(p), w.exists)
+        waiting[rows] = w.hidden
+        return waiting * self._p
 
     def _among_hypotheses(self, known: SemanticMap, hypotheses: Hypotheses, part: float) -> float:
         """Divide ``part`` of each category's probability among the things that may be of it.

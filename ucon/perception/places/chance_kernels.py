@@ -13,7 +13,7 @@ import numpy as np
 from ucon.core.jit import F32, F64, I32, U8, Flags, jit, merged
 from ucon.perception.hypotheses.look_kernels import look_key
 from ucon.perception.mapping.map_kernels import CELL_M, shows
-from ucon.perception.views.view_kernels import add_to_views, sight
+from ucon.perception.views.view_kernels import add_to_views, between, in_sight, sight
 
 #: Chances are given at every so many metres of distance, from 0 on.
 STEP_M = 0.25
@@ -73,17 +73,19 @@ def look_by_chance(
 
 @jit
 def gain_by_chance(
-    nodes: I32, place: F64, hollow: F64, faces: U8, weight: F64, looked: Any, model: Any, cam_z: float, height: F32,
-    walls: U8, half: int, out: F64,
+    nodes: I32, rows: I32, place: F64, hollow: F64, faces: U8, weight: F64, hidden: Any, looked: Any, model: Any,
+    cam_z: float, height: F32, walls: U8, half: int, out: F64,
 ) -> None:  # fmt: skip
     """Add the weight of the sample points that each view would show, times the chance that it shows a target there.
 
     Args:
-        nodes: (n, 2) int32.
+        nodes: (n, 2) int32, sorted by i.
+        rows: (k,) int32, the points that count.
         place: (m, 3) float64, the points, metres.
         hollow: (m, 6) float64, boxes of their compartments, metres.
         faces: (m,) uint8, bits of the compartments' open sides.
         weight: (m,) float64.
+        hidden: (m, WORDS) uint64, updated; see :func:`ucon.perception.views.view_kernels.in_sight`.
         looked: (m,) uint64, bits of the sides and distances from which each was looked at.
         model: as in :func:`look_by_chance`.
         cam_z: height of the camera, metres.
@@ -94,22 +96,21 @@ def gain_by_chance(
     """
     chance, sides, limits_m2 = model
     reach_m = STEP_M * chance.shape[0]
-    for m in range(place.shape[0]):
+    span = int(reach_m / CELL_M) + 1
+    for m in rows:
         w = weight[m]
-        if w <= 0.0:
-            continue
         px, py, pz = place[m]
-        for n in range(nodes.shape[0]):
-            x, y = (nodes[n, 0] - half) * CELL_M, (nodes[n, 1] - half) * CELL_M
-            dx, dy, dz = px - x, py - y, pz - cam_z
+        middle = int(np.floor(px / CELL_M + 0.5)) + half
+        first, last = between(nodes, middle - span, middle + span)
+        for n in range(first, last):
+            i, j = nodes[n]
+            dx, dy, dz = px - (i - half) * CELL_M, py - (j - half) * CELL_M, pz - cam_z
             away_m2 = dx * dx + dy * dy + dz * dz
             if away_m2 > reach_m * reach_m:
                 continue
             if looked[m] >> np.uint64(look_key(dx, dy, dz, sides, limits_m2)) & np.uint64(1):
                 continue
-            if not shows(x, y, cam_z, px, py, pz, hollow[m], faces[m]):
-                continue
-            if not sight(x, y, cam_z, px, py, pz, height, walls, half):
+            if not in_sight(m, i, j, cam_z, place, hollow, faces, hidden, height, walls, half):
                 continue
             add_to_views(dx, dy, dz, w * _chance(np.sqrt(away_m2), chance), reach_m, out[n])
 

@@ -29,10 +29,10 @@ def _opens(name: str) -> bool:
 class Containers(PartlyShared):
     """The containers of one episode. Whether a category opens is read from the catalogue."""
 
-    _flat: ClassVar[frozenset[str]] = frozenset({"_openable"})
+    _shared: ClassVar[frozenset[str]] = frozenset({"_openable"})
 
     def __init__(self) -> None:
-        self._openable: list[bool] = []
+        self._openable = np.zeros(0, bool)
         self._named = -1
 
     def closed(self, known: SemanticMap) -> NDArray[np.int64]:
@@ -41,13 +41,16 @@ class Containers(PartlyShared):
         Returns:
             (n,) int64, ascending.
         """
-        for track in range(len(self._openable), known.n_tracks):
-            self._openable.append(_opens(known.category[track]))
-        for track in np.flatnonzero(known.named_at[: known.n_tracks] > self._named).tolist():
-            self._openable[track] = _opens(known.category[track])
+        n = known.n_tracks
+        fresh = range(len(self._openable), n)
+        named = np.flatnonzero(known.named_at[:n] > self._named).tolist()
+        if fresh or named:
+            more = np.array([_opens(known.category[track]) for track in fresh], bool)
+            self._openable = np.concatenate([self._openable, more])
+            self._openable[named] = [_opens(known.category[track]) for track in named]
         self._named = known.step
-        shut = np.array(self._openable, bool) & ~known.opened[: known.n_tracks]
-        return np.flatnonzero(shut & (known.box[: known.n_tracks, 3] >= known.box[: known.n_tracks, 0]))
+        shut = self._openable & ~known.opened[:n]
+        return np.flatnonzero(shut & (known.box[:n, 3] >= known.box[:n, 0]))
 
     def in_reach(self, known: SemanticMap) -> list[int]:
         """Tracks of closed containers that Open would open now: in view and within reach, as the map has them."""

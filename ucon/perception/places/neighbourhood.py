@@ -56,12 +56,21 @@ def rooms_of(category: str) -> NDArray[np.float64]:
     return _rooms_of(catalogue()[category].rooms if category in catalogue() else (), number)
 
 
-def _has_rooms(category: str) -> bool:
-    """Whether the catalogue names rooms for a category."""
-    return any(room in _rooms()[0] for room in catalogue()[category].rooms)
+@lru_cache(maxsize=256)
+def _rooms_of_all(categories: tuple[str, ...]) -> NDArray[np.float64]:
+    """p(kind of room) of n categories, (n, R)."""
+    return np.array([rooms_of(name) for name in categories])
 
 
-def interest(known: SemanticMap, wanted: dict[str, float]) -> NDArray[np.float32]:
+@lru_cache(maxsize=1)
+def _telling() -> tuple[dict[str, int], NDArray[np.float64]]:
+    """Furniture whose rooms the catalogue names: its rows in p(kind of room) (F, R)."""
+    book, (number, _) = catalogue(), _rooms()
+    names = [name for name in book.names if affordance(name).furniture and any(r in number for r in book[name].rooms)]
+    return {name: row for row, name in enumerate(names)}, _rooms_of_all(tuple(names))
+
+
+def interest(known: SemanticMap, names: tuple[str, ...], wanted: NDArray[np.float64]) -> NDArray[np.float32]:
     """Factors of the worth of unexplored cells, given which anchors are still to be found.
 
     Each piece of furniture seen is evidence for or against its surroundings: the logarithm of how much likelier than
@@ -70,43 +79,40 @@ def interest(known: SemanticMap, wanted: dict[str, float]) -> NDArray[np.float32
 
     Args:
         known: the map.
-        wanted: by anchor category, the probability mass that waits in unexplored space.
+        names: the A anchor categories.
+        wanted: (A,) the probability mass of each that waits in unexplored space.
 
     Returns:
-        (257, 257) float32; all 1 where ``wanted`` is empty.
+        (257, 257) float32; all 1 where nothing is wanted.
     """
-    _, usual = _rooms()
-    total = sum(wanted.values())
+    total = sum(wanted.tolist())
     if total <= 0.0:
         return np.ones((SIZE, SIZE), np.float32)
-    ratio = np.fromiter(wanted.values(), float, len(wanted)) @ _rooms_of_all(tuple(wanted)) / total / usual
-    by_name = {
-        name: _evidence(name, ratio) for name in known.instances if affordance(name).furniture and _has_rooms(name)
-    }
-    tracks = np.array([k for name in by_name for k in known.instances[name] if known.seen(k)], np.int64)
-    evidence = np.array([by_name[known.category[k]] for k in tracks], np.float32)
+    _, usual = _rooms()
+    ratio = wanted @ _rooms_of_all(names) / total / usual
+    tracks, evidence = _evidence(known, ratio)
     window, around = _spread(known.cells_of(tracks), evidence, known.extent(0))
     out = np.exp(around[..., 0] / (around[..., 1] + _DOUBT / (2.0 * np.pi * _SPREAD_CELLS**2)))
     explored = known.explored[window]
     border = (cv2.dilate(explored, np.ones((5, 5), np.uint8)) > 0) & (explored == 0)
     usual_worth = out[border].mean() if border.any() else 1.0
-    factors = np.full((SIZE, SIZE), 1.0 / usual_worth)
-    factors[window] = out / usual_worth
-    return np.round(factors, 3, out=factors).astype(np.float32)
+    factors = np.full((SIZE, SIZE), np.round(1.0 / usual_worth, 3), np.float32)
+    factors[window] = np.round(out / usual_worth, 3)
+    return factors
 
 
-@lru_cache(maxsize=256)
-def _rooms_of_all(categories: tuple[str, ...]) -> NDArray[np.float64]:
-    """p(kind of room) of n categories, (n, R)."""
-    return np.array([rooms_of(name) for name in categories])
+def _evidence(known: SemanticMap, ratio: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Tracks of the n pieces of furniture seen, and the evidence (n,) of each.
 
-
-def _evidence(category: str, ratio: NDArray[np.float64]) -> float:
-    """Logarithm of how much likelier than usual the wanted anchors are in a category's rooms.
-
-    ``ratio`` (R,): p(room) of the wanted anchors over the usual one.
+    That is the logarithm of how much likelier than usual the wanted anchors are in the rooms of its category. ``ratio``
+    (R,): p(room) of the wanted anchors over the usual one.
     """
-    return float(np.clip(np.log(max(float(rooms_of(category) @ ratio), 1e-6)), -_MOST, _MOST))
+    row, rooms = _telling()
+    said = np.clip(np.log(np.maximum(rooms @ ratio, 1e-6)), -_MOST, _MOST).astype(np.float32)
+    seen = [(track, row[name]) for name, tracks in known.instances.items() if name in row for track in tracks]
+    tracks, rows = np.array(seen, np.int64).reshape(-1, 2).T
+    shown = known.box[tracks, 3] >= known.box[tracks, 0]
+    return tracks[shown], said[rows[shown]]
 
 
 def _spread(

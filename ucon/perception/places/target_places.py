@@ -27,6 +27,7 @@ from ucon.perception.places.place_kernels import (
     searched,
 )
 from ucon.perception.places.sight import Sight
+from ucon.perception.views.view_kernels import WORDS
 
 #: A track's points are made again when a side of its box moved by more than this, metres.
 GROWTH_M = 0.15
@@ -50,6 +51,7 @@ class Places(PartlyShared):
         """
         self.sight = sight
         self._looked = np.zeros(1024, np.uint64)
+        self._hidden = np.zeros((1024, WORDS), np.uint64)
         self._lift_m = 0.5 * target_height_m
         self._made: NDArray[np.float64] = np.zeros((0, 6))
         self._seen_from: NDArray[np.float64] = np.zeros((0, 2))
@@ -99,6 +101,11 @@ class Places(PartlyShared):
     def looked(self) -> NDArray[np.uint64]:
         """(n,) uint64, writable: bits of the sides and distances from which each point was looked at."""
         return self._looked[: self._n]
+
+    @property
+    def hidden(self) -> NDArray[np.uint64]:
+        """(n, WORDS) uint64, writable: bits of the nodes around each point from which known things hide it."""
+        return self._hidden[: self._n]
 
     @property
     def hollow(self) -> NDArray[np.float64]:
@@ -196,7 +203,7 @@ class Places(PartlyShared):
     def _reserve(self, count: int) -> None:
         """Make room for ``count`` more points."""
         if self._n + count > len(self._xyz):
-            for name in ("_xyz", "_hollow", "_share", "_unseen", "_looked", "_faces", "_track", "_relation"):
+            for name in ("_xyz", "_hollow", "_share", "_unseen", "_looked", "_hidden", "_faces", "_track", "_relation"):
                 column = getattr(self, name)
                 setattr(self, name, np.concatenate([column, np.zeros_like(column)]))
 

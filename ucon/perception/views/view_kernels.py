@@ -28,6 +28,11 @@ DEEPER = 0.8824969025845953
 #: Unexplored cells of a ray that count, 3 m. An integer count, since a limit on the remaining weight would depend on
 #: its last bit.
 DEEP_CELLS = 12
+#: Bits of a cell's state, as rays read it.
+UNEXPLORED, TALL, FAR = 1, 2, 4
+#: For nodes up to so many cells from a point it is kept that the point is hidden there; bits of a row for all of them.
+SPAN = 24
+WORDS = ((2 * SPAN + 1) ** 2 + 63) // 64
 
 
 @jit
@@ -106,10 +111,17 @@ def space_gain(nodes: I32, cells: Any, reach: tuple[int, float], weight: tuple[f
         weight: of a square metre of unexplored space, and of explored space that was seen only from farther away.
         out: (n, 4) float64, updated.
     """
+    if not nodes.shape[0]:
+        return
+    state = np.zeros(cells[0].shape, np.uint8)
+    _states(
+        cells, reach[1], nodes[:, 0].min() - MOST_CELLS, nodes[:, 0].max() + MOST_CELLS,
+        nodes[:, 1].min() - MOST_CELLS, nodes[:, 1].max() + MOST_CELLS, state,
+    )  # fmt: skip
     for n in range(nodes.shape[0]):
         for ray in range(RAYS):
             heading = ((ray + RAYS // 8) % RAYS) // (RAYS // 4)
-            out[n, heading] += _ray(nodes[n, 0], nodes[n, 1], ray, cells, reach, weight, 1.0)
+            out[n, heading] += _ray(nodes[n, 0], nodes[n, 1], ray, cells, state, reach, weight, 1.0)
 
 
 @jit
@@ -124,52 +136,142 @@ def fade_space(i: int, j: int, heading: int, cells: Any, reach: tuple[int, float
         reach: as in :func:`space_gain`.
         factor: multiplies ``stale``.
     """
+    state = np.zeros(cells[0].shape, np.uint8)
+    _states(cells, reach[1], i - MOST_CELLS, i + MOST_CELLS, j - MOST_CELLS, j + MOST_CELLS, state)
     for k in range(RAYS // 4):
         ray = (heading * (RAYS // 4) + k - RAYS // 8) % RAYS
-        _ray(i, j, ray, cells, reach, (1.0, 1.0), factor)
+        _ray(i, j, ray, cells, state, reach, (1.0, 1.0), factor)
+
+
+@jit
+def _states(cells: Any, reach_m: float, i0: int, i1: int, j0: int, j1: int, out: U8) -> None:
+    """What rays ask of each cell of a window, packed so that they read one array: most cells have nothing to tell.
+
+    Args:
+        cells: as in :func:`space_gain`.
+        reach_m: from how near explored space must have been seen, metres.
+        i0: first row of the window.
+        i1: last row.
+        j0: first column.
+        j1: last column.
+        out: (m, m) uint8, written there: ``UNEXPLORED``, ``TALL``, ``FAR`` bits.
+    """
+    explored, height, near, _, _ = cells
+    far_m = reach_m + 0.25
+    for i in range(max(i0, 0), min(i1 + 1, out.shape[0])):
+        for j in range(max(j0, 0), min(j1 + 1, out.shape[1])):
+            code = (explored[i, j] == 0) * UNEXPLORED | (height[i, j] >= OPAQUE_M) * TALL | (near[i, j] > far_m) * FAR
+            out[i, j] = code
 
 
 @merged
 def _ray(
-    i0: int, j0: int, ray: int, cells: Any, reach: tuple[int, float], weight: tuple[float, float], factor: float
-) -> float:
+    i0: int, j0: int, ray: int, cells: Any, state: U8, reach: tuple[int, float], weight: tuple[float, float],
+    factor: float,
+) -> float:  # fmt: skip
     """Weighted area of one ray, in square metres; multiplies ``stale`` of the counted cells by ``factor``."""
-    explored, height, near, stale, interest = cells
-    gain, trust, far_m, deep = 0.0, 1.0, reach[1] + 0.25, 0
+    stale, interest = cells[3], cells[4]
+    gain, trust, deep = 0.0, 1.0, 0
     near_cells = int(reach[1] / CELL_M)
     for k in range(min(reach[0], MOST_CELLS)):
         i, j = i0 + RAY_CELL[ray, k, 0], j0 + RAY_CELL[ray, k, 1]
-        if i < 1 or j < 1 or i >= explored.shape[0] - 1 or j >= explored.shape[1] - 1:
+        if i < 1 or j < 1 or i >= state.shape[0] - 1 or j >= state.shape[1] - 1:
             break
-        tall = height[i, j] >= OPAQUE_M
-        if explored[i, j] == 0 and not tall:
+        code = state[i, j]
+        if code == 0:
+            continue
+        if code & UNEXPLORED and not code & TALL:
             gain += weight[0] * RAY_AREA[ray, k] * stale[i, j] * interest[i, j] * trust
             trust *= DEEPER
             deep += 1
             stale[i, j] *= factor
-        elif k < near_cells and near[i, j] > far_m:
+        elif code & FAR and k < near_cells:
             gain += weight[1] * RAY_AREA[ray, k] * stale[i, j]
             stale[i, j] *= factor
-        if tall or deep >= DEEP_CELLS:
+        if code & TALL or deep >= DEEP_CELLS:
             break
     return gain
 
 
+@merged
+def in_sight(
+    m: int, i: int, j: int, cam_z: float, place: F64, hollow: F64, faces: U8, hidden: Any, height: F32, walls: U8,
+    half: int,
+) -> bool:  # fmt: skip
+    """Whether a sample point shows at a node, through an open side of its compartment and with nothing in between.
+
+    Heights and walls only grow, so a point that is hidden once stays hidden from there: that is kept in ``hidden``.
+
+    Args:
+        m: row of the point.
+        i: of the node.
+        j: of the node.
+        cam_z: height of the camera, metres.
+        place: (m, 3) float64, the points, metres.
+        hollow: (m, 6) float64, boxes of their compartments, metres.
+        faces: (m,) uint8, bits of the compartments' open sides.
+        hidden: (m, WORDS) uint64, updated: bits of the nodes around each point from which it is hidden.
+        height: (c, c) float32, metres.
+        walls: (2, c, c) uint8.
+        half: cell number of the start.
+    """
+    px, py, pz = place[m]
+    a = i - half - int(np.floor(px / CELL_M + 0.5)) + SPAN
+    b = j - half - int(np.floor(py / CELL_M + 0.5)) + SPAN
+    kept = 0 <= a <= 2 * SPAN and 0 <= b <= 2 * SPAN
+    word, bit = 0, np.uint64(0)
+    if kept:
+        number = a * (2 * SPAN + 1) + b
+        word, bit = number >> 6, np.uint64(1) << np.uint64(number & 63)
+        if hidden[m, word] & bit:
+            return False
+    x, y = (i - half) * CELL_M, (j - half) * CELL_M
+    if shows(x, y, cam_z, px, py, pz, hollow[m], faces[m]) and sight(
+        x, y, cam_z, px, py, pz, height, walls, half
+    ):
+        return True
+    if kept:
+        hidden[m, word] |= bit
+    return False
+
+
+@merged
+def between(nodes: I32, low: int, high: int) -> tuple[int, int]:
+    """Rows, the last excluded, of the nodes with ``low`` <= i <= ``high``; the nodes (n, 2) are sorted by i."""
+    first, last = 0, nodes.shape[0]
+    while first < last:
+        middle = (first + last) // 2
+        if nodes[middle, 0] < low:
+            first = middle + 1
+        else:
+            last = middle
+    end, stop = first, nodes.shape[0]
+    while end < stop:
+        middle = (end + stop) // 2
+        if nodes[middle, 0] <= high:
+            end = middle + 1
+        else:
+            stop = middle
+    return first, end
+
+
 @jit
 def place_gain(
-    nodes: I32, place: F64, hollow: F64, faces: U8, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8,
-    half: int, out: F64,
+    nodes: I32, rows: I32, place: F64, hollow: F64, faces: U8, weight: F64, hidden: Any, reach_m: float, cam_z: float,
+    height: F32, walls: U8, half: int, out: F64,
 ) -> None:  # fmt: skip
     """Add the weight of the sample points that each view would show.
 
     A point in a compartment is shown through the open sides only.
 
     Args:
-        nodes: (n, 2) int32.
+        nodes: (n, 2) int32, sorted by i.
+        rows: (k,) int32, the points that count.
         place: (m, 3) float64, the points, metres.
         hollow: (m, 6) float64, boxes of their compartments, metres.
         faces: (m,) uint8, bits of the compartments' open sides.
         weight: (m,) float64.
+        hidden: (m, WORDS) uint64, updated; see :func:`in_sight`.
         reach_m: greatest distance from which a point counts as shown, metres.
         cam_z: height of the camera, metres.
         height: (c, c) float32, metres.
@@ -177,19 +279,19 @@ def place_gain(
         half: cell number of the start.
         out: (n, 4, 4) float64, updated: node, heading, pitch.
     """
-    for m in range(place.shape[0]):
+    span = int(reach_m / CELL_M) + 1
+    for m in rows:
         w = weight[m]
-        if w <= 0.0:
-            continue
         px, py, pz = place[m]
-        for n in range(nodes.shape[0]):
-            x, y = (nodes[n, 0] - half) * CELL_M, (nodes[n, 1] - half) * CELL_M
-            dx, dy, dz = px - x, py - y, pz - cam_z
-            if dx * dx + dy * dy > reach_m * reach_m or not shows(x, y, cam_z, px, py, pz, hollow[m], faces[m]):
+        middle = int(np.floor(px / CELL_M + 0.5)) + half
+        first, last = between(nodes, middle - span, middle + span)
+        for n in range(first, last):
+            i, j = nodes[n]
+            dx, dy, dz = px - (i - half) * CELL_M, py - (j - half) * CELL_M, pz - cam_z
+            if dx * dx + dy * dy > reach_m * reach_m:
                 continue
-            if not sight(x, y, cam_z, px, py, pz, height, walls, half):
-                continue
-            add_to_views(dx, dy, dz, w, reach_m, out[n])
+            if in_sight(m, i, j, cam_z, place, hollow, faces, hidden, height, walls, half):
+                add_to_views(dx, dy, dz, w, reach_m, out[n])
 
 
 @merged

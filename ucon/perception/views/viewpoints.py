@@ -274,17 +274,13 @@ class Viewpoints(PartlyShared):
         opens = np.zeros_like(looks)
         weight = self.weights(places, expected, closed)
         worth = (weight > 1e-9) & (places.unseen > SEEN) if places.sight is None else _most_of(weight)
-        xyz = np.ascontiguousarray(places.xyz[worth])
+        rows = np.flatnonzero(worth).astype(np.int32)
+        points = (places.xyz, places.hollow, places.faces, weight, places.hidden)
+        scene = (known.body.camera_m, known.height, known.walls, HALF)
         if places.sight is None:
-            kernels.place_gain(
-                nodes, xyz, places.hollow[worth], places.faces[worth], weight[worth], self.reach_m,
-                known.body.camera_m, known.height, known.walls, HALF, looks,
-            )  # fmt: skip
+            kernels.place_gain(nodes, rows, *points, self.reach_m, *scene, looks)
         else:
-            gain_by_chance(
-                nodes, xyz, places.hollow[worth], places.faces[worth], weight[worth], places.looked[worth],
-                places.sight.model, known.body.camera_m, known.height, known.walls, HALF, looks,
-            )  # fmt: skip
+            gain_by_chance(nodes, rows, *points, places.looked, places.sight.model, *scene, looks)
         if len(closed):
             inside = expected.mass[closed, INSIDE]
             kernels.open_gain(
