@@ -11,8 +11,10 @@ from ucon.core.errors import ConfigError
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 OPTIONS = sorted((p.parent.name, p.stem) for p in CONFIGS.glob("*/*.yaml"))
+#: Learners that play nothing: they learn from data that is kept.
+FROM_DATA = ("belief", "counterfactual", "foresight", "judge", "retriever")
 #: Learners of an agent's policy.
-OF_POLICIES = [n for g, n in OPTIONS if g == "learner" and n not in ("belief", "foresight", "judge", "retriever")]
+OF_POLICIES = [n for g, n in OPTIONS if g == "learner" and n not in FROM_DATA]
 
 
 def composed(*overrides: str, root: str = "eval") -> dict:

@@ -13,15 +13,17 @@ from omegaconf import OmegaConf
 from models.habit_policy import HabitPolicy
 from ucon.configuration.wiring import Factory
 from ucon.core.errors import ConfigError, DataError
-from ucon.learning.foresight import store
-from ucon.learning.foresight.batches import batch_of, mirrored
-from ucon.learning.foresight.decisions import TEXT
+from ucon.learning.decisions import store
+from ucon.learning.decisions.batches import batch_of, mirrored
+from ucon.learning.decisions.decisions import TEXT
+from ucon.learning.foresight.labels import WaysToTarget
 from ucon.learning.foresight.learner import ForesightLearner
 from ucon.learning.ppo.foresight import progress
 from ucon.learning.run import kept_batches
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 LEVELS = ("none", "retrieval")
+WAYS = WaysToTarget()
 
 
 @pytest.fixture(scope="module")
@@ -38,19 +40,19 @@ def cache(search: Factory, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("cache")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("UCON_CACHE", str(folder))
-        store.kept_decisions("mini", 24, [search], LEVELS, 0, 2)
+        store.kept_decisions(WAYS, "mini", 24, [search], LEVELS, 0, 2)
     return folder
 
 
 @pytest.fixture
 def kept(cache: Path, search: Factory, monkeypatch: pytest.MonkeyPatch) -> store.Decisions:
     monkeypatch.setenv("UCON_CACHE", str(cache))
-    return store.kept_decisions("mini", 24, [search], LEVELS, 0, 1)
+    return store.kept_decisions(WAYS, "mini", 24, [search], LEVELS, 0, 1)
 
 
 @pytest.fixture
 def learner(kept: store.Decisions, search: Factory, monkeypatch: pytest.MonkeyPatch) -> ForesightLearner:
-    monkeypatch.setattr("ucon.learning.foresight.learner.check_parts", lambda *given: None)  # mini is no training set
+    monkeypatch.setattr("ucon.learning.decisions.learner.check_parts", lambda *given: None)  # mini is no training set
     return made(search)
 
 
@@ -68,29 +70,29 @@ def test_decisions_are_kept_and_the_number_of_workers_does_not_matter(
     files = sorted((cache / "foresight").rglob("*.safetensors"))
     assert [file.stem for file in files] == ["000000-20", "000020-4"]
     monkeypatch.setenv("UCON_CACHE", str(tmp_path))
-    store.kept_decisions("mini", 20, [search], LEVELS, 0, 1)
+    store.kept_decisions(WAYS, "mini", 20, [search], LEVELS, 0, 1)
     (one,) = (tmp_path / "foresight").rglob("*.safetensors")
     assert one.read_bytes() == files[0].read_bytes()
     monkeypatch.setattr(kept_batches, "Pool", None)  # nothing is searched again
-    assert len(store.kept_decisions("mini", 20, [search], LEVELS, 0, 1))
+    assert len(store.kept_decisions(WAYS, "mini", 20, [search], LEVELS, 0, 1))
     one.write_bytes(one.read_bytes()[:1000])
     with pytest.raises(DataError, match=r"no decisions .*remove it[^\n]*$"):
-        store.kept_decisions("mini", 20, [search], LEVELS, 0, 1)
+        store.kept_decisions(WAYS, "mini", 20, [search], LEVELS, 0, 1)
 
 
 def test_a_batch_in_which_nothing_was_to_be_decided_is_kept_as_empty(
     search: Factory, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(store, "decisions_of", lambda *given: None)
+    monkeypatch.setattr(WaysToTarget, "__call__", lambda *given: None)
     file = tmp_path / "000000-1.safetensors"
-    file.write_bytes(store._batch("mini", (search,), LEVELS, 0, range(1)))
-    assert store._read(file) is None
+    file.write_bytes(store._batch(WAYS, "mini", (search,), LEVELS, 0, range(1)))
+    assert store._read(file, WAYS.label) is None
 
 
 def test_other_episodes_levels_and_seeds_have_other_folders(search: Factory) -> None:
     found = {
-        store.store_hash("mini", [search], LEVELS, 0), store.store_hash("val", [search], LEVELS, 0),
-        store.store_hash("mini", [search], ("none",), 0), store.store_hash("mini", [search], LEVELS, 1),
+        store.store_hash(WAYS, "mini", [search], LEVELS, 0), store.store_hash(WAYS, "val", [search], LEVELS, 0),
+        store.store_hash(WAYS, "mini", [search], ("none",), 0), store.store_hash(WAYS, "mini", [search], LEVELS, 1),
     }  # fmt: skip
     assert len(found) == 4
 

@@ -69,11 +69,25 @@ class Tour:
         rgb = np.empty((height, width, 3), np.uint8) if detector.needs_rgb else None
         counts = np.empty(len(guide.world.boxes), np.int32)
         self.renderer.render(*guide.camera, rgb=rgb, depth=depth, instance=instance, counts=counts)
-        instance[instance == target], counts[target] = -1, 0
+        hide(target, instance, counts)
         pose, camera_m = self.frame.pose(guide.pose), guide.camera[2]
         found = detector.detect(Frame(depth, rgb, pose, camera_m, self.fov_deg, instance, counts))
         info = {"camera_m": camera_m, "depth": depth, "detections": found, "tracks": found.image}
         return {"pose": pose, "collision": np.zeros(1, np.int8)}, info
+
+
+def hide(target: int, instance: NDArray[np.int16] | None, counts: NDArray[np.int32] | None) -> None:
+    """Take an instance out of a frame, so that no detector finds it; it stays in image and depth.
+
+    Args:
+        target: its number.
+        instance: (H, W) int16, updated.
+        counts: pixels of every instance, updated.
+    """
+    if instance is not None:
+        instance[instance == target] = -1
+    if counts is not None:
+        counts[target] = 0
 
 
 def stops(free: NDArray[np.bool_], start: tuple[int, int]) -> NDArray[np.int64]:

@@ -26,8 +26,9 @@ from ucon.envs.options import (
 )
 from ucon.envs.painter import Moment, Painter
 from ucon.envs.spaces import observation_space, padded
-from ucon.envs.tour import Tour
+from ucon.envs.tour import Tour, hide
 from ucon.perception.detectors import Detector, Frame
+from ucon.perception.detectors.gt import GtDetector
 from ucon.perception.mapping.nav import Nav
 from ucon.sim.cache import load_house
 from ucon.sim.state import SceneState
@@ -181,6 +182,34 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         return self._max_habits
 
     @property
+    def ledger(self) -> Ledger:
+        """The running metrics of the current episode. Privileged.
+
+        Raises:
+            EpisodeError: there is none.
+        """
+        return self._begun("ledger")
+
+    @property
+    def frame(self) -> StartFrame:
+        """Converts between the world and the frame of the episode's start. Privileged."""
+        return self._frame
+
+    def true_tour(self) -> tuple[Tour, GtDetector]:
+        """A walk through the home in which everything has its own name; see :mod:`ucon.envs.tour`. Privileged.
+
+        Returns:
+            The walk, and the detector that names what it shows.
+        """
+        self._begun("true_tour")
+        detector = GtDetector()
+        detector.reset(self.episode.id, self._world.categories)
+        return self._tour_by(detector), detector
+
+    def _tour_by(self, detector: Detector | None) -> Tour:
+        return Tour(self.search, self._renderer, detector, self._frame, self._fov_deg)
+
+    @property
     def habit_table(self) -> NDArray[np.float16]:
         """Embeddings of all N habits of the dataset, (N, D) float16, read-only; ``obs["habits"]`` are its rows."""
         return self.source.table
@@ -190,7 +219,8 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
 
         Args:
             seed: draws the episode, unless one is given.
-            options: ``episode``, an Episode, an id or an index; ``habit_level``, the level of this episode alone.
+            options: ``episode``, an Episode, an id or an index; ``habit_level``, the level of this episode alone;
+                ``hide_target``, True: the detector never shows the target. For trainers.
 
         Returns:
             Observation and info; see the class.
@@ -202,6 +232,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         super().reset(seed=seed)
         self._ledger = None  # a reset that fails leaves nothing to go on with
         self.episode = self._choose(options or {})
+        self._hides_target = bool((options or {}).get("hide_target", False))
         level = self.source.check_level((options or {}).get("habit_level", self.habit_level))
         house = load_house(self.episode.scene)
         check_home(self.episode, house)
@@ -220,7 +251,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         self._over = False
         self._painter = None
         self._locations = self.source.locations(self.episode, house) if self._privileged else ()
-        self._tour = Tour(self.search, self._renderer, self._detector, self._frame, self._fov_deg)
+        self._tour = self._tour_by(self._detector)
         obs, info = self._look(opened=())
         self._ledger = Ledger(self.episode, self.search)
         info |= {
@@ -376,6 +407,8 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         instance = self._instance if detector is not None else None
         counts = np.empty(len(self._world.boxes), np.int32) if self._canonical else None
         self._renderer.render(*self.search.camera, rgb=rgb, depth=depth, instance=instance, counts=counts)
+        if self._hides_target:
+            hide(self.search.target, instance, counts)
         if counts is not None:
             self.search.saw(counts)
         return depth, rgb

@@ -32,7 +32,7 @@ def masks(subject: Subject) -> Finding:
             if seen.info["invalid"]:
                 return Finding("masks", False, expected, "a row whose mask is 1 was no choice")
         if not seen.over and not seen.obs["action_mask"].all():
-            before = core(env)._ledger.steps  # type: ignore[union-attr]
+            before = core(env).ledger.steps
             seen = step(env, int(np.flatnonzero(seen.obs["action_mask"] == 0)[0]))
             spent = core(env)._ledger.steps - before  # type: ignore[union-attr]
             if not seen.info["invalid"] or spent < 1:

@@ -127,7 +127,7 @@ def _shown_since_now(env: Any) -> Callable[[], bool]:
 
 def _was_seen(inner: Any) -> bool:
     """Whether the target counted as seen at any step."""
-    ledger: Any = inner._ledger
+    ledger: Any = inner.ledger
     return ledger is not None and ledger.first_seen_step >= 0
 
 

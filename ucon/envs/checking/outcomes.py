@@ -75,7 +75,7 @@ def figures_of_choices(subject: Subject) -> Finding:
                 break
             seen, number = step(env, choice(seen, number)), number + 1
         told = dict(seen.info.get("episode_metrics", {}))
-        ledger: Any = core(env)._ledger
+        ledger: Any = core(env).ledger
         right = ledger.outcome().to_json()
         wrong = [name for name in right if told.get(name) != right[name]]
         if not seen.over or wrong or seen.info.get("is_success") is not bool(right["success"]):

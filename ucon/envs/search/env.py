@@ -91,7 +91,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
 
     metadata = {"render_modes": RENDER_MODES, "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
     _shared: ClassVar[frozenset[str]] = frozenset(
-        {"spec", "metadata", "_locate", "_sizes", "_text", "_returns", "_distance", "_last", "_tokens"}
+        {"spec", "metadata", "_locate", "_sizes", "_text", "_returns", "_distance", "_last", "_tokens", "_locations"}
     )
 
     options_of = UcONEnv
@@ -159,8 +159,8 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         super().reset(seed=seed)
         self._course.close()  # a reset that fails leaves nothing to go on with
         obs, info = self.env.reset(seed=seed, options=options)
-        locations = self._locate(info)
-        believing = expecting(info, self._locate, locations=locations)
+        self._locations = self._locate(info)
+        believing = expecting(info, self._locate, locations=self._locations)
         self._searcher = Searcher(info, believing, miss=self._miss)
         self._reader = TokenReader(self._searcher, info, self._sizes)
         self._said = EpisodeTextTokens(self._text, str(info["target"]), believing)
@@ -195,12 +195,10 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
             choice = None if invalid or not offered else offered[action]
             self._until_due(self._searcher.choose(choice))
         info = self._last[1]
-        rules = cast(UcONEnv, self.env.unwrapped).rules
         self._course.note_over(over=any(self._over))
-        reward = self._returns(info["episode_metrics"], rules.max_steps) if any(self._over) else 0.0
         return (
             self._observed(),
-            reward,
+            self._reward(info),
             *self._over,
             returned_info(_kept(info) | {"invalid": invalid}, texts=self._texts),
         )
@@ -216,12 +214,23 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
                 self._course.note(self.env)
                 if any(over):
                     return
-            action = self._searcher.look(*self._last)
+            action = self._look()
             if action is None:
                 self._tokens = self._reader.read(self._searcher.decision())
                 if len(self._tokens.choices) > 1:
                     return
                 action = self._searcher.choose(next(iter(self._tokens.choices), None))
+
+    def _look(self) -> Action | None:
+        """Take in the newest frame: the next action, or None where a choice is due."""
+        assert self._searcher is not None
+        return self._searcher.look(*self._last)
+
+    def _reward(self, info: dict[str, Any]) -> float:
+        """What the choice came to: the return of an episode at its end."""
+        if not any(self._over):
+            return 0.0
+        return self._returns(info["episode_metrics"], cast(UcONEnv, self.env.unwrapped).rules.max_steps)
 
     def _observed(self) -> Obs:
         """The observation of the choice that is due; zeros at the end of the episode."""

@@ -226,8 +226,8 @@ class JudgeOptions(LearnerOptions):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ForesightOptions(LearnerOptions):
-    """Options of ``learner=foresight``.
+class DecisionOptions(LearnerOptions):
+    """Options of learners from labelled decisions, such as ``learner=foresight``.
 
     Args:
         episodes: set of training episodes.

@@ -32,15 +32,16 @@ class Sight(Shared):
     model: tuple[NDArray[np.float64], int, NDArray[np.float64]]
 
     @classmethod
-    def of(cls, errors: DetectorErrors, target: str) -> Sight:
+    def of(cls, errors: DetectorErrors, target: str, passes: float = PASSES) -> Sight:
         """The sight of a target.
 
         Args:
             errors: of the detector.
             target: its name.
+            passes: a look counts as so many.
         """
         away_m: NDArray[np.float64] = STEP_M * np.arange(int(FARTHEST_M / STEP_M), dtype=np.float64)
         chance = errors.right * errors.sighted_curve(target, np.maximum(away_m, STEP_M))
         counts = np.flatnonzero((chance > LEAST_CHANCE) | (away_m < NEAR_M))
-        chance = 1.0 - (1.0 - chance) ** PASSES
+        chance = 1.0 - (1.0 - chance) ** passes
         return cls((chance[: int(counts[-1]) + 1], errors.sides, limits_m2(errors.octave)))

@@ -49,7 +49,7 @@ class Places(PartlyShared):
             target_height_m: height of the target in metres; points lie half of it above the surface.
             sight: what a look is worth, where the detector errs.
         """
-        self.sight = sight
+        self.sight, self.target_height_m = sight, target_height_m
         self._looked = np.zeros(1024, np.uint64)
         self._hidden = np.zeros((1024, WORDS), np.uint64)
         self._lift_m = 0.5 * target_height_m

@@ -226,9 +226,7 @@ def in_sight(
         if hidden[m, word] & bit:
             return False
     x, y = (i - half) * CELL_M, (j - half) * CELL_M
-    if shows(x, y, cam_z, px, py, pz, hollow[m], faces[m]) and sight(
-        x, y, cam_z, px, py, pz, height, walls, half
-    ):
+    if shows(x, y, cam_z, px, py, pz, hollow[m], faces[m]) and sight(x, y, cam_z, px, py, pz, height, walls, half):
         return True
     if kept:
         hidden[m, word] |= bit

@@ -9,7 +9,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from ucon.learning.foresight.decisions import Decisions
+from ucon.learning.decisions.decisions import Decisions
 from ucon.search.search_tokens import THING_AHEAD
 from ucon.search.view_tokens import AHEAD, VISITED
 

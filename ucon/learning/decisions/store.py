@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, ClassVar, Final, Protocol
 
 import numpy as np
 from safetensors.numpy import save
@@ -16,41 +16,58 @@ from ucon.core.errors import DataError
 from ucon.core.files import sha256_bytes, user_cache
 from ucon.core.fingerprint import fingerprint_of
 from ucon.core.rng import stream
-from ucon.learning.foresight.decisions import TEXT, Decisions, decisions_of
+from ucon.learning.decisions.decisions import TEXT, Decisions
 from ucon.learning.run.kept_batches import code_hash, kept_batches, read_batch
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
 
-#: Searches of one file.
-BATCH: Final = 20
 #: Code that decides what a decision is and how the search goes on.
-_CODE: Final = ("search", "perception", "envs/search", "learning/foresight/decisions.py")
+_CODE: Final = ("search", "perception", "envs/search", "learning/decisions/decisions.py")
 MakeEnv = Callable[[], Any]
 
 
+class Labels(Protocol):
+    """Searches an episode and labels its decisions. Its ``repr`` says all that the labels depend on beside code."""
+
+    name: ClassVar[str]
+    """Folder in the cache, and name of the random numbers."""
+    label: ClassVar[str]
+    """Name of the label among the frames."""
+    searches: ClassVar[int]
+    """Searches of one file."""
+    code: ClassVar[tuple[str, ...]]
+    """Source files below ``ucon/`` that decide the labels."""
+
+    def __call__(self, env: Any, episode: Episode, level: str, draw: np.random.Generator) -> Decisions | None:
+        """Decisions of one search; None where nothing was to be decided."""
+        ...
+
+
 def kept_decisions(
-    episodes: str, searches: int, makers: Sequence[MakeEnv], levels: Sequence[str], seed: int, workers: int
-) -> Decisions:
+    labels: Labels, episodes: str, searches: int, makers: Sequence[MakeEnv], levels: Sequence[str], seed: int,
+    workers: int,
+) -> Decisions:  # fmt: skip
     """Decisions of some searches, in the order of the searches.
 
     Args:
+        labels: searches and labels; can be pickled.
         episodes: a set by name; drawn from it, and drawn anew when all came up.
         searches: how many.
-        makers: each makes an environment of ``UcONSearch-v0`` with ``distance_to_goal=True``; taken in turn.
+        makers: each makes an environment of ``UcONSearch-v0`` that tells what the labels need; taken in turn.
         levels: habit levels, taken in turn after every round of ``makers``.
         seed: of the draw.
         workers: processes; the result does not depend on it.
     """
-    folder = user_cache() / "foresight" / store_hash(episodes, makers, levels, seed)
-    given = (episodes, tuple(makers), tuple(levels), seed)
-    files = kept_batches(folder, searches, BATCH, f"searches in {episodes} homes", workers, _batch, given)
-    return Decisions.join([part for path in files if (part := _read(path)) is not None])
+    folder = user_cache() / labels.name / store_hash(labels, episodes, makers, levels, seed)
+    given = (labels, episodes, tuple(makers), tuple(levels), seed)
+    files = kept_batches(folder, searches, labels.searches, f"searches in {episodes} homes", workers, _batch, given)
+    return Decisions.join([part for path in files if (part := _read(path, labels.label)) is not None])
 
 
-def store_hash(episodes: str, makers: Sequence[MakeEnv], levels: Sequence[str], seed: int) -> str:
-    """Hash of what decides the decisions: code, episodes, habits, reader, detectors, levels and seed."""
+def store_hash(labels: Labels, episodes: str, makers: Sequence[MakeEnv], levels: Sequence[str], seed: int) -> str:
+    """Hash of what decides the decisions: labels, code, episodes, habits, reader, detectors, levels and seed."""
     of_episodes = sha256_bytes("".join(f"{e.id} {e.home_hash}" for e in _episodes(episodes)).encode())
-    parts = [code_hash(*_CODE), of_episodes, *levels, str(seed)]
+    parts = [repr(labels), code_hash(*_CODE, *labels.code), of_episodes, *levels, str(seed)]
     for make in makers:
         env = make()
         detector = env.env.detector
@@ -61,16 +78,19 @@ def store_hash(episodes: str, makers: Sequence[MakeEnv], levels: Sequence[str], 
     return hashlib.sha256(json.dumps(parts).encode()).hexdigest()[:16]
 
 
-def _batch(episodes: str, makers: tuple[MakeEnv, ...], levels: tuple[str, ...], seed: int, numbers: range) -> bytes:
+def _batch(
+    labels: Labels, episodes: str, makers: tuple[MakeEnv, ...], levels: tuple[str, ...], seed: int, numbers: range
+) -> bytes:
     """Decisions of some searches, as the bytes of a file."""
     every, found = _episodes(episodes), []
     envs = [make() for make in makers]
     try:
         for k in numbers:
             turn, at = divmod(k, len(every))
-            order = stream(seed, "foresight", episodes, turn).permutation(len(every))
+            order = stream(seed, labels.name, episodes, turn).permutation(len(every))
             level = levels[k // len(makers) % len(levels)]
-            one = decisions_of(envs[k % len(makers)], every[int(order[at])], level)
+            draw = stream(seed, labels.name, "draw", k)
+            one = labels(envs[k % len(makers)], every[int(order[at])], level, draw)
             found += [] if one is None else [one]
     finally:
         for env in envs:
@@ -89,8 +109,8 @@ def _bytes(decisions: Decisions) -> bytes:
     return save({**{f"frames/{name}": v for name, v in decisions.frames.items()}, **text, "episode": decisions.episode})
 
 
-def _read(path: Path) -> Decisions | None:
-    """The decisions of a file of :func:`_batch`; None where nothing was to be decided.
+def _read(path: Path, label: str) -> Decisions | None:
+    """The decisions of a file of :func:`_batch` with a label of that name; None where nothing was to be decided.
 
     Raises:
         DataError: the file is damaged.
@@ -98,7 +118,7 @@ def _read(path: Path) -> Decisions | None:
     found = read_batch(path, (), "decisions")
     if [*found] == ["episode"] and not len(found["episode"]):
         return None
-    if missing := {"episode", "frames/views", "frames/distance_to_goal", *(f"text/{name}" for name in TEXT)} - {*found}:
+    if missing := {"episode", "frames/views", f"frames/{label}", *(f"text/{name}" for name in TEXT)} - {*found}:
         raise DataError(f"{path}: no {min(missing)}; remove it, and it is made again")
     frames = {name[7:]: value for name, value in found.items() if name.startswith("frames/")}
     return Decisions(frames, {name: found[f"text/{name}"] for name in TEXT}, found["episode"].astype(np.int32))

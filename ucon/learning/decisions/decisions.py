@@ -1,8 +1,4 @@
-"""Decisions of searches in training homes, with the remaining way from every view: what foresight is learned from.
-
-An episode is searched by gain over cost, the policy that an untrained ``habit_policy`` plays. Each decision is kept as
-the network sees it, with the privileged distance to the target from every view. Text is kept once an episode.
-"""
+"""Decisions as arrays, as the network sees them, with labels; text is kept once an episode."""
 
 from __future__ import annotations
 
@@ -15,14 +11,13 @@ from numpy.typing import NDArray
 
 from ucon.search.searcher import LOYALTY
 from ucon.search.view_tokens import IS_KEPT
-from ucon.task.episode import Episode
 
 Arrays = dict[str, NDArray[Any]]
 #: What of an observation is text, the same in all decisions of an episode.
 TEXT: Final = ("target", "habits", "habits_relevance", "habits_mask")
 #: Smallest type that holds each kind of array; all others are float16.
 _TYPES: Final = {"thing_rows": np.int16, "action_mask": np.uint8, "things_mask": np.uint8, "frontiers_mask": np.uint8,
-                 "habits_mask": np.uint8, "distance_to_goal": np.float32}  # fmt: skip
+                 "habits_mask": np.uint8, "distance_to_goal": np.float32, "worth": np.float32}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -30,7 +25,7 @@ class Decisions:
     """n decisions of m episodes."""
 
     frames: Arrays
-    """Observations of ``UcONSearch-v0`` without text, (n, ...) by name; floats as float16."""
+    """Observations of ``UcONSearch-v0`` without text, and labels, (n, ...) by name; floats as float16."""
     text: Arrays
     """Text of the episodes, (m, ...) by name; see :data:`TEXT`."""
     episode: NDArray[np.int32]
@@ -49,30 +44,20 @@ class Decisions:
         return len(self.episode)
 
 
-def decisions_of(env: Any, episode: Episode, level: str) -> Decisions | None:
-    """Search one episode by gain over cost, and keep its decisions.
+def joined(kept: Sequence[Arrays], text: Arrays) -> Decisions | None:
+    """Decisions of one episode.
 
     Args:
-        env: of ``UcONSearch-v0``, with ``distance_to_goal=True``.
-        episode: of a training home.
-        level: habit level.
+        kept: observations of the decisions, without text, and their labels.
+        text: of the episode, by name.
 
     Returns:
-        None where nothing was to be decided.
+        None where there is no decision.
     """
-    kept: list[dict[str, Any]] = []
-    observation, _ = env.reset(options={"episode": episode, "habit_level": level})
-    text, over = {name: observation[name] for name in TEXT}, not observation["action_mask"][1:].any()
-    while not over:
-        kept.append({name: value for name, value in observation.items() if name not in TEXT})
-        observation, _, terminated, truncated, _ = env.step(by_gain_over_cost(observation))
-        over = terminated or truncated
     if not kept:
         return None
     frames = {name: small(name, np.stack([row[name] for row in kept])) for name in kept[0]}
-    return Decisions(
-        frames, {name: small(name, value[None]) for name, value in text.items()}, np.zeros(len(kept), np.int32)
-    )
+    return Decisions(frames, {name: small(name, text[name][None]) for name in TEXT}, np.zeros(len(kept), np.int32))
 
 
 def by_gain_over_cost(observation: Arrays) -> int:

@@ -1,0 +1,104 @@
+"""Learning from counterfactual rollouts: labels, loss, and the learner."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from hydra import compose, initialize_config_dir
+from omegaconf import OmegaConf
+
+from models.habit_policy import HabitPolicy
+from ucon.configuration.wiring import Factory
+from ucon.learning.counterfactual.labels import Rollouts
+from ucon.learning.counterfactual.learner import CounterfactualLearner, first_view, relative_worth
+from ucon.learning.decisions import store
+from ucon.learning.decisions.batches import batch_of
+from ucon.learning.decisions.decisions import by_gain_over_cost
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+ROLLOUTS = Rollouts(share=0.3, views=3, steps=20)
+
+
+@pytest.fixture(scope="module")
+def search() -> Factory:
+    """Makes the environment that ``learner=counterfactual`` searches in."""
+    with initialize_config_dir(str(CONFIGS), version_base="1.3"):
+        config = compose("train", overrides=["agent=habit_policy", "learner=counterfactual", "out=runs/test"])
+    return Factory(OmegaConf.to_container(config.search, resolve=True))
+
+
+@pytest.fixture(scope="module")
+def cache(search: Factory, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A cache of its own, with the labelled decisions of a few searches."""
+    folder = tmp_path_factory.mktemp("cache")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("UCON_CACHE", str(folder))
+        store.kept_decisions(ROLLOUTS, "mini", 8, [search], ("retrieval",), 0, 2)
+    return folder
+
+
+@pytest.fixture
+def kept(cache: Path, search: Factory, monkeypatch: pytest.MonkeyPatch) -> store.Decisions:
+    monkeypatch.setenv("UCON_CACHE", str(cache))
+    return store.kept_decisions(ROLLOUTS, "mini", 8, [search], ("retrieval",), 0, 1)
+
+
+def test_some_views_of_every_decision_are_labelled_the_first_among_them(kept: store.Decisions) -> None:
+    worth, mask = kept.frames["worth"], kept.frames["action_mask"]
+    tried = ~np.isnan(worth)
+    assert (tried.sum(1) == np.minimum(mask.sum(1), 3)).all()
+    assert not tried[mask == 0].any()
+    first = first_view(batch_of(kept, np.arange(len(kept)))).numpy()
+    assert tried[np.arange(len(kept)), first].mean() > 0.95  # but where float16 makes two alike
+    assert worth[tried].min() >= 0.0
+    assert worth[tried].max() <= 1.0
+    assert np.nanstd(worth, axis=1).mean() > 0.001
+
+
+def test_rollouts_leave_the_search_as_it_was(search: Factory) -> None:
+    def searched(share: float) -> tuple[float, list[int]]:
+        env, total, rows = search(), 0.0, []
+        observation, _ = env.reset(options={"episode": env.env.episodes[0], "habit_level": "retrieval"})
+        labels, draw = Rollouts(share, 2, 10), np.random.default_rng(0)
+        for _ in range(6):
+            if draw.random() < share:
+                labels._worth(env, observation, draw)
+            rows.append(by_gain_over_cost(observation))
+            observation, reward, *_ = env.step(rows[-1])
+            total += reward
+        env.close()
+        return total, rows
+
+    assert searched(0.0) == searched(1.0)
+
+
+def test_only_differences_within_decisions_count() -> None:
+    worth = torch.tensor([[0.2, 0.4, float("nan"), 0.3], [0.02, 0.02, 0.02, float("nan")]])
+    relative, known, mean = relative_worth({"worth": worth})
+    assert torch.equal(known, ~worth.isnan())
+    assert mean[:, 0] == pytest.approx([0.3, 0.02])
+    assert relative[0] == pytest.approx([-1 / 3, 1 / 3, 0.0, 0.0], abs=1e-6)
+    assert relative[1] == pytest.approx([0.0] * 4, abs=1e-6)
+    twice, *_ = relative_worth({"worth": 2.0 * worth})
+    assert torch.allclose(twice, relative, atol=1e-6)
+
+
+def test_training_explains_more_in_the_homes_it_learns_in(
+    kept: store.Decisions, search: Factory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("ucon.learning.decisions.learner.check_parts", lambda *given: None)  # mini is no training set
+    learner = CounterfactualLearner(
+        HabitPolicy(16, 1, 2), {"gt": search}, ROLLOUTS, steps=80, episodes="mini", n_searches=8, validation="mini",
+        validation_searches=8, levels=("retrieval",), batch=64, lr=3e-3, warm_up=5, decay=0.0, average=0.5,
+        device="cpu",
+    )  # fmt: skip
+    before = learner.validate()
+    assert before["gain"] == pytest.approx(0.0, abs=1e-4), "an untrained policy goes by gain over cost"
+    for _ in range(80):
+        learner.step()
+    after = learner.validate()
+    assert after["explained"] > before["explained"] + 0.1
+    assert after["gain"] > 0.0

@@ -1,0 +1,1 @@
+"""Learning from counterfactual rollouts: what would have come of going to other views?"""
