@@ -72,8 +72,41 @@ def test_a_run_learns_from_it_and_repeats_itself(tmp_path: Path) -> None:
 
 def test_what_was_seen_is_what_was_shown(tmp_path: Path) -> None:
     learner = tiny_imitation(tmp_path, demonstrator=AgentDemonstrator(FrontierAgent(), ENV))
-    trajectory = next(learner.batches())[0]
+    learner.step()
+    trajectory = learner.demonstrator(*learner.assigned(0))
     assert len(Replayer(learner.act, ENV)(trajectory)) == len(trajectory.actions)
+
+
+def test_each_is_played_once_and_later_runs_know_its_actions(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("UCON_CACHE", str(tmp_path / "cache"))
+    shown = AgentDemonstrator(BeliefAgent(), ENV)
+    figures = [tiny_imitation(tmp_path, demonstrator=shown).step()]
+    (file,) = (tmp_path / "cache" / "demonstrations").iterdir()
+    lines = file.read_text().splitlines()
+    assert len(lines) == 3
+    monkeypatch.setattr(AgentDemonstrator, "__call__", None)  # nothing is played again
+    figures.append(tiny_imitation(tmp_path, demonstrator=AgentDemonstrator(BeliefAgent(), ENV)).step())
+    monkeypatch.undo()
+    monkeypatch.setenv("UCON_CACHE", str(tmp_path / "cache"))
+    file.write_text("\n".join([lines[0], "[1]", lines[1], lines[2][:-4]]))  # one was not written to its end
+    figures.append(tiny_imitation(tmp_path, demonstrator=AgentDemonstrator(BeliefAgent(), ENV)).step())
+    assert figures[0] == figures[1] == figures[2]
+    assert file.read_text().splitlines()[-1] == lines[2]
+
+
+def test_another_agent_has_other_demonstrations_and_some_cannot_be_kept() -> None:
+    class Local:
+        name = "local"
+
+        def reset(self, infos, slots=None):
+            pass
+
+        def act(self, observations, infos, slots=None):
+            return [1 for _ in infos]
+
+    keys = [AgentDemonstrator(agent, ENV).cache_key() for agent in (BeliefAgent(), BeliefAgent(), FrontierAgent())]
+    assert keys[0] == keys[1] != keys[2]
+    assert AgentDemonstrator(Local(), ENV).cache_key() == ""
 
 
 def test_what_is_no_agent_and_who_has_no_weights_is_said(tmp_path: Path) -> None:

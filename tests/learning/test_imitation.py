@@ -47,7 +47,7 @@ def test_budgets_are_counted(learner):
     total = sum(len(episode.solution) for episode in found.episodes)
     steps = [found.step() for _ in range(4)]
     batches = itertools.islice(learner(n_episodes=4, batch=3).batches(), 4)
-    seen = [sum(len(t.actions) for t in batch) for batch in batches]
+    seen = [sum(len(job.episode.solution) for job in batch) for batch in batches]
     assert [s["frames"] for s in steps] == [sum(seen[: k + 1]) for k in range(4)]
     assert [s["labels"] for s in steps] == [min(s["frames"], total) for s in steps]
     assert steps[2]["labels"] == total

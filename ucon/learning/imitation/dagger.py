@@ -10,7 +10,7 @@ stored; they are made by playing the actions again.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -88,7 +88,7 @@ class DaggerLearner(ImitationLearner):
         """Number of labelled frames collected so far; each is counted once, however often it is trained on."""
         return sum(trajectory.n_labels for trajectory in self.collected)
 
-    def batches(self) -> Iterator[list[Trajectory]]:
+    def batches(self) -> Iterator[Sequence[Trajectory | Job]]:
         """Trajectories of each step until the next collection.
 
         Yields:

@@ -7,15 +7,26 @@ when to stop.
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 from ucon.core.errors import ConfigError
+from ucon.core.files import sha256_bytes
 from ucon.core.fingerprint import fingerprint_of
 from ucon.learning.imitation.trajectories import Trajectory, demonstration
+from ucon.learning.run.kept_batches import code_hash
+from ucon.learning.run.option_checks import text_weights
+from ucon.retrieval.levels import LEVELS
 from ucon.task.agent import Agent
 from ucon.task.episode import Episode
+
+#: Code that decides what an agent does.
+_CODE: Final = (
+    "core", "envs", "habits", "language", "objects", "perception", "readers", "retrieval", "scenes", "search", "sim",
+    "task", "../models",
+)  # fmt: skip
 
 
 class Demonstrator(Protocol):
@@ -31,6 +42,14 @@ class Demonstrator(Protocol):
 
     def fingerprint(self) -> str:
         """Hash or name of everything beside the episodes that its trajectories depend on; "" for nothing."""
+        ...
+
+    def cache_key(self) -> str:
+        """Hash of all that its trajectories depend on, code included; "": they are not worth keeping."""
+        ...
+
+    def close(self) -> None:
+        """Release what it holds."""
         ...
 
     def __call__(self, episode: Episode, level: str) -> Trajectory:
@@ -55,6 +74,13 @@ class SolutionDemonstrator:
     def fingerprint(self) -> str:
         """Empty: the solutions are part of the episodes, which have hashes of their own."""
         return ""
+
+    def cache_key(self) -> str:
+        """Empty: the solutions are at hand."""
+        return ""
+
+    def close(self) -> None:
+        """Nothing to release."""
 
     def __call__(self, episode: Episode, level: str) -> Trajectory:
         """The stored solution as actions and as labels; ``level`` only says what the policy is given."""
@@ -86,9 +112,31 @@ class AgentDemonstrator:
         """Name of the agent and the hash of its weights, if it has any."""
         return f"{self._agent.name} {fingerprint_of(self._agent) or ''}"
 
+    def cache_key(self) -> str:
+        """Hash of code, agent, weights, habits and detector; "" for an agent that cannot be pickled."""
+        try:
+            agent = pickle.dumps(self._agent)
+        except (pickle.PicklingError, AttributeError, TypeError):
+            return ""
+        env = self._env.unwrapped
+        errors = getattr(env.detector, "errors", None)
+        parts = [code_hash(*_CODE), sha256_bytes(agent), self.fingerprint(), env.source.dataset.sha256]
+        parts += [str(getattr(env.detector, "name", "")), "" if errors is None else errors.fingerprint()]
+        parts.append(text_weights(env.source, LEVELS))
+        return sha256_bytes("\n".join(parts).encode())
+
     @cached_property
     def _env(self) -> Any:
         return self._make_env()
+
+    def close(self) -> None:
+        """Close the environment; the next call makes a new one."""
+        if "_env" in self.__dict__:
+            self.__dict__.pop("_env").close()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """State for worker processes, which make an environment of their own."""
+        return {name: value for name, value in self.__dict__.items() if name != "_env"}
 
     def __call__(self, episode: Episode, level: str) -> Trajectory:
         """Play the episode with the agent at a habit level.

@@ -14,12 +14,16 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from functools import cached_property
 from multiprocessing.process import BaseProcess
 from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
+from ucon.learning.imitation.demonstrators import Demonstrator
+from ucon.learning.imitation.kept_demonstrations import KeptDemonstrations
 from ucon.learning.imitation.trajectories import Replay, Replayer, Trajectory
+from ucon.learning.policies.playing import Job
 from ucon.learning.run.workers import WORKER_TIMEOUT_S, ask, begin_worker, lost_worker
 
 if TYPE_CHECKING:
@@ -32,7 +36,9 @@ _AHEAD: Final = 3
 _OPTION: Final = "learner.worker_timeout_s"
 _CONTEXT, _FRAMES, _REWARDS = "context/", "frames/", "rewards"
 
+Played = tuple[Trajectory, Replay]
 _replayer: Replayer | None = None
+_demonstrator: Demonstrator | None = None
 
 
 class Feeder:
@@ -44,6 +50,7 @@ class Feeder:
             the device of its parameters.
         make_env: makes an environment of ``UcON-v0``; pickled and sent to workers.
         workers: number of processes that play; 0 plays in this one.
+        demonstrator: shows what to do in jobs; plays them where the replays are played, each only once.
         memory_bytes: memory for kept replays, compressed.
         worker_timeout_s: seconds that workers may take for the replay that is needed next.
     """
@@ -53,6 +60,7 @@ class Feeder:
         policy: nn.Module,
         make_env: Callable[[], Any],
         *,
+        demonstrator: Demonstrator | None = None,
         workers: int = 0,
         memory_bytes: int = 1 << 30,
         worker_timeout_s: float = WORKER_TIMEOUT_S,
@@ -61,6 +69,7 @@ class Feeder:
         self._free_bytes, self._timeout_s = memory_bytes, worker_timeout_s
         self._kept: dict[tuple[str, str, str], bytes] = {}
         self._play = Replayer(self._policy, make_env)
+        self._demonstrator = demonstrator
         self._pool: ProcessPoolExecutor | None = None
         self._started: dict[int, BaseProcess] = {}
         """All workers started so far by process id; the pool itself forgets those that died."""
@@ -69,7 +78,7 @@ class Feeder:
                 workers,
                 mp_context=multiprocessing.get_context("spawn"),
                 initializer=_begin,
-                initargs=(copy.deepcopy(policy).cpu(), make_env),
+                initargs=(copy.deepcopy(policy).cpu(), make_env, demonstrator),
             )
 
     def close(self) -> None:
@@ -83,9 +92,18 @@ class Feeder:
                 worker.kill()  # it may be stopped (SIGSTOP); its results are not needed any more
             self._pool = None
         self._play.close()
+        if self._demonstrator is not None:
+            self._demonstrator.close()
 
-    def __call__(self, batches: Iterable[Sequence[Trajectory]]) -> Iterator[list[tuple[Trajectory, Replay]]]:
-        """Replays of each batch, in order; workers play up to three batches ahead.
+    @cached_property
+    def _shown(self) -> KeptDemonstrations:
+        """Demonstrations that were played already."""
+        if self._demonstrator is None:
+            raise RuntimeError("a job without a demonstrator")
+        return KeptDemonstrations(self._demonstrator)
+
+    def __call__(self, batches: Iterable[Sequence[Trajectory | Job]]) -> Iterator[list[tuple[Trajectory, Replay]]]:
+        """Replays of each batch, in order; workers play up to three batches ahead. Jobs are demonstrated first.
 
         Yields:
             For each batch, its (trajectory, replay) pairs in the batch's order. Frames are features where the policy
@@ -96,40 +114,44 @@ class Feeder:
             LearnerWorkerError: a worker was killed, or did not answer within ``worker_timeout_s``.
             DataError: a trajectory whose actions go on after the episode's end.
         """
-        waiting: deque[list[tuple[Trajectory, Future[Replay] | None]]] = deque()
+        waiting: deque[list[tuple[Trajectory | Job, Future[Played] | None]]] = deque()
         for batch in batches:
-            waiting.append([(trajectory, self._submit(trajectory)) for trajectory in batch])
+            waiting.append([self._submit(item) for item in batch])
             if len(waiting) > (_AHEAD if self._pool else 0):
-                yield [(trajectory, self._receive(trajectory, played)) for trajectory, played in waiting.popleft()]
+                yield [self._receive(item, played) for item, played in waiting.popleft()]
         for left in waiting:
-            yield [(trajectory, self._receive(trajectory, played)) for trajectory, played in left]
+            yield [self._receive(item, played) for item, played in left]
 
-    def _submit(self, trajectory: Trajectory) -> Future[Replay] | None:
-        """Submit a trajectory to the workers; None if it is in memory already or there are no workers."""
-        if self._pool is None or self._key(trajectory) in self._kept:
-            return None
+    def _submit(self, item: Trajectory | Job) -> tuple[Trajectory | Job, Future[Played] | None]:
+        """Submit what is not in memory to the workers, if there are any; jobs shown before become trajectories."""
+        if isinstance(item, Job):
+            item = self._shown.get(item) or item
+        if self._pool is None or (isinstance(item, Trajectory) and self._key(item) in self._kept):
+            return item, None
         try:
-            asked = self._pool.submit(_work, trajectory)
+            asked = self._pool.submit(_work, item)
         except BrokenProcessPool:  # a pool that lost a worker accepts no more jobs
             if lost := lost_worker(self._workers()):
                 raise lost from None
             raise
         self._started |= self._pool._processes or {}
-        return asked
+        return item, asked
 
-    def _receive(self, trajectory: Trajectory, played: Future[Replay] | None) -> Replay:
-        """The replay from memory, from ``played``, or played now; it is kept if it still fits."""
-        key = self._key(trajectory)
-        if (packed := self._kept.get(key)) is not None:
-            return _unpacked(packed)
-        replay = self._with_features(self._play(trajectory) if played is None else self._result_of(played))
-        packed = _packed(replay)
+    def _receive(self, item: Trajectory | Job, asked: Future[Played] | None) -> tuple[Trajectory, Replay]:
+        """A trajectory and its replay, from memory, from ``asked``, or played now; kept if it still fits."""
+        if isinstance(item, Trajectory) and (packed := self._kept.get(self._key(item))) is not None:
+            return item, _unpacked(packed)
+        played = _played(item, self._demonstrator, self._play) if asked is None else self._result_of(asked)
+        trajectory, replay = played[0], self._with_features(played[1])
+        if isinstance(item, Job):
+            self._shown.keep(item, trajectory)
+        key, packed = self._key(trajectory), _packed(replay)
         if len(packed) <= self._free_bytes:
             self._free_bytes -= len(packed)
             self._kept[key] = packed
-        return replay
+        return trajectory, replay
 
-    def _result_of(self, played: Future[Replay]) -> Replay:
+    def _result_of(self, played: Future[Played]) -> Played:
         """Wait for a replay that a worker was asked for.
 
         Raises:
@@ -163,18 +185,26 @@ class Feeder:
         return Replay(replay.context, {k: v.cpu().numpy() for k, v in made.items()}, replay.rewards)
 
 
-def _begin(policy: Any, make_env: Callable[[], Any]) -> None:
+def _begin(policy: Any, make_env: Callable[[], Any], demonstrator: Demonstrator | None) -> None:
     """Initialise a worker: create its replayer."""
     begin_worker()
-    global _replayer
-    _replayer = Replayer(policy, make_env)
+    global _replayer, _demonstrator
+    _replayer, _demonstrator = Replayer(policy, make_env), demonstrator
 
 
-def _work(trajectory: Trajectory) -> Replay:
-    """Replay one trajectory in a worker."""
+def _work(item: Trajectory | Job) -> Played:
+    """Replay one trajectory in a worker, or show a job and replay that."""
     if _replayer is None:
         raise RuntimeError("a worker without an environment")
-    return _replayer(trajectory)
+    return _played(item, _demonstrator, _replayer)
+
+
+def _played(item: Trajectory | Job, demonstrator: Demonstrator | None, replayer: Replayer) -> Played:
+    """A trajectory and its replay; jobs are demonstrated first."""
+    if isinstance(item, Job):
+        assert demonstrator is not None
+        item = demonstrator(item.episode, item.level)
+    return item, replayer(item)
 
 
 def _packed(replay: Replay) -> bytes:

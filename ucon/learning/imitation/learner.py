@@ -29,7 +29,7 @@ from ucon.learning.imitation.feeding import Feeder
 from ucon.learning.imitation.sequence_loss import SequenceLoss
 from ucon.learning.imitation.trajectories import Replay, Trajectory
 from ucon.learning.policies.action_policy import ActionPolicy, scores_views
-from ucon.learning.policies.playing import Players
+from ucon.learning.policies.playing import Job, Players
 from ucon.learning.policies.sequences import Batch, Chunk, detached_state
 from ucon.learning.policies.validation import Validation, evenly_spaced
 from ucon.learning.run.network_files import load_network, network_files, set_max_habits
@@ -96,7 +96,9 @@ class ImitationLearner:
         self._initial = "" if given.initial is None else load_network(str(given.initial), cast(Any, policy))
         set_max_habits(policy, probe)
         memory = {"workers": given.workers, "memory_bytes": int(given.memory_gb * (1 << 30))}
-        self.feeder = Feeder(policy, env, **memory, worker_timeout_s=given.worker_timeout_s)
+        self.feeder = Feeder(
+            policy, env, demonstrator=self.demonstrator, **memory, worker_timeout_s=given.worker_timeout_s
+        )
         self.policy.to(self.device)
         self.updates = Updates(
             policy, lr=given.lr, clip=given.clip, steps=given.steps,
@@ -142,11 +144,11 @@ class ImitationLearner:
         epoch, place = divmod(item, len(self.episodes))
         return self.episodes[int(self._order(epoch)[place])], self.levels[(item + epoch) % len(self.levels)]
 
-    def batches(self) -> Iterator[list[Trajectory]]:
-        """Demonstrations of each step from now on, without end; ``batch`` trajectories a step."""
+    def batches(self) -> Iterator[Sequence[Trajectory | Job]]:
+        """What to demonstrate in each step from now on, without end; ``batch`` episodes a step."""
         for step in count(self.done):
             items = range(step * self.batch, (step + 1) * self.batch)
-            yield [self.demonstrator(*self.assigned(item)) for item in items]
+            yield [Job(*self.assigned(item)) for item in items]
 
     def step(self) -> Figures:
         """Update the policy on one batch.
