@@ -4,13 +4,19 @@ import functools
 
 import pytest
 
+from models.agents.belief import BeliefAgent
 from tests.learning.test_imitation import files
 from tests.learning.tiny_policy import ENV, TinyPolicy, tiny_dagger
 from ucon.core.errors import ConfigError, DataError
 from ucon.learning.imitation.dagger import DaggerRollouts
+from ucon.learning.imitation.demonstrators import AgentDemonstrator
+from ucon.learning.imitation.experts import SearchingExpert
 from ucon.learning.run.training_run import Plan, TrainingRun
 from ucon.task.actions import Action
 from ucon.task.expert import Expert
+
+#: As agents that search need it.
+SHOWN = functools.partial(ENV, detector=True)
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +59,39 @@ def test_later_ones_stray_and_every_step_is_labelled_by_the_expert(learner):
         assert one.actions[-1:] != done or one.labels[-1:] == done, "a Done that fails was carried out"
     shares = [sum(a == b for a, b in zip(one.actions, one.labels, strict=True)) / len(one.labels) for one in strayed]
     assert min(shares) > 0, "the expert has a share in the actions"
+
+
+def test_an_agent_that_searches_says_what_it_would_do_wherever_the_policy_went(learner):
+    found = learner(rollouts={"mixture": 0.3, "max_steps": 60}, expert=SearchingExpert(BeliefAgent()), env=SHOWN)
+    for _ in range(4):
+        found.step()
+    first, later = found.collected[:4], found.collected[4:]
+    for one in first:  # as it plays by itself
+        played = AgentDemonstrator(BeliefAgent(), SHOWN)(one.episode, one.level)
+        assert one.actions == one.labels == played.actions[:60] or played.actions == one.episode.solution
+    assert any(one.actions != one.labels for one in later)
+    assert all(label != "." for one in later for label in one.labels)
+    assert found.identity["expert"].startswith("belief")
+    assert "what the agent belief would do" in found.card().text
+
+
+def test_an_expert_that_is_not_obeyed_makes_new_plans(learner):
+    """It is turned around again and again, and yet comes to the target: its labels are of where it stands."""
+    expert, env = SearchingExpert(BeliefAgent()), SHOWN()
+    for number in range(3):
+        episode = learner().episodes[number]
+        observation, info = env.reset(options={"episode": episode, "habit_level": "retrieval"})
+        expert.begin(0, episode, env, info)
+        over, step = False, 0
+        while not over:
+            action = expert.label(0, observation, info)
+            if step % 4 == 3 and action != Action.DONE:
+                action = Action.ROTATE_LEFT
+            observation, _, terminated, truncated, info = env.step(int(action))
+            over, step = terminated or truncated, step + 1
+        if info["episode_metrics"]["success"]:
+            return
+    raise AssertionError("nothing was found in three homes")
 
 
 def test_the_collections_take_episodes_and_levels_in_turn(learner):

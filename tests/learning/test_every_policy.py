@@ -30,7 +30,9 @@ def with_a_policy():
 
 #: Why a learner does not take every policy.
 UNFIT = {
-    **dict.fromkeys(("imitation", "searches", "dagger"), "scores views, and stored solutions name actions"),
+    **dict.fromkeys(
+        ("imitation", "searches", "dagger", "dagger_searches"), "scores views, and stored solutions name actions"
+    ),
     "image_goal": "reads names, not images of goals",
 }
 

@@ -52,16 +52,16 @@ def test_the_recurrent_state_matters_to_this_policy():
 def test_draws_are_a_function_of_seed_and_step():
     assert played(JOBS, 3, sample=True) == played(JOBS, 2, sample=True)
     assert played(JOBS, 3, sample=True) != played(JOBS, 3)
-    draws = [PolicyChooser(True, 0, "a").choose(1, step, np.log([0.7, 0.2, 0.1])) for step in range(600)]
+    draws = [PolicyChooser(True, 0, "a").choose(1, step, np.log([0.7, 0.2, 0.1]), {}, {}) for step in range(600)]
     assert np.bincount(draws) / 600 == pytest.approx([0.7, 0.2, 0.1], abs=0.06)
 
 
 def test_what_is_measured_is_what_the_environment_says():
     class Replaying(PolicyChooser):
-        def begin(self, number, job, env):
+        def begin(self, number, job, env, info):
             self.solution = job.episode.solution
 
-        def choose(self, number, step, logits):
+        def choose(self, number, step, logits, observation, info):
             return int(self.solution[step])
 
     short = min(load_episodes("mini"), key=lambda episode: len(episode.solution))

@@ -91,10 +91,9 @@ def tiny_imitation(folder, policy=None, kind=ImitationLearner, **options):
     standard = {"steps": 20, "batch": 3, "chunk": 8, "lr": 5e-3, "warm_up": 0}
     standard |= {"episodes": options.pop("episodes", None) or training_file(folder)}
     standard |= {"levels": ("none", "retrieval")}
+    standard |= {"env": ENV}
     loss = options.pop("loss", None) or SequenceLoss({"done": 3.0})
-    return kind(
-        policy=policy or TinyPolicy(), env=ENV, loss=loss, validation=Validation(**validation), **standard | options
-    )
+    return kind(policy=policy or TinyPolicy(), loss=loss, validation=Validation(**validation), **standard | options)
 
 
 def tiny_dagger(folder, policy=None, rollouts=None, **options):

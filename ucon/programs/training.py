@@ -232,6 +232,8 @@ def learner_name(learner: Mapping[str, Any]) -> str:
         return "image_goal"
     if learner.get("demonstrator"):
         return "searches"
+    if learner.get("expert"):
+        return "dagger_searches"
     return str(learner["_target_"]).rsplit(".", 1)[-1].removesuffix("Learner").lower()
 
 

@@ -29,7 +29,7 @@ from ucon.perception.views.viewpoints import Choice, Costs, Expectation, Viewpoi
 from ucon.search.doubt import Doubt, Doubts
 from ucon.search.search_decision import SearchDecision
 from ucon.search.suspects import Judge
-from ucon.task.actions import Action
+from ucon.task.actions import Action, decoded_action
 from ucon.task.rules import PAPER, task_rules
 
 Info = Mapping[str, Any]
@@ -109,11 +109,13 @@ class Searcher(PartlyShared):
         )
         self._decision: SearchDecision | None = None
         self._plan: deque[Action] = deque()
+        self._said: Action | None = None
+        self._opening: tuple[int, ...] = ()
         self._opened_at: set[View] = set()
         self._age = 0
 
     def look(self, observation: Mapping[str, Any], info: Info) -> Action | None:
-        """Take in a frame.
+        """Take in a frame. Whoever asks may have done something else than was said, then plans are made anew.
 
         Args:
             observation: of the frame.
@@ -122,10 +124,18 @@ class Searcher(PartlyShared):
         Returns:
             The next action, or None where a choice is due.
         """
+        strayed = self._said is not None and _did(observation) != self._said
+        if strayed:
+            self._take_back()
         self.observe(observation, info)
-        blocked = bool(observation["collision"])
+        blocked = strayed or bool(observation["collision"])
         if blocked:
             self._plan.clear()
+        self._said = action = self._next(observation, info, blocked)
+        return action
+
+    def _next(self, observation: Mapping[str, Any], info: Info, blocked: bool) -> Action | None:
+        """The next action after a frame was taken in; None where a choice is due."""
         if self.doubt is not None:
             self.expect()
             action = self.doubt.act(self, frame_depth(observation, info), blocked)
@@ -188,7 +198,8 @@ class Searcher(PartlyShared):
         self.decisions += 1
         self._decision = None
         self._plan = deque(self.planner.plan(choice.view)) if choice is not None else deque()
-        return self._plan.popleft() if self._plan else Action.ROTATE_LEFT
+        self._said = self._plan.popleft() if self._plan else Action.ROTATE_LEFT
+        return self._said
 
     def closed(self) -> NDArray[np.int64]:
         """Tracks of containers that were not opened yet, (c,) int64."""
@@ -216,7 +227,15 @@ class Searcher(PartlyShared):
             self._opened_at.add(self.map.view)
         for track in tracks:
             self.refused[track] = self.refused.get(track, 0) + 1
+        self._opening = tuple(tracks)
         return Action.OPEN
+
+    def _take_back(self) -> None:
+        """Forget an Open that was said and not done."""
+        if self._said is Action.OPEN:
+            for track in self._opening:
+                self.refused[track] = self.refused.get(track, 1) - 1
+            self._opened_at.discard(self.map.view)
 
     def _go_on(self, expected: Expectation) -> Action | None:
         """The next action of the walk; None where a choice is due."""
@@ -267,6 +286,12 @@ class Searcher(PartlyShared):
         self.viewpoints.stale[:] = 1.0
         self.viewpoints.reach_m = max(1.2, 0.7 * self.viewpoints.reach_m)
         self.refused.clear()
+
+
+def _did(observation: Mapping[str, Any]) -> Action | None:
+    """The last action that was done; None at the start."""
+    code = int(decoded_action(observation["last_action"]))
+    return Action(code) if code < len(Action) else None
 
 
 def _best_or_kept(valued: ViewValues) -> Choice:

@@ -1,8 +1,9 @@
 """``learner=dagger``: the policy plays episodes, an expert labels every step, and the policy learns from all labels.
 
 Plain imitation shows only states along shortest paths; a policy that leaves them has never seen what to do next. Every
-``per_iteration`` steps, a mixture of policy and expert plays some episodes, the expert (:mod:`ucon.task.expert`) labels
-every step, and these trajectories join those collected before (DAgger: Ross, Gordon and Bagnell 2011).
+``per_iteration`` steps, a mixture of policy and expert plays some episodes, the expert labels
+every step, and these trajectories join those collected before (DAgger: Ross, Gordon and Bagnell 2011). The expert may
+know the home, or search as an agent does that sees what the policy sees (:mod:`ucon.learning.imitation.experts`).
 
 The collected trajectories are part of the learner's state, stored as strings of action digits. Their frames are not
 stored; they are made by playing the actions again.
@@ -10,7 +11,7 @@ stored; they are made by playing the actions again.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -20,12 +21,12 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError, brief
 from ucon.core.rng import stream
+from ucon.learning.imitation.experts import Corrector, KnowingExpert
 from ucon.learning.imitation.learner import ImitationLearner
 from ucon.learning.imitation.trajectories import NO_LABEL, Trajectory, trajectories_from_json
 from ucon.learning.policies.playing import Job, Players, PolicyChooser
 from ucon.learning.run.protocol import State
 from ucon.task.actions import Action
-from ucon.task.expert import Expert
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,7 @@ class DaggerLearner(ImitationLearner):
 
     Args:
         rollouts: how much is collected, and with which mixture.
+        expert: labels what the policy does; by default one that knows where the target is.
         options: arguments of :class:`ucon.learning.imitation.learner.ImitationLearner`, without ``demonstrator``.
 
     Raises:
@@ -71,12 +73,23 @@ class DaggerLearner(ImitationLearner):
 
     title = "DAgger"
 
-    def __init__(self, rollouts: DaggerRollouts, **options: Any) -> None:
+    def __init__(self, rollouts: DaggerRollouts, expert: Corrector | None = None, **options: Any) -> None:
         if options.pop("demonstrator", None) is not None:
             raise ConfigError("learner.demonstrator: for learner=imitation; DAgger's expert corrects what is played")
         super().__init__(**options)
-        self.rollouts = rollouts
+        self.rollouts, self.expert = rollouts, expert or KnowingExpert()
         self.collected: list[Trajectory] = []
+
+    @property
+    def identity(self) -> Mapping[str, str]:
+        """As of imitation, and the ``expert``, where it has anything of its own."""
+        shown = self.expert.fingerprint()
+        return {**super().identity, **({"expert": shown} if shown else {})}
+
+    @property
+    def teacher(self) -> str:
+        """Who says what to do, in words."""
+        return self.expert.title
 
     @property
     def iteration(self) -> int:
@@ -166,22 +179,29 @@ class _Mixture:
     """
 
     def __init__(self, share: float, policy: PolicyChooser, learner: DaggerLearner) -> None:
-        self._share, self._policy = share, policy
+        self._share, self._policy, self._expert = share, policy, learner.expert
         self._seed, self._iteration = learner.seed, learner.iteration
-        self._experts: dict[int, Expert] = {}
-        """Expert by ``id`` of its environment. An expert is large; one of a finished episode is replaced."""
-        self._envs: dict[int, Any] = {}
+        self._slot: dict[int, int] = {}
+        """Slot of each job, by number: one for each environment."""
+        self._number: dict[int, int] = {}
         self.labels: dict[int, list[str]] = {}
 
-    def begin(self, number: int, job: Job, env: Any) -> None:
-        self.labels[number], self._envs[number] = [], env
-        self._experts[id(env)] = Expert(job.episode)
+    def begin(self, number: int, job: Job, env: Any, info: Mapping[str, Any]) -> None:
+        self.labels[number] = []
+        self._slot[number] = self._number.setdefault(id(env), len(self._number))
+        self._expert.begin(self._slot[number], job.episode, env, info)
 
-    def choose(self, number: int, step: int, logits: NDArray[np.float64]) -> int:
-        env = self._envs[number]
-        best = self._experts[id(env)].action(env.unwrapped.search)
+    def choose(
+        self,
+        number: int,
+        step: int,
+        logits: NDArray[np.float64],
+        observation: Mapping[str, Any],
+        info: Mapping[str, Any],
+    ) -> int:
+        best = self._expert.label(self._slot[number], observation, info)
         self.labels[number].append(NO_LABEL if best is None else str(int(best)))
-        own = self._policy.choose(number, step, logits)
+        own = self._policy.choose(number, step, logits, observation, info)
         if best is None:
             return own
         take_expert = stream(self._seed, "mixture", self._iteration, number, step).random() < self._share

@@ -237,6 +237,11 @@ class ImitationLearner:
         with self.updates.averaged():
             return network_files(cast(Any, self.policy), half=self.options.half)
 
+    @property
+    def teacher(self) -> str:
+        """Who shows what to do, in words."""
+        return self.demonstrator.title
+
     def card(self) -> Card:
         """Text of the model card: architecture, size, training episodes, levels and how to use the weights."""
         size = sum(value.numel() for value in self.updates.parameters.values())
@@ -247,7 +252,7 @@ class ImitationLearner:
             f"`train` part, {self.n_labels:,} different labelled frames, {self.frames:,} with repetitions; habit "
             f"levels {', '.join(self.levels)}. Validation episodes chose the state; `test` was not touched.\n\n"
             f"Use: `python eval.py agent={name} agent.checkpoint=RUN`.\n\n"
-            f"It learned from {self.demonstrator.title}; in homes unlike these it was not measured.",
+            f"It learned from {self.teacher}; in homes unlike these it was not measured.",
             self.dataset.name,
         )
 

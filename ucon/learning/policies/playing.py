@@ -41,17 +41,26 @@ class RolloutOutcome:
 class Chooser(Protocol):
     """Turns the logits of a step into an action."""
 
-    def begin(self, number: int, job: Job, env: Env) -> None:
+    def begin(self, number: int, job: Job, env: Env, info: Mapping[str, Any]) -> None:
         """Called when job ``number`` starts in an environment, before its first :meth:`choose`."""
         ...
 
-    def choose(self, number: int, step: int, logits: NDArray[np.float64]) -> int:
+    def choose(
+        self,
+        number: int,
+        step: int,
+        logits: NDArray[np.float64],
+        observation: Mapping[str, Any],
+        info: Mapping[str, Any],
+    ) -> int:
         """The action to take.
 
         Args:
             number: index of the job.
             step: of the episode, from 0.
             logits: (7,) float64.
+            observation: of the frame.
+            info: of the frame.
 
         Returns:
             Index of the action.
@@ -71,10 +80,17 @@ class PolicyChooser:
     def __init__(self, sample: bool, seed: int, *keys: str | int) -> None:
         self._sample, self._seed, self._keys = sample, seed, keys
 
-    def begin(self, number: int, job: Job, env: Env) -> None:
+    def begin(self, number: int, job: Job, env: Env, info: Mapping[str, Any]) -> None:
         """Nothing to prepare."""
 
-    def choose(self, number: int, step: int, logits: NDArray[np.float64]) -> int:
+    def choose(
+        self,
+        number: int,
+        step: int,
+        logits: NDArray[np.float64],
+        observation: Mapping[str, Any],
+        info: Mapping[str, Any],
+    ) -> int:
         """Action index from logits (7,); see :class:`Chooser`."""
         if not self._sample:
             return int(logits.argmax())
@@ -134,7 +150,8 @@ class Players:
             while running:
                 still = []
                 for slot, logits in zip(running, self._forward(running), strict=True):
-                    done = self._step(slot, chooser.choose(slot.number, len(slot.actions), logits))
+                    seen = slot.observation, slot.info
+                    done = self._step(slot, chooser.choose(slot.number, len(slot.actions), logits, *seen))
                     if done:
                         results[slot.number] = self._result(slot, jobs[slot.number])
                         tick(len(results))
@@ -159,7 +176,7 @@ class Players:
         slot.number, slot.actions = number, []
         slot.context = self._tensors(self._policy.context(slot.info))
         slot.state = {name: tensor[0] for name, tensor in self._policy.initial_state(1).items()}
-        chooser.begin(number, job, slot.env)
+        chooser.begin(number, job, slot.env, slot.info)
         return True
 
     def _forward(self, slots: Sequence[_Slot]) -> NDArray[np.float64]:

@@ -1,0 +1,106 @@
+"""Experts that say at every step what a policy should have done: one that knows the home, or an agent that searches."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from ucon.core.errors import ConfigError
+from ucon.core.fingerprint import fingerprint_of
+from ucon.task.actions import Action
+from ucon.task.agent import Agent
+from ucon.task.episode import Episode
+from ucon.task.expert import Expert
+
+Info = Mapping[str, Any]
+
+
+class Corrector(Protocol):
+    """Follows episodes that a policy plays, in numbered slots, and says what it should do."""
+
+    @property
+    def title(self) -> str:
+        """The expert in words, for the model card."""
+        ...
+
+    def fingerprint(self) -> str:
+        """Hash or name of everything beside the episodes that its labels depend on; "" for nothing."""
+        ...
+
+    def begin(self, slot: int, episode: Episode, env: Any, info: Info) -> None:
+        """An episode begins in a slot.
+
+        Args:
+            slot: its number; what it played before is over.
+            episode: that begins.
+            env: that plays it, after the reset.
+            info: of the reset.
+        """
+        ...
+
+    def label(self, slot: int, observation: Info, info: Info) -> Action | None:
+        """What to do after a frame, whatever was done so far; None where it does not know.
+
+        Args:
+            slot: number of the slot.
+            observation: of the frame.
+            info: of the frame.
+        """
+        ...
+
+
+class KnowingExpert:
+    """Goes the shortest way from wherever the policy stands: it knows the home, the target's place and its container.
+
+    Privileged: a policy cannot know why it goes there.
+    """
+
+    title = "an expert that knows where the target is"
+
+    def __init__(self) -> None:
+        self._experts: dict[int, tuple[Expert, Any]] = {}
+
+    def fingerprint(self) -> str:
+        """Empty: all that it knows is part of the episodes, which have hashes of their own."""
+        return ""
+
+    def begin(self, slot: int, episode: Episode, env: Any, info: Info) -> None:
+        """See :class:`Corrector`."""
+        self._experts[slot] = Expert(episode), env
+
+    def label(self, slot: int, observation: Info, info: Info) -> Action | None:
+        """The next action of a shortest solution from here."""
+        expert, env = self._experts[slot]
+        return expert.action(env.unwrapped.search)
+
+
+class SearchingExpert:
+    """An agent that searches, and is shown the policy's own frames: it knows no more than the policy does.
+
+    Args:
+        agent: such as ``habit_policy`` or ``belief``; plays many episodes at once. It must bear that something else is
+            done than it said.
+
+    Raises:
+        ConfigError: ``agent`` has no ``reset`` and ``act``.
+    """
+
+    def __init__(self, agent: Agent) -> None:
+        if not (hasattr(agent, "reset") and hasattr(agent, "act")):
+            raise ConfigError(f"learner.expert.agent: {type(agent).__name__} is no agent; see configs/agent/")
+        if hasattr(agent, "check"):
+            agent.check()
+        self._agent = agent
+        self.title = f"what the agent {agent.name} would do in the same places"
+
+    def fingerprint(self) -> str:
+        """Name of the agent and the hash of its weights, if it has any."""
+        return f"{self._agent.name} {fingerprint_of(self._agent) or ''}"
+
+    def begin(self, slot: int, episode: Episode, env: Any, info: Info) -> None:
+        """See :class:`Corrector`."""
+        self._agent.reset([info], [slot])
+
+    def label(self, slot: int, observation: Info, info: Info) -> Action | None:
+        """What the agent would do next."""
+        return Action(self._agent.act([observation], [info], [slot])[0])
