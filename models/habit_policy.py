@@ -134,8 +134,7 @@ class HabitPolicy(nn.Module):
             Logits (B, V), -inf where there is no view, values (B,) and foresight (B, V).
         """
         if self.silent:
-            prior = tokens["prior"] + _KEPT * tokens["views"][..., IS_KEPT]
-            logits = (self.sharpness.exp() * prior).masked_fill(tokens["action_mask"] == 0, float("-inf"))
+            logits = self.by_gain_over_cost(tokens)
             return Scores(logits, torch.zeros_like(logits[:, 0]), torch.zeros_like(logits))
         x = self.body(torch.cat(self._embedded(tokens), 1), *_positions(tokens))
         own, seen = x[:, :1], x[:, 1 : 1 + tokens["views"].shape[1]]
@@ -146,6 +145,15 @@ class HabitPolicy(nn.Module):
             logits = logits + self.sharpness.exp() * prior
         logits = logits.masked_fill(tokens["action_mask"] == 0, float("-inf"))
         return Scores(logits, self.worth(own[:, 0])[..., 0], foresight)
+
+    def by_gain_over_cost(self, tokens: Mapping[str, Tensor]) -> Tensor:
+        """Logits (B, V) without the transformer; the same as with it while it ``adds`` nothing.
+
+        Args:
+            tokens: ``prior``, ``views`` and ``action_mask`` of :meth:`forward`.
+        """
+        prior = tokens["prior"] + _KEPT * tokens["views"][..., IS_KEPT]
+        return (self.sharpness.exp() * prior).masked_fill(tokens["action_mask"] == 0, float("-inf"))
 
     def attention(self, tokens: Mapping[str, Tensor]) -> Attended:
         """Attention of the views to all tokens in B decisions, for display only.
@@ -163,6 +171,8 @@ class HabitPolicy(nn.Module):
         """Whether the transformer changes any score: False where it is silent, and while its last layers are zero."""
         if self.silent:
             return False
+        if not self.use_prior:
+            return True
         last = (self.score[-1], self.foresee[-1])
         return any(bool(parameter.any()) for layer in last for parameter in layer.parameters())
 

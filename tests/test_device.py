@@ -31,6 +31,10 @@ def test_a_card_without_bfloat16_stays_with_float32(card):
 
 def test_on_a_cpu_auto_is_what_it_was(card, monkeypatch):
     assert torch_precision("auto", torch_device("cpu")) == torch.float32
+    for has in (True, False):
+        monkeypatch.setattr(torch.cpu, "_is_avx512_bf16_supported", lambda has=has: has)
+        monkeypatch.setattr(torch.cpu, "_is_amx_tile_supported", lambda: False)
+        assert torch_precision("auto", "cpu", on_cpu=True) == (torch.bfloat16 if has else torch.float32)
     assert batch_size("auto", "cpu", on_cpu=8) == 8
     monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
     assert torch_device("auto") == "cpu"

@@ -99,7 +99,7 @@ class HabitPolicyAgent:
         self._miss = miss
         self.judge = judge_of(judge)
         self._sample, self._seed, self._device = sample, seed, device
-        self._ready = False
+        self._ready, self._adds = False, True
         self._searches: dict[int, _Search] = {}
 
     @property
@@ -212,8 +212,15 @@ class HabitPolicyAgent:
         if not due:
             return []
         with torch.inference_mode():
-            scores = self.policy(self._tensors(due))
-        logits = rounded_logits(scores.logits)
+            if self._adds:
+                scores = self.policy(self._tensors(due)).logits
+            else:  # most of the time of a decision, for nothing
+                arrays = [tokens.arrays for tokens in due.values()]
+                known = {name: np.stack([row[name] for row in arrays]) for name in ("prior", "views", "action_mask")}
+                scores = self.policy.by_gain_over_cost(
+                    {name: torch.from_numpy(array).float().to(self._device) for name, array in known.items()}
+                )
+        logits = rounded_logits(scores)
         return [self._choose(row, self._searches[slot]) for slot, row in zip(due, logits, strict=True)]
 
     def _tensors(self, due: dict[int, Tokens]) -> dict[str, Tensor]:
@@ -247,4 +254,4 @@ class HabitPolicyAgent:
             self._weights.load()
             self._device = torch_device(self._device, "agent.device")
             self.policy.to(self._device).eval()
-            self._ready = True
+            self._adds, self._ready = self.policy.adds, True

@@ -8,6 +8,7 @@ import torch
 
 from models.nets.policy_defaults import PolicyModule
 from tests.learning.tiny_policy import Counting, Stays, TinyPolicy, on_a_gpu, tiny_imitation, training_file
+from ucon.core.device import torch_precision
 from ucon.core.errors import ConfigError, DataError, DivergedError
 from ucon.core.files import write_atomic, write_manifest
 from ucon.learning.imitation.sequence_loss import SequenceLoss
@@ -213,10 +214,11 @@ def test_a_gpu_is_used_in_half_the_bits_and_larger_batches(learner, monkeypatch)
     assert kept.resolved_options == {"device": "cuda", "precision": "float32", "batch": 5}
 
 
-def test_on_a_cpu_auto_changes_nothing(learner, monkeypatch):
+def test_on_a_cpu_auto_is_what_the_processor_has(learner, monkeypatch):
     monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
-    plain, auto = (learner(n_episodes=3, **options) for options in ({"batch": 16}, AUTO))
-    assert auto.resolved_options == {"device": "cpu", "precision": "float32", "batch": 16} == plain.resolved_options
+    precision = str(torch_precision("auto", "cpu", on_cpu=True)).removeprefix("torch.")
+    plain, auto = (learner(n_episodes=3, **options) for options in ({"batch": 16, "precision": precision}, AUTO))
+    assert auto.resolved_options == {"device": "cpu", "precision": precision, "batch": 16} == plain.resolved_options
     assert plain.step() == auto.step()
     states = [found.state_dict().tensors for found in (plain, auto)]
     assert all(torch.equal(value, states[1][name]) for name, value in states[0].items())

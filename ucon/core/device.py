@@ -40,12 +40,13 @@ def torch_device(name: str, option: str = "device") -> str:
     return name
 
 
-def torch_precision(name: str, device: str = "cpu") -> torch.dtype:
+def torch_precision(name: str, device: str = "cpu", *, on_cpu: bool = False) -> torch.dtype:
     """The type of a network's matrix products.
 
     Args:
-        name: ``float32``, ``bfloat16``, or ``auto``: bfloat16 on a GPU that has it, else float32.
+        name: ``float32``, ``bfloat16``, or ``auto``: bfloat16 on a GPU that has products of it, else float32.
         device: as :func:`torch_device` gives it.
+        on_cpu: whether ``auto`` is bfloat16 on a processor that has it, too.
 
     Raises:
         ConfigError: no such precision.
@@ -53,8 +54,10 @@ def torch_precision(name: str, device: str = "cpu") -> torch.dtype:
     import torch
 
     if name == AUTO:
-        on_gpu = torch.device(device).type == "cuda"
-        halves = on_gpu and torch.cuda.get_device_capability(device) >= _BFLOAT16_FROM
+        if torch.device(device).type == "cuda":
+            halves = torch.cuda.get_device_capability(device) >= _BFLOAT16_FROM
+        else:
+            halves = on_cpu and (torch.cpu._is_avx512_bf16_supported() or torch.cpu._is_amx_tile_supported())
         return torch.bfloat16 if halves else torch.float32
     if name not in PRECISIONS:
         raise ConfigError(unknown_name("precision", str(name), (*PRECISIONS, AUTO)))

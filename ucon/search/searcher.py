@@ -124,7 +124,7 @@ class Searcher(PartlyShared):
         Returns:
             The next action, or None where a choice is due.
         """
-        strayed = self._said is not None and _did(observation) != self._said
+        strayed = self._said is not None and _did(observation, self._said) != self._said
         if strayed:
             self._take_back()
         self.observe(observation, info)
@@ -288,9 +288,11 @@ class Searcher(PartlyShared):
         self.refused.clear()
 
 
-def _did(observation: Mapping[str, Any]) -> Action | None:
-    """The last action that was done; None at the start."""
-    code = int(decoded_action(observation["last_action"]))
+def _did(observation: Mapping[str, Any], said: Action) -> Action | None:
+    """The last action that was done; None at the start. Where the observation does not tell, it was what was said."""
+    if "last_action" not in observation:
+        return said
+    code = decoded_action(observation["last_action"])
     return Action(code) if code < len(Action) else None
 
 

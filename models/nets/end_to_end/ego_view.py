@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from models.nets.end_to_end.ego_kernels import EXPLORED, mark_floor, mark_pairs, measure
 from ucon.perception.mapping.detections import STRUCTURE_KINDS, Detections
 from ucon.perception.mapping.semantic_map import require_right_angle
 
@@ -27,8 +28,6 @@ N_THINGS = 32
 """Most things of one frame: the target first, then by falling number of pixels."""
 N_PAIRS = 192
 """Most (thing, cell) pairs of one frame."""
-EXPLORED, SEEN_FLOOR, BLOCKED = 1, 2, 4
-"""Bits of the patch: a sight line passed over the cell; floor was seen in it; an obstacle leaves no room to stand."""
 THING_FEATURES = (
     *("ahead_m", "left_m", "up_m", "nearest_m", "sin", "cos"),
     *("u0", "v0", "u1", "v1", "pixels", "score", "just_opened"),
@@ -39,7 +38,7 @@ Mean of its seen points relative to the camera, in metres ahead, left and up; ho
 sine and cosine of its bearing; its box in shares of the image; log(pixels / 64); the detector's score; 1 if this step
 opened it.
 """
-_LOW_M, _TALL_M, _RADIUS_M, _FAR_M, _LOOK_M = 0.05, 1.8, 0.18, 25.0, 2.0
+_FAR_M, _LOOK_M = 25.0, 2.0
 _STRIDE = 2
 _N_BINS = 120
 
@@ -82,7 +81,7 @@ def ego_view(depth: F32, pitch_rad: float, camera_m: float, info: Mapping[str, A
     require_right_angle(info)
     found = Detections.from_info(info)
     points, spread = _points(depth, pitch_rad, camera_m)
-    patch, look, cell = _floor(points[:, ::_STRIDE, ::_STRIDE], spread[::_STRIDE, ::_STRIDE])
+    patch, look, cell = _floor(points, spread)
     n_tracks = int(max(found.image.max(), found.track.max(initial=0))) + 1
     shown = np.zeros(n_tracks + 1, bool)  # index -1 is the last entry: pixels of no track
     shown[found.image[np.isfinite(spread)]] = True
@@ -96,7 +95,7 @@ def ego_view(depth: F32, pitch_rad: float, camera_m: float, info: Mapping[str, A
     middle = _measure(image, points, spread, len(rows), camera_m, things)
     things[: len(rows), 11] = 1.0 if found.score is None else found.score[rows]
     things[: len(rows), 12] = np.isin(found.track[rows], np.asarray(info.get("opened", ()), np.int64))
-    pair_cell, pair_row = _pairs(image[::_STRIDE, ::_STRIDE], cell, middle)
+    pair_cell, pair_row = _pairs(image, cell, middle)
     return EgoView(patch, look, names, tracks, things.astype(np.float16), pair_cell, pair_row)
 
 
@@ -139,47 +138,20 @@ def _bins(ahead: NDArray[Any], left: NDArray[Any]) -> NDArray[np.int64]:
 
 
 def _floor(points: F32, spread: F32) -> tuple[NDArray[np.uint8], NDArray[np.uint8], NDArray[np.int64]]:
-    """Patch (ROWS, COLUMNS), looks (ROWS, COLUMNS), and the cell (h, w) of every point, -1 outside the patch."""
-    f = np.floor(points[0] / CELL_M + 0.5)
-    left = np.floor(points[1] / CELL_M + 0.5)
-    inside = (spread < 30.0) & (f >= -BEHIND) & (f <= AHEAD) & (np.abs(left) <= ASIDE)
-    cell = np.where(inside, (f + BEHIND) * COLUMNS + left + ASIDE, -1).astype(np.int64)
-    z, at = points[2][inside], cell[inside]
-    flags = np.zeros(N_CELLS, np.uint8)
-    flags[at[z < _LOW_M]] |= SEEN_FLOOR
-    tall = (z >= _LOW_M) & (z < _TALL_M)
-    off = np.stack([points[0][inside] - f[inside] * CELL_M, points[1][inside] - left[inside] * CELL_M])[:, tall]
-    _block(flags, at[tall], off)
-    nearest = np.full(N_CELLS, np.inf, np.float32)
-    np.minimum.at(nearest, at, spread[inside])
+    """Patch (ROWS, COLUMNS), looks (ROWS, COLUMNS), and the cell (h, w) of every second point, -1 outside the patch."""
+    flags, nearest = np.zeros(N_CELLS, np.uint8), np.full(N_CELLS, np.inf, np.float32)
+    cell = np.empty((-(-spread.shape[0] // _STRIDE), -(-spread.shape[1] // _STRIDE)), np.int64)
+    mark_floor(points, spread, _STRIDE, (AHEAD, ASIDE, BEHIND, COLUMNS), flags, nearest, cell)
+    ahead, left, away = points[0, ::_STRIDE, ::_STRIDE], points[1, ::_STRIDE, ::_STRIDE], spread[::_STRIDE, ::_STRIDE]
+    seen = np.isfinite(away)
     reach = np.zeros(_N_BINS, np.float32)
-    seen = np.isfinite(spread)
-    np.maximum.at(reach, _bins(points[0][seen], points[1][seen]), spread[seen])
+    np.maximum.at(reach, _bins(ahead[seen], left[seen]), away[seen])
     distance, direction = _cells()
     explored = distance <= np.minimum(reach[direction] + 0.125, AHEAD * CELL_M)
     patch = flags.reshape(ROWS, COLUMNS)
     patch[explored] |= EXPLORED
     look = (255.0 * np.exp(-nearest / _LOOK_M)).astype(np.uint8).reshape(ROWS, COLUMNS)
     return patch, look, cell
-
-
-def _block(flags: NDArray[np.uint8], at: NDArray[np.int64], off: F32) -> None:
-    """Mark cells whose nodes lie within the robot's radius of obstacle points.
-
-    Args:
-        flags: (N_CELLS,) uint8, changed in place.
-        at: (n,) cell of each point.
-        off: (2, n) offset of each point from its cell's node, in metres.
-    """
-    step = np.where(off > 0, 1, -1)
-    beyond = CELL_M - np.abs(off)
-    flags[at] |= BLOCKED
-    for across, along in ((True, False), (False, True), (True, True)):
-        gap = np.where(across, beyond[0], off[0]) ** 2 + np.where(along, beyond[1], off[1]) ** 2
-        near = at + across * step[0] * COLUMNS + along * step[1]
-        beside = at % COLUMNS + along * step[1]
-        inside = (near >= 0) & (near < N_CELLS) & (beside >= 0) & (beside < COLUMNS)
-        flags[near[(gap < _RADIUS_M**2) & inside]] |= BLOCKED
 
 
 def _chosen(found: Detections, shown: NDArray[np.bool_], target: str) -> tuple[NDArray[np.int64], tuple[str, ...]]:
@@ -196,26 +168,21 @@ def _chosen(found: Detections, shown: NDArray[np.bool_], target: str) -> tuple[N
 
 def _measure(image: NDArray[np.int16], points: F32, spread: F32, n: int, camera_m: float, out: F32) -> F32:
     """Write the features of n things into ``out`` from their pixels; returns their mean points (n, 3) in metres."""
-    v, u = np.nonzero((image >= 0) & np.isfinite(spread))
-    row = image[v, u].astype(np.int64)
-    order = np.argsort(row, kind="stable")
-    v, u, row = v[order], u[order], row[order]
-    here, start, count = np.unique(row, return_index=True, return_counts=True)
-    middle = np.full((n, 3), np.inf, np.float32)
-    if not len(here):
-        return middle
-    xyz = points[:, v, u].astype(np.float64)
-    mean = np.add.reduceat(xyz, start, axis=1) / count
+    count, sums = np.zeros(n, np.int64), np.zeros((3, n))
+    nearest, box = np.full(n, np.inf, np.float32), np.tile(np.array([1 << 20, -1, 1 << 20, -1]), (n, 1))
+    measure(image, points, spread, count, sums, nearest, box)
+    middle, here = np.full((n, 3), np.inf, np.float32), np.flatnonzero(count)
+    mean = sums[:, here] / count[here]
     middle[here] = mean.T
     far = np.maximum(np.hypot(mean[0], mean[1]), 1e-3)
     height, width = image.shape
+    u0, u1, v0, v1 = box[here].T
     out[here, 0], out[here, 1], out[here, 2] = mean[0], mean[1], mean[2] - camera_m
-    out[here, 3] = np.minimum.reduceat(spread[v, u], start)
-    out[here, 4], out[here, 5] = mean[1] / far, mean[0] / far
-    out[here, 6], out[here, 7] = np.minimum.reduceat(u, start) / width, np.minimum.reduceat(v, start) / height
-    out[here, 8] = (np.maximum.reduceat(u, start) + 1) / width
-    out[here, 9] = (np.maximum.reduceat(v, start) + 1) / height
-    out[here, 10] = np.log(count * (16384 / image.size) / 64)
+    out[here, 3], out[here, 4], out[here, 5] = nearest[here], mean[1] / far, mean[0] / far
+    out[here, 6], out[here, 7], out[here, 8], out[here, 9] = (
+        u0 / width, v0 / height, (u1 + 1) / width, (v1 + 1) / height,
+    )  # fmt: skip
+    out[here, 10] = np.log(count[here] * (16384 / image.size) / 64)
     return middle
 
 
@@ -228,9 +195,10 @@ def _pairs(
         inside = np.isfinite(f) & (f >= -BEHIND) & (f <= AHEAD) & (np.abs(left) <= ASIDE)
     rows = np.flatnonzero(inside)
     first = rows * N_CELLS + ((f[rows] + BEHIND) * COLUMNS + left[rows] + ASIDE).astype(np.int64)
-    seen = (image >= 0) & (cell >= 0)
-    rest = np.unique(image[seen].astype(np.int64) * N_CELLS + cell[seen])
-    keys = np.concatenate([first, rest[~np.isin(rest, first)]])[:N_PAIRS]
+    shown = np.zeros(len(middle) * N_CELLS, bool)
+    mark_pairs(image, _STRIDE, cell, N_CELLS, shown)
+    shown[first] = False
+    keys = np.concatenate([first, np.flatnonzero(shown)])[:N_PAIRS]
     pair_cell, pair_row = np.full(N_PAIRS, -1, np.int16), np.full(N_PAIRS, -1, np.int16)
     pair_cell[: len(keys)], pair_row[: len(keys)] = keys % N_CELLS, keys // N_CELLS
     return pair_cell, pair_row

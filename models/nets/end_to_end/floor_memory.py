@@ -12,16 +12,8 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from models.nets.end_to_end.ego_view import (
-    ASIDE,
-    BEHIND,
-    BLOCKED,
-    COLUMNS,
-    EXPLORED,
-    N_CELLS,
-    ROWS,
-    SEEN_FLOOR,
-)
+from models.nets.end_to_end.ego_kernels import BLOCKED, EXPLORED, SEEN_FLOOR
+from models.nets.end_to_end.ego_view import ASIDE, BEHIND, COLUMNS, N_CELLS, ROWS
 
 HALF = 128
 SIZE = 2 * HALF + 1
@@ -168,7 +160,11 @@ def coarse(cells: Tensor) -> Tensor:
         that is unknown, and floor that borders on the unknown (frontiers).
     """
     unknown = functional.avg_pool2d(255.0 - cells[:, :1].float(), 2, ceil_mode=True) / 255.0
-    pooled = functional.max_pool2d(cells.float(), 2, ceil_mode=True) / 255.0
+    even = functional.pad(
+        cells, (0, cells.shape[3] % 2, 0, cells.shape[2] % 2)
+    )  # pooled as bytes: a quarter of the time
+    rows = torch.maximum(even[:, :, ::2], even[:, :, 1::2])
+    pooled = torch.maximum(rows[..., ::2], rows[..., 1::2]).float() / 255.0
     frontier = functional.max_pool2d(unknown, 3, 1, 1) * pooled[:, 1:2]
     return torch.cat([pooled, unknown, frontier], 1)
 

@@ -8,6 +8,7 @@ weights: what lies ahead of a pose is weighed by one kernel, rotated.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import torch
@@ -21,6 +22,8 @@ _INPUTS = len(CHANNELS) + 2
 _KERNEL = 5
 _NEVER = -1e4
 """Score of what cannot be; -inf would give NaN gradients."""
+#: Added to the probability of each first action.
+_LEAST = math.exp(-12.0)
 #: Initial promise of a place by channel, in actions that one would spend for it.
 _BEFORE = {"ontop": 6.0, "beside": 4.0, "inside": 4.0, "closed": 8.0, "target": 60.0, "frontier": 4.0}
 
@@ -96,5 +99,6 @@ class PlacesToGo(nn.Module):
 
 def _by_first(log_goal: Tensor, first: Tensor) -> Tensor:
     """(N, 4) log of the summed probability of the goals whose path begins with each action, at least -12."""
-    parts = [torch.logsumexp(log_goal.masked_fill(first != a, _NEVER), 1) for a in range(4)]
-    return torch.stack([torch.logaddexp(part, torch.full_like(part, -12.0)) for part in parts], 1)
+    summed = torch.zeros(len(first), 4, dtype=log_goal.dtype, device=log_goal.device)
+    summed = summed.scatter_add(1, first.clamp(max=3).long(), log_goal.exp() * (first < 4))
+    return (summed + _LEAST).log()

@@ -3,33 +3,40 @@
 import numpy as np
 import pytest
 
+from models.nets.end_to_end.ego_kernels import BLOCKED, EXPLORED, SEEN_FLOOR, mark_floor
 from models.nets.end_to_end.ego_view import (
+    AHEAD,
     ASIDE,
     BEHIND,
-    BLOCKED,
+    CELL_M,
     COLUMNS,
-    EXPLORED,
     N_CELLS,
-    SEEN_FLOOR,
     THING_FEATURES,
-    _block,
     ego_view,
 )
 
 
+def flags_of(row: int, column: int, off_m: float) -> np.ndarray:
+    """Bits of all cells where one obstacle stands in a cell, so far to the left of its node."""
+    at = np.array([(row - BEHIND) * CELL_M, (column - ASIDE) * CELL_M + off_m, 0.5], np.float32)
+    flags, nearest = np.zeros(N_CELLS, np.uint8), np.full(N_CELLS, np.inf, np.float32)
+    cell = np.zeros((1, 1), np.int64)
+    spread = np.full((1, 1), np.hypot(at[0], at[1]), np.float32)
+    mark_floor(at.reshape(3, 1, 1), spread, 1, (AHEAD, ASIDE, BEHIND, COLUMNS), flags, nearest, cell)
+    assert cell[0, 0] == row * COLUMNS + column
+    assert nearest[cell[0, 0]] == spread[0, 0]
+    return flags
+
+
 @pytest.mark.parametrize("left", [-ASIDE, ASIDE])
 def test_an_obstacle_at_one_edge_blocks_nothing_at_the_other(left: int) -> None:
-    flags = np.zeros(N_CELLS, np.uint8)
-    at = np.array([10 * COLUMNS + left + ASIDE])
-    _block(flags, at, np.array([[0.0], [0.1 * np.sign(left)]], np.float32))
-    assert np.flatnonzero(flags).tolist() == at.tolist()
+    flags = flags_of(10, left + ASIDE, 0.1 * np.sign(left))
+    assert np.flatnonzero(flags).tolist() == [10 * COLUMNS + left + ASIDE]
 
 
 def test_an_obstacle_between_nodes_blocks_both() -> None:
-    flags = np.zeros(N_CELLS, np.uint8)
-    at = np.array([10 * COLUMNS + ASIDE])
-    _block(flags, at, np.array([[0.0], [0.12]], np.float32))
-    assert np.flatnonzero(flags == BLOCKED).tolist() == [at[0], at[0] + 1]
+    flags, at = flags_of(10, ASIDE, 0.12), 10 * COLUMNS + ASIDE
+    assert np.flatnonzero(flags == BLOCKED).tolist() == [at, at + 1]
 
 
 def frame(**changes: object) -> tuple[np.ndarray, dict[str, object]]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 import torch
 
-from models.nets.end_to_end.ego_view import ASIDE, BEHIND, COLUMNS, ROWS, SEEN_FLOOR
+from models.nets.end_to_end.ego_kernels import SEEN_FLOOR
+from models.nets.end_to_end.ego_view import ASIDE, BEHIND, COLUMNS, ROWS
 from models.nets.end_to_end.floor_memory import CHANNELS, HALF, SIZE, FloorMemory, MemoryStep, State
 
 FRONT = (3 + BEHIND) * COLUMNS + ASIDE

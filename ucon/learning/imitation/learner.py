@@ -80,7 +80,7 @@ class ImitationLearner:
             scorer = type(policy).__name__
             raise ConfigError(f"{scorer} scores views, and stored solutions name actions; train it with learner=ppo")
         self.device = torch_device(given.device, "learner.device")
-        self._precision = torch_precision(given.precision, self.device)
+        self._precision = torch_precision(given.precision, self.device, on_cpu=True)
         self.demonstrator = demonstrator or SolutionDemonstrator()
         batch = batch_size(given.batch, self.device, self.demonstrator.batch)
         check("above 0 and whole", lambda x: x > 0, (int,), batch=batch)
