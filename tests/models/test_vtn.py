@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import torch
 
+from models.nets.vision import visual_transformer
 from models.nets.vision.local_tokens import LabelTokens, indicator, labels
 from models.nets.vision.visual_transformer import VisualTransformer, described, position_code
 from models.vtn import VTN, VTNPretraining
@@ -41,6 +42,18 @@ def test_sizes_are_those_of_the_paper(vtn: VTN) -> None:
     assert (len(visual.encoder.layers), len(visual.decoder)) == (6, 6)
     assert [m.out_features for m in visual.regions if isinstance(m, torch.nn.Linear)] == [128, 64]
     assert (vtn.actor.out_features, vtn.action_embed.in_features) == (7, 7)
+
+
+def test_unused_tokens_count_as_if_each_were_there(monkeypatch):
+    torch.manual_seed(0)
+    visual = VisualTransformer().eval()
+    features, things, maps = torch.rand(4, 100, 256), torch.rand(4, 100, 7), torch.rand(4, 512, 7, 7)
+    for frame, used in enumerate((3, 17, 0, 9)):
+        features[frame, used:], things[frame, used:] = 0.0, 0.0
+    with torch.no_grad():
+        short = visual(features, things, maps)
+        monkeypatch.setattr(visual_transformer, "merged", lambda f, t: (f, t, torch.zeros(100)))
+        assert torch.allclose(short, visual(features, things, maps), atol=1e-5)
 
 
 def test_a_frame_becomes_3136_numbers() -> None:

@@ -6,13 +6,14 @@ a position code. The layers are those of DETR (post-norm, 8 heads, 512 hidden un
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import torch
 from torch import Tensor, nn
-from torch.nn.functional import relu
+from torch.nn.functional import linear, relu, scaled_dot_product_attention
 
-from models.nets.vision.local_tokens import WIDTH
+from models.nets.vision.local_tokens import TOKENS, WIDTH
 from models.nets.vision.resnet18 import CHANNELS, SIDE
 
 REGIONS: Final = SIDE * SIDE
@@ -43,18 +44,19 @@ class DecoderLayer(nn.Module):
         self.norms = nn.ModuleList(nn.LayerNorm(WIDTH) for _ in range(3))
         self.dropout = nn.Dropout(dropout)
 
-    def forward(self, x: Tensor, memory: Tensor, query: Tensor) -> Tensor:
+    def forward(self, x: Tensor, memory: Tensor, query: Tensor, weight: Tensor) -> Tensor:
         """Update the regions.
 
         Args:
             x: (N, 49, 256) regions.
-            memory: (N, 100, 256) encoded things.
+            memory: (N, L, 256) encoded things.
             query: (N, 49, 256) position queries of the regions.
+            weight: (L,) added to the attention logits of things.
         """
         asked = x + query
-        found = self.self_attention(asked, asked, x, need_weights=False)[0]
+        found = attended(self.self_attention, asked, asked, x)
         x = self.norms[0](x + self.dropout(found))
-        found = self.cross_attention(x + query, memory, memory, need_weights=False)[0]
+        found = attended(self.cross_attention, x + query, memory, memory, weight)
         x = self.norms[1](x + self.dropout(found))
         found = self.linear2(self.dropout(relu(self.linear1(x))))
         out: Tensor = self.norms[2](x + self.dropout(found))
@@ -89,13 +91,70 @@ class VisualTransformer(nn.Module):
             things: (N, 100, 7), see :func:`described`.
             maps: (N, 512, 7, 7) of the frozen network.
         """
-        tokens = torch.cat([relu(self.local_embed(features)), things], -1)  # (N, 100, 256)
+        features, things, weight = merged(features, things)
+        tokens = torch.cat([relu(self.local_embed(features)), things], -1)  # (N, L, 256)
         query = relu(self.global_embed(maps)).flatten(2).transpose(1, 2) + self.position  # (N, 49, 256)
-        memory = self.encoder(tokens)
+        memory = self._encoded(tokens, weight)
         x = torch.zeros_like(query)
         for layer in self.decoder:
-            x = layer(x, memory, query)
+            x = layer(x, memory, query, weight)
         return self.regions(self.norm(x)).flatten(1)
+
+    def _encoded(self, x: Tensor, weight: Tensor) -> Tensor:
+        """Things (N, L, 256) in the light of each other; ``weight`` (L,) is added to their attention logits."""
+        for layer in self.encoder.layers:
+            assert isinstance(layer, nn.TransformerEncoderLayer)
+            x = layer.norm1(x + layer.dropout1(attended(layer.self_attn, x, x, x, weight)))
+            x = layer.norm2(x + layer.dropout2(layer.linear2(layer.dropout(relu(layer.linear1(x))))))
+        return x
+
+
+def attended(
+    module: nn.MultiheadAttention, query: Tensor, key: Tensor, value: Tensor, weight: Tensor | None = None
+) -> Tensor:
+    """Attention by a module's weights; its own fast path takes numbers that are added to logits for a mask.
+
+    Args:
+        module: holds the weights.
+        query: (N, Q, D).
+        key: (N, L, D).
+        value: (N, L, D).
+        weight: (L,) added to the logits.
+
+    Returns:
+        (N, Q, D).
+    """
+    heads, width = module.num_heads, module.head_dim
+    q, k, v = (
+        linear(x, w, b).unflatten(-1, (heads, width)).transpose(1, 2)
+        for x, w, b in zip(
+            (query, key, value), module.in_proj_weight.chunk(3), module.in_proj_bias.chunk(3), strict=True
+        )
+    )
+    added = None if weight is None else weight.to(q.dtype).expand(query.shape[1], -1)
+    dropout = module.dropout if module.training else 0.0
+    found = scaled_dot_product_attention(q, k, v, attn_mask=added, dropout_p=dropout)
+    out: Tensor = module.out_proj(found.transpose(1, 2).flatten(2))
+    return out
+
+
+def merged(features: Tensor, things: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+    """Unused tokens as one. They are alike: attending to k of them is attending to one with log k added to its logit.
+
+    Most frames show a fifth of the things that there is room for.
+
+    Args:
+        features: (N, 100, 256) of the things; used rows come first.
+        things: (N, 100, 7), zero in unused rows.
+
+    Returns:
+        Features (N, L, 256), things (N, L, 7), and what is added to the attention logit of each, (L,).
+    """
+    used = int((things != 0).any(-1).any(0).sum())
+    weight = torch.zeros(min(used + 1, TOKENS), dtype=features.dtype, device=features.device)
+    if used < TOKENS:
+        weight[-1] = math.log(TOKENS - used)
+    return features[:, : len(weight)], things[:, : len(weight)], weight
 
 
 def described(label: Tensor, n_labels: int, box: Tensor, score: Tensor, target: Tensor) -> Tensor:
