@@ -56,18 +56,19 @@ def test_names_in_json(short: None, capsys: pytest.CaptureFixture[str]) -> None:
 def test_learners_are_measured_with_each_number_of_workers(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    measured = {f"{name}" for name in (*learning_speed.LEARNERS, *learning_speed.OF_FORESIGHT)}
+    of_decisions = [f"{name}_{what}" for name in learning_speed.FROM_DECISIONS for what in learning_speed.OF_DECISIONS]
+    measured = {*learning_speed.LEARNERS, *of_decisions}
     assert measured == set(bench._OF_LEARNERS)
     words, option = learning_speed.LEARNERS["hybrid_ppo_decisions_per_s"]
     small = {"hybrid_ppo_decisions_per_s": ((*words, "learner.frames=60", "learner.epochs=1"), option)}
     monkeypatch.setattr(learning_speed, "LEARNERS", small)
     monkeypatch.setattr(learning_speed, "STEPS", 1)
-    monkeypatch.setattr(learning_speed, "SEARCHES", 2)
+    monkeypatch.setattr(learning_speed, "FROM_DECISIONS", {"foresight": 2, "counterfactual": 1})
     monkeypatch.setattr(bench, "_WORKERS", (1,))
     assert main(["bench", "--learning"]) == 0
     told = capsys.readouterr()
     *lines, note = told.out.splitlines()
     assert note.startswith("wall time")
-    assert [float(line.split()[-4]) > 0 for line in lines] == [True] * 3
+    assert [float(line.split()[-4]) > 0 for line in lines] == [True] * 5
     assert all(", 1 worker " in line and line.endswith(" decisions a second") for line in lines)
-    assert told.err.splitlines()[-1].startswith("bench: 2 of 2 parts")
+    assert told.err.splitlines()[-1].startswith("bench: 3 of 3 parts")

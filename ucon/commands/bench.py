@@ -35,11 +35,13 @@ _FIGURES: Final = {
 #: The same of ``--learning``; the number of worker processes is added to the name.
 _OF_LEARNERS: Final = {
     "imitation_frames_per_s": ("end to end, imitation of searches", _FRAMES),
-    "dagger_frames_per_s": ("end to end, DAgger", _FRAMES),
+    "dagger_frames_per_s": ("end to end, DAgger by an agent that searches", _FRAMES),
     "ppo_frames_per_s": ("end to end, PPO", _FRAMES),
     "hybrid_ppo_decisions_per_s": ("habit_policy, PPO", _LEARNED),
-    "foresight_played_per_s": ("habit_policy, foresight: played and labelled", _LEARNED),
-    "foresight_decisions_per_s": ("habit_policy, foresight: learned from", _LEARNED),
+    "foresight_labelled_per_s": ("habit_policy, foresight: played and labelled", _LEARNED),
+    "foresight_learned_per_s": ("habit_policy, foresight: learned from", _LEARNED),
+    "counterfactual_labelled_per_s": ("habit_policy, counterfactual: labelled by rollouts", _LEARNED),
+    "counterfactual_learned_per_s": ("habit_policy, counterfactual: learned from", _LEARNED),
 }
 
 

@@ -7,10 +7,12 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
+from pathlib import Path
 from statistics import median
 from typing import Any, Final
 
 from ucon.configuration.wiring import Factory
+from ucon.core.files import user_cache
 from ucon.programs.composing import train_config
 
 #: What is measured: configuration of ``train.py``, small enough for some steps, and the option that sets the workers.
@@ -21,7 +23,7 @@ LEARNERS: Final[Mapping[str, tuple[tuple[str, ...], str]]] = {
     ),
     "dagger_frames_per_s": (
         (
-            "agent=habit_policy_e2e", "learner=dagger", "learner.batch=4", "learner.n_episodes=40",
+            "agent=habit_policy_e2e", "learner=dagger_searches", "learner.batch=4", "learner.n_episodes=40",
             "learner.rollouts.episodes=8", "learner.rollouts.per_iteration=2", "learner.rollouts.slots=8",
         ),
         "learner.workers",
@@ -29,24 +31,24 @@ LEARNERS: Final[Mapping[str, tuple[tuple[str, ...], str]]] = {
     "ppo_frames_per_s": (("agent=habit_policy_e2e", "learner=ppo", "learner.frames=600"), "collector.workers"),
     "hybrid_ppo_decisions_per_s": (("agent=habit_policy", "learner=ppo", "learner.frames=600"), "collector.workers"),
 }  # fmt: skip
-FORESIGHT: Final = ("agent=habit_policy", "learner=foresight")
-OF_FORESIGHT: Final = ("foresight_played_per_s", "foresight_decisions_per_s")
+#: Learners from kept decisions, and how many searches are played for them.
+FROM_DECISIONS: Final[Mapping[str, int]] = {"foresight": 40, "counterfactual": 6}
+#: What is measured of each: decisions that are played and labelled, and decisions that are learned from.
+OF_DECISIONS: Final = ("labelled_per_s", "learned_per_s")
 #: Steps that are measured, after one that is not.
 STEPS: Final = 3
-#: Searches that are played for foresight.
-SEARCHES: Final = 40
 
 
 def stages(workers: tuple[int, ...]) -> int:
     """How many measurements :func:`learning_rates` makes."""
-    return (len(LEARNERS) + 1) * len(workers)
+    return (len(LEARNERS) + len(FROM_DECISIONS)) * len(workers)
 
 
 def learning_rates(workers: tuple[int, ...], measured: Callable[[], None]) -> dict[str, float]:
     """Frames or decisions a second of every learner, by name and number of worker processes.
 
-    A learner's rate is the median over steps; a step plays, feeds and updates. Foresight plays first and learns then,
-    and has a rate for each.
+    A learner's rate is the median over steps; a step plays, feeds and updates. Learners from kept decisions play first
+    and learn then, and have a rate for each. Nothing is kept from before but homes.
 
     Args:
         workers: numbers of processes that play, such as (1, 2).
@@ -55,11 +57,13 @@ def learning_rates(workers: tuple[int, ...], measured: Callable[[], None]) -> di
     found: dict[str, float] = {}
     for n in workers:
         for name, (words, option) in LEARNERS.items():
-            with closing(Factory(train_config(*words, f"{option}={n}")["learner"])()) as learner:
+            with _nothing_kept(), closing(Factory(train_config(*words, f"{option}={n}")["learner"])()) as learner:
                 found[f"{name}_{n}"] = _rate(learner)
             measured()
-        found |= {f"{name}_{n}": rate for name, rate in zip(OF_FORESIGHT, _foresight(n), strict=True)}
-        measured()
+        for name, searches in FROM_DECISIONS.items():
+            rates = zip(OF_DECISIONS, _from_decisions(name, searches, n), strict=True)
+            found |= {f"{name}_{what}_{n}": rate for what, rate in rates}
+            measured()
     return found
 
 
@@ -74,27 +78,30 @@ def _rate(learner: Any) -> float:
     return float(median(rates))
 
 
-def _foresight(workers: int) -> tuple[float, float]:
+def _from_decisions(name: str, searches: int, workers: int) -> tuple[float, float]:
     """Decisions a second that are played and labelled, and that are learned from."""
-    words = (*FORESIGHT, f"learner.workers={workers}", f"learner.n_searches={SEARCHES}")
-    with _empty_cache(), closing(Factory(train_config(*words)["learner"])()) as learner:
+    words = ("agent=habit_policy", f"learner={name}", f"learner.workers={workers}", f"learner.n_searches={searches}")
+    with _nothing_kept(), closing(Factory(train_config(*words)["learner"])()) as learner:
         began = time.perf_counter()
         decisions = len(learner.decisions)
-        played = decisions / (time.perf_counter() - began)
+        labelled = decisions / (time.perf_counter() - began)
         learner.step()
         seconds = []
         for _ in range(STEPS):
             began = time.perf_counter()
             learner.step()
             seconds.append(time.perf_counter() - began)
-    return played, float(learner.options.batch / median(seconds))
+    return labelled, float(learner.options.batch / median(seconds))
 
 
 @contextmanager
-def _empty_cache() -> Iterator[None]:
-    """A cache of its own: what was played before would not be played again."""
-    before = os.environ.get("UCON_CACHE")
+def _nothing_kept() -> Iterator[None]:
+    """A cache with homes and text alone: what was played before would not be played again."""
+    before, kept = os.environ.get("UCON_CACHE"), user_cache()
     with tempfile.TemporaryDirectory() as folder:
+        for name in ("homes", "text", "sha256"):
+            if (kept / name).is_dir():
+                (Path(folder) / name).symlink_to(kept / name)
         os.environ["UCON_CACHE"] = folder
         try:
             yield
