@@ -94,6 +94,14 @@ def test_each_is_played_once_and_later_runs_know_its_actions(tmp_path: Path, mon
     assert file.read_text().splitlines()[-1] == lines[2]
 
 
+def test_where_nothing_can_be_written_learning_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "cache").mkdir()
+    (tmp_path / "cache" / "demonstrations").write_text("in the way")
+    monkeypatch.setenv("UCON_CACHE", str(tmp_path / "cache"))
+    figures = tiny_imitation(tmp_path, demonstrator=AgentDemonstrator(BeliefAgent(), ENV)).step()
+    assert figures["frames"] > 0
+
+
 def test_another_agent_has_other_demonstrations_and_some_cannot_be_kept() -> None:
     class Local:
         name = "local"

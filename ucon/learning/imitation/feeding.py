@@ -107,8 +107,7 @@ class Feeder:
 
         Yields:
             For each batch, its (trajectory, replay) pairs in the batch's order. Frames are features where the policy
-            has
-            frozen networks.
+            has frozen networks.
 
         Raises:
             LearnerWorkerError: a worker was killed, or did not answer within ``worker_timeout_s``.
@@ -139,16 +138,15 @@ class Feeder:
 
     def _receive(self, item: Trajectory | Job, asked: Future[Played] | None) -> tuple[Trajectory, Replay]:
         """A trajectory and its replay, from memory, from ``asked``, or played now; kept if it still fits."""
-        if isinstance(item, Trajectory) and (packed := self._kept.get(self._key(item))) is not None:
-            return item, _unpacked(packed)
+        if isinstance(item, Trajectory) and (kept := self._kept.get(self._key(item))) is not None:
+            return item, _unpacked(kept)
         played = _played(item, self._demonstrator, self._play) if asked is None else self._result_of(asked)
         trajectory, replay = played[0], self._with_features(played[1])
         if isinstance(item, Job):
             self._shown.keep(item, trajectory)
-        key, packed = self._key(trajectory), _packed(replay)
-        if len(packed) <= self._free_bytes:
+        if self._free_bytes > 0 and len(packed := _packed(replay)) <= self._free_bytes:
             self._free_bytes -= len(packed)
-            self._kept[key] = packed
+            self._kept[self._key(trajectory)] = packed
         return trajectory, replay
 
     def _result_of(self, played: Future[Played]) -> Played:

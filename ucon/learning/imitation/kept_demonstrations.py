@@ -48,15 +48,19 @@ class KeptDemonstrations:
         return None if actions is None else Trajectory(job.episode, job.level, actions, actions)
 
     def keep(self, job: Job, trajectory: Trajectory) -> None:
-        """Keep what was played."""
+        """Keep what was played; in memory alone where it cannot be written, as on a full disk."""
         if _key(job) in self._actions:
             return
         self._actions[_key(job)] = trajectory.actions
-        if self._file is not None:
+        if self._file is None:
+            return
+        try:
             self._file.parent.mkdir(parents=True, exist_ok=True)
             with self._file.open("a", encoding="utf-8") as out:
                 out.write("\n" * self._torn + json.dumps([*_key(job), trajectory.actions]) + "\n")
             self._torn = False
+        except OSError:
+            self._file = None
 
 
 def _key(job: Job) -> tuple[str, str]:
