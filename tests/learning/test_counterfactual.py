@@ -7,27 +7,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from hydra import compose, initialize_config_dir
-from omegaconf import OmegaConf
 
 from models.habit_policy import HabitPolicy
+from tests.learning.tiny_search import search_of
 from ucon.configuration.wiring import Factory
+from ucon.core.errors import ConfigError
 from ucon.learning.counterfactual.labels import Rollouts
-from ucon.learning.counterfactual.learner import CounterfactualLearner, first_view, relative_worth
+from ucon.learning.counterfactual.learner import CounterfactualLearner, relative_worth
 from ucon.learning.decisions import store
-from ucon.learning.decisions.batches import batch_of
-from ucon.learning.decisions.decisions import by_gain_over_cost
+from ucon.learning.decisions.decisions import by_gain_over_cost, first_views
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 ROLLOUTS = Rollouts(share=0.3, views=3, steps=20)
 
 
 @pytest.fixture(scope="module")
 def search() -> Factory:
-    """Makes the environment that ``learner=counterfactual`` searches in."""
-    with initialize_config_dir(str(CONFIGS), version_base="1.3"):
-        config = compose("train", overrides=["agent=habit_policy", "learner=counterfactual", "out=runs/test"])
-    return Factory(OmegaConf.to_container(config.search, resolve=True))
+    return search_of("counterfactual")
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +46,7 @@ def test_some_views_of_every_decision_are_labelled_the_first_among_them(kept: st
     tried = ~np.isnan(worth)
     assert (tried.sum(1) == np.minimum(mask.sum(1), 3)).all()
     assert not tried[mask == 0].any()
-    first = first_view(batch_of(kept, np.arange(len(kept)))).numpy()
+    first = first_views(kept.frames)
     assert tried[np.arange(len(kept)), first].mean() > 0.95  # but where float16 makes two alike
     assert worth[tried].min() >= 0.0
     assert worth[tried].max() <= 1.0
@@ -59,12 +54,12 @@ def test_some_views_of_every_decision_are_labelled_the_first_among_them(kept: st
 
 
 def test_rollouts_leave_the_search_as_it_was(search: Factory) -> None:
-    def searched(share: float) -> tuple[float, list[int]]:
+    def searched(*, tried: bool) -> tuple[float, list[int]]:
         env, total, rows = search(), 0.0, []
         observation, _ = env.reset(options={"episode": env.env.episodes[0], "habit_level": "retrieval"})
-        labels, draw = Rollouts(share, 2, 10), np.random.default_rng(0)
+        labels, draw = Rollouts(1.0, 2, 10), np.random.default_rng(0)
         for _ in range(6):
-            if draw.random() < share:
+            if tried:
                 labels._worth(env, observation, draw)
             rows.append(by_gain_over_cost(observation))
             observation, reward, *_ = env.step(rows[-1])
@@ -72,7 +67,7 @@ def test_rollouts_leave_the_search_as_it_was(search: Factory) -> None:
         env.close()
         return total, rows
 
-    assert searched(0.0) == searched(1.0)
+    assert searched(tried=False) == searched(tried=True)
 
 
 def test_only_differences_within_decisions_count() -> None:
@@ -102,3 +97,11 @@ def test_training_explains_more_in_the_homes_it_learns_in(
     after = learner.validate()
     assert after["explained"] > before["explained"] + 0.1
     assert after["gain"] > 0.0
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"share": 0.0}, {"share": 2}, {"views": 1}, {"steps": 0}, {"rest": -1.0}, {"views": 2.5}]
+)
+def test_wrong_options_are_refused(wrong: dict[str, float]) -> None:
+    with pytest.raises(ConfigError, match=rf"learner\.rollouts\.{next(iter(wrong))}"):
+        Rollouts(**wrong)

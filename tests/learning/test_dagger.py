@@ -76,7 +76,7 @@ def test_an_agent_that_searches_says_what_it_would_do_wherever_the_policy_went(l
 
 
 def test_an_expert_that_is_not_obeyed_makes_new_plans(learner):
-    """It is turned around again and again, and yet comes to the target: its labels are of where it stands."""
+    """Every fourth action is another than it said, and yet it comes to the target."""
     expert, env = SearchingExpert(BeliefAgent()), SHOWN()
     for number in range(3):
         episode = learner().episodes[number]

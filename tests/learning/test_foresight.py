@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from hydra import compose, initialize_config_dir
-from omegaconf import OmegaConf
 
 from models.habit_policy import HabitPolicy
+from tests.learning.tiny_search import search_of
 from ucon.configuration.wiring import Factory
 from ucon.core.errors import ConfigError, DataError
 from ucon.learning.decisions import store
@@ -21,17 +20,13 @@ from ucon.learning.foresight.learner import ForesightLearner
 from ucon.learning.ppo.foresight import progress
 from ucon.learning.run import kept_batches
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 LEVELS = ("none", "retrieval")
 WAYS = WaysToTarget()
 
 
 @pytest.fixture(scope="module")
 def search() -> Factory:
-    """Makes the environment that ``learner=foresight`` searches in."""
-    with initialize_config_dir(str(CONFIGS), version_base="1.3"):
-        config = compose("train", overrides=["agent=habit_policy", "learner=foresight", "out=runs/test"])
-    return Factory(OmegaConf.to_container(config.search, resolve=True))
+    return search_of("foresight")
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from tests.learning.tiny_policy import ENV, TinyPolicy
-from ucon.learning.policies.playing import Job, Players, PolicyChooser
+from ucon.learning.policies.playing import Job, Players, PolicyChooser, Seen
 from ucon.task.sets import load_episodes
 
 EPISODES = load_episodes("mini")[:4]
@@ -52,7 +52,7 @@ def test_the_recurrent_state_matters_to_this_policy():
 def test_draws_are_a_function_of_seed_and_step():
     assert played(JOBS, 3, sample=True) == played(JOBS, 2, sample=True)
     assert played(JOBS, 3, sample=True) != played(JOBS, 3)
-    draws = [PolicyChooser(True, 0, "a").choose(1, step, np.log([0.7, 0.2, 0.1]), {}, {}) for step in range(600)]
+    draws = [PolicyChooser(True, 0, "a").choose(1, step, np.log([0.7, 0.2, 0.1]), Seen({}, {})) for step in range(600)]
     assert np.bincount(draws) / 600 == pytest.approx([0.7, 0.2, 0.1], abs=0.06)
 
 
@@ -61,7 +61,7 @@ def test_what_is_measured_is_what_the_environment_says():
         def begin(self, number, job, env, info):
             self.solution = job.episode.solution
 
-        def choose(self, number, step, logits, observation, info):
+        def choose(self, number, step, logits, seen):
             return int(self.solution[step])
 
     short = min(load_episodes("mini"), key=lambda episode: len(episode.solution))

@@ -18,7 +18,8 @@ from ucon.perception.places.target_places import Places
 from ucon.perception.views.approach import DRAWER_NEAR_M, Approach
 from ucon.perception.views.approach_kernels import FAILED_COST, SMALL_COST, UNSEEN_COST
 from ucon.perception.views.candidates import candidates, frontiers
-from ucon.perception.views.view_kernels import OPAQUE_M, sight
+from ucon.perception.views.space_kernels import OPAQUE_M
+from ucon.perception.views.view_kernels import sight
 from ucon.search import STRATEGIES, Explorer
 
 Known = tuple[SemanticMap, Planner, Places]

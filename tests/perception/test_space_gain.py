@@ -9,7 +9,7 @@ import pytest
 
 from ucon.perception.mapping.map_kernels import CELL_M
 from ucon.perception.mapping.semantic_map import HALF, SIZE
-from ucon.perception.views import view_kernels as kernels
+from ucon.perception.views import space_kernels as kernels
 
 REACH = (22, 4.0)
 

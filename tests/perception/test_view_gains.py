@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ucon.perception.mapping.map_kernels import ALL_OPEN, CELL_M
+from ucon.perception.views.space_kernels import space_gain
 from ucon.perception.views.view_kernels import (
     PITCHES_DEG,
     WORDS,
@@ -15,7 +16,6 @@ from ucon.perception.views.view_kernels import (
     open_gain,
     place_gain,
     sight,
-    space_gain,
 )
 
 HALF = 20

@@ -12,11 +12,11 @@ from ucon.perception.detectors.noisy import NoisyDetector
 from ucon.perception.mapping import fine_kernels as f, frontier_kernels as e, map_kernels as m, planner
 from ucon.perception.places import chance_kernels as c, place_kernels as p
 from ucon.perception.hypotheses import look_kernels as h
-from ucon.perception.views import approach_kernels as a, node_kernels as n, view_kernels as v
+from ucon.perception.views import approach_kernels as a, node_kernels as n, space_kernels as w, view_kernels as v
 from ucon.perception.warm import look_around
 called_from_python = (
-    m.integrate, m.carve, m.look, p.changed_boxes, p.make_points, p.stretch, p.facing, p.copy_unseen, v.space_gain,
-    v.place_gain, v.open_gain, v.fade_space, v.fade_places, planner._search, f.add_frame, f.walk, n.nodes_ahead,
+    m.integrate, m.carve, m.look, p.changed_boxes, p.make_points, p.stretch, p.facing, p.copy_unseen, w.space_gain,
+    v.place_gain, v.open_gain, w.fade_space, v.fade_places, planner._search, f.add_frame, f.walk, n.nodes_ahead,
     a.best_views, p.searched, e.edges, e.groups, d.outline, d.things, d.false_boxes, t.segment,
     r.structure, s.associate, s.overlaps, h.new_looks, c.look_by_chance, c.gain_by_chance, c.fade_by_chance,
 )

@@ -28,7 +28,6 @@ from ucon.envs.painter import Moment, Painter
 from ucon.envs.spaces import observation_space, padded
 from ucon.envs.tour import Tour, hide
 from ucon.perception.detectors import Detector, Frame
-from ucon.perception.detectors.gt import GtDetector
 from ucon.perception.mapping.nav import Nav
 from ucon.sim.cache import load_house
 from ucon.sim.state import SceneState
@@ -191,23 +190,9 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         return self._begun("ledger")
 
     @property
-    def frame(self) -> StartFrame:
-        """Converts between the world and the frame of the episode's start. Privileged."""
-        return self._frame
-
-    def true_tour(self) -> tuple[Tour, GtDetector]:
-        """A walk through the home in which everything has its own name; see :mod:`ucon.envs.tour`. Privileged.
-
-        Returns:
-            The walk, and the detector that names what it shows.
-        """
-        self._begun("true_tour")
-        detector = GtDetector()
-        detector.reset(self.episode.id, self._world.categories)
-        return self._tour_by(detector), detector
-
-    def _tour_by(self, detector: Detector | None) -> Tour:
-        return Tour(self.search, self._renderer, detector, self._frame, self._fov_deg)
+    def tour(self) -> Tour:
+        """A walk through the home of the current episode, before its first step. Privileged."""
+        return self._tour
 
     @property
     def habit_table(self) -> NDArray[np.float16]:
@@ -251,7 +236,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         self._over = False
         self._painter = None
         self._locations = self.source.locations(self.episode, house) if self._privileged else ()
-        self._tour = self._tour_by(self._detector)
+        self._tour = Tour(self.search, self._renderer, self._detector, self._frame, self._fov_deg)
         obs, info = self._look(opened=())
         self._ledger = Ledger(self.episode, self.search)
         info |= {

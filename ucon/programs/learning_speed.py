@@ -32,7 +32,7 @@ LEARNERS: Final[Mapping[str, tuple[tuple[str, ...], str]]] = {
     "hybrid_ppo_decisions_per_s": (("agent=habit_policy", "learner=ppo", "learner.frames=600"), "collector.workers"),
 }  # fmt: skip
 #: Learners from kept decisions, and how many searches are played for them.
-FROM_DECISIONS: Final[Mapping[str, int]] = {"foresight": 40, "counterfactual": 6}
+FROM_DECISIONS: Final[Mapping[str, int]] = {"foresight": 40, "counterfactual": 16}
 #: What is measured of each: decisions that are played and labelled, and decisions that are learned from.
 OF_DECISIONS: Final = ("labelled_per_s", "learned_per_s")
 #: Steps that are measured, after one that is not.

@@ -24,6 +24,8 @@ class SceneWorld(Protocol):
 
     house: House
     arrangement: Arrangement
+    categories: tuple[str, ...]
+    """Category of each of the n instances."""
     boxes: NDArray[np.float64]
     """(n, 6) boxes in the world frame with joints closed, x0 y0 z0 x1 y1 z1 in metres."""
     openable: NDArray[np.bool_]

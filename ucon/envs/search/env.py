@@ -227,7 +227,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         return self._searcher.look(*self._last)
 
     def _reward(self, info: dict[str, Any]) -> float:
-        """What the choice came to: the return of an episode at its end."""
+        """Reward of a choice: the return of the episode at its end, else 0."""
         if not any(self._over):
             return 0.0
         return self._returns(info["episode_metrics"], cast(UcONEnv, self.env.unwrapped).rules.max_steps)

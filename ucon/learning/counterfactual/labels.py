@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.learning.decisions.decisions import TEXT, Arrays, Decisions, by_gain_over_cost, joined
+from ucon.learning.run.option_checks import check
 from ucon.task.episode import Episode
 
 #: A search ends where targets are left with less than this probability: choices hardly matter any more.
@@ -39,6 +40,17 @@ class Rollouts:
     views: int = 6
     steps: int = 60
     rest: float = 0.4
+
+    def __post_init__(self) -> None:
+        """Check the options.
+
+        Raises:
+            ConfigError: one of a wrong type or out of range.
+        """
+        check("above 0, at most 1", lambda x: 0 < x <= 1, (int, float), **{"rollouts.share": self.share})
+        check("2 or more and whole", lambda x: x >= 2, (int,), **{"rollouts.views": self.views})
+        check("1 or more and whole", lambda x: x >= 1, (int,), **{"rollouts.steps": self.steps})
+        check("from 0 to 1", lambda x: 0 <= x <= 1, (int, float), **{"rollouts.rest": self.rest})
 
     name: ClassVar[str] = "counterfactual"
     label: ClassVar[str] = "worth"
@@ -70,7 +82,7 @@ class Rollouts:
         return joined(kept, text)
 
     def _worth(self, env: Any, observation: Arrays, draw: np.random.Generator) -> NDArray[np.float32]:
-        """What comes of going to each view that is tried, (V,); nan for the others."""
+        """Expected SPL from here on of going to each view that is tried, (V,) float32; nan for the others."""
         offered = observation["action_mask"] > 0
         order = np.where(offered, observation["prior"] + draw.gumbel(size=len(offered)), -np.inf)
         order[by_gain_over_cost(observation)] = np.inf

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
@@ -10,11 +9,10 @@ import torch
 from torch import Tensor, nn
 
 from ucon.learning.counterfactual.labels import Rollouts
+from ucon.learning.decisions.decisions import first_views
 from ucon.learning.decisions.learner import DecisionLearner, centred
 from ucon.learning.policies.action_policy import PolicyOutputs
 from ucon.learning.run.protocol import Figures
-from ucon.search.searcher import LOYALTY
-from ucon.search.view_tokens import IS_KEPT
 
 #: Relative worth that a unit of a view's logit stands for: so gain over cost, with its initial factor of 10, fits best.
 _UNIT: Final = 0.0065
@@ -87,14 +85,9 @@ def _sums(outputs: PolicyOutputs, frames: Mapping[str, Tensor]) -> dict[str, flo
     off = centred(_UNIT * _finite(outputs.logits), known) - relative
     worth = frames[Rollouts.label].float().nan_to_num()
     liked = torch.where(known, outputs.logits, float("-inf")).argmax(1, keepdim=True)
-    first = first_view(frames)[:, None]
+    plain = {name: frames[name].float().cpu().numpy() for name in ("prior", "views", "action_mask")}
+    first = torch.from_numpy(first_views(plain)).to(worth.device)[:, None]
     return {
         "n": float(len(worth)), "off": float((weight * off**2).sum()), "spread": float((weight * relative**2).sum()),
         "gain": float((worth.gather(1, liked) - worth.gather(1, first)).sum()),
     }  # fmt: skip
-
-
-def first_view(frames: Mapping[str, Tensor]) -> Tensor:
-    """Row of the view with most gain over cost in each of n decisions, (n,); see :func:`by_gain_over_cost`."""
-    score = frames["prior"].float() + math.log(LOYALTY) * frames["views"][..., IS_KEPT].float()
-    return torch.where(frames["action_mask"] > 0, score, float("-inf")).argmax(1)

@@ -62,8 +62,20 @@ def joined(kept: Sequence[Arrays], text: Arrays) -> Decisions | None:
 
 def by_gain_over_cost(observation: Arrays) -> int:
     """Row of the view with most gain over cost, as :mod:`ucon.search.searcher` chooses it."""
-    score = observation["prior"] + np.log(LOYALTY) * observation["views"][:, IS_KEPT]
-    return int(np.where(observation["action_mask"] > 0, score, -np.inf).argmax())
+    return int(first_views(observation))
+
+
+def first_views(frames: Arrays) -> NDArray[np.int64]:
+    """Row of the view with most gain over cost in each of some decisions.
+
+    Args:
+        frames: ``prior`` (..., V), ``views`` (..., V, N_VIEW) and ``action_mask`` (..., V).
+
+    Returns:
+        (...,) int64.
+    """
+    score = frames["prior"] + np.log(LOYALTY) * frames["views"][..., IS_KEPT]
+    return np.asarray(np.where(frames["action_mask"] > 0, score, -np.inf).argmax(-1))
 
 
 def small(name: str, values: NDArray[Any]) -> NDArray[Any]:

@@ -133,7 +133,7 @@ class DecisionLearner(CountedSteps):
         return {"loss": float(loss.detach()), **updated}
 
     def outputs(self, frames: Mapping[str, Tensor]) -> tuple[PolicyOutputs, Mapping[str, Tensor]]:
-        """What the network says of n decisions, and the decisions where it computes."""
+        """Outputs of the network for n decisions, and the decisions as tensors on its device."""
         moved = {name: tensor.to(self.device) for name, tensor in frames.items()}
         found = self.policy({name: tensor[None] for name, tensor in moved.items()}, {}, {})
         foresight = None if found.foresight is None else found.foresight[0].float()

@@ -1,9 +1,9 @@
 """``learner=dagger``: the policy plays episodes, an expert labels every step, and the policy learns from all labels.
 
 Plain imitation shows only states along shortest paths; a policy that leaves them has never seen what to do next. Every
-``per_iteration`` steps, a mixture of policy and expert plays some episodes, the expert labels
-every step, and these trajectories join those collected before (DAgger: Ross, Gordon and Bagnell 2011). The expert may
-know the home, or search as an agent does that sees what the policy sees (:mod:`ucon.learning.imitation.experts`).
+``per_iteration`` steps, a mixture of policy and expert plays some episodes, the expert labels every step, and these
+trajectories join those collected before (DAgger: Ross, Gordon and Bagnell 2011). The expert knows the home, or searches
+as an agent that sees what the policy sees (:mod:`ucon.learning.imitation.experts`).
 
 The collected trajectories are part of the learner's state, stored as strings of action digits. Their frames are not
 stored; they are made by playing the actions again.
@@ -24,7 +24,7 @@ from ucon.core.rng import stream
 from ucon.learning.imitation.experts import Corrector, KnowingExpert
 from ucon.learning.imitation.learner import ImitationLearner
 from ucon.learning.imitation.trajectories import NO_LABEL, Trajectory, trajectories_from_json
-from ucon.learning.policies.playing import Job, Players, PolicyChooser
+from ucon.learning.policies.playing import Job, Players, PolicyChooser, Seen
 from ucon.learning.run.protocol import State
 from ucon.task.actions import Action
 
@@ -191,17 +191,10 @@ class _Mixture:
         self._slot[number] = self._number.setdefault(id(env), len(self._number))
         self._expert.begin(self._slot[number], job.episode, env, info)
 
-    def choose(
-        self,
-        number: int,
-        step: int,
-        logits: NDArray[np.float64],
-        observation: Mapping[str, Any],
-        info: Mapping[str, Any],
-    ) -> int:
-        best = self._expert.label(self._slot[number], observation, info)
+    def choose(self, number: int, step: int, logits: NDArray[np.float64], seen: Seen) -> int:
+        best = self._expert.label(self._slot[number], *seen)
         self.labels[number].append(NO_LABEL if best is None else str(int(best)))
-        own = self._policy.choose(number, step, logits, observation, info)
+        own = self._policy.choose(number, step, logits, seen)
         if best is None:
             return own
         take_expert = stream(self._seed, "mixture", self._iteration, number, step).random() < self._share

@@ -62,6 +62,27 @@ class Demonstrator(Protocol):
         ...
 
 
+def check_agent(agent: Agent, option: str) -> None:
+    """Refuse what is no agent, or an agent that cannot play.
+
+    Args:
+        agent: of a configuration.
+        option: its name, for the error.
+
+    Raises:
+        ConfigError: it has no ``reset`` and ``act``, or its weights are missing.
+    """
+    if not (hasattr(agent, "reset") and hasattr(agent, "act")):
+        raise ConfigError(f"{option}: {type(agent).__name__} is no agent; see configs/agent/")
+    if hasattr(agent, "check"):
+        agent.check()
+
+
+def agent_fingerprint(agent: Agent) -> str:
+    """Name of an agent and the hash of its weights, if it has any."""
+    return f"{agent.name} {fingerprint_of(agent) or ''}"
+
+
 class SolutionDemonstrator:
     """Demonstrates each episode's stored shortest solution, which opens the containers that have to be opened.
 
@@ -101,16 +122,13 @@ class AgentDemonstrator:
     batch = 8  # half of the solutions' batch: searches take more steps
 
     def __init__(self, agent: Agent, env: Callable[[], Any]) -> None:
-        if not (hasattr(agent, "reset") and hasattr(agent, "act")):
-            raise ConfigError(f"learner.demonstrator.agent: {type(agent).__name__} is no agent; see configs/agent/")
-        if hasattr(agent, "check"):
-            agent.check()
+        check_agent(agent, "learner.demonstrator.agent")
         self._agent, self._make_env = agent, env
         self.title = f"what the agent {agent.name} does"
 
     def fingerprint(self) -> str:
         """Name of the agent and the hash of its weights, if it has any."""
-        return f"{self._agent.name} {fingerprint_of(self._agent) or ''}"
+        return agent_fingerprint(self._agent)
 
     def cache_key(self) -> str:
         """Hash of code, agent, weights, habits and detector; "" for an agent that cannot be pickled."""

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from ucon.core.errors import ConfigError
-from ucon.core.fingerprint import fingerprint_of
+from ucon.learning.imitation.demonstrators import agent_fingerprint, check_agent
 from ucon.task.actions import Action
 from ucon.task.agent import Agent
 from ucon.task.episode import Episode
@@ -39,7 +38,7 @@ class Corrector(Protocol):
         ...
 
     def label(self, slot: int, observation: Info, info: Info) -> Action | None:
-        """What to do after a frame, whatever was done so far; None where it does not know.
+        """The action that the policy should take next, wherever it stands; None where the expert knows none.
 
         Args:
             slot: number of the slot.
@@ -86,21 +85,18 @@ class SearchingExpert:
     """
 
     def __init__(self, agent: Agent) -> None:
-        if not (hasattr(agent, "reset") and hasattr(agent, "act")):
-            raise ConfigError(f"learner.expert.agent: {type(agent).__name__} is no agent; see configs/agent/")
-        if hasattr(agent, "check"):
-            agent.check()
+        check_agent(agent, "learner.expert.agent")
         self._agent = agent
         self.title = f"what the agent {agent.name} would do in the same places"
 
     def fingerprint(self) -> str:
         """Name of the agent and the hash of its weights, if it has any."""
-        return f"{self._agent.name} {fingerprint_of(self._agent) or ''}"
+        return agent_fingerprint(self._agent)
 
     def begin(self, slot: int, episode: Episode, env: Any, info: Info) -> None:
         """See :class:`Corrector`."""
         self._agent.reset([info], [slot])
 
     def label(self, slot: int, observation: Info, info: Info) -> Action | None:
-        """What the agent would do next."""
+        """The agent's own next action."""
         return Action(self._agent.act([observation], [info], [slot])[0])

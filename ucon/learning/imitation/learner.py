@@ -145,7 +145,7 @@ class ImitationLearner:
         return self.episodes[int(self._order(epoch)[place])], self.levels[(item + epoch) % len(self.levels)]
 
     def batches(self) -> Iterator[Sequence[Trajectory | Job]]:
-        """What to demonstrate in each step from now on, without end; ``batch`` episodes a step."""
+        """Episodes and habit levels to demonstrate in each step from now on, without end; ``batch`` a step."""
         for step in count(self.done):
             items = range(step * self.batch, (step + 1) * self.batch)
             yield [Job(*self.assigned(item)) for item in items]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +38,13 @@ class RolloutOutcome:
     spl: float
 
 
+class Seen(NamedTuple):
+    """A frame as the environment gives it."""
+
+    observation: Mapping[str, Any]
+    info: Mapping[str, Any]
+
+
 class Chooser(Protocol):
     """Turns the logits of a step into an action."""
 
@@ -45,22 +52,14 @@ class Chooser(Protocol):
         """Called when job ``number`` starts in an environment, before its first :meth:`choose`."""
         ...
 
-    def choose(
-        self,
-        number: int,
-        step: int,
-        logits: NDArray[np.float64],
-        observation: Mapping[str, Any],
-        info: Mapping[str, Any],
-    ) -> int:
+    def choose(self, number: int, step: int, logits: NDArray[np.float64], seen: Seen) -> int:
         """The action to take.
 
         Args:
             number: index of the job.
             step: of the episode, from 0.
             logits: (7,) float64.
-            observation: of the frame.
-            info: of the frame.
+            seen: the frame.
 
         Returns:
             Index of the action.
@@ -83,14 +82,7 @@ class PolicyChooser:
     def begin(self, number: int, job: Job, env: Env, info: Mapping[str, Any]) -> None:
         """Nothing to prepare."""
 
-    def choose(
-        self,
-        number: int,
-        step: int,
-        logits: NDArray[np.float64],
-        observation: Mapping[str, Any],
-        info: Mapping[str, Any],
-    ) -> int:
+    def choose(self, number: int, step: int, logits: NDArray[np.float64], seen: Seen) -> int:
         """Action index from logits (7,); see :class:`Chooser`."""
         if not self._sample:
             return int(logits.argmax())
@@ -150,8 +142,8 @@ class Players:
             while running:
                 still = []
                 for slot, logits in zip(running, self._forward(running), strict=True):
-                    seen = slot.observation, slot.info
-                    done = self._step(slot, chooser.choose(slot.number, len(slot.actions), logits, *seen))
+                    seen = Seen(slot.observation, slot.info)
+                    done = self._step(slot, chooser.choose(slot.number, len(slot.actions), logits, seen))
                     if done:
                         results[slot.number] = self._result(slot, jobs[slot.number])
                         tick(len(results))

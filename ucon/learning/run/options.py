@@ -69,8 +69,7 @@ class PolicyOptions(LearnerOptions):
         clip: largest norm of a gradient; larger ones are scaled down to it.
         device: ``cpu``, ``cuda``, or ``auto``: a GPU if there is one. Episodes are played on the CPU in any case.
         precision: ``float32``, or ``bfloat16`` for the network's passes (the loss stays in float32); ``auto``: bfloat16
-            on
-            a GPU that has it.
+            where the GPU, or for imitation the processor, has it.
         half: store the trained policy as float16.
     """
 

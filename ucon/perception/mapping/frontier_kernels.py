@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ucon.core.jit import F32, I32, U8, jit
-from ucon.perception.views.view_kernels import OPAQUE_M
+from ucon.perception.views.space_kernels import OPAQUE_M
 
 _DI, _DJ = (1, 0, -1, 0), (0, 1, 0, -1)
 

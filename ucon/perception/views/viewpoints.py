@@ -17,6 +17,7 @@ from ucon.perception.places.containers import open_reach_m
 from ucon.perception.places.place_kernels import INSIDE
 from ucon.perception.places.target_places import Places
 from ucon.perception.views import view_kernels as kernels
+from ucon.perception.views.space_kernels import fade_space, space_gain
 
 #: Every node within so many cells is considered, and one in four beyond.
 FINE_CELLS = 4
@@ -268,7 +269,7 @@ class Viewpoints(PartlyShared):
         cells = (known.explored, known.height, known.near, self.stale, interest)
         reach = (self.costs.space_cells, self.reach_m)
         per_m2 = (self.costs.space * expected.unknown_per_m2, expected.near_per_m2)
-        kernels.space_gain(nodes, cells, reach, per_m2, ways)
+        space_gain(nodes, cells, reach, per_m2, ways)
         space = ways[:, :, None] * np.array([0.3, 0.95, 1.0, 0.6])
         looks = space.copy()
         opens = np.zeros_like(looks)
@@ -324,7 +325,7 @@ class Viewpoints(PartlyShared):
         view = known.view
         x, y = view.xy
         cells = (known.explored, known.height, known.near, self.stale, self._even)
-        kernels.fade_space(view.i, view.j, view.heading, cells, (self.costs.space_cells, self.reach_m), factor)
+        fade_space(view.i, view.j, view.heading, cells, (self.costs.space_cells, self.reach_m), factor)
         if view.pitch_deg not in {*kernels.PITCHES_DEG} & {*known.body.searching} or not len(places.xyz):
             return
         pitch = kernels.PITCHES_DEG.index(view.pitch_deg)
