@@ -10,7 +10,8 @@
     python train.py resume=runs/train/RUN training.steps=400
     python train.py learner=retriever learner.initial=runs/train/RUN
 
-Writes config.yaml, metrics.jsonl, checkpoints/, model/, MODEL_CARD.md, summary.json and seconds.json to ``out=``.
+Writes config.yaml, metrics.jsonl, learning_curve.png (where matplotlib is installed), checkpoints/, model/,
+MODEL_CARD.md, summary.json and seconds.json to ``out=``.
 Ctrl-C and SIGTERM save and end. ``resume=`` goes on, to the same bytes that an uninterrupted run would have written;
 with more ``training.steps`` it goes on beyond the planned end. ``learner.initial=`` starts a new run from the weights
 of another.
@@ -37,6 +38,7 @@ from ucon.core.memory import keep_freed_memory
 from ucon.core.sole_writer import sole_writer
 from ucon.learning.run.protocol import Learner
 from ucon.learning.run.run_plan import Plan
+from ucon.learning.run.learning_curve import learning_curve
 from ucon.learning.run.run_progress import check_wandb, tensorboard_log, training_progress, wandb_log
 from ucon.learning.run.trainer_state import SCORE
 from ucon.learning.run.training_run import Interrupted, OnFigures, TrainingRun
@@ -106,6 +108,7 @@ def _trained(
     with (
         wandb_log(config["wandb"], chosen.folder, config) as log,
         tensorboard_log(bool(config["tensorboard"]), chosen.folder) as write,
+        learning_curve(chosen.folder) as draw,
         training_progress(
             learner_name(config["learner"]),
             run.plan.length,
@@ -114,7 +117,7 @@ def _trained(
             visible=config["progress"],
         ) as show,
     ):
-        return run.run(_each(show, log, write)), run.seconds
+        return run.run(_each(show, log, write, draw)), run.seconds
 
 
 def _each(*sinks: OnFigures) -> OnFigures:

@@ -1,12 +1,12 @@
 """The habit policy: a transformer over the map, the belief and the habits, which scores the views to go to next.
 
 Tokens are candidate views, things (closed containers among them), frontiers, habits and the agent's own state
-(:mod:`ucon.search.search_tokens`). Belief and evidence are computed by fixed rules
+(:mod:`ucon.search.search_tokens`); a convolutional network reads an image of the map, and tells every token that has a
+position what is around it. Belief and evidence are computed by fixed rules
 (:mod:`ucon.perception.belief.target_belief`), so what was searched in vain is already in the tokens' numbers. The score
-of a view starts as its expected gain over its cost, which is how ``belief`` chooses. The network predicts which views
-lie on the way to the target, which can be learned from many homes; the gain of a view from unexplored space is scaled
-by
-that prediction. A further learned term is added to the score.
+of a view starts as its expected gain over its cost, which is how ``belief`` chooses. The network foresees what lies
+beyond every view, which can be learned from many homes (as PEANUT predicts targets from partial maps), and adds a
+learned term to the score.
 """
 
 from __future__ import annotations
@@ -18,18 +18,22 @@ from typing import Any, Final, NamedTuple
 import torch
 from torch import Tensor, nn
 
+from models.nets.map_net import MapNet
 from models.nets.sizes import check_heads, check_sizes
 from models.nets.token_transformer import TokenTransformer
 from ucon.core.errors import ConfigError
 from ucon.core.rng import derived_seed
+from ucon.search.beyond import MOVES
 from ucon.search.search_tokens import N_EGO, N_FRONTIER, N_THING, THING_AHEAD
 from ucon.search.searcher import LOYALTY
-from ucon.search.view_tokens import AHEAD, IS_KEPT, N_VIEW
+from ucon.search.view_tokens import AHEAD, IS_KEPT, N_VIEW, RIVAL
 
 #: Size of sentence and name embeddings.
 TEXT = 384
 #: Initial factor of log(gain over cost) in the logits.
 _SHARPNESS: Final = 10.0
+#: Initial foresight: about the mean over decisions.
+_USUAL_BEYOND: Final = -1.0
 #: Positions in tokens are in units of this many metres.
 _UNIT_M: Final = 5.0
 
@@ -77,6 +81,7 @@ class HabitPolicy(nn.Module):
         heads: int = 4,
         *,
         use_prior: bool = True,
+        raster: bool = True,
         silent: bool = False,
         seed: int = 0,
     ) -> None:
@@ -86,7 +91,9 @@ class HabitPolicy(nn.Module):
             width: of the transformer.
             layers: number of its blocks.
             heads: of attention in each block.
-            use_prior: True: logits start from gain over cost. False: everything is learned.
+            use_prior: True: logits start from gain over cost, and views far below the best by it are not chosen. False:
+                everything is learned.
+            raster: True: the image of the map is read. False: only tokens are (ablation).
             silent: True: the transformer is left out, whatever its weights, and nothing else is: views are chosen by
                 gain over cost.
             seed: of the initial weights.
@@ -100,24 +107,26 @@ class HabitPolicy(nn.Module):
         if silent and not use_prior:
             raise ConfigError("agent.policy.silent=true with use_prior=false: nothing is left to choose views by")
         self.silent = silent
-        self.arguments: Mapping[str, Any] = {"width": width, "layers": layers, "heads": heads, "use_prior": use_prior}
+        self.arguments: Mapping[str, Any] = {"width": width, "layers": layers, "heads": heads, "use_prior": use_prior,
+                                             "raster": raster}  # fmt: skip
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(derived_seed(seed, self.architecture))
-            self._build(width, layers, heads)
+            self._build(width, layers, heads, raster)
 
-    def _build(self, width: int, layers: int, heads: int) -> None:
+    def _build(self, width: int, layers: int, heads: int, raster: bool) -> None:
         self.view, self.thing = nn.Linear(N_VIEW, width), nn.Linear(N_THING, width)
         self.frontier = nn.Linear(N_FRONTIER, width)
         self.state = nn.Linear(N_EGO, width)  # embeds ``ego``; stored weights have this name
         self.name = nn.Linear(TEXT, width, bias=False)
         self.habit, self.relevance = nn.Linear(TEXT, width), nn.Linear(1, width, bias=False)
+        self.eye = MapNet(width) if raster else None
         self.body = TokenTransformer(width, layers, heads, 2 * width)
-        self.score = nn.Sequential(nn.Linear(2 * width, width), nn.GELU(), nn.Linear(width, 1))
+        self.foresee = nn.Sequential(nn.Linear(2 * width, width), nn.GELU(), nn.Linear(width, len(MOVES)))
+        self.score = nn.Sequential(nn.Linear(2 * width + len(MOVES), width), nn.GELU(), nn.Linear(width, 1))
         self.worth = nn.Sequential(nn.Linear(width, width), nn.GELU(), nn.Linear(width, 1))
-        self.foresee = nn.Sequential(nn.Linear(2 * width, width), nn.GELU(), nn.Linear(width, 1))
-        self.trust = nn.Parameter(torch.zeros(()))
         self.sharpness = nn.Parameter(torch.tensor(_SHARPNESS).log())
-        for head in (self.score[-1], self.worth[-1], self.foresee[-1]):
+        nn.init.constant_(self.foresee[-1].bias, _USUAL_BEYOND)
+        for head in (self.score[-1], self.worth[-1]):
             assert isinstance(head, nn.Linear)
             nn.init.zeros_(head.weight)
             nn.init.zeros_(head.bias)
@@ -131,19 +140,23 @@ class HabitPolicy(nn.Module):
                 embeddings of the things' names, in place of ``thing_rows``.
 
         Returns:
-            Logits (B, V), -inf where there is no view, values (B,) and foresight (B, V).
+            Logits (B, V), -inf where there is no view or one far below the best, values (B,) and foresight (B, V).
         """
         if self.silent:
             logits = self.by_gain_over_cost(tokens)
-            return Scores(logits, torch.zeros_like(logits[:, 0]), torch.zeros_like(logits))
-        x = self.body(torch.cat(self._embedded(tokens), 1), *_positions(tokens))
+            return Scores(logits, torch.zeros_like(logits[:, 0]), logits.new_zeros(*logits.shape, len(MOVES)))
+        positions = _positions(tokens)
+        x = self.body(torch.cat(self._embedded(tokens, positions[0]), 1), *positions)
         own, seen = x[:, :1], x[:, 1 : 1 + tokens["views"].shape[1]]
         joined = torch.cat([seen, own.expand_as(seen)], -1)
-        logits, foresight = self.score(joined)[..., 0], self.foresee(joined)[..., 0]
+        foresight = self.foresee(joined)
+        logits = self.score(torch.cat([joined, foresight], -1))[..., 0]
+        offered = tokens["action_mask"] > 0
         if self.use_prior:
-            prior = tokens["prior"] + _KEPT * tokens["views"][..., IS_KEPT] + self._redirected(tokens, foresight)
+            prior = _prior(tokens)
             logits = logits + self.sharpness.exp() * prior
-        logits = logits.masked_fill(tokens["action_mask"] == 0, float("-inf"))
+            offered = offered & (prior > prior.masked_fill(~offered, -torch.inf).amax(-1, keepdim=True) - RIVAL)
+        logits = logits.masked_fill(~offered, float("-inf"))
         return Scores(logits, self.worth(own[:, 0])[..., 0], foresight)
 
     def by_gain_over_cost(self, tokens: Mapping[str, Tensor]) -> Tensor:
@@ -152,8 +165,7 @@ class HabitPolicy(nn.Module):
         Args:
             tokens: ``prior``, ``views`` and ``action_mask`` of :meth:`forward`.
         """
-        prior = tokens["prior"] + _KEPT * tokens["views"][..., IS_KEPT]
-        return (self.sharpness.exp() * prior).masked_fill(tokens["action_mask"] == 0, float("-inf"))
+        return (self.sharpness.exp() * _prior(tokens)).masked_fill(tokens["action_mask"] == 0, float("-inf"))
 
     def attention(self, tokens: Mapping[str, Tensor]) -> Attended:
         """Attention of the views to all tokens in B decisions, for display only.
@@ -161,8 +173,9 @@ class HabitPolicy(nn.Module):
         Args:
             tokens: as for :meth:`forward`.
         """
-        parts = self._embedded(tokens)
-        weights = self.body.attention(torch.cat(parts, 1), *_positions(tokens)).mean((0, 2))  # (B, N, N)
+        positions = _positions(tokens)
+        parts = self._embedded(tokens, positions[0])
+        weights = self.body.attention(torch.cat(parts, 1), *positions).mean((0, 2))  # (B, N, N)
         of_views = weights[:, 1 : 1 + tokens["views"].shape[1]]
         return Attended(*of_views.split([part.shape[1] for part in parts], 2))
 
@@ -173,28 +186,29 @@ class HabitPolicy(nn.Module):
             return False
         if not self.use_prior:
             return True
-        last = (self.score[-1], self.foresee[-1])
-        return any(bool(parameter.any()) for layer in last for parameter in layer.parameters())
+        return any(bool(parameter.any()) for parameter in self.score[-1].parameters())
 
-    def _embedded(self, tokens: Mapping[str, Tensor]) -> list[Tensor]:
-        """Embeddings of ego, views, things, frontiers and habits: (B, N, width) each."""
+    def _embedded(self, tokens: Mapping[str, Tensor], xy: Tensor) -> list[Tensor]:
+        """Embeddings of ego, views, things, frontiers and habits, (B, N, width) each; ``xy`` (B, all, 2) in metres."""
         own = self.state(tokens["ego"]) + self.name(tokens["target"])
         habits = self.habit(tokens["habits"]) + self.relevance(tokens["habits_relevance"][..., None])
         things = self.thing(tokens["things"]) + self.name(tokens["thing_names"])
-        return [own[:, None], self.view(tokens["views"]), things, self.frontier(tokens["frontiers"]), habits]
-
-    def _redirected(self, tokens: Mapping[str, Tensor], foresight: Tensor) -> Tensor:
-        """Correction of the log gain, (B, V): its share from unexplored space is scaled by the predicted progress.
-
-        The foresight is detached: only its own loss, against the true progress, trains it.
-        """
-        factor = (self.trust.exp() * foresight.detach().clamp(-1, 1)).exp()
-        return (1 + tokens["unexplored"] * (factor - 1)).log()
+        placed = [own[:, None], self.view(tokens["views"]), things, self.frontier(tokens["frontiers"])]
+        if self.eye is not None:
+            counts = [part.shape[1] for part in placed]
+            around = self.eye(tokens["map"], xy[:, : sum(counts)]).split(counts, 1)
+            placed = [part + seen for part, seen in zip(placed, around, strict=True)]
+        return [*placed, habits]
 
     @property
     def use_prior(self) -> bool:
         """Whether logits start from gain over cost."""
         return bool(self.arguments["use_prior"])
+
+
+def _prior(tokens: Mapping[str, Tensor]) -> Tensor:
+    """Logarithm (B, V) of gain over cost, with the bonus of the view that the agent is on its way to."""
+    return tokens["prior"] + _KEPT * tokens["views"][..., IS_KEPT]
 
 
 def _positions(tokens: Mapping[str, Tensor]) -> tuple[Tensor, Tensor, Tensor]:

@@ -31,7 +31,7 @@ MANDATORY = {
 
 
 #: Groups that belong to ``train.yaml`` alone.
-TRAINING = {"learner", "collector"}
+TRAINING = {"learner", "collector", "budget"}
 
 
 def composed(*overrides: str, root: str = "eval") -> dict:

@@ -63,7 +63,7 @@ def test_learners_are_measured_with_each_number_of_workers(
     small = {"hybrid_ppo_decisions_per_s": ((*words, "learner.frames=60", "learner.epochs=1"), option)}
     monkeypatch.setattr(learning_speed, "LEARNERS", small)
     monkeypatch.setattr(learning_speed, "STEPS", 1)
-    monkeypatch.setattr(learning_speed, "FROM_DECISIONS", {"foresight": 2, "counterfactual": 1})
+    monkeypatch.setattr(learning_speed, "FROM_DECISIONS", {"foresight": (2, 1), "counterfactual": (1, 2)})
     monkeypatch.setattr(bench, "_WORKERS", (1,))
     assert main(["bench", "--learning"]) == 0
     told = capsys.readouterr()

@@ -17,7 +17,7 @@ from ucon.envs.search.env import Returns, UcONSearchEnv
 from ucon.envs.ucon_env import UcONEnv
 from ucon.perception.belief.target_belief import Locations
 from ucon.search.searcher import LOYALTY
-from ucon.search.view_tokens import IS_KEPT, VISITED, moves_to
+from ucon.search.view_tokens import IS_KEPT, VISITED
 from ucon.task.episode import Episode
 
 INFO = {
@@ -172,34 +172,3 @@ def test_bad_use_ends_in_one_clear_line() -> None:
         UcONSearchEnv(detector=None)
     with pytest.raises(EpisodeError, match=r"call reset\(\) first"):
         UcONSearchEnv().step(0)
-
-
-def test_the_trainer_is_told_how_far_views_are(episodes: tuple[Episode, ...]) -> None:
-    """By the true floor: what is told shrinks move by move and ends where the episode succeeds."""
-    env = UcONSearchEnv(episodes, distance_to_goal=True)
-    plain = UcONSearchEnv(episodes)
-    for number in range(0, len(episodes), 3):
-        obs, _ = env.reset(options={"episode": number})
-        unaware, _ = plain.reset(options={"episode": number})
-        assert set(obs) - set(unaware) == {"distance_to_goal"}
-        assert obs in env.observation_space
-        solved = episodes[number].solution.count("0")
-        assert obs["distance_to_goal"][-1] <= solved  # the solution may go round by a container
-        assert env._searcher is not None
-        offered = env._tokens.choices if env._tokens is not None else ()
-        for moved, far in zip(moves_to(obs["views"])[: len(offered)], obs["distance_to_goal"], strict=False):
-            assert far >= 0
-            assert abs(far - obs["distance_to_goal"][-1]) <= moved + 1e-3  # no way is shorter than the shortest
-        assert (obs["distance_to_goal"][len(offered) : -1] == -1).all()
-
-
-def test_who_succeeds_ends_where_nothing_is_to_go(episodes: tuple[Episode, ...]) -> None:
-    env, ended = UcONSearchEnv(episodes, distance_to_goal=True), []
-    for number in range(len(episodes)):
-        metrics = rollout(env, greedy, options={"episode": number})[-1][4]["episode_metrics"]
-        if metrics["success"]:
-            assert env._distance is not None
-            assert env._searcher is not None
-            ended.append(float(env._distance([env._searcher.map.view])[0]))
-    assert ended
-    assert np.mean(ended) < 6  # Done succeeds from other nodes as well, all near the target

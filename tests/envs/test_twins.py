@@ -11,6 +11,8 @@ from ucon.core.errors import EpisodeError
 from ucon.envs.search.env import UcONSearchEnv
 from ucon.envs.search.twin_env import TwinSearchEnv
 from ucon.learning.decisions.decisions import by_gain_over_cost
+from ucon.search.beyond import MOVES
+from ucon.search.view_tokens import moves_to
 from ucon.task.sets import load_episodes
 
 EPISODES = load_episodes("mini")
@@ -74,6 +76,23 @@ def test_expectation_and_episodes_agree_in_the_mean(env: TwinSearchEnv) -> None:
     assert np.std(expected) < 0.75 * np.std(spl)
 
 
+def test_what_lies_beyond_views_is_what_a_walk_there_and_on_would_reach(env: TwinSearchEnv) -> None:
+    for episode in (0, 7):
+        env.reset(options={"episode": episode})
+        twins, view = env.twins, env._searcher.map.view  # type: ignore[union-attr]
+        left = twins.p * twins.unseen
+        for moves in (5, 20):
+            here = float(twins.within([view], [moves])[0, 0])
+            assert here == pytest.approx(left[twins.shortest <= moves].sum() / left.sum(), abs=1e-6)
+        beyond, offered = env.beyond(), len(env._tokens.choices)  # type: ignore[union-attr]
+        assert beyond.shape == (32, len(MOVES))
+        assert not beyond[offered:].any()
+        ways = moves_to(env._tokens.arrays["views"])[:offered]  # type: ignore[union-attr]
+        # Whoever stands k moves nearer finds at least what was within k fewer moves from here.
+        for row, far in zip(beyond[:offered], ways, strict=True):
+            assert row[-1] >= float(twins.within([view], [int(MOVES[-1] - np.ceil(far))])[0, 0]) - 1e-6
+
+
 def test_a_copy_goes_on_by_itself(env: TwinSearchEnv) -> None:
     env.reset(options={"episode": 3})
     left, copy = env.twins.left, deepcopy(env)
@@ -87,6 +106,8 @@ def test_a_copy_goes_on_by_itself(env: TwinSearchEnv) -> None:
 
 
 def test_before_a_reset_there_are_none() -> None:
+    with pytest.raises(EpisodeError, match=r"call reset\(\) first"):
+        TwinSearchEnv(EPISODES).beyond()
     with pytest.raises(EpisodeError, match="before the first reset"):
         _ = TwinSearchEnv(EPISODES).twins
     with pytest.raises(EpisodeError, match="go_on before reset"):

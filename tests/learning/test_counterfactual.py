@@ -16,6 +16,8 @@ from ucon.learning.counterfactual.labels import Rollouts
 from ucon.learning.counterfactual.learner import CounterfactualLearner, relative_worth
 from ucon.learning.decisions import store
 from ucon.learning.decisions.decisions import by_gain_over_cost, first_views
+from ucon.learning.foresight.labels import Beyond
+from ucon.perception.detectors.gt import GtDetector
 
 ROLLOUTS = Rollouts(share=0.3, views=3, steps=20)
 
@@ -31,14 +33,14 @@ def cache(search: Factory, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("cache")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("UCON_CACHE", str(folder))
-        store.kept_decisions(ROLLOUTS, "mini", 8, [search], ("retrieval",), 0, 2)
+        store.kept_decisions(ROLLOUTS, "mini", 8, search, ("retrieval",), 0, 2)
     return folder
 
 
 @pytest.fixture
 def kept(cache: Path, search: Factory, monkeypatch: pytest.MonkeyPatch) -> store.Decisions:
     monkeypatch.setenv("UCON_CACHE", str(cache))
-    return store.kept_decisions(ROLLOUTS, "mini", 8, [search], ("retrieval",), 0, 1)
+    return store.kept_decisions(ROLLOUTS, "mini", 8, search, ("retrieval",), 0, 1)
 
 
 def test_some_views_of_every_decision_are_labelled_the_first_among_them(kept: store.Decisions) -> None:
@@ -86,13 +88,13 @@ def test_training_explains_more_in_the_homes_it_learns_in(
 ) -> None:
     monkeypatch.setattr("ucon.learning.decisions.learner.check_parts", lambda *given: None)  # mini is no training set
     learner = CounterfactualLearner(
-        HabitPolicy(16, 1, 2), {"gt": search}, ROLLOUTS, steps=80, episodes="mini", n_searches=8, validation="mini",
-        validation_searches=8, levels=("retrieval",), batch=64, lr=3e-3, warm_up=5, decay=0.0, average=0.5,
-        device="cpu",
+        HabitPolicy(32, 1, 2), search, {"gt": GtDetector()}, ROLLOUTS, Beyond(), 8, 0.25, steps=160, episodes="mini",
+        n_searches=8, validation="mini", validation_searches=8, levels=("retrieval",), batch=64, lr=5e-3, warm_up=5, decay=0.0,
+        average=0.5, device="cpu",
     )  # fmt: skip
     before = learner.validate()
     assert before["gain"] == pytest.approx(0.0, abs=1e-4), "an untrained policy goes by gain over cost"
-    for _ in range(80):
+    for _ in range(160):
         learner.step()
     after = learner.validate()
     assert after["explained"] > before["explained"] + 0.1

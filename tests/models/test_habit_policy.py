@@ -21,14 +21,15 @@ from models.agents.checkpoint import UNTRAINED
 from models.agents.habit_policy import HabitPolicyAgent
 from models.habit_policy import HabitPolicy
 from models.nets.belief.head_reader import SHIPPED, HeadReader
+from models.nets.map_net import MapNet
 from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import write_atomic, write_manifest
 from ucon.envs.search.env import UcONSearchEnv
 from ucon.envs.ucon_env import UcONEnv
 from ucon.language.encoder import one_thread
-from ucon.learning.policies.view_policy import ViewPolicy
 from ucon.learning.run.network_files import network_files
 from ucon.perception.belief.from_habits import ReadHabits
+from ucon.search.map_raster import CHANNELS, SIDE
 from ucon.search.text_tokens import TextTokens, name_table
 
 
@@ -66,7 +67,7 @@ def test_the_order_of_tokens_does_not_matter() -> None:
     policy, tokens = random_policy(), some_tokens()
     before = policy(tokens)
     for kind, names in {
-        "views": ("views", "prior", "unexplored", "action_mask"),
+        "views": ("views", "prior", "action_mask"),
         "things": ("things", "thing_names", "things_mask"),
         "frontiers": ("frontiers", "frontiers_mask"),
         "habits": ("habits", "habits_relevance", "habits_mask"),
@@ -92,10 +93,10 @@ def test_what_is_not_there_changes_nothing() -> None:
 
 
 @torch.no_grad()
-@pytest.mark.parametrize("name", ["views", "things", "thing_names", "frontiers", "habits", "ego", "target"])
+@pytest.mark.parametrize("name", ["views", "things", "thing_names", "frontiers", "habits", "ego", "target", "map"])
 def test_everything_that_is_there_matters(name: str) -> None:
     policy, tokens = random_policy(), some_tokens()
-    changed = policy(tokens | {name: tokens[name] + 0.5})
+    changed = policy(tokens | {name: tokens[name] + (100.0 if name == "map" else 0.5)})
     seen = tokens["action_mask"] > 0
     assert (changed.logits - policy(tokens).logits)[seen].abs().max() > 1e-4
 
@@ -152,40 +153,29 @@ def test_its_picture_says_what_the_chosen_view_attends_to() -> None:
     assert (shown != agent.picture(0)).any()
 
 
-@torch.no_grad()
-def test_what_only_a_trainer_knows_is_not_read() -> None:
-    env = UcONSearchEnv("mini", habit_level="retrieval", distance_to_goal=True)
-    obs, _ = env.reset(options={"episode": 0})
-    policy = ViewPolicy(random_policy())
-    frames = {name: torch.as_tensor(array)[None, None] for name, array in policy.frame(obs, {}).items()}
-    labels = {name: frames[name] for name in ("distance_to_goal",)}
-    told, lied = (policy(frames | {name: tensor + by for name, tensor in labels.items()}, {}, {}) for by in (0, 50))
-    assert told.logits.equal(lied.logits)
-    assert told.value.equal(lied.value)
-    assert told.foresight.equal(lied.foresight)
-
-
 def test_gradients_reach_all_that_is_learned() -> None:
     policy, tokens = random_policy(), some_tokens()
     scores = policy(tokens)
-    (scores.logits[tokens["action_mask"] > 0].square().sum() + scores.value.sum()).backward(retain_graph=True)
-    untold = [name for name, p in policy.named_parameters() if p.grad is None]
-    assert {name.split(".")[0] for name in untold} == {"foresee"}  # choosing does not bend what is foretold
-    scores.foresight.square().sum().backward()
+    (scores.logits[tokens["action_mask"] > 0].square().sum() + scores.value.sum()).backward()
     assert [name for name, p in policy.named_parameters() if p.grad is None or not p.grad.any()] == []
 
 
 @torch.no_grad()
-def test_unexplored_space_counts_by_what_is_foretold() -> None:
-    """exp(1) times as much straight towards the target, and nothing else of a gain changes."""
-    policy, tokens = HabitPolicy().eval(), some_tokens(1)
-    seen, before = tokens["action_mask"] > 0, policy(tokens).logits
-    policy.foresee[-1].bias.fill_(1.0)
-    for share in (0.0, 0.5, 1.0):
-        told = tokens | {"unexplored": torch.full_like(tokens["unexplored"], share)}
-        gained = (policy(told).logits - before)[seen] / policy.sharpness.exp()
-        expected = np.log(1 + share * (np.e - 1))
-        torch.testing.assert_close(gained, torch.full_like(gained, expected), rtol=1e-4, atol=1e-4)
+def test_a_mirrored_map_tells_the_same_of_mirrored_places() -> None:
+    eye, image = MapNet(8).eval(), torch.rand(1, len(CHANNELS), SIDE, SIDE) * 255.0
+    for layer in eye.modules():
+        if isinstance(layer, torch.nn.Conv2d):
+            layer.weight.copy_(layer.weight + layer.weight.flip(-1))
+    xy = torch.tensor([[[0.0, 0.0], [1.3, -2.0], [-4.0, 3.1], [9.0, 0.0]]])
+    mirror = xy * torch.tensor([1.0, -1.0])
+    torch.testing.assert_close(eye(image, xy), eye(image.flip(-1), mirror), rtol=1e-4, atol=1e-4)
+
+
+@torch.no_grad()
+def test_without_the_image_of_the_map_it_is_not_read() -> None:
+    policy, tokens = random_policy(raster=False), some_tokens()
+    assert policy.eye is None
+    assert policy(tokens | {"map": tokens["map"] + 100.0}).logits.equal(policy(tokens).logits)
 
 
 def test_it_is_small() -> None:

@@ -36,7 +36,6 @@ MOVED: Final[Mapping[str, str]] = {
     "ucon.learning.dagger.DaggerLearner": "ucon.learning.imitation.dagger.DaggerLearner",
     "ucon.learning.dagger.Rollouts": "ucon.learning.imitation.dagger.DaggerRollouts",
     "ucon.learning.demonstrators.Searches": "ucon.learning.imitation.demonstrators.AgentDemonstrator",
-    "ucon.learning.foresight.ForesightLoss": "ucon.learning.ppo.foresight.ForesightLoss",
     "ucon.learning.imitation.dagger.Collections": "ucon.learning.imitation.dagger.DaggerRollouts",
     "ucon.learning.imitation.demonstrators.Searches": "ucon.learning.imitation.demonstrators.AgentDemonstrator",
     "ucon.learning.imitation.ImitationLearner": "ucon.learning.imitation.learner.ImitationLearner",
@@ -59,11 +58,12 @@ GONE: Final[Mapping[str, Mapping[str, Any]]] = {
 #: Constructors that are no longer there, and why nothing takes their place.
 REMOVED: Final[Mapping[str, str]] = {
     "ucon.perception.detectors.noisy.Rates": "the noisy detector errs in another way since: occlusion, scores, draws",
+    "ucon.learning.foresight.ForesightLoss": "learner=foresight learns what lies beyond views instead",
+    "ucon.learning.ppo.foresight.ForesightLoss": "learner=foresight learns what lies beyond views instead",
 }
 
 #: Renamed arguments, by today's name of the constructor: new name by the old one.
 RENAMED: Final[Mapping[str, Mapping[str, str]]] = {
-    "ucon.envs.search.env.UcONSearchEnv": {"to_go": "distance_to_goal"},
     "ucon.learning.belief_head.learner.BeliefLearner": {"own_places": "scene_evidence"},
 }
 

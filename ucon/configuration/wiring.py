@@ -29,8 +29,11 @@ class Factory:
     config: dict[str, Any]
     extra: Mapping[str, Any] = field(default_factory=dict)
 
-    def __call__(self) -> Any:
+    def __call__(self, **more: Any) -> Any:
         """Build the object.
+
+        Args:
+            **more: further arguments that are objects already, or that take the place of configured ones.
 
         Raises:
             ConfigError: the target or an argument does not exist, or a value is of the wrong type.
@@ -42,7 +45,7 @@ class Factory:
         check_arguments(self.config)
         try:
             # Partial, so that Hydra resolves the configuration but does not process `extra`.
-            return instantiate(self.config | {"_partial_": True}, _convert_="all")(**self.extra)
+            return instantiate(self.config | {"_partial_": True}, _convert_="all")(**self.extra, **more)
         except InstantiationException as error:
             _raise_users_error(error.__cause__, self.config["_target_"])
             raise

@@ -31,8 +31,12 @@ LEARNERS: Final[Mapping[str, tuple[tuple[str, ...], str]]] = {
     "ppo_frames_per_s": (("agent=habit_policy_e2e", "learner=ppo", "learner.frames=600"), "collector.workers"),
     "hybrid_ppo_decisions_per_s": (("agent=habit_policy", "learner=ppo", "learner.frames=600"), "collector.workers"),
 }  # fmt: skip
-#: Learners from kept decisions, and how many searches are played for them.
-FROM_DECISIONS: Final[Mapping[str, int]] = {"foresight": 40, "counterfactual": 16}
+#: Learners from kept decisions: how many searches are played for them, and the batches of one step.
+FROM_DECISIONS: Final[Mapping[str, tuple[int, int]]] = {"foresight": (40, 1), "counterfactual": (16, 2)}
+#: Configuration of a learner from decisions that learns all at once.
+_AT_ONCE: Final[Mapping[str, tuple[str, ...]]] = {
+    "counterfactual": ("learner.foresight_first=0", "learner.beyond_searches=8"),
+}
 #: What is measured of each: decisions that are played and labelled, and decisions that are learned from.
 OF_DECISIONS: Final = ("labelled_per_s", "learned_per_s")
 #: Steps that are measured, after one that is not.
@@ -60,8 +64,8 @@ def learning_rates(workers: tuple[int, ...], measured: Callable[[], None]) -> di
             with _nothing_kept(), closing(Factory(train_config(*words, f"{option}={n}")["learner"])()) as learner:
                 found[f"{name}_{n}"] = _rate(learner)
             measured()
-        for name, searches in FROM_DECISIONS.items():
-            rates = zip(OF_DECISIONS, _from_decisions(name, searches, n), strict=True)
+        for name, (searches, batches) in FROM_DECISIONS.items():
+            rates = zip(OF_DECISIONS, _from_decisions(name, searches, batches, n), strict=True)
             found |= {f"{name}_{what}_{n}": rate for what, rate in rates}
             measured()
     return found
@@ -78,9 +82,10 @@ def _rate(learner: Any) -> float:
     return float(median(rates))
 
 
-def _from_decisions(name: str, searches: int, workers: int) -> tuple[float, float]:
+def _from_decisions(name: str, searches: int, batches: int, workers: int) -> tuple[float, float]:
     """Decisions a second that are played and labelled, and that are learned from."""
     words = ("agent=habit_policy", f"learner={name}", f"learner.workers={workers}", f"learner.n_searches={searches}")
+    words += _AT_ONCE.get(name, ())
     with _nothing_kept(), closing(Factory(train_config(*words)["learner"])()) as learner:
         began = time.perf_counter()
         decisions = len(learner.decisions)
@@ -91,7 +96,7 @@ def _from_decisions(name: str, searches: int, workers: int) -> tuple[float, floa
             began = time.perf_counter()
             learner.step()
             seconds.append(time.perf_counter() - began)
-    return labelled, float(learner.options.batch / median(seconds))
+    return labelled, float(batches * learner.options.batch / median(seconds))
 
 
 @contextmanager

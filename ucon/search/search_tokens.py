@@ -22,6 +22,7 @@ from ucon.perception.views.candidates import frontiers
 from ucon.perception.views.pick_kernels import picked_views
 from ucon.perception.views.view_kernels import PITCHES_DEG
 from ucon.perception.views.viewpoints import Choice, ViewValues
+from ucon.search.map_raster import map_raster
 from ucon.search.search_decision import SearchDecision
 from ucon.search.searcher import Searcher
 from ucon.search.text_tokens import category_rows
@@ -67,7 +68,7 @@ class Tokens(Shared):
     - ``views`` (V, N_VIEW), ``things`` (T, N_THING), ``frontiers`` (F, N_FRONTIER), ``ego`` (N_EGO,): float32.
     - ``thing_rows`` (T,) int32: rows of the things in the catalogue, -1 for none.
     - ``prior`` (V,) float32: logarithm of each view's gain over cost.
-    - ``unexplored`` (V,) float32: the share of that gain that is in unexplored space.
+    - ``map`` (C, 41, 41) uint8: see :mod:`ucon.search.map_raster`.
     - ``action_mask`` (V,), ``things_mask`` (T,), ``frontiers_mask`` (F,): int8, 1 for rows that are there.
     """
 
@@ -100,16 +101,15 @@ class TokenReader(PartlyShared):
 
         Where no view has any gain, ``views`` has one row (or none, where there is nowhere to go).
         """
-        places = self._searcher.places
+        known, places = self._searcher.map, self._searcher.places
         weight, mass = places.weights(decision.expected.mass), places.remaining_mass(decision.expected.mass)
-        rows, prior, space, choices = self._views(decision, weight)
+        rows, prior, choices = self._views(decision, weight)
         things, numbers = self._things(mass)
         edges = self._frontiers(decision)
         sizes = self.sizes
         arrays: dict[str, NDArray[Any]] = {
             "views": _padded(rows, sizes.views, N_VIEW),
             "prior": _padded(prior[:, None], sizes.views, 1)[:, 0],
-            "unexplored": _padded(space[:, None], sizes.views, 1)[:, 0],
             "action_mask": _mask(len(choices), sizes.views),
             "things": _padded(things, sizes.things, N_THING),
             "thing_rows": np.append(numbers, np.full(sizes.things - len(numbers), -1)).astype(np.int32),
@@ -117,24 +117,23 @@ class TokenReader(PartlyShared):
             "frontiers": _padded(edges, sizes.frontiers, N_FRONTIER),
             "frontiers_mask": _mask(len(edges), sizes.frontiers),
             "ego": self._ego(decision, mass),
+            "map": map_raster(known, self._searcher.viewpoints, places.xyz, weight, decision.expected.interest),
         }
         return Tokens(arrays, choices)
 
-    def _views(self, decision: SearchDecision, weight: NDArray[np.float64]) -> tuple[F32, F32, F32, tuple[Choice, ...]]:
-        """The selected n views: rows (n, N_VIEW), log of gain over cost (n,), unexplored share (n,), choices."""
+    def _views(self, decision: SearchDecision, weight: NDArray[np.float64]) -> tuple[F32, F32, tuple[Choice, ...]]:
+        """The selected n views: rows (n, N_VIEW), log of gain over cost (n,), choices."""
         valued, known = decision.valued, self._searcher.map
         if valued is None:
             only = () if decision.best is None else (decision.best,)
             blank = np.zeros(len(only), np.float32)
-            return np.zeros((len(only), N_VIEW), np.float32), blank, blank, only
+            return np.zeros((len(only), N_VIEW), np.float32), blank, only
         at = self._picked(valued)
         choices = tuple(valued.at(*view) for view in zip(*(k.tolist() for k in at), strict=True))
         score = np.array([choice.score for choice in choices])
         prior = np.log(np.maximum(score, 1e-12)).astype(np.float32)
-        gain = np.maximum([choice.gain for choice in choices], 1e-12)
-        space = np.minimum(valued.space[at] / gain, 1.0).astype(np.float32)
         around = ViewSurroundings(known, self._searcher.places.xyz, weight)
-        return view_rows(valued, at, choices, known, around), prior, space, choices
+        return view_rows(valued, at, choices, known, around), prior, choices
 
     def _picked(self, valued: ViewValues) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
         """Node, heading and pitch numbers (n,) of the selected views. The current pose is left out."""

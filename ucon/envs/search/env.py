@@ -16,15 +16,14 @@ from ucon.core.sharing import PartlyShared
 from ucon.envs.knowledge import HabitSource
 from ucon.envs.options import checked_action, returned_info, with_texts
 from ucon.envs.search.course import RENDER_MODES, Course
-from ucon.envs.search.distance_to_goal import DistanceToGoal
 from ucon.envs.ucon_env import Obs, UcONEnv
 from ucon.objects.catalogue import catalogue
 from ucon.perception.belief.from_habits import Locate, ReadHabits, expecting
+from ucon.search.map_raster import CHANNELS, SIDE
 from ucon.search.search_tokens import N_EGO, N_FRONTIER, N_THING, Sizes, TokenReader, Tokens
 from ucon.search.searcher import MISS, Searcher
 from ucon.search.text_tokens import EpisodeTextTokens, TextTokens
 from ucon.search.view_tokens import N_VIEW
-from ucon.sim.paths import UNREACHABLE
 from ucon.task.actions import Action
 
 #: Keys of info that only the map needs; left out of what is returned.
@@ -74,13 +73,10 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
     which costs a step, and sets ``info["invalid"]``.
 
     ### Observation space
-    ``views``, ``prior``, ``unexplored``, ``things``, ``thing_rows``, ``things_mask``, ``frontiers``,
-    ``frontiers_mask``, ``ego``: see :class:`ucon.search.search_tokens.Tokens`; ``target``, ``habits``,
+    ``views``, ``prior``, ``things``, ``thing_rows``, ``things_mask``, ``frontiers``,
+    ``frontiers_mask``, ``ego``, ``map``: see :class:`ucon.search.search_tokens.Tokens`; ``target``, ``habits``,
     ``habits_relevance``, ``habits_mask``: see :meth:`ucon.search.text_tokens.TextTokens.read`; ``action_mask`` int8
     (V,), 1 for rows that are views.
-
-    For trainers: with ``distance_to_goal=True``, ``distance_to_goal`` float32 (V + 1,), moves from each view, and last
-    from the current node, to where Done succeeds; -1 where there is no view or no path.
 
     ### Rewards
     0, and at the end the return of :class:`Returns`.
@@ -91,7 +87,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
 
     metadata = {"render_modes": RENDER_MODES, "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
     _shared: ClassVar[frozenset[str]] = frozenset(
-        {"spec", "metadata", "_locate", "_sizes", "_text", "_returns", "_distance", "_last", "_tokens", "_locations"}
+        {"spec", "metadata", "_locate", "_sizes", "_text", "_returns", "_last", "_tokens", "_locations"}
     )
 
     options_of = UcONEnv
@@ -106,7 +102,6 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         sizes: Sizes | None = None,
         text: TextTokens | None = None,
         returns: Returns | None = None,
-        distance_to_goal: bool = False,
         observe: str = "symbolic",
         detector: Any = True,
         texts: bool | None = None,
@@ -122,7 +117,6 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
             sizes: rows of the tokens.
             text: embeds names and habits.
             returns: weights of an episode's return.
-            distance_to_goal: add the privileged ``distance_to_goal`` to observations, for trainers.
             observe: see ``UcON-v0``.
             detector: its output is mapped; see ``UcON-v0``.
             texts: see ``UcON-v0``.
@@ -140,10 +134,8 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         self._locate, self._miss, self._sizes = locate or ReadHabits(), miss, sizes or Sizes()
         self._text, self._returns = text or TextTokens(), returns or Returns()
         self._searcher: Searcher | None = None
-        self._distance: DistanceToGoal | None = None
-        self._tells_distance = distance_to_goal
         self.action_space = spaces.Discrete(self._sizes.views)  # type: ignore[assignment]  # it draws NumPy integers
-        self.observation_space = observation_space(self._sizes, self._text, distance_to_goal=distance_to_goal)
+        self.observation_space = observation_space(self._sizes, self._text)
 
     @property
     def source(self) -> HabitSource:
@@ -164,7 +156,6 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         self._searcher = Searcher(info, believing, miss=self._miss)
         self._reader = TokenReader(self._searcher, info, self._sizes)
         self._said = EpisodeTextTokens(self._text, str(info["target"]), believing)
-        self._distance = DistanceToGoal(self.env) if self._tells_distance else None
         self._last, self._over = (obs, info), (False, False)
         self._tokens: Tokens | None = None
         self._course.begin(self.env)
@@ -237,20 +228,8 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         if self._tokens is None:  # the episode is over
             blank = {name: np.zeros(space.shape, space.dtype) for name, space in self.observation_space.items()}  # type: ignore[attr-defined]
             blank["action_mask"][0] = 1
-            if self._distance is not None:
-                blank["distance_to_goal"][:] = UNREACHABLE
             return blank | self._text_arrays()
-        return {**self._tokens.arrays, **self._text_arrays(), **self._way()}
-
-    def _way(self) -> Obs:
-        """``distance_to_goal`` of the observation, where it is asked for."""
-        if self._distance is None or self._searcher is None or self._tokens is None:
-            return {}
-        views = [choice.view for choice in self._tokens.choices]
-        out = np.full(self._sizes.views + 1, UNREACHABLE, np.float32)
-        far = self._distance([*views, self._searcher.map.view])
-        out[: len(views)], out[-1] = far[:-1], far[-1]
-        return {"distance_to_goal": out}
+        return {**self._tokens.arrays, **self._text_arrays()}
 
     def _text_arrays(self) -> Obs:
         """The text arrays of the observation. Copies: the caller may change them."""
@@ -290,13 +269,12 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         return str(fingerprint_of(self._locate))
 
 
-def observation_space(sizes: Sizes, text: TextTokens, *, distance_to_goal: bool = False) -> spaces.Dict:
+def observation_space(sizes: Sizes, text: TextTokens) -> spaces.Dict:
     """The observation space of :class:`UcONSearchEnv`.
 
     Args:
         sizes: rows of the tokens.
         text: its embedding's length and number of habits.
-        distance_to_goal: with ``distance_to_goal``, for trainers.
     """
 
     def box(*shape: int) -> spaces.Box:
@@ -307,7 +285,6 @@ def observation_space(sizes: Sizes, text: TextTokens, *, distance_to_goal: bool 
         {
             "views": box(sizes.views, N_VIEW),
             "prior": box(sizes.views),
-            "unexplored": box(sizes.views),
             "action_mask": spaces.MultiBinary(sizes.views),
             "things": box(sizes.things, N_THING),
             "thing_rows": spaces.Box(-1, len(catalogue().names) - 1, (sizes.things,), np.int32),
@@ -315,11 +292,11 @@ def observation_space(sizes: Sizes, text: TextTokens, *, distance_to_goal: bool 
             "frontiers": box(sizes.frontiers, N_FRONTIER),
             "frontiers_mask": spaces.MultiBinary(sizes.frontiers),
             "ego": box(N_EGO),
+            "map": spaces.Box(0, 255, (len(CHANNELS), SIDE, SIDE), np.uint8),
             "target": box(d),
             "habits": box(habits, d),
             "habits_relevance": box(habits),
             "habits_mask": spaces.MultiBinary(habits),
-            **({"distance_to_goal": box(sizes.views + 1)} if distance_to_goal else {}),
         }
     )
 

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ucon.core.errors import EpisodeError
 from ucon.envs.search.env import UcONSearchEnv
 from ucon.envs.search.twins import Twins
 from ucon.envs.ucon_env import Obs
 from ucon.perception.belief.from_habits import expecting
 from ucon.perception.belief.target_belief import KNOWN_HOME, TargetBelief
-from ucon.perception.mapping.semantic_map import View, frame_depth
+from ucon.perception.mapping.semantic_map import frame_depth
 from ucon.perception.places.sight import Sight
+from ucon.search.beyond import MOVES
 from ucon.task.actions import Action
 
 
@@ -43,11 +47,28 @@ class TwinSearchEnv(UcONSearchEnv):
         self._twins, self._earned = None, 0.0
         return super().reset(seed=seed, options={**(options or {}), "hide_target": True})
 
+    def beyond(self) -> NDArray[np.float32]:
+        """What lies beyond each view: shares of what is left that are within :data:`ucon.search.beyond.MOVES` of it.
+
+        Returns:
+            (V, R) float32; 0 where there is no view.
+
+        Raises:
+            EpisodeError: no choice is due.
+        """
+        self._course.require("beyond")
+        if self._tokens is None:
+            raise EpisodeError("beyond where no choice is due: the episode is over, call reset() first")
+        views = [choice.view for choice in self._tokens.choices]
+        out = np.zeros((self._sizes.views, len(MOVES)), np.float32)
+        out[: len(views)] = self.twins.within(views, MOVES)
+        return out
+
     def go_on(self, row: int, steps: int) -> tuple[float, float, float]:
-        """Go to a view, whatever comes up on the way, and then on by gain over cost; nobody is asked.
+        """Make one choice, and then search on by gain over cost; nobody is asked.
 
         Args:
-            row: of the view; it is given up where it turns out to have no gain.
+            row: of the view that is chosen.
             steps: actions, counted from now. The environment is of no use afterwards.
 
         Returns:
@@ -61,7 +82,6 @@ class TwinSearchEnv(UcONSearchEnv):
         if self._tokens is None or self._searcher is None:
             raise EpisodeError("go_on where no choice is due: the episode is over, call reset() first")
         searcher, began = self._searcher, self.env.ledger.steps
-        goal: View | None = self._tokens.choices[row].view
         action: Action | None = searcher.choose(self._tokens.choices[row])
         self._earned, self._tokens = 0.0, None
         while self.env.ledger.steps < began + steps:
@@ -72,11 +92,7 @@ class TwinSearchEnv(UcONSearchEnv):
                     break
             action = self._look()
             if action is None:
-                decision = searcher.decision()
-                kept = None if decision.valued is None else decision.valued.kept
-                if searcher.map.view == goal or kept is None or kept.view != goal or kept.gain <= 0.0:
-                    goal = None
-                action = searcher.choose(decision.best if goal is None else kept)
+                action = searcher.choose(searcher.decision().best)
         left = 0.0 if any(self._over) else 1.0 - self.env.ledger.steps / self.env.rules.max_steps
         return self._earned, self.twins.left, left
 

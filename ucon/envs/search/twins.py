@@ -8,7 +8,7 @@ without the luck of where their targets lie: differences between two searches ha
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, ClassVar, Final
 
@@ -42,7 +42,7 @@ class Twins(PartlyShared):
     """Places where the target of one episode might lie, and how far each was found by the search so far."""
 
     _shared: ClassVar[frozenset[str]] = frozenset(
-        {"p", "shortest", "_xyz", "_hollow", "_faces", "_behind", "_instance", "_number", "_fields"}
+        {"p", "shortest", "_xyz", "_hollow", "_faces", "_behind", "_instance", "_number", "_fields", "_frame"}
     )
 
     def __init__(self, env: UcONEnv, believing: Callable[[], Expecting], height_m: float, reach_m: float) -> None:
@@ -70,7 +70,7 @@ class Twins(PartlyShared):
         self._xyz, self._hollow = places.xyz[there].copy(), places.hollow[there].copy()
         self._faces, self._behind, self._instance = places.faces[there], behind[there], of[there]
         self._fields, self._number = _ways(env, known, self._xyz)
-        start = env.episode.start
+        start, self._frame = env.episode.start, env.tour.frame
         #: (n,) moves of a shortest path from the start to each place
         self.shortest = self._fields[self._number, start.i, start.j]
         p = np.where(self.shortest == UNREACHABLE, 0.0, weight[there])
@@ -84,6 +84,22 @@ class Twins(PartlyShared):
     def left(self) -> float:
         """Probability that the target would not have been found so far."""
         return float(self.p @ self.unseen)
+
+    def within(self, views: Sequence[View], moves: Sequence[int]) -> NDArray[np.float32]:
+        """Share of what is left that could be found within some numbers of moves from each of V views.
+
+        Args:
+            views: poses of the agent.
+            moves: R limits.
+
+        Returns:
+            (V, R) float32, from 0 to 1.
+        """
+        left = np.bincount(self._number, self.p * self.unseen, len(self._fields))
+        i, j = self._frame.nodes(*np.array([(view.i - HALF, view.j - HALF) for view in views], np.int64).T)
+        ways = self._fields[:, i, j]  # (fields, V)
+        found = np.stack([left @ (ways <= limit) for limit in moves], 1)
+        return np.asarray(found / max(float(left.sum()), 1e-12), np.float32)
 
     def see(
         self, env: UcONEnv, known: SemanticMap, depth: NDArray[np.float32], moves: int, steps: int, by: Sight | None

@@ -1,7 +1,8 @@
 """Labels of counterfactual rollouts: what would have come of going to other views?
 
-From some decisions of a search a copy of it goes to each of several views and on by gain over cost: rollout policy
-improvement (Bertsekas). What is found on the way is counted for targets all over the home
+At some decisions of a search copies of it choose each of several views, and search on by gain over cost from the next
+decision, some steps later: rollout policy improvement (Bertsekas). So a choice is worth what it is worth to a search
+that may think better of it. What is found on the way is counted for targets all over the home
 (:mod:`ucon.envs.search.twins`), so that differences between views do not hang on the luck of where one target lies.
 """
 
@@ -9,17 +10,15 @@ from __future__ import annotations
 
 from copy import deepcopy
 from dataclasses import dataclass
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.learning.decisions.decisions import TEXT, Arrays, Decisions, by_gain_over_cost, joined
+from ucon.learning.decisions.decisions import Arrays, Decisions, by_gain_over_cost, joined, rivals
+from ucon.learning.foresight.labels import LEAST_LEFT, Beyond, frames_of
 from ucon.learning.run.option_checks import check
 from ucon.task.episode import Episode
-
-#: A search ends where targets are left with less than this probability: choices hardly matter any more.
-_LEAST_LEFT: Final = 0.03
 
 
 @dataclass(frozen=True)
@@ -28,8 +27,8 @@ class Rollouts:
 
     Attributes:
         share: of the decisions of a search that are labelled.
-        views: how many views are tried from each: the one that gain over cost chooses, and others drawn in proportion
-            to their gain over cost.
+        views: how many views are tried from each: the one that gain over cost chooses, and others drawn from its
+            rivals.
         steps: length of a rollout. Longer ones cost more and tell views apart no better: at 45 to 60 steps the order by
             gain over cost stands out from the noise as far as it does in whole searches.
         rest: SPL of what is found after a rollout, relative to the share of the steps that is left then. The same order
@@ -55,7 +54,7 @@ class Rollouts:
     name: ClassVar[str] = "counterfactual"
     label: ClassVar[str] = "worth"
     searches: ClassVar[int] = 8
-    code: ClassVar[tuple[str, ...]] = ("learning/counterfactual/labels.py", "envs/tour.py")
+    code: ClassVar[tuple[str, ...]] = ("learning/counterfactual/labels.py", *Beyond.code)
 
     def __call__(self, env: Any, episode: Episode, level: str, draw: np.random.Generator) -> Decisions | None:
         """Search one episode by gain over cost, and label some of its decisions.
@@ -68,26 +67,29 @@ class Rollouts:
 
         Returns:
             Labelled decisions; None where there are none. ``worth`` (n, V) float32 is the expected SPL from there on of
-            going to each view, nan for views that were not tried.
+            choosing each view, nan for views that were not tried; ``beyond`` is that of
+            :class:`ucon.learning.foresight.labels.Beyond`.
         """
         kept: list[Arrays] = []
         observation, _ = env.reset(options={"episode": episode, "habit_level": level})
         text, over = observation, not observation["action_mask"][1:].any()
-        while not over and env.twins.left > _LEAST_LEFT:
-            if draw.random() < self.share:
-                frames = {name: value for name, value in observation.items() if name not in TEXT}
-                kept.append(frames | {self.label: self._worth(env, observation, draw)})
+        while not over and env.twins.left > LEAST_LEFT:
+            among = rivals(observation)
+            if draw.random() < self.share and among.sum() > 1:
+                told = {Beyond.label: env.beyond(), self.label: self._worth(env, observation, among, draw)}
+                kept.append(frames_of(observation) | told)
             observation, _, terminated, truncated, _ = env.step(by_gain_over_cost(observation))
             over = terminated or truncated
         return joined(kept, text)
 
-    def _worth(self, env: Any, observation: Arrays, draw: np.random.Generator) -> NDArray[np.float32]:
-        """Expected SPL from here on of going to each view that is tried, (V,) float32; nan for the others."""
-        offered = observation["action_mask"] > 0
-        order = np.where(offered, observation["prior"] + draw.gumbel(size=len(offered)), -np.inf)
-        order[by_gain_over_cost(observation)] = np.inf
-        worth = np.full(len(offered), np.nan, np.float32)
-        for row in np.argsort(-order)[: min(self.views, int(offered.sum()))]:
+    def _worth(
+        self, env: Any, observation: Arrays, among: NDArray[np.bool_], draw: np.random.Generator
+    ) -> NDArray[np.float32]:
+        """Expected SPL from here on of choosing each view that is tried, (V,) float32; nan for the others."""
+        order = np.where(among, draw.random(len(among)), -1.0)
+        order[by_gain_over_cost(observation)] = 2.0
+        worth = np.full(len(among), np.nan, np.float32)
+        for row in np.argsort(-order)[: min(self.views, int(among.sum()))]:
             earned, left, steps_left = deepcopy(env).go_on(int(row), self.steps)
             worth[row] = earned + self.rest * left * steps_left
         return worth

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import cached_property
 from typing import Any, Final
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 
 from ucon.learning.counterfactual.labels import Rollouts
-from ucon.learning.decisions.decisions import first_views
+from ucon.learning.decisions.decisions import Decisions, first_views
 from ucon.learning.decisions.learner import DecisionLearner, centred
+from ucon.learning.decisions.store import store_hash
+from ucon.learning.foresight.labels import Beyond
+from ucon.learning.foresight.learner import foreseen, foresight_loss, foresight_sums
 from ucon.learning.policies.action_policy import PolicyOutputs
+from ucon.learning.run.option_checks import check
 from ucon.learning.run.protocol import Figures
 
 #: Relative worth that a unit of a view's logit stands for: so gain over cost, with its initial factor of 10, fits best.
@@ -24,22 +30,59 @@ class CounterfactualLearner(DecisionLearner):
     """Fits the scores of views to what came of them in rollouts; see :class:`DecisionLearner`.
 
     Only differences between the views of a decision are learned: what the home, the habits and the search so far make
-    of all of them alike cancels.
+    of all of them alike cancels. Rollouts take long; what lies beyond views is told without any, so first that is
+    learned from many searches, and then both.
 
     Args:
         policy: see :class:`DecisionLearner`.
-        searches: make environments of :class:`ucon.envs.search.twin_env.TwinSearchEnv`, by name.
+        search: makes an environment of :class:`ucon.envs.search.twin_env.TwinSearchEnv` with a detector.
+        detectors: see :class:`DecisionLearner`.
         rollouts: which decisions and views are labelled, and how.
+        beyond: which decisions of further searches are labelled by what lies beyond their views.
+        beyond_searches: how many such searches.
+        foresight_first: share of the steps in which nothing else is learned.
         options: see :class:`DecisionLearner`.
     """
 
     learns = "what came of going to each of several views in rollouts"
 
     def __init__(
-        self, policy: nn.Module, searches: Mapping[str, Callable[[], Any]], rollouts: Rollouts, **options: Any
+        self,
+        policy: nn.Module,
+        search: Callable[..., Any],
+        detectors: Mapping[str, Any],
+        rollouts: Rollouts,
+        beyond: Beyond,
+        beyond_searches: int,
+        foresight_first: float,
+        **options: Any,
     ) -> None:
-        self.labels = rollouts
-        super().__init__(policy, searches, **options)
+        check("above 0 and whole", lambda x: x > 0, (int,), beyond_searches=beyond_searches)
+        check("from 0 to 1", lambda x: 0 <= x <= 1, (int, float), foresight_first=foresight_first)
+        self.labels, self._beyond, self._beyond_searches = rollouts, beyond, beyond_searches
+        self._foresight_first = foresight_first
+        super().__init__(policy, search, detectors, **options)
+
+    @property
+    def identity(self) -> Mapping[str, str]:
+        """Hashes of both kinds of decisions and, if given, of the initial weights."""
+        o = self.options
+        stores = [store_hash(self._beyond, o.episodes, make, o.levels, 0) for make in self._makers]
+        return {**super().identity, "beyond": f"{' '.join(stores)} {self._beyond_searches}"}
+
+    @cached_property
+    def views(self) -> Decisions:
+        """Training decisions that are labelled by what lies beyond their views."""
+        return self.kept(self._beyond, self.options.episodes, self._beyond_searches)
+
+    def loss_of_step(self, draw: np.random.Generator) -> Tensor:
+        """Loss of foresight, and after the first part of the training that of the relative worth too."""
+        frames = self.drawn(self.views, draw)
+        loss = foresight_loss(*self.outputs(frames))
+        if self._done < self._foresight_first * self.options.steps:
+            return loss
+        outputs, frames = self.outputs(self.drawn(self.decisions, draw))
+        return loss + foresight_loss(outputs, frames) + self.loss(outputs, frames)
 
     def loss(self, outputs: PolicyOutputs, frames: Mapping[str, Tensor]) -> Tensor:
         """Mean squared error of the relative worth, in units of its variance, weighted by the decisions' worth."""
@@ -50,13 +93,14 @@ class CounterfactualLearner(DecisionLearner):
     def validate(self) -> Figures:
         """Figures of the averaged network in homes that it was not trained on.
 
-        ``explained``: share of the variance of the relative worth within decisions; ``gain``: expected SPL by which the
-        view that is liked best is worth more than the first by gain over cost, in the mean over decisions. ``score`` is
-        ``explained``.
+        ``foreseen``: see :func:`~ucon.learning.foresight.learner.foreseen`; ``explained``: share of the variance of the
+        relative worth within decisions; ``gain``: expected SPL by which the view that is liked best is worth more than
+        the first by gain over cost, in the mean over decisions. ``score`` is ``explained``.
         """
         s = self.validated(_sums)
         explained = 1.0 - s["off"] / max(s["spread"], 1e-9)
-        return {"explained": round(explained, 5), "gain": round(s["gain"] / max(s["n"], 1.0), 6), "score": explained}
+        gain = s["gain"] / max(s["n"], 1.0)
+        return {**foreseen(s), "explained": round(explained, 5), "gain": round(gain, 6), "score": explained}
 
 
 def relative_worth(frames: Mapping[str, Tensor]) -> tuple[Tensor, Tensor, Tensor]:
@@ -88,6 +132,7 @@ def _sums(outputs: PolicyOutputs, frames: Mapping[str, Tensor]) -> dict[str, flo
     plain = {name: frames[name].float().cpu().numpy() for name in ("prior", "views", "action_mask")}
     first = torch.from_numpy(first_views(plain)).to(worth.device)[:, None]
     return {
+        **foresight_sums(outputs, frames),
         "n": float(len(worth)), "off": float((weight * off**2).sum()), "spread": float((weight * relative**2).sum()),
         "gain": float((worth.gather(1, liked) - worth.gather(1, first)).sum()),
     }  # fmt: skip

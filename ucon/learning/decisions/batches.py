@@ -42,4 +42,5 @@ def mirrored(frames: Mapping[str, Tensor]) -> dict[str, Tensor]:
     views[..., _TURNED] = views[..., _TURNED][..., list(_MIRRORED)]
     things[..., THING_AHEAD.stop - 1] *= -1
     frontiers[..., 1] *= -1
-    return {**frames, "views": views, "things": things, "frontiers": frontiers}
+    image = frames["map"].flip(-1)
+    return {**frames, "map": image, "views": views, "things": things, "frontiers": frontiers}

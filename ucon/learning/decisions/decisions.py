@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.search.searcher import LOYALTY
-from ucon.search.view_tokens import IS_KEPT
+from ucon.search.view_tokens import IS_KEPT, RIVAL
 
 Arrays = dict[str, NDArray[Any]]
 #: What of an observation is text, the same in all decisions of an episode.
 TEXT: Final = ("target", "habits", "habits_relevance", "habits_mask")
 #: Smallest type that holds each kind of array; all others are float16.
-_TYPES: Final = {"thing_rows": np.int16, "action_mask": np.uint8, "things_mask": np.uint8, "frontiers_mask": np.uint8,
-                 "habits_mask": np.uint8, "distance_to_goal": np.float32, "worth": np.float32}  # fmt: skip
+_TYPES: Final = {"map": np.uint8, "thing_rows": np.int16, "action_mask": np.uint8, "things_mask": np.uint8,
+                 "frontiers_mask": np.uint8, "habits_mask": np.uint8, "worth": np.float32}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -74,8 +74,26 @@ def first_views(frames: Arrays) -> NDArray[np.int64]:
     Returns:
         (...,) int64.
     """
+    return np.asarray(_scores(frames).argmax(-1))
+
+
+def rivals(frames: Arrays) -> NDArray[np.bool_]:
+    """Views with nearly as much gain over cost as the first of their decision, which is among them.
+
+    Args:
+        frames: see :func:`first_views`.
+
+    Returns:
+        (..., V) bool.
+    """
+    scores = _scores(frames)
+    return np.asarray(scores > scores.max(-1, keepdims=True) - RIVAL)
+
+
+def _scores(frames: Arrays) -> NDArray[Any]:
+    """Log gain over cost with the bonus of the view that is kept, -inf where there is no view."""
     score = frames["prior"] + np.log(LOYALTY) * frames["views"][..., IS_KEPT]
-    return np.asarray(np.where(frames["action_mask"] > 0, score, -np.inf).argmax(-1))
+    return np.asarray(np.where(frames["action_mask"] > 0, score, -np.inf))
 
 
 def small(name: str, values: NDArray[Any]) -> NDArray[Any]:

@@ -7,14 +7,14 @@ depends only on seed and number, so a resumed run repeats an uninterrupted one.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, ClassVar, cast
 
 import numpy as np
 import torch
 from torch import Tensor, nn
 
-from ucon.core.device import torch_device
+from ucon.core.device import torch_device, torch_precision
 from ucon.core.errors import ConfigError, DivergedError
 from ucon.core.rng import stream
 from ucon.habits.splits import entry_parts
@@ -37,12 +37,13 @@ class DecisionLearner(CountedSteps):
 
     Args:
         policy: the network, such as :class:`models.habit_policy.HabitPolicy`; training starts from its present weights.
-        searches: make environments of ``UcONSearch-v0`` that tell what the labels need, by name; each has a detector.
+        search: from a detector to an environment of ``UcONSearch-v0`` that tells what the labels need.
+        detectors: with which the searches are made, by name; each in as many as the others.
         options: fields of :class:`ucon.learning.run.options.DecisionOptions`.
 
     Raises:
-        ConfigError: a value of the wrong type or out of range, a network that scores no views, or episodes outside the
-            ``train`` part.
+        ConfigError: a value of the wrong type or out of range, a network that scores no views, no detector, or episodes
+            outside the ``train`` part.
         DataError: ``initial`` holds no weights, or those of another network.
     """
 
@@ -51,15 +52,18 @@ class DecisionLearner(CountedSteps):
     #: What is learned, for the model card.
     learns: ClassVar[str]
 
-    def __init__(self, policy: nn.Module, searches: Mapping[str, Callable[[], Any]], **options: Any) -> None:
+    def __init__(
+        self, policy: nn.Module, search: Callable[..., Any], detectors: Mapping[str, Any], **options: Any
+    ) -> None:
         self.options = given = DecisionOptions(**options)
         if not scores_views(policy):
             raise ConfigError(f"learner={self.labels.name}: expected a policy that scores views, as agent=habit_policy")
-        if not searches:
-            raise ConfigError("learner.searches={}: expected at least one way to search")
+        if not detectors:
+            raise ConfigError("learner.detectors={}: expected at least one detector")
         self.device = torch_device(given.device, "learner.device")
+        self._precision = torch_precision(given.precision, self.device, on_cpu=True)
         self._initial = "" if given.initial is None else load_network(str(given.initial), cast(Any, policy))
-        self.network, self._makers = policy, tuple(searches.values())
+        self.network, self._makers = policy, [partial(search, detector=one) for one in detectors.values()]
         env = self._makers[0]()
         self.dataset = env.source.dataset
         env.close()
@@ -86,27 +90,37 @@ class DecisionLearner(CountedSteps):
     def identity(self) -> Mapping[str, str]:
         """Hashes of the decisions and, if given, of the initial weights."""
         o = self.options
-        decisions = f"{store_hash(self.labels, o.episodes, self._makers, o.levels, 0)} {o.n_searches}"
+        stores = [store_hash(self.labels, o.episodes, make, o.levels, 0) for make in self._makers]
+        decisions = f"{' '.join(stores)} {o.n_searches}"
         return {"decisions": decisions, **({"initial": self._initial} if self._initial else {})}
 
     @property
     def resolved_options(self) -> Mapping[str, str]:
-        """Value chosen for ``device`` where it is ``auto``; the run stores it."""
-        return {"device": self.device}
+        """Values chosen for ``device`` and ``precision`` where they are ``auto``; the run stores them."""
+        return {"device": self.device, "precision": str(self._precision).removeprefix("torch.")}
 
     @cached_property
     def decisions(self) -> Decisions:
         """Training decisions; played at first use, which takes most of the time."""
-        return self._kept(self.options.episodes, self.options.n_searches)
+        return self.kept(self.labels, self.options.episodes, self.options.n_searches)
 
     @cached_property
     def validation(self) -> Decisions:
         """Decisions in homes that are not trained on."""
-        return self._kept(self.options.validation, self.options.validation_searches)
+        return self.kept(self.labels, self.options.validation, self.options.validation_searches)
 
-    def _kept(self, episodes: str, searches: int) -> Decisions:
-        o = self.options
-        return kept_decisions(self.labels, episodes, searches, self._makers, o.levels, 0, o.workers)
+    def kept(self, labels: Labels, episodes: str, searches: int) -> Decisions:
+        """Labelled decisions of some searches, the same number with each detector (or one more).
+
+        Args:
+            labels: searches and labels.
+            episodes: a set by name.
+            searches: how many in all.
+        """
+        o, n = self.options, len(self._makers)
+        counts = [len(range(k, searches, n)) for k in range(n)]
+        parts = zip(self._makers, counts, strict=True)
+        return Decisions.join([kept_decisions(labels, episodes, c, m, o.levels, 0, o.workers) for m, c in parts if c])
 
     def step(self) -> Figures:
         """Update the network on one batch of decisions.
@@ -117,14 +131,9 @@ class DecisionLearner(CountedSteps):
         Raises:
             DivergedError: a loss or gradient that is not finite.
         """
-        draw = stream(self.options.seed, self.labels.name, self._done)
-        rows = draw.integers(len(self.decisions), size=self.options.batch)
-        frames = batch_of(self.decisions, rows)
-        if self.options.mirror and draw.random() < 0.5:
-            frames = mirrored(frames)
         self.network.train()
         self.updates.begin()
-        loss = self.loss(*self.outputs(frames))
+        loss = self.loss_of_step(stream(self.options.seed, self.labels.name, self._done))
         if not bool(torch.isfinite(loss)):
             raise DivergedError(f"step {self._done + 1}: the loss is not finite; start anew with a smaller learner.lr")
         loss.backward()  # type: ignore[no-untyped-call]
@@ -132,10 +141,30 @@ class DecisionLearner(CountedSteps):
         self._done += 1
         return {"loss": float(loss.detach()), **updated}
 
+    def loss_of_step(self, draw: np.random.Generator) -> Tensor:
+        """Loss of the batch of one step.
+
+        Args:
+            draw: random numbers of the step.
+        """
+        return self.loss(*self.outputs(self.drawn(self.decisions, draw)))
+
+    def drawn(self, decisions: Decisions, draw: np.random.Generator) -> dict[str, Tensor]:
+        """A batch of some decisions; half of all batches are mirrored, if so chosen.
+
+        Args:
+            decisions: to take them from.
+            draw: random numbers.
+        """
+        frames = batch_of(decisions, draw.integers(len(decisions), size=self.options.batch))
+        return mirrored(frames) if self.options.mirror and draw.random() < 0.5 else frames
+
     def outputs(self, frames: Mapping[str, Tensor]) -> tuple[PolicyOutputs, Mapping[str, Tensor]]:
         """Outputs of the network for n decisions, and the decisions as tensors on its device."""
         moved = {name: tensor.to(self.device) for name, tensor in frames.items()}
-        found = self.policy({name: tensor[None] for name, tensor in moved.items()}, {}, {})
+        lower = self._precision != torch.float32 and self.network.training
+        with torch.autocast(torch.device(self.device).type, self._precision, enabled=lower):
+            found = self.policy({name: tensor[None] for name, tensor in moved.items()}, {}, {})
         foresight = None if found.foresight is None else found.foresight[0].float()
         return PolicyOutputs(found.logits[0].float(), found.value[0].float(), {}, foresight), moved
 

@@ -44,57 +44,50 @@ class Labels(Protocol):
 
 
 def kept_decisions(
-    labels: Labels, episodes: str, searches: int, makers: Sequence[MakeEnv], levels: Sequence[str], seed: int,
-    workers: int,
-) -> Decisions:  # fmt: skip
+    labels: Labels, episodes: str, searches: int, make: MakeEnv, levels: Sequence[str], seed: int, workers: int
+) -> Decisions:
     """Decisions of some searches, in the order of the searches.
 
     Args:
         labels: searches and labels; can be pickled.
         episodes: a set by name; drawn from it, and drawn anew when all came up.
         searches: how many.
-        makers: each makes an environment of ``UcONSearch-v0`` that tells what the labels need; taken in turn.
-        levels: habit levels, taken in turn after every round of ``makers``.
+        make: makes an environment of ``UcONSearch-v0`` that tells what the labels need.
+        levels: habit levels, taken in turn.
         seed: of the draw.
         workers: processes; the result does not depend on it.
     """
-    folder = user_cache() / labels.name / store_hash(labels, episodes, makers, levels, seed)
-    given = (labels, episodes, tuple(makers), tuple(levels), seed)
+    folder = user_cache() / labels.name / store_hash(labels, episodes, make, levels, seed)
+    given = (labels, episodes, make, tuple(levels), seed)
     files = kept_batches(folder, searches, labels.searches, f"searches in {episodes} homes", workers, _batch, given)
     return Decisions.join([part for path in files if (part := _read(path, labels.label)) is not None])
 
 
-def store_hash(labels: Labels, episodes: str, makers: Sequence[MakeEnv], levels: Sequence[str], seed: int) -> str:
-    """Hash of what decides the decisions: labels, code, episodes, habits, reader, detectors, levels and seed."""
+def store_hash(labels: Labels, episodes: str, make: MakeEnv, levels: Sequence[str], seed: int) -> str:
+    """Hash of what decides the decisions: labels, code, episodes, habits, reader, detector, levels and seed."""
     of_episodes = sha256_bytes("".join(f"{e.id} {e.home_hash}" for e in _episodes(episodes)).encode())
     parts = [repr(labels), code_hash(*_CODE, *labels.code), of_episodes, *levels, str(seed)]
-    for make in makers:
-        env = make()
-        detector = env.env.detector
-        errors = getattr(detector, "errors", None)
-        parts += [env.source.dataset.sha256, str(fingerprint_of(env)), str(getattr(detector, "name", ""))]
-        parts += [] if errors is None else [errors.fingerprint()]
-        env.close()
+    env = make()
+    detector = env.env.detector
+    errors = getattr(detector, "errors", None)
+    parts += [env.source.dataset.sha256, str(fingerprint_of(env)), str(getattr(detector, "name", ""))]
+    parts += [] if errors is None else [errors.fingerprint()]
+    env.close()
     return hashlib.sha256(json.dumps(parts).encode()).hexdigest()[:16]
 
 
-def _batch(
-    labels: Labels, episodes: str, makers: tuple[MakeEnv, ...], levels: tuple[str, ...], seed: int, numbers: range
-) -> bytes:
+def _batch(labels: Labels, episodes: str, make: MakeEnv, levels: tuple[str, ...], seed: int, numbers: range) -> bytes:
     """Decisions of some searches, as the bytes of a file."""
-    every, found = _episodes(episodes), []
-    envs = [make() for make in makers]
+    every, found, env = _episodes(episodes), [], make()
     try:
         for k in numbers:
             turn, at = divmod(k, len(every))
             order = stream(seed, labels.name, episodes, turn).permutation(len(every))
-            level = levels[k // len(makers) % len(levels)]
             draw = stream(seed, labels.name, "draw", k)
-            one = labels(envs[k % len(makers)], every[int(order[at])], level, draw)
+            one = labels(env, every[int(order[at])], levels[k % len(levels)], draw)
             found += [] if one is None else [one]
     finally:
-        for env in envs:
-            env.close()
+        env.close()
     return _bytes(Decisions.join(found)) if found else save({"episode": np.zeros(0, np.int32)})
 
 

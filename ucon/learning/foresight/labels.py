@@ -1,42 +1,67 @@
-"""Labels of foresight: the remaining way to the target from every view of every decision of a search."""
+"""Labels of foresight: what lies beyond each view of a decision, told by twins of the episode."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Final
 
 import numpy as np
 
 from ucon.learning.decisions.decisions import TEXT, Arrays, Decisions, by_gain_over_cost, joined
+from ucon.learning.run.option_checks import check
 from ucon.task.episode import Episode
+
+#: A search ends where targets are left with less than this probability: choices hardly matter any more.
+LEAST_LEFT: Final = 0.03
 
 
 @dataclass(frozen=True)
-class WaysToTarget:
-    """Implements :class:`ucon.learning.decisions.store.Labels`."""
+class Beyond:
+    """Implements :class:`ucon.learning.decisions.store.Labels`.
+
+    Attributes:
+        share: of the decisions of a search that are labelled; neighbouring ones are much alike.
+    """
+
+    share: float = 0.5
 
     name: ClassVar[str] = "foresight"
-    label: ClassVar[str] = "distance_to_goal"
-    searches: ClassVar[int] = 20
-    code: ClassVar[tuple[str, ...]] = ("learning/foresight/labels.py",)
+    label: ClassVar[str] = "beyond"
+    searches: ClassVar[int] = 8
+    code: ClassVar[tuple[str, ...]] = ("learning/foresight/labels.py", "envs/tour.py")
+
+    def __post_init__(self) -> None:
+        """Check the options.
+
+        Raises:
+            ConfigError: one of a wrong type or out of range.
+        """
+        check("above 0, at most 1", lambda x: 0 < x <= 1, (int, float), **{"beyond.share": self.share})
 
     def __call__(self, env: Any, episode: Episode, level: str, draw: np.random.Generator) -> Decisions | None:
         """Search one episode by gain over cost, the policy that an untrained ``habit_policy`` plays.
 
         Args:
-            env: of ``UcONSearch-v0``, with ``distance_to_goal=True``.
+            env: an environment of :class:`ucon.envs.search.twin_env.TwinSearchEnv`.
             episode: of a training home.
             level: habit level.
-            draw: not used.
+            draw: random numbers of this search.
 
         Returns:
-            Its decisions; None where nothing was to be decided.
+            Labelled decisions; None where there are none. ``beyond`` (n, V, R) is the share of the places left where
+            the target may be that lies within each distance of each view.
         """
         kept: list[Arrays] = []
         observation, _ = env.reset(options={"episode": episode, "habit_level": level})
         text, over = observation, not observation["action_mask"][1:].any()
-        while not over:
-            kept.append({name: value for name, value in observation.items() if name not in TEXT})
+        while not over and env.twins.left > LEAST_LEFT:
+            if draw.random() < self.share:
+                kept.append(frames_of(observation) | {self.label: env.beyond()})
             observation, _, terminated, truncated, _ = env.step(by_gain_over_cost(observation))
             over = terminated or truncated
         return joined(kept, text)
+
+
+def frames_of(observation: Arrays) -> Arrays:
+    """An observation of ``UcONSearch-v0`` without its text."""
+    return {name: value for name, value in observation.items() if name not in TEXT}

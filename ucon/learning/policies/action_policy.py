@@ -39,10 +39,7 @@ class PolicyOutputs(NamedTuple):
     state: Tensors
     """Recurrent state after the last step; tensors (B, ...)."""
     foresight: Tensor | None = None
-    """(T, B, V), predictions about each of V views.
-
-    Only of policies over views (:mod:`ucon.learning.ppo.foresight`).
-    """
+    """(T, B, V, R), what is foreseen beyond each of V views; only of policies over views."""
 
 
 def scores_views(policy: Any) -> bool:

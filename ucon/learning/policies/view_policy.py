@@ -25,7 +25,8 @@ class ViewPolicy(nn.Module):
     """An :class:`ucon.learning.policies.action_policy.ActionPolicy` for ``UcONSearch-v0``.
 
     Args:
-        network: maps tokens to ``logits`` (B, V), -inf where there is no view, ``value`` (B,) and ``foresight`` (B, V).
+        network: maps tokens to ``logits`` (B, V), -inf where there is no view, ``value`` (B,) and ``foresight``
+            (B, V, R).
         text: embeds the names of categories; the same encoder as in the environment.
     """
 
@@ -88,7 +89,7 @@ class ViewPolicy(nn.Module):
             state: empty; returned as it is.
 
         Returns:
-            Logits (T, B, V), -inf where there is no view, values (T, B) and foresight (T, B, V).
+            Logits (T, B, V), -inf where there is no view, values (T, B) and foresight (T, B, V, R).
         """
         steps, batch = frames["ego"].shape[:2]
         tokens = {name: tensor.flatten(0, 1).float() for name, tensor in frames.items() if name != "thing_rows"}

@@ -21,7 +21,7 @@ from ucon.core.fingerprint import fingerprint_of
 from ucon.core.progress import part, ticked
 from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import entry_parts
-from ucon.learning.policies.action_policy import ActionPolicy, PolicyOutputs, scores_views
+from ucon.learning.policies.action_policy import ActionPolicy, scores_views
 from ucon.learning.policies.playing import Players
 from ucon.learning.policies.validation import Validation, evenly_spaced
 from ucon.learning.policies.view_policy import ViewPolicy
@@ -29,7 +29,6 @@ from ucon.learning.ppo.checks import check_choices, check_taught, collection_siz
 from ucon.learning.ppo.clipped_loss import PPOLoss, eval_mode_except_rnn, finite, mean_figures
 from ucon.learning.ppo.collecting import Collecting, ExperienceCollector
 from ucon.learning.ppo.experience import Experience, Sequences
-from ucon.learning.ppo.foresight import DISTANCE_TO_GOAL, ForesightLoss
 from ucon.learning.run.network_files import load_network, network_files, set_max_habits
 from ucon.learning.run.option_checks import check_parts, text_weights
 from ucon.learning.run.options import PPOOptions
@@ -50,7 +49,6 @@ class PPOLearner:
         collector: plays in this process or in workers.
         loss: PPO's loss of a minibatch.
         validation: validation episodes; ``success_rate`` or ``spl`` chooses the best checkpoint.
-        foresight: auxiliary loss of networks that score views; None: no such loss.
         options: fields of :class:`ucon.learning.run.options.PPOOptions`.
 
     Raises:
@@ -69,7 +67,6 @@ class PPOLearner:
         collector: Collecting,
         loss: PPOLoss,
         validation: Validation,
-        foresight: ForesightLoss | None = None,
         **options: Any,
     ) -> None:
         self.options = given = PPOOptions(**options)
@@ -91,7 +88,6 @@ class PPOLearner:
         self.dataset = self.source.dataset
         check_parts(self.episodes, validation.all, entry_parts(self.dataset))
         self.loss, self.validation, self.seed = loss, validation, given.seed
-        self.foresight = foresight if views else None
         self.chunk = given.chunk if self.act.initial_state(1) else 1
         each = -(-collection_size(self.act, given.frames) // collector.rows) + 1  # the last step is not trained on
         self.rollouts = ExperienceCollector(self.policy, self.make_env, self.episodes, self.levels, collector, each)
@@ -168,22 +164,11 @@ class PPOLearner:
         if not all(map(finite, checked.values())):  # TorchRL's loss would raise an error of its own
             self._diverged(frames, checked, part)
         loss, figures = self.loss(part.played, logits, value)
-        taught, more = self._taught(frames, outputs, there)
-        loss, figures = loss + taught, {**figures, **more}
         if not finite(loss):
             self._diverged(frames, checked, part)
         self.updates.begin()
         loss.backward()  # type: ignore[no-untyped-call]
         return {"loss": float(loss.detach()), **figures, **self.updates.take(self.done)}
-
-    def _taught(
-        self, frames: Mapping[str, Tensor], outputs: PolicyOutputs, there: Tensor
-    ) -> tuple[Tensor | float, Mapping[str, float]]:
-        """Auxiliary loss of a network that scores views, and its figures; 0 where there is none."""
-        if self.foresight is None or outputs.foresight is None or DISTANCE_TO_GOAL not in frames:
-            return 0.0, {}
-        decisions = {name: tensor[there] for name, tensor in frames.items()}
-        return self.foresight(decisions, outputs.foresight.float()[there])
 
     def _diverged(self, frames: Mapping[str, Tensor], outputs: Mapping[str, Tensor], part: Sequences) -> None:
         """Raise an error that names the first tensor, from inputs to loss, that is not finite."""

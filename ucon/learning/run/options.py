@@ -239,18 +239,21 @@ class DecisionOptions(LearnerOptions):
         mirror: whether half of the batches are mirrored left to right.
         clip: largest norm of a gradient; larger ones are scaled down to it.
         device: ``cpu``, ``cuda``, or ``auto``: a GPU if there is one.
+        precision: ``float32``, or ``bfloat16`` for the network's passes in training (the loss stays in float32);
+            ``auto``: bfloat16 where the GPU or the processor has it.
     """
 
     episodes: str = "train"
-    n_searches: int = 12000
+    n_searches: int = 2000
     validation: str = "val"
-    validation_searches: int = 400
+    validation_searches: int = 200
     levels: Sequence[str] = ("none", "retrieval", "full", "gt")
     workers: int = 2
-    batch: int = 256
+    batch: int = 128
     mirror: bool = True
     clip: float = 1.0
     device: str = "auto"
+    precision: str = "auto"
 
     def __post_init__(self) -> None:
         super().__post_init__()

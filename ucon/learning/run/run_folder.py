@@ -23,9 +23,11 @@ MODEL: Final = "model"
 CHECKPOINTS: Final = "checkpoints"
 #: Records of an evaluation in the same folder; see :mod:`ucon.evaluation.kept.folder`.
 RECORDS: Final = "episodes.jsonl"
+#: Picture of the run.
+CURVE: Final = "learning_curve.png"
 #: Folders of the loggers.
 _LOGS: Final = ("tensorboard", "wandb")
-_FILES: Final = (CONFIG, METRICS, CARD, SUMMARY, SECONDS)
+_FILES: Final = (CONFIG, METRICS, CURVE, CARD, SUMMARY, SECONDS)
 
 #: Largest files that are read, in bytes: small ones, and the log of metrics.
 _MOST_SMALL: Final = 16 << 20

@@ -2,6 +2,7 @@
 
 config.yaml      the configuration; `resume=` reads it
 metrics.jsonl    one line per step and per validation, without times: equal runs write equal bytes
+learning_curve.png   drawn by ``train.py`` where matplotlib is installed
 checkpoints/     see :mod:`ucon.learning.run.checkpoints`
 model/           files of the best checkpoint's weights, with a manifest
 MODEL_CARD.md, summary.json

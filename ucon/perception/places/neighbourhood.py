@@ -37,6 +37,11 @@ def _rooms() -> tuple[dict[str, int], NDArray[np.float64]]:
     return number, usual / usual.sum()
 
 
+def room_numbers() -> dict[str, int]:
+    """Number of each of the R kinds of rooms, as :func:`rooms_of` orders them."""
+    return dict(_rooms()[0])
+
+
 def _rooms_of(rooms: tuple[str, ...], number: dict[str, int]) -> NDArray[np.float64]:
     """p(kind of room) (R,) from a catalogue entry's rooms, the most usual first: weights 1, 1/2, 1/3, ..."""
     p = np.zeros(len(number))
