@@ -20,8 +20,8 @@ _PLAIN: Final = 15
 AHEAD: Final = slice(10, 12)
 #: Column that is 1 for the view that the agent is on its way to.
 IS_KEPT: Final = 9
-#: Views whose log gain over cost is less than this below the best are its rivals. In rollouts (340 decisions) views up to
-#: .7 below were worth as much as the best in the mean (+.0005 +- .0008 SPL), and views 1.1 to 1.5 below .005 less.
+#: Views whose log gain over cost is less than this below the best are its rivals. In rollouts of 340 decisions, views
+#: up to .7 below were worth as much as the best (+.0005 +- .0008 SPL), and views 1.1 to 1.5 below .005 less.
 RIVAL: Final = 1.0
 #: Column that is 1 where the agent stood at the node.
 VISITED: Final = 14

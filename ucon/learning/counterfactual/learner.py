@@ -20,8 +20,9 @@ from ucon.learning.policies.action_policy import PolicyOutputs
 from ucon.learning.run.option_checks import check
 from ucon.learning.run.protocol import Figures
 
-#: Relative worth that a unit of a view's logit stands for: so gain over cost, with its initial factor of 10, fits best.
-_UNIT: Final = 0.0065
+#: Relative worth that a unit of a view's logit stands for. Gain over cost, with its initial factor of 10, then begins as
+#: it fits best over all views.
+_UNIT: Final = 0.003
 #: Decisions of less worth count as if they had so much.
 _LEAST: Final = 0.005
 
@@ -86,8 +87,7 @@ class CounterfactualLearner(DecisionLearner):
 
     def loss(self, outputs: PolicyOutputs, frames: Mapping[str, Tensor]) -> Tensor:
         """Mean squared error of the relative worth, in units of its variance, weighted by the decisions' worth."""
-        worth, known, weight = relative_worth(frames)
-        off = centred(_UNIT * _finite(outputs.logits), known) - worth
+        off, worth, weight = _errors(outputs, frames)
         return (weight * off**2).sum() / (weight * worth**2).sum().clamp(min=1e-9)
 
     def validate(self) -> Figures:
@@ -118,16 +118,19 @@ def relative_worth(frames: Mapping[str, Tensor]) -> tuple[Tensor, Tensor, Tensor
     return centred(worth.nan_to_num(), known) / mean.clamp(min=_LEAST), known, mean
 
 
-def _finite(logits: Tensor) -> Tensor:
-    """Logits, 0 where there is no view."""
-    return torch.where(logits.isfinite(), logits, 0.0)
+def _errors(outputs: PolicyOutputs, frames: Mapping[str, Tensor]) -> tuple[Tensor, Tensor, Tensor]:
+    """Errors and true values (n, V) of the relative worth, 0 where not tried, and weights (n, 1) of the decisions."""
+    relative, known, weight = relative_worth(frames)
+    chosen = outputs.logits.isfinite()  # a label may be just outside of the rivals, by the rounding of what is kept
+    off = centred(_UNIT * torch.where(chosen, outputs.logits, 0.0), known & chosen)
+    return off - torch.where(chosen, relative, 0.0), relative, weight
 
 
 def _sums(outputs: PolicyOutputs, frames: Mapping[str, Tensor]) -> dict[str, float]:
     """Sums over n decisions, of which the figures of a validation are made."""
-    relative, known, weight = relative_worth(frames)
-    off = centred(_UNIT * _finite(outputs.logits), known) - relative
-    worth = frames[Rollouts.label].float().nan_to_num()
+    off, relative, weight = _errors(outputs, frames)
+    worth = frames[Rollouts.label].float()
+    known, worth = ~worth.isnan(), worth.nan_to_num()
     liked = torch.where(known, outputs.logits, float("-inf")).argmax(1, keepdim=True)
     plain = {name: frames[name].float().cpu().numpy() for name in ("prior", "views", "action_mask")}
     first = torch.from_numpy(first_views(plain)).to(worth.device)[:, None]
