@@ -20,7 +20,7 @@ from ucon.learning.policies.action_policy import PolicyOutputs
 from ucon.learning.run.option_checks import check
 from ucon.learning.run.protocol import Figures
 
-#: Relative worth that a unit of a view's logit stands for. Gain over cost, with its initial factor of 10, then begins as
+#: Relative worth that a unit of a logit stands for. Gain over cost, with its initial factor of 10, then begins as
 #: it fits best over all views.
 _UNIT: Final = 0.003
 #: Decisions of less worth count as if they had so much.
