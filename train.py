@@ -36,9 +36,9 @@ from omegaconf import DictConfig, OmegaConf
 from ucon.configuration.wiring import Factory
 from ucon.core.memory import keep_freed_memory
 from ucon.core.sole_writer import sole_writer
+from ucon.learning.run.learning_curve import learning_curve
 from ucon.learning.run.protocol import Learner
 from ucon.learning.run.run_plan import Plan
-from ucon.learning.run.learning_curve import learning_curve
 from ucon.learning.run.run_progress import check_wandb, tensorboard_log, training_progress, wandb_log
 from ucon.learning.run.trainer_state import SCORE
 from ucon.learning.run.training_run import Interrupted, OnFigures, TrainingRun

@@ -125,7 +125,9 @@ class HabitPolicy(nn.Module):
         self.score = nn.Sequential(nn.Linear(2 * width + len(MOVES), width), nn.GELU(), nn.Linear(width, 1))
         self.worth = nn.Sequential(nn.Linear(width, width), nn.GELU(), nn.Linear(width, 1))
         self.sharpness = nn.Parameter(torch.tensor(_SHARPNESS).log())
-        nn.init.constant_(self.foresee[-1].bias, _USUAL_BEYOND)
+        foretold = self.foresee[-1]
+        assert isinstance(foretold, nn.Linear)
+        nn.init.constant_(foretold.bias, _USUAL_BEYOND)
         for head in (self.score[-1], self.worth[-1]):
             assert isinstance(head, nn.Linear)
             nn.init.zeros_(head.weight)
@@ -151,21 +153,21 @@ class HabitPolicy(nn.Module):
         joined = torch.cat([seen, own.expand_as(seen)], -1)
         foresight = self.foresee(joined)
         logits = self.score(torch.cat([joined, foresight], -1))[..., 0]
-        offered = tokens["action_mask"] > 0
         if self.use_prior:
-            prior = _prior(tokens)
-            logits = logits + self.sharpness.exp() * prior
-            offered = offered & (prior > prior.masked_fill(~offered, -torch.inf).amax(-1, keepdim=True) - RIVAL)
-        logits = logits.masked_fill(~offered, float("-inf"))
+            logits = logits + self.by_gain_over_cost(tokens)
+        logits = logits.masked_fill(tokens["action_mask"] == 0, -torch.inf)
         return Scores(logits, self.worth(own[:, 0])[..., 0], foresight)
 
     def by_gain_over_cost(self, tokens: Mapping[str, Tensor]) -> Tensor:
-        """Logits (B, V) without the transformer; the same as with it while it ``adds`` nothing.
+        """Logits (B, V) without the transformer, -inf where there is no view or one far below the best.
 
         Args:
             tokens: ``prior``, ``views`` and ``action_mask`` of :meth:`forward`.
         """
-        return (self.sharpness.exp() * _prior(tokens)).masked_fill(tokens["action_mask"] == 0, float("-inf"))
+        prior = tokens["prior"] + _KEPT * tokens["views"][..., IS_KEPT]
+        prior = prior.masked_fill(tokens["action_mask"] == 0, -torch.inf)
+        among = prior > prior.amax(-1, keepdim=True) - RIVAL
+        return (self.sharpness.exp() * prior).masked_fill(~among, -torch.inf)
 
     def attention(self, tokens: Mapping[str, Tensor]) -> Attended:
         """Attention of the views to all tokens in B decisions, for display only.
@@ -204,11 +206,6 @@ class HabitPolicy(nn.Module):
     def use_prior(self) -> bool:
         """Whether logits start from gain over cost."""
         return bool(self.arguments["use_prior"])
-
-
-def _prior(tokens: Mapping[str, Tensor]) -> Tensor:
-    """Logarithm (B, V) of gain over cost, with the bonus of the view that the agent is on its way to."""
-    return tokens["prior"] + _KEPT * tokens["views"][..., IS_KEPT]
 
 
 def _positions(tokens: Mapping[str, Tensor]) -> tuple[Tensor, Tensor, Tensor]:

@@ -166,7 +166,8 @@ class HabitPolicyAgent:
             actions[slot] = search.searcher.look(observation, info)
             search.log.looked(search.searcher, actions[slot])
             if actions[slot] is None:
-                tokens = search.reader.read(search.searcher.decision())
+                read = search.reader.read if self._adds else search.reader.read_views
+                tokens = read(search.searcher.decision())
                 if len(tokens.choices) > 1:
                     due[slot] = tokens
                 else:
@@ -214,7 +215,7 @@ class HabitPolicyAgent:
         with torch.inference_mode():
             if self._adds:
                 scores = self.policy(self._tensors(due)).logits
-            else:  # most of the time of a decision, for nothing
+            else:
                 arrays = [tokens.arrays for tokens in due.values()]
                 known = {name: np.stack([row[name] for row in arrays]) for name in ("prior", "views", "action_mask")}
                 scores = self.policy.by_gain_over_cost(

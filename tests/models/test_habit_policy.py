@@ -31,6 +31,7 @@ from ucon.learning.run.network_files import network_files
 from ucon.perception.belief.from_habits import ReadHabits
 from ucon.search.map_raster import CHANNELS, SIDE
 from ucon.search.text_tokens import TextTokens, name_table
+from ucon.search.view_tokens import RIVAL
 
 
 @cache
@@ -89,16 +90,32 @@ def test_what_is_not_there_changes_nothing() -> None:
         changed[name] = torch.where(tokens[mask][..., None] > 0, tokens[name], torch.tensor(7.0))
     after = policy(changed)
     torch.testing.assert_close(after.logits, before.logits, rtol=1e-4, atol=1e-4)
-    assert (before.logits == float("-inf")).equal(tokens["action_mask"] == 0)
+    assert (before.logits == float("-inf"))[tokens["action_mask"] == 0].all()
+
+
+@torch.no_grad()
+def test_views_far_below_the_best_are_not_chosen_unless_all_is_learned() -> None:
+    policy, tokens = random_policy(), some_tokens()
+    scored = policy.by_gain_over_cost(tokens) / policy.sharpness.exp()
+    chosen = scored.isfinite()
+    assert (chosen.sum(1) >= 1).all()
+    assert (scored.amax(1, keepdim=True) - scored)[chosen].max() < RIVAL
+    assert chosen.equal(policy(tokens).logits.isfinite())
+    far = tokens["prior"].masked_fill(tokens["action_mask"] == 0, -torch.inf)
+    assert (~chosen)[far < far.amax(1, keepdim=True) - RIVAL - 0.3].all()
+    free = random_policy(use_prior=False)(tokens).logits
+    assert free.isfinite().equal(tokens["action_mask"] > 0)
 
 
 @torch.no_grad()
 @pytest.mark.parametrize("name", ["views", "things", "thing_names", "frontiers", "habits", "ego", "target", "map"])
 def test_everything_that_is_there_matters(name: str) -> None:
     policy, tokens = random_policy(), some_tokens()
-    changed = policy(tokens | {name: tokens[name] + (100.0 if name == "map" else 0.5)})
-    seen = tokens["action_mask"] > 0
-    assert (changed.logits - policy(tokens).logits)[seen].abs().max() > 1e-4
+    before, changed = (
+        policy(tokens | {name: tokens[name] + by}).logits for by in (0.0, 100.0 if name == "map" else 0.5)
+    )
+    chosen = before.isfinite() & changed.isfinite()
+    assert (changed - before)[chosen].abs().max() > 1e-4
 
 
 @torch.no_grad()
@@ -156,7 +173,7 @@ def test_its_picture_says_what_the_chosen_view_attends_to() -> None:
 def test_gradients_reach_all_that_is_learned() -> None:
     policy, tokens = random_policy(), some_tokens()
     scores = policy(tokens)
-    (scores.logits[tokens["action_mask"] > 0].square().sum() + scores.value.sum()).backward()
+    (scores.logits[scores.logits.isfinite()].square().sum() + scores.value.sum()).backward()
     assert [name for name, p in policy.named_parameters() if p.grad is None or not p.grad.any()] == []
 
 

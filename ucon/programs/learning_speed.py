@@ -84,9 +84,11 @@ def _rate(learner: Any) -> float:
 
 def _from_decisions(name: str, searches: int, batches: int, workers: int) -> tuple[float, float]:
     """Decisions a second that are played and labelled, and that are learned from."""
-    words = ("agent=habit_policy", f"learner={name}", f"learner.workers={workers}", f"learner.n_searches={searches}")
-    words += _AT_ONCE.get(name, ())
-    with _nothing_kept(), closing(Factory(train_config(*words)["learner"])()) as learner:
+    sizes = (f"learner.workers={workers}", f"learner.n_searches={searches}", *_AT_ONCE.get(name, ()))
+    with (
+        _nothing_kept(),
+        closing(Factory(train_config("agent=habit_policy", f"learner={name}", *sizes)["learner"])()) as learner,
+    ):
         began = time.perf_counter()
         decisions = len(learner.decisions)
         labelled = decisions / (time.perf_counter() - began)

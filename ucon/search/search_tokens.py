@@ -101,16 +101,13 @@ class TokenReader(PartlyShared):
 
         Where no view has any gain, ``views`` has one row (or none, where there is nowhere to go).
         """
-        known, places = self._searcher.map, self._searcher.places
+        known, places, sizes = self._searcher.map, self._searcher.places, self.sizes
+        seen = self.read_views(decision)
         weight, mass = places.weights(decision.expected.mass), places.remaining_mass(decision.expected.mass)
-        rows, prior, choices = self._views(decision, weight)
         things, numbers = self._things(mass)
         edges = self._frontiers(decision)
-        sizes = self.sizes
         arrays: dict[str, NDArray[Any]] = {
-            "views": _padded(rows, sizes.views, N_VIEW),
-            "prior": _padded(prior[:, None], sizes.views, 1)[:, 0],
-            "action_mask": _mask(len(choices), sizes.views),
+            **seen.arrays,
             "things": _padded(things, sizes.things, N_THING),
             "thing_rows": np.append(numbers, np.full(sizes.things - len(numbers), -1)).astype(np.int32),
             "things_mask": _mask(len(things), sizes.things),
@@ -118,6 +115,16 @@ class TokenReader(PartlyShared):
             "frontiers_mask": _mask(len(edges), sizes.frontiers),
             "ego": self._ego(decision, mass),
             "map": map_raster(known, self._searcher.viewpoints, places.xyz, weight, decision.expected.interest),
+        }
+        return Tokens(arrays, seen.choices)
+
+    def read_views(self, decision: SearchDecision) -> Tokens:
+        """The arrays of a decision that describe its views alone, which gain over cost is chosen by."""
+        rows, prior, choices = self._views(decision, self._searcher.places.weights(decision.expected.mass))
+        arrays: dict[str, NDArray[Any]] = {
+            "views": _padded(rows, self.sizes.views, N_VIEW),
+            "prior": _padded(prior[:, None], self.sizes.views, 1)[:, 0],
+            "action_mask": _mask(len(choices), self.sizes.views),
         }
         return Tokens(arrays, choices)
 

@@ -78,8 +78,7 @@ class CounterfactualLearner(DecisionLearner):
 
     def loss_of_step(self, draw: np.random.Generator) -> Tensor:
         """Loss of foresight, and after the first part of the training that of the relative worth too."""
-        frames = self.drawn(self.views, draw)
-        loss = foresight_loss(*self.outputs(frames))
+        loss = foresight_loss(*self.outputs(self.drawn(self.views, draw)))
         if self._done < self._foresight_first * self.options.steps:
             return loss
         outputs, frames = self.outputs(self.drawn(self.decisions, draw))
