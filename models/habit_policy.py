@@ -165,8 +165,8 @@ class HabitPolicy(nn.Module):
             tokens: ``prior``, ``views`` and ``action_mask`` of :meth:`forward`.
         """
         prior = tokens["prior"] + _KEPT * tokens["views"][..., IS_KEPT]
-        prior = prior.masked_fill(tokens["action_mask"] == 0, -torch.inf)
-        among = prior > prior.amax(-1, keepdim=True) - RIVAL
+        there = prior.masked_fill(tokens["action_mask"] == 0, -torch.inf)
+        among = there > there.amax(-1, keepdim=True) - RIVAL
         return (self.sharpness.exp() * prior).masked_fill(~among, -torch.inf)
 
     def attention(self, tokens: Mapping[str, Tensor]) -> Attended:

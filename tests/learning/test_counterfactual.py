@@ -97,6 +97,7 @@ def test_training_explains_more_in_the_homes_it_learns_in(
     assert before["gain"] == pytest.approx(0.0, abs=1e-4), "an untrained policy goes by gain over cost"
     for _ in range(160):
         learner.step()
+    assert all(bool(weight.isfinite().all()) for weight in learner.network.state_dict().values())
     after = learner.validate()
     assert after["explained"] > before["explained"] + 0.1
     assert after["gain"] > 0.0
