@@ -24,7 +24,7 @@ GIVEN = {
     "learner/dagger": ["agent=vtn"],
     "learner/image_goal": ["agent=zson", "part=clip_goal", "agent.policy.goal.path=none"],
 }
-OF_TRAINING = ("learner", "collector")
+OF_TRAINING = ("learner", "collector", "budget")
 
 
 def composed(root: str, *overrides: str) -> dict[str, Any]:
