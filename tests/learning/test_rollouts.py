@@ -166,12 +166,11 @@ def test_torchrl_accepts_the_environment(kind, episodes):
 
 
 def test_views_that_are_not_offered_are_never_chosen(episodes):
-    policy = ViewPolicy(narrow_habit_policy())
-    policy.network.sharpness.data.fill_(-4.0)  # all rivals are about as likely
+    policy = ViewPolicy(narrow_habit_policy(use_prior=False))  # all that are offered are about as likely
     batch = rollouts(policy, episodes, 40, SEARCH).collect(0)
     offered = batch["frames", "action_mask"]
     assert bool(offered.gather(2, batch["action"][..., None]).bool().all())
-    assert len(set(batch["action"].flatten().tolist())) > 5
+    assert len(set(batch["action"].flatten().tolist())) > 10
     assert int(offered.sum(-1).min()) < offered.shape[-1]
 
 

@@ -14,8 +14,8 @@ SEARCH = functools.partial(UcONSearchEnv, "mini")
 LEVELS = ("none", "retrieval")
 
 
-def narrow_habit_policy(seed=0):
-    return HabitPolicy(width=16, layers=1, heads=2, seed=seed)
+def narrow_habit_policy(seed=0, **options):
+    return HabitPolicy(width=16, layers=1, heads=2, seed=seed, **options)
 
 
 def tiny_ppo(folder, policy=None, **options):

@@ -25,8 +25,10 @@ from models.nets.map_net import MapNet
 from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import write_atomic, write_manifest
 from ucon.envs.search.env import UcONSearchEnv
+from ucon.envs.search.twin_env import TwinSearchEnv
 from ucon.envs.ucon_env import UcONEnv
 from ucon.language.encoder import one_thread
+from ucon.learning.policies.view_policy import ViewPolicy
 from ucon.learning.run.network_files import network_files
 from ucon.perception.belief.from_habits import ReadHabits
 from ucon.search.map_raster import CHANNELS, SIDE
@@ -168,6 +170,20 @@ def test_its_picture_says_what_the_chosen_view_attends_to() -> None:
     assert not agent.policy.adds
     assert agent._attending(0) == ""
     assert (shown != agent.picture(0)).any()
+
+
+@torch.no_grad()
+def test_what_only_a_trainer_knows_is_not_read() -> None:
+    env = TwinSearchEnv("mini", habit_level="retrieval")
+    obs, _ = env.reset(options={"episode": 0})
+    policy = ViewPolicy(random_policy())
+    told = policy.frame(obs | {"beyond": env.beyond(), "worth": np.zeros(32, np.float32)}, {})
+    frames = {name: torch.as_tensor(array)[None, None] for name, array in told.items()}
+    lies = {name: frames[name] + 50 for name in ("beyond", "worth")}
+    true, false = policy(frames, {}, {}), policy(frames | lies, {}, {})
+    assert true.logits.equal(false.logits)
+    assert true.value.equal(false.value)
+    assert true.foresight.equal(false.foresight)
 
 
 def test_gradients_reach_all_that_is_learned() -> None:

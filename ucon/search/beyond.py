@@ -1,4 +1,4 @@
-"""What lies beyond a view: the distances by which it is told."""
+"""Distances from a view within which the policy foresees what can be found."""
 
 from __future__ import annotations
 

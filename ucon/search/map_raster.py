@@ -91,7 +91,7 @@ def _mark(spots: F32, xy: NDArray[np.float64], values: NDArray[Any], view: View)
 
 @lru_cache(maxsize=1)
 def _shares() -> dict[str, NDArray[np.float64]]:
-    """Of every category of furniture: the share of each kind of ``ROOMS`` among its rooms."""
+    """Share (R,) of each of ``ROOMS`` among the rooms of a category, by name, for all furniture."""
     book, number = catalogue(), room_numbers()
     columns = [number[room] for room in ROOMS]
     return {

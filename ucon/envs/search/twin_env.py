@@ -48,7 +48,7 @@ class TwinSearchEnv(UcONSearchEnv):
         return super().reset(seed=seed, options={**(options or {}), "hide_target": True})
 
     def beyond(self) -> NDArray[np.float32]:
-        """What lies beyond each view: shares of what is left that are within :data:`ucon.search.beyond.MOVES` of it.
+        """Share of what is left that could be found within each of :data:`ucon.search.beyond.MOVES` of views.
 
         Returns:
             (V, R) float32; 0 where there is no view.
