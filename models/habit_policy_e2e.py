@@ -3,7 +3,7 @@
 An RGB-D encoder, detections as tokens that attend to the habits, a belief over anchors, a map memory and an LSTM. The
 map is part of the recurrent state: fixed rules write it, convolutions read it. A mixture over places to go to
 (:mod:`models.nets.end_to_end.places_to_go`) gives action preferences by shortest paths over what was seen; nothing that
-the agent has not seen enters. Done is suppressed where no target is seen nearby.
+the agent has not seen enters. Done is suppressed where no target is seen nearby, Open where nothing closed is.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ from ucon.task.actions import Action
 
 _MAX_STEPS = 300.0
 _N_LOOKS = 5
-#: Log odds of Done where the target is not near, whatever the network says. Subtracting a constant from its logit does
+#: Log odds of Done where the target is not near, and of Open where nothing closed is, whatever the network says. Subtracting a constant from its logit does
 #: not work: some solutions end farther off, so training raised the logit until constants of 10 and of 30 were undone.
 _NEVER = -15.0
 #: Offsets (i, j) of the nodes ahead, right, left and here in the window around the agent: (4 headings, 4, 2).
@@ -219,9 +219,9 @@ class HabitPolicyE2E(PolicyModule):
         thought = torch.cat([hidden, facts], -1)
         planned = torch.cat([log_p[..., :3], log_p[..., 3:].expand(*log_p.shape[:-1], 4)], -1)
         logits = self.choose(thought) + self.plan_weight * planned
-        others, done = logits[..., : Action.DONE], logits[..., Action.DONE]  # Done is the last action
-        done = torch.where(seen.near, done, others.logsumexp(-1) + _NEVER)
-        logits = torch.cat([others, done[..., None]], -1)
+        moves, may = logits[..., : Action.OPEN], torch.stack([seen.openable, seen.near], -1)  # Open and Done come last
+        never = moves.logsumexp(-1, keepdim=True) + _NEVER
+        logits = torch.cat([moves, torch.where(may, logits[..., Action.OPEN :], never)], -1)
         value = self.judge(thought).squeeze(-1)
         return PolicyOutputs(logits.float(), value.float(), {**new, **memory}), PolicyTrace(seen, ways)
 

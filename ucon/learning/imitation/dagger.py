@@ -5,28 +5,34 @@ Plain imitation shows only states along shortest paths; a policy that leaves the
 trajectories join those collected before (DAgger: Ross, Gordon and Bagnell 2011). The expert knows the home, or searches
 as an agent that sees what the policy sees (:mod:`ucon.learning.imitation.experts`).
 
-The collected trajectories are part of the learner's state, stored as strings of action digits. Their frames are not
-stored; they are made by playing the actions again.
+Workers play the next collection while the policy learns from the last one, so the weights that play are those from when
+the last one began to be learned from. They are part of the learner's state, as are the collected trajectories, stored
+as strings of action digits. Their frames are kept while there is memory, else made by playing the actions again.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import copy
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
+from typing import Any, Final
 
-import numpy as np
-from numpy.typing import NDArray
+from torch import Tensor
 
-from ucon.core.errors import ConfigError, brief
+from ucon.core.errors import ConfigError, DataError, brief
+from ucon.core.progress import part as progress
 from ucon.core.rng import stream
+from ucon.learning.imitation.collecting import CollectionPart, Collector
 from ucon.learning.imitation.experts import Corrector, KnowingExpert
+from ucon.learning.imitation.feeding import Feeder
 from ucon.learning.imitation.learner import ImitationLearner
-from ucon.learning.imitation.trajectories import NO_LABEL, Trajectory, trajectories_from_json
-from ucon.learning.policies.playing import Job, Players, PolicyChooser, Seen
+from ucon.learning.imitation.trajectories import Trajectory, trajectories_from_json
+from ucon.learning.policies.playing import Job
 from ucon.learning.run.protocol import State
-from ucon.task.actions import Action
+from ucon.learning.run.updates import require_finite
+
+#: Prefix of the names of the weights that play, in the state.
+_PLAYING: Final = "playing/"
 
 
 @dataclass(frozen=True)
@@ -41,12 +47,14 @@ class DaggerRollouts:
     """Learning steps between two collections."""
     episodes: int = 200
     """Episodes of one collection."""
+    newest: float = 0.5
+    """Share of each step's episodes that are from the newest collection; the others are from all."""
     mixture: float = 0.5
     """The expert acts with probability ``mixture ** iteration``: 1 in the first collection, then less each time."""
     max_steps: int = 200
     """Episodes are cut off after this many actions."""
     slots: int = 20
-    """Episodes played in parallel."""
+    """Episodes played at once, by one process."""
     sample: bool = True
     """True: sample the policy's actions from its probabilities. False: take the action with the highest logit."""
 
@@ -55,8 +63,10 @@ class DaggerRollouts:
             value = getattr(self, name)
             if type(value) is not int or value < 1:
                 raise ConfigError(f"learner.rollouts.{name}={brief(value)}: must be a whole number from 1 up")
-        if type(self.mixture) not in (int, float) or not 0 <= self.mixture <= 1:
-            raise ConfigError(f"learner.rollouts.mixture={brief(self.mixture)}: must be from 0 to 1")
+        for name in ("mixture", "newest"):
+            value = getattr(self, name)
+            if type(value) not in (int, float) or not 0 <= value <= 1:
+                raise ConfigError(f"learner.rollouts.{name}={brief(value)}: must be from 0 to 1")
 
 
 class DaggerLearner(ImitationLearner):
@@ -76,9 +86,13 @@ class DaggerLearner(ImitationLearner):
     def __init__(self, rollouts: DaggerRollouts, expert: Corrector | None = None, **options: Any) -> None:
         if options.pop("demonstrator", None) is not None:
             raise ConfigError("learner.demonstrator: for learner=imitation; DAgger's expert corrects what is played")
-        super().__init__(**options)
         self.rollouts, self.expert = rollouts, expert or KnowingExpert()
+        super().__init__(**options)
         self.collected: list[Trajectory] = []
+        self._playing: dict[str, Tensor] = {}
+        """Weights that play the next collection."""
+        self._ahead: list[Callable[[], list[Trajectory]]] = []
+        """Parts of the next collection, once asked for."""
 
     @property
     def identity(self) -> Mapping[str, str]:
@@ -105,16 +119,21 @@ class DaggerLearner(ImitationLearner):
         """Trajectories of each step until the next collection.
 
         Yields:
-            For each step, ``batch`` trajectories drawn without replacement from all that were collected. The draw is a
-            function of seed and step.
+            For each step, ``batch`` trajectories drawn without replacement: a share from the newest collection, the
+            rest from all. The draw is a function of seed and step.
         """
+        newest = self.collected[-self.rollouts.episodes :]
         for step in range(self.done, (self.iteration + 1) * self.rollouts.per_iteration):
             draw = stream(self.seed, "batch", step)
-            count = min(self.batch, len(self.collected))
-            yield [self.collected[int(k)] for k in draw.choice(len(self.collected), count, replace=False)]
+            fresh = min(round(self.batch * self.rollouts.newest), len(newest))
+            rest = min(self.batch - fresh, len(self.collected))
+            yield [
+                *(newest[int(k)] for k in draw.choice(len(newest), fresh, replace=False)),
+                *(self.collected[int(k)] for k in draw.choice(len(self.collected), rest, replace=False)),
+            ]
 
     def step(self) -> dict[str, float]:
-        """Update the policy on one batch; play a new collection first where one is due.
+        """Update the policy on one batch; where a collection is due, wait for it first, and ask for the next one.
 
         Returns:
             The figures of imitation, and ``collected``: the number of trajectories so far.
@@ -123,13 +142,17 @@ class DaggerLearner(ImitationLearner):
             DivergedError: a loss or gradient that is not finite.
         """
         if self.done % self.rollouts.per_iteration == 0:
-            self._collect()
+            self._collect(self.iteration)
+            self._playing = self._weights()
+        if not self._ahead:
+            self._ahead = self._asked_for(self.iteration + 1)
         return super().step() | {"collected": float(len(self.collected))}
 
     def state_dict(self) -> State:
-        """State of the imitation learner, with the collected trajectories as plain values."""
+        """State of the imitation learner, with the weights that play and the collected trajectories."""
         state = super().state_dict()
-        return replace(state, values={**state.values, "collected": [t.to_json() for t in self.collected]})
+        tensors = {**state.tensors, **{f"{_PLAYING}{name}": value for name, value in self._playing.items()}}
+        return State(tensors, {**state.values, "collected": [t.to_json() for t in self.collected]})
 
     def load_state_dict(self, state: State) -> None:
         """Restore counters, weights, optimiser moments and collected trajectories.
@@ -137,66 +160,65 @@ class DaggerLearner(ImitationLearner):
         Raises:
             DataError: a state of another network, or trajectories of other episodes.
         """
-        super().load_state_dict(state)
+        playing = {
+            name.removeprefix(_PLAYING): value for name, value in state.tensors.items() if name.startswith(_PLAYING)
+        }
+        learned = {name: value for name, value in state.tensors.items() if not name.startswith(_PLAYING)}
+        super().load_state_dict(replace(state, tensors=learned))
+        now = self._weights()
+        if {name: tensor.shape for name, tensor in playing.items()} != {n: t.shape for n, t in now.items()}:
+            raise DataError("state of another learner: the weights that play are missing, or of another network")
+        require_finite(playing, self.done)
+        self._playing, self._ahead = playing, []
         by_id = {episode.id: episode for episode in self.episodes}
         self.collected = trajectories_from_json(state.values.get("collected"), by_id)
 
     def close(self) -> None:
-        """End worker processes and close all environments, those of the collections too."""
+        """End worker processes and close all environments."""
         super().close()
-        self._rollout_players.close()
+        self._ahead = []
 
-    @cached_property
-    def _rollout_players(self) -> Players:
-        return Players(self.policy, self.make_env, self.rollouts.slots, self.rollouts.max_steps)
+    def _made_feeder(self, **options: Any) -> Feeder:
+        rollouts = self.rollouts
+        collector = Collector(copy.deepcopy(self.policy).cpu(), self.make_env, self.expert, rollouts.max_steps)
+        return super()._made_feeder(collector=collector, **options)
 
-    def _collect(self) -> None:
-        """Play the next episodes and label every step.
-
-        The result depends only on the weights, the seed and the number of the collection.
-        """
-        first = self.iteration * self.rollouts.episodes
-        jobs = [Job(*self.assigned(first + k)) for k in range(self.rollouts.episodes)]
-        share = self.rollouts.mixture**self.iteration
-        chooser = _Mixture(share, PolicyChooser(self.rollouts.sample, self.seed, "stray", self.iteration), self)
+    def _weights(self) -> dict[str, Tensor]:
+        """A copy of the averaged weights and of the buffers, on the CPU."""
         with self.updates.averaged():
-            played = self._rollout_players.play(jobs, chooser, "collecting")
-        labels = chooser.labels
-        self.collected += [
-            Trajectory(one.job.episode, one.job.level, one.actions, "".join(labels[number]))
-            for number, one in enumerate(played)
-        ]
-        self._stream = None
+            return {name: value.detach().cpu().clone() for name, value in self.policy.state_dict().items()}
 
+    def _collect(self, iteration: int) -> None:
+        """Add the trajectories of a collection to those collected before.
 
-class _Mixture:
-    """Chooses the expert's action with probability ``share``, else the policy's.
+        They depend only on the weights that play, the seed and the number of the collection.
+        """
+        if not self._playing:
+            self._playing = self._weights()
+        parts, found = self._ahead or self._asked_for(iteration), 0
+        with progress("collecting", self.rollouts.episodes) as tick:
+            for part in parts:
+                self.collected += (made := part())
+                tick(found := found + len(made))
+        self._ahead, self._stream = [], None
 
-    Records the expert's label of every step.
-
-    If the policy says Done where the expert does not, the expert's action is taken: Done would end the episode, and no
-    further step could be labelled.
-    """
-
-    def __init__(self, share: float, policy: PolicyChooser, learner: DaggerLearner) -> None:
-        self._share, self._policy, self._expert = share, policy, learner.expert
-        self._seed, self._iteration = learner.seed, learner.iteration
-        self._slot: dict[int, int] = {}
-        """Slot of each job, by number: one for each environment."""
-        self._number: dict[int, int] = {}
-        self.labels: dict[int, list[str]] = {}
-
-    def begin(self, number: int, job: Job, env: Any, info: Mapping[str, Any]) -> None:
-        self.labels[number] = []
-        self._slot[number] = self._number.setdefault(id(env), len(self._number))
-        self._expert.begin(self._slot[number], job.episode, env, info)
-
-    def choose(self, number: int, step: int, logits: NDArray[np.float64], seen: Seen) -> int:
-        best = self._expert.label(self._slot[number], *seen)
-        self.labels[number].append(NO_LABEL if best is None else str(int(best)))
-        own = self._policy.choose(number, step, logits, seen)
-        if best is None:
-            return own
-        take_expert = stream(self._seed, "mixture", self._iteration, number, step).random() < self._share
-        too_early = own == Action.DONE and best != Action.DONE
-        return int(best) if take_expert or too_early else own
+    def _asked_for(self, iteration: int) -> list[Callable[[], list[Trajectory]]]:
+        """Parts of a collection, which workers begin to play."""
+        rollouts = self.rollouts
+        first = iteration * rollouts.episodes
+        jobs = [Job(*self.assigned(first + k)) for k in range(rollouts.episodes)]
+        share = rollouts.mixture**iteration
+        return self.feeder.begin_collecting(
+            [
+                CollectionPart(
+                    iteration,
+                    at,
+                    tuple(jobs[at : at + rollouts.slots]),
+                    self._playing,
+                    share,
+                    rollouts.sample,
+                    self.seed,
+                )
+                for at in range(0, len(jobs), rollouts.slots)
+            ]
+        )

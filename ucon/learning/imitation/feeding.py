@@ -29,6 +29,7 @@ from ucon.learning.run.workers import WORKER_TIMEOUT_S, ask, begin_worker, lost_
 if TYPE_CHECKING:
     from torch import nn
 
+    from ucon.learning.imitation.collecting import CollectionPart, Collector
     from ucon.learning.policies.action_policy import ActionPolicy
 
 #: Number of batches that workers play ahead of the learner.
@@ -39,6 +40,7 @@ _CONTEXT, _FRAMES, _REWARDS = "context/", "frames/", "rewards"
 Played = tuple[Trajectory, Replay]
 _replayer: Replayer | None = None
 _demonstrator: Demonstrator | None = None
+_collector: Collector | None = None
 
 
 class Feeder:
@@ -51,6 +53,7 @@ class Feeder:
         make_env: makes an environment of ``UcON-v0``; pickled and sent to workers.
         workers: number of processes that play; 0 plays in this one.
         demonstrator: shows what to do in jobs; plays them where the replays are played, each only once.
+        collector: plays parts of DAgger's collections, in the same processes.
         memory_bytes: memory for kept replays, compressed.
         worker_timeout_s: seconds that workers may take for the replay that is needed next.
     """
@@ -61,6 +64,7 @@ class Feeder:
         make_env: Callable[[], Any],
         *,
         demonstrator: Demonstrator | None = None,
+        collector: Collector | None = None,
         workers: int = 0,
         memory_bytes: int = 1 << 30,
         worker_timeout_s: float = WORKER_TIMEOUT_S,
@@ -68,8 +72,10 @@ class Feeder:
         self._policy = cast("ActionPolicy", policy)
         self._free_bytes, self._timeout_s = memory_bytes, worker_timeout_s
         self._kept: dict[tuple[str, str, str], bytes] = {}
+        self._nothing_frozen = False
+        """Whether the policy is known to have no frozen networks."""
         self._play = Replayer(self._policy, make_env)
-        self._demonstrator = demonstrator
+        self._demonstrator, self._collector = demonstrator, collector
         self._pool: ProcessPoolExecutor | None = None
         self._started: dict[int, BaseProcess] = {}
         """All workers started so far by process id; the pool itself forgets those that died."""
@@ -78,7 +84,7 @@ class Feeder:
                 workers,
                 mp_context=multiprocessing.get_context("spawn"),
                 initializer=_begin,
-                initargs=(copy.deepcopy(policy).cpu(), make_env, demonstrator),
+                initargs=(copy.deepcopy(policy).cpu(), make_env, demonstrator, collector),
             )
 
     def close(self) -> None:
@@ -92,8 +98,34 @@ class Feeder:
                 worker.kill()  # it may be stopped (SIGSTOP); its results are not needed any more
             self._pool = None
         self._play.close()
-        if self._demonstrator is not None:
-            self._demonstrator.close()
+        for player in (self._demonstrator, self._collector):
+            if player is not None:
+                player.close()
+
+    def begin_collecting(self, parts: Sequence[CollectionPart]) -> list[Callable[[], list[Trajectory]]]:
+        """Have the workers play parts of a collection while the learner goes on.
+
+        Returns:
+            For each part, a function that waits for it, keeps its replays while there is memory, and returns its
+            trajectories. Without workers it plays the part itself.
+        """
+        return [self._collecting(part) for part in parts]
+
+    def _collecting(self, part: CollectionPart) -> Callable[[], list[Trajectory]]:
+        assert self._collector is not None
+        asked = None if self._pool is None else self._submitted(_collect, part)
+
+        def collected() -> list[Trajectory]:
+            if asked is None:
+                assert self._collector is not None
+                found = [(one, _packed(replay)) for one, replay in self._collector(part)]
+            else:
+                found = self._result_of(asked)
+            for trajectory, packed in found:
+                self._keep(trajectory, self._packed_with_features(packed))
+            return [trajectory for trajectory, _ in found]
+
+        return collected
 
     @cached_property
     def _shown(self) -> KeptDemonstrations:
@@ -127,14 +159,19 @@ class Feeder:
             item = self._shown.get(item) or item
         if self._pool is None or (isinstance(item, Trajectory) and self._key(item) in self._kept):
             return item, None
+        return item, self._submitted(_work, item)
+
+    def _submitted(self, work: Callable[[Any], Any], item: Any) -> Future[Any]:
+        """Have a worker call ``work(item)``."""
+        assert self._pool is not None
         try:
-            asked = self._pool.submit(_work, item)
+            asked = self._pool.submit(work, item)
         except BrokenProcessPool:  # a pool that lost a worker accepts no more jobs
             if lost := lost_worker(self._workers()):
                 raise lost from None
             raise
         self._started |= self._pool._processes or {}
-        return item, asked
+        return asked
 
     def _receive(self, item: Trajectory | Job, asked: Future[Played] | None) -> tuple[Trajectory, Replay]:
         """A trajectory and its replay, from memory, from ``asked``, or played now; kept if it still fits."""
@@ -144,13 +181,19 @@ class Feeder:
         trajectory, replay = played[0], self._with_features(played[1])
         if isinstance(item, Job):
             self._shown.keep(item, trajectory)
-        if self._free_bytes > 0 and len(packed := _packed(replay)) <= self._free_bytes:
-            self._free_bytes -= len(packed)
-            self._kept[self._key(trajectory)] = packed
+        if self._free_bytes > 0:
+            self._keep(trajectory, _packed(replay))
         return trajectory, replay
 
-    def _result_of(self, played: Future[Played]) -> Played:
-        """Wait for a replay that a worker was asked for.
+    def _keep(self, trajectory: Trajectory, packed: bytes) -> None:
+        """Keep a replay, if it still fits."""
+        key = self._key(trajectory)
+        if key not in self._kept and len(packed) <= self._free_bytes:
+            self._free_bytes -= len(packed)
+            self._kept[key] = packed
+
+    def _result_of(self, played: Future[Any]) -> Any:
+        """Wait for what a worker was asked for.
 
         Raises:
             LearnerWorkerError: a worker was killed, or did not answer in time.
@@ -182,12 +225,30 @@ class Feeder:
             return replay
         return Replay(replay.context, {k: v.cpu().numpy() for k, v in made.items()}, replay.rewards)
 
+    def _packed_with_features(self, packed: bytes) -> bytes:
+        """As :meth:`_with_features`, compressed before and after; passed through where no network is frozen."""
+        if self._nothing_frozen:
+            return packed
+        replay = _unpacked(packed)
+        made = self._with_features(replay)
+        self._nothing_frozen = made is replay
+        return packed if self._nothing_frozen else _packed(made)
 
-def _begin(policy: Any, make_env: Callable[[], Any], demonstrator: Demonstrator | None) -> None:
+
+def _begin(
+    policy: Any, make_env: Callable[[], Any], demonstrator: Demonstrator | None, collector: Collector | None
+) -> None:
     """Initialise a worker: create its replayer."""
     begin_worker()
-    global _replayer, _demonstrator
-    _replayer, _demonstrator = Replayer(policy, make_env), demonstrator
+    global _replayer, _demonstrator, _collector
+    _replayer, _demonstrator, _collector = Replayer(policy, make_env), demonstrator, collector
+
+
+def _collect(part: CollectionPart) -> list[tuple[Trajectory, bytes]]:
+    """Play a part of a collection in a worker; its replays are compressed."""
+    if _collector is None:
+        raise RuntimeError("a worker without a collector")
+    return [(trajectory, _packed(replay)) for trajectory, replay in _collector(part)]
 
 
 def _work(item: Trajectory | Job) -> Played:

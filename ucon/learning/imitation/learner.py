@@ -95,10 +95,7 @@ class ImitationLearner:
         check_parts(self.episodes, validation.all, entry_parts(self.dataset))
         self._initial = "" if given.initial is None else load_network(str(given.initial), cast(Any, policy))
         set_max_habits(policy, probe)
-        memory = {"workers": given.workers, "memory_bytes": int(given.memory_gb * (1 << 30))}
-        self.feeder = Feeder(
-            policy, env, demonstrator=self.demonstrator, **memory, worker_timeout_s=given.worker_timeout_s
-        )
+        self.feeder = self._made_feeder()
         self.policy.to(self.device)
         self.updates = Updates(
             policy, lr=given.lr, clip=given.clip, steps=given.steps,
@@ -107,6 +104,13 @@ class ImitationLearner:
         self.done, self.frames, self.labels = 0, 0, 0
         self._stream: Iterator[list[tuple[Trajectory, Replay]]] | None = None
         self._ordered: tuple[int, NDArray[np.int64]] = (-1, np.empty(0, np.int64))
+
+    def _made_feeder(self, **players: Any) -> Feeder:
+        """The feeder, with further ``players`` of its workers."""
+        given = self.options
+        memory = {"workers": given.workers, "memory_bytes": int(given.memory_gb * (1 << 30))}
+        timeout = {"worker_timeout_s": given.worker_timeout_s}
+        return Feeder(self.policy, self.make_env, demonstrator=self.demonstrator, **memory, **timeout, **players)
 
     @property
     def identity(self) -> Mapping[str, str]:

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from ucon.core.progress import part
 from ucon.core.rng import stream
-from ucon.learning.policies.action_policy import Arrays, rounded_logits, stacked, tensors_of
+from ucon.learning.imitation.trajectories import Replay
+from ucon.learning.policies.action_policy import Arrays, rounded_logits, tensors_of
 from ucon.task.episode import Episode
 
 if TYPE_CHECKING:
@@ -36,6 +37,8 @@ class RolloutOutcome:
     actions: str
     success: bool
     spl: float
+    replay: Replay | None = None
+    """What the policy saw, where the players keep it."""
 
 
 class Seen(NamedTuple):
@@ -96,12 +99,40 @@ class _Slot:
 
     env: Env
     number: int = -1
-    observation: Any = None
-    info: Any = None
-    context: Mapping[str, Tensor] = field(default_factory=dict)
-    state: Mapping[str, Tensor] = field(default_factory=dict)
-    """Recurrent state; tensors (...), without a batch axis."""
+    seen: Seen = Seen({}, {})
     actions: list[int] = field(default_factory=list)
+    context: Arrays = field(default_factory=dict)
+    frames: list[Arrays] = field(default_factory=list)
+    rewards: list[float] = field(default_factory=list)
+
+    def replay(self) -> Replay:
+        """What was seen in the episode, as arrays."""
+        names = self.frames[0]
+        frames = {name: np.stack([np.asarray(frame[name]) for frame in self.frames]) for name in names}
+        return Replay(dict(self.context), frames, np.array(self.rewards, np.float32))
+
+
+class _Batched:
+    """Tensors (B, ...) by name, one row for each slot that plays: contexts, or recurrent states."""
+
+    def __init__(self) -> None:
+        self.tensors: dict[str, Tensor] = {}
+
+    def append(self, rows: Mapping[str, Tensor]) -> None:
+        """Add rows (1, ...) at the end."""
+        import torch
+
+        old = self.tensors
+        self.tensors = {name: torch.cat([old[name], row]) if old else row.clone() for name, row in rows.items()}
+
+    def put(self, at: int, rows: Mapping[str, Tensor]) -> None:
+        """Overwrite row ``at`` by rows (1, ...)."""
+        for name, row in rows.items():
+            self.tensors[name][at] = row[0]
+
+    def keep(self, rows: Sequence[int]) -> None:
+        """Drop all other rows."""
+        self.tensors = {name: tensor[list(rows)] for name, tensor in self.tensors.items()}
 
 
 class Players:
@@ -112,11 +143,14 @@ class Players:
         make_env: makes an environment of ``UcON-v0``; called as often as environments are needed.
         slots: environments played at once. Results can depend on it in their last bits, so it is part of the seed.
         max_steps: episodes are cut off after this many actions.
+        keep_frames: outcomes have what the policy saw.
     """
 
-    def __init__(self, policy: nn.Module, make_env: Callable[[], Env], slots: int, max_steps: int) -> None:
+    def __init__(
+        self, policy: nn.Module, make_env: Callable[[], Env], slots: int, max_steps: int, *, keep_frames: bool = False
+    ) -> None:
         self._policy: Any = policy
-        self._make_env, self._n_slots, self._max_steps = make_env, slots, max_steps
+        self._make_env, self._n_slots, self._max_steps, self._keep = make_env, slots, max_steps, keep_frames
         self._envs: list[Env] = []
 
     def play(self, jobs: Sequence[Job], chooser: Chooser, what: str = "playing") -> list[RolloutOutcome]:
@@ -137,19 +171,29 @@ class Players:
         while len(self._envs) < min(self._n_slots, len(jobs)):
             self._envs.append(self._make_env())
         waiting = iter(enumerate(jobs))
-        running = [slot for env in self._envs if self._begin(slot := _Slot(env), waiting, chooser)]
+        slots, context, state = list[_Slot](), _Batched(), _Batched()
         with torch.inference_mode(), part(what, len(jobs)) as tick:
-            while running:
+            for env in self._envs:
+                if self._begin(slot := _Slot(env), waiting, chooser):
+                    slots.append(slot)
+                    context.append(self._tensors(slot.context))
+                    state.append(self._policy.initial_state(1))
+            while slots:
                 still = []
-                for slot, logits in zip(running, self._forward(running), strict=True):
-                    seen = Seen(slot.observation, slot.info)
-                    done = self._step(slot, chooser.choose(slot.number, len(slot.actions), logits, seen))
+                for row, (slot, logits) in enumerate(zip(slots, self._forward(slots, context, state), strict=True)):
+                    done = self._step(slot, chooser.choose(slot.number, len(slot.actions), logits, slot.seen))
                     if done:
                         results[slot.number] = self._result(slot, jobs[slot.number])
                         tick(len(results))
-                    if not done or self._begin(slot, waiting, chooser):
-                        still.append(slot)
-                running = still
+                        if not self._begin(slot, waiting, chooser):
+                            continue
+                        context.put(row, self._tensors(slot.context))
+                        state.put(row, self._policy.initial_state(1))
+                    still.append(row)
+                if len(still) < len(slots):
+                    context.keep(still)
+                    state.keep(still)
+                    slots = [slots[row] for row in still]
         self._policy.train(was_training)
         return [results[number] for number in range(len(jobs))]
 
@@ -159,39 +203,49 @@ class Players:
             self._envs.pop().close()
 
     def _begin(self, slot: _Slot, waiting: Iterator[tuple[int, Job]], chooser: Chooser) -> bool:
-        """Reset a slot to the next job with a fresh recurrent state; False where no job is left."""
+        """Reset a slot to the next job; False where no job is left."""
         number, job = next(waiting, (-1, None))
         if job is None:
             return False
         options = {"episode": job.episode, "habit_level": job.level}
-        slot.observation, slot.info = slot.env.reset(seed=0, options=options)
-        slot.number, slot.actions = number, []
-        slot.context = self._tensors(self._policy.context(slot.info))
-        slot.state = {name: tensor[0] for name, tensor in self._policy.initial_state(1).items()}
-        chooser.begin(number, job, slot.env, slot.info)
+        slot.seen = Seen(*slot.env.reset(seed=0, options=options))
+        slot.number, slot.actions, slot.frames, slot.rewards = number, [], [], []
+        slot.context = self._policy.context(slot.seen.info)
+        chooser.begin(number, job, slot.env, slot.seen.info)
         return True
 
-    def _forward(self, slots: Sequence[_Slot]) -> NDArray[np.float64]:
-        """Logits (B, 7) of the next step of B slots; updates each slot's recurrent state."""
-        frames = [self._tensors(self._policy.frame(slot.observation, slot.info)) for slot in slots]
-        steps = {name: tensor[None] for name, tensor in stacked(frames).items()}  # (1, B, ...)
-        context, state = stacked([slot.context for slot in slots]), stacked([slot.state for slot in slots])
-        outputs = self._policy(steps, context, state)
-        for row, slot in enumerate(slots):
-            slot.state = {name: tensor[row] for name, tensor in outputs.state.items()}
+    def _forward(self, slots: Sequence[_Slot], context: _Batched, state: _Batched) -> NDArray[np.float64]:
+        """Logits (B, 7) of the next step of B slots; updates the recurrent states."""
+        import torch
+
+        frames = [self._policy.frame(*slot.seen) for slot in slots]
+        if self._keep:
+            for slot, frame in zip(slots, frames, strict=True):
+                slot.frames.append(frame)
+        device = next(self._policy.parameters()).device
+        steps = {
+            name: torch.from_numpy(np.stack([np.asarray(frame[name]) for frame in frames])).to(device)[None]
+            for name in frames[0]
+        }  # (1, B, ...)
+        outputs = self._policy(steps, context.tensors, state.tensors)
+        state.tensors = dict(outputs.state)
         return rounded_logits(outputs.logits[0])
 
     def _step(self, slot: _Slot, action: int) -> bool:
         """Take an action in a slot; True where its episode is over or cut off."""
         slot.actions.append(action)
-        slot.observation, _, terminated, truncated, slot.info = slot.env.step(action)
+        observation, reward, terminated, truncated, info = slot.env.step(action)
+        slot.seen = Seen(observation, info)
+        slot.rewards.append(float(reward))
         return bool(terminated or truncated) or len(slot.actions) >= self._max_steps
 
-    @staticmethod
-    def _result(slot: _Slot, job: Job) -> RolloutOutcome:
-        metrics = slot.info.get("episode_metrics", {})
+    def _result(self, slot: _Slot, job: Job) -> RolloutOutcome:
+        metrics = slot.seen.info.get("episode_metrics", {})
         actions = "".join(map(str, slot.actions))
-        return RolloutOutcome(job, actions, bool(metrics.get("success", False)), float(metrics.get("spl", 0.0)))
+        success, spl = bool(metrics.get("success", False)), float(metrics.get("spl", 0.0))
+        return RolloutOutcome(job, actions, success, spl, slot.replay() if self._keep else None)
 
     def _tensors(self, arrays: Arrays) -> dict[str, Tensor]:
-        return tensors_of(arrays, next(self._policy.parameters()).device)
+        """Arrays of one episode as tensors (1, ...)."""
+        made = tensors_of(arrays, next(self._policy.parameters()).device)
+        return {name: tensor[None] for name, tensor in made.items()}

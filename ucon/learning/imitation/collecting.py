@@ -1,0 +1,115 @@
+"""Collections of DAgger: a mixture of policy and expert plays some episodes, and the expert labels every step.
+
+A collection is cut into parts of a fixed size. Each is a function of weights, seed and its numbers alone, so it is the
+same whichever process plays it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.rng import stream
+from ucon.learning.imitation.experts import Corrector
+from ucon.learning.imitation.trajectories import NO_LABEL, Replay, Trajectory
+from ucon.learning.policies.playing import Job, Players, PolicyChooser, Seen
+from ucon.task.actions import Action
+
+if TYPE_CHECKING:
+    from torch import Tensor, nn
+
+Played = tuple[Trajectory, Replay]
+
+
+@dataclass(frozen=True)
+class CollectionPart:
+    """Some episodes of a collection, played at once."""
+
+    iteration: int
+    """Number of the collection."""
+    first: int
+    """Number of the first episode in the collection."""
+    jobs: tuple[Job, ...]
+    weights: Mapping[str, Tensor]
+    """State of the policy that plays, by name."""
+    share: float
+    """Probability that the expert acts."""
+    sample: bool
+    """True: sample the policy's actions. False: take the action with the highest logit."""
+    seed: int
+
+
+class Collector:
+    """Plays parts of collections, in this process.
+
+    Args:
+        policy: plays, with the weights of each part; on the CPU.
+        make_env: makes an environment of ``UcON-v0``; called when the first part comes.
+        expert: labels every step.
+        max_steps: episodes are cut off after this many actions.
+    """
+
+    def __init__(self, policy: nn.Module, make_env: Callable[[], Any], expert: Corrector, max_steps: int) -> None:
+        self._policy, self._make_env, self._expert, self._max_steps = policy, make_env, expert, max_steps
+        self._players: Players | None = None
+
+    def __call__(self, part: CollectionPart) -> list[Played]:
+        """Play one part.
+
+        Returns:
+            For each job, its trajectory and what the policy saw along it, in the order of the jobs.
+        """
+        self._policy.load_state_dict(part.weights)
+        if self._players is None:
+            self._players = Players(self._policy, self._make_env, len(part.jobs), self._max_steps, keep_frames=True)
+        chooser = _Mixture(part, self._expert)
+        played = []
+        for number, one in enumerate(self._players.play(part.jobs, chooser, "collecting")):
+            assert one.replay is not None  # keep_frames
+            labels = "".join(chooser.labels[number])
+            played.append((Trajectory(one.job.episode, one.job.level, one.actions, labels), one.replay))
+        return played
+
+    def close(self) -> None:
+        """Close the environments; a later call makes new ones."""
+        if self._players is not None:
+            self._players.close()
+            self._players = None
+
+
+class _Mixture:
+    """Chooses the expert's action with probability ``share``, else the policy's.
+
+    Records the expert's label of every step.
+
+    If the policy says Done where the expert does not, the expert's action is taken: Done would end the episode, and no
+    further step could be labelled.
+    """
+
+    def __init__(self, part: CollectionPart, expert: Corrector) -> None:
+        self._part, self._expert = part, expert
+        self._policy = PolicyChooser(part.sample, part.seed, "stray", part.iteration, part.first)
+        self._slot: dict[int, int] = {}
+        """Slot of each job, by number: one for each environment."""
+        self._number: dict[int, int] = {}
+        self.labels: dict[int, list[str]] = {}
+
+    def begin(self, number: int, job: Job, env: Any, info: Mapping[str, Any]) -> None:
+        self.labels[number] = []
+        self._slot[number] = self._number.setdefault(id(env), len(self._number))
+        self._expert.begin(self._slot[number], job.episode, env, info)
+
+    def choose(self, number: int, step: int, logits: NDArray[np.float64], seen: Seen) -> int:
+        part = self._part
+        best = self._expert.label(self._slot[number], *seen)
+        self.labels[number].append(NO_LABEL if best is None else str(int(best)))
+        own = self._policy.choose(number, step, logits, seen)
+        if best is None:
+            return own
+        draw = stream(part.seed, "mixture", part.iteration, part.first + number, step)
+        too_early = own == Action.DONE and best != Action.DONE
+        return int(best) if too_early or draw.random() < part.share else own
