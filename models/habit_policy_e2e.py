@@ -42,8 +42,9 @@ from ucon.task.actions import Action
 
 _MAX_STEPS = 300.0
 _N_LOOKS = 5
-#: Log odds of Done where the target is not near, and of Open where nothing closed is, whatever the network says. Subtracting a constant from its logit does
-#: not work: some solutions end farther off, so training raised the logit until constants of 10 and of 30 were undone.
+#: Log odds of Done where the target is not near, and of Open where nothing closed is, whatever the network says.
+#: Subtracting a constant from Done's logit does not work: some solutions end farther off, so training raised the logit
+#: until constants of 10 and of 30 were undone.
 _NEVER = -15.0
 #: Offsets (i, j) of the nodes ahead, right, left and here in the window around the agent: (4 headings, 4, 2).
 _BESIDE = np.array([[(c, s), (s, -c), (-s, c), (0, 0)] for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1))])
@@ -219,9 +220,10 @@ class HabitPolicyE2E(PolicyModule):
         thought = torch.cat([hidden, facts], -1)
         planned = torch.cat([log_p[..., :3], log_p[..., 3:].expand(*log_p.shape[:-1], 4)], -1)
         logits = self.choose(thought) + self.plan_weight * planned
-        moves, may = logits[..., : Action.OPEN], torch.stack([seen.openable, seen.near], -1)  # Open and Done come last
-        never = moves.logsumexp(-1, keepdim=True) + _NEVER
-        logits = torch.cat([moves, torch.where(may, logits[..., Action.OPEN :], never)], -1)
+        for action, possible in ((Action.OPEN, seen.openable), (Action.DONE, seen.near)):  # the last two actions
+            before, own, after = logits[..., :action], logits[..., action], logits[..., action + 1 :]
+            own = torch.where(possible, own, before.logsumexp(-1) + _NEVER)
+            logits = torch.cat([before, own[..., None], after], -1)
         value = self.judge(thought).squeeze(-1)
         return PolicyOutputs(logits.float(), value.float(), {**new, **memory}), PolicyTrace(seen, ways)
 

@@ -99,7 +99,7 @@ class _Slot:
 
     env: Env
     number: int = -1
-    seen: Seen = Seen({}, {})
+    seen: Seen = field(default_factory=lambda: Seen({}, {}))
     actions: list[int] = field(default_factory=list)
     context: Arrays = field(default_factory=dict)
     frames: list[Arrays] = field(default_factory=list)
