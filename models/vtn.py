@@ -19,6 +19,7 @@ from torch import Tensor, nn
 from torch.nn.functional import relu
 
 from models.nets.policy_defaults import N_ACTIONS, PolicyModule, lstm_state, run_lstm
+from models.nets.vision.backbone import FrozenBackbone
 from models.nets.vision.detr_tokens import DetrTokens
 from models.nets.vision.local_tokens import LabelTokens, indicator
 from models.nets.vision.resnet18 import FrozenResNet18
@@ -37,13 +38,13 @@ Tokens = LabelTokens | DetrTokens
 class _Seeing(PolicyModule):
     """Tokens, frozen feature map and visual transformer: the part that VTN and its pre-training share."""
 
-    def __init__(self, tokens: Tokens | None, backbone: FrozenResNet18 | None, dropout: float) -> None:
+    def __init__(self, tokens: Tokens | None, backbone: FrozenBackbone | None, dropout: float) -> None:
         super().__init__()
         if not 0.0 <= dropout < 1.0:
             raise ConfigError(f"agent.policy.dropout={dropout}: expected 0 to below 1")
         self.tokens = tokens or LabelTokens()
         self._backbone = backbone or FrozenResNet18()
-        self.visual = VisualTransformer(dropout)
+        self.visual = VisualTransformer(dropout, self._backbone.channels)
 
     @property
     def arguments(self) -> Mapping[str, Any]:
@@ -75,7 +76,7 @@ class _Seeing(PolicyModule):
         return {"rgb": observation["rgb"], **self.tokens.frame(observation, info)}
 
     def features(self, frames: Tensors) -> Tensors:
-        """``map`` (..., 512, 7, 7) float16 in place of ``rgb``, and tokens; 50 kB per frame."""
+        """``map`` (..., channels, 7, 7) float16 in place of ``rgb``, and tokens; 50 kB per frame."""
         if "map" in frames:
             return frames
         rgb = frames["rgb"]
@@ -104,7 +105,7 @@ class VTN(_Seeing):
     def __init__(
         self,
         tokens: Tokens | None = None,
-        backbone: FrozenResNet18 | None = None,
+        backbone: FrozenBackbone | None = None,
         *,
         dropout: float = 0.1,
         pretrained: str | None = None,
@@ -170,7 +171,7 @@ class VTNPretraining(_Seeing):
 
     architecture = "vtn_pretraining"
 
-    def __init__(self, tokens: Tokens | None = None, backbone: FrozenResNet18 | None = None, *, seed: int = 0) -> None:
+    def __init__(self, tokens: Tokens | None = None, backbone: FrozenBackbone | None = None, *, seed: int = 0) -> None:
         """Build the network with random weights; arguments as of :class:`VTN`."""
         super().__init__(tokens, backbone, dropout=0.0)
         self.head = nn.Linear(VISUAL_WIDTH, N_ACTIONS)

