@@ -38,8 +38,8 @@ class CollectionPart:
     """State of the policy that plays, by name."""
     share: float
     """Probability that the expert acts."""
-    sample: bool
-    """True: sample the policy's actions. False: take the action with the highest logit."""
+    temperature: float
+    """The policy's actions are sampled at this temperature; 0: the action with the highest logit."""
     seed: int
 
 
@@ -92,7 +92,8 @@ class _Mixture:
 
     def __init__(self, part: CollectionPart, expert: Corrector) -> None:
         self._part, self._expert = part, expert
-        self._policy = PolicyChooser(part.sample, part.seed, "stray", part.iteration, part.first)
+        keys = ("stray", part.iteration, part.first)
+        self._policy = PolicyChooser(part.temperature > 0, part.seed, *keys, temperature=part.temperature)
         self._slot: dict[int, int] = {}
         """Slot of each job, by number: one for each environment."""
         self._number: dict[int, int] = {}

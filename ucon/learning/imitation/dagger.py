@@ -51,22 +51,26 @@ class DaggerRollouts:
     """Share of each step's episodes that are from the newest collection; the others are from all."""
     mixture: float = 0.5
     """The expert acts with probability ``mixture ** iteration``: 1 in the first collection, then less each time."""
+    least: float = 0.0
+    """But with at least this probability."""
     max_steps: int = 200
     """Episodes are cut off after this many actions."""
     slots: int = 20
     """Episodes played at once, by one process."""
-    sample: bool = True
-    """True: sample the policy's actions from its probabilities. False: take the action with the highest logit."""
+    temperature: float = 1.0
+    """The policy's actions are sampled at this temperature; 0: the action with the highest logit."""
 
     def __post_init__(self) -> None:
         for name in ("per_iteration", "episodes", "max_steps", "slots"):
             value = getattr(self, name)
             if type(value) is not int or value < 1:
                 raise ConfigError(f"learner.rollouts.{name}={brief(value)}: must be a whole number from 1 up")
-        for name in ("mixture", "newest"):
+        for name in ("mixture", "least", "newest"):
             value = getattr(self, name)
             if type(value) not in (int, float) or not 0 <= value <= 1:
                 raise ConfigError(f"learner.rollouts.{name}={brief(value)}: must be from 0 to 1")
+        if type(self.temperature) not in (int, float) or not 0 <= self.temperature <= 100:
+            raise ConfigError(f"learner.rollouts.temperature={brief(self.temperature)}: must be from 0 to 100")
 
 
 class DaggerLearner(ImitationLearner):
@@ -207,7 +211,7 @@ class DaggerLearner(ImitationLearner):
         rollouts = self.rollouts
         first = iteration * rollouts.episodes
         jobs = [Job(*self.assigned(first + k)) for k in range(rollouts.episodes)]
-        share = rollouts.mixture**iteration
+        share = max(rollouts.mixture**iteration, rollouts.least)
         return self.feeder.begin_collecting(
             [
                 CollectionPart(

@@ -75,12 +75,13 @@ class PolicyChooser:
 
     Args:
         sample: True to sample.
+        temperature: that logits are divided by where actions are sampled.
         seed, keys: of the random stream; the number of the job and the step are added, so draws do not depend on which
             environment plays a job.
     """
 
-    def __init__(self, sample: bool, seed: int, *keys: str | int) -> None:
-        self._sample, self._seed, self._keys = sample, seed, keys
+    def __init__(self, sample: bool, seed: int, *keys: str | int, temperature: float = 1.0) -> None:
+        self._sample, self._seed, self._keys, self._temperature = sample, seed, keys, temperature
 
     def begin(self, number: int, job: Job, env: Env, info: Mapping[str, Any]) -> None:
         """Nothing to prepare."""
@@ -89,7 +90,7 @@ class PolicyChooser:
         """Action index from logits (7,); see :class:`Chooser`."""
         if not self._sample:
             return int(logits.argmax())
-        weights = np.exp(logits - logits.max())
+        weights = np.exp((logits - logits.max()) / self._temperature)
         return int(stream(self._seed, *self._keys, number, step).choice(len(weights), p=weights / weights.sum()))
 
 
