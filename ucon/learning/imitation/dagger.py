@@ -220,7 +220,7 @@ class DaggerLearner(ImitationLearner):
                     tuple(jobs[at : at + rollouts.slots]),
                     self._playing,
                     share,
-                    rollouts.sample,
+                    rollouts.temperature,
                     self.seed,
                 )
                 for at in range(0, len(jobs), rollouts.slots)
