@@ -2,7 +2,6 @@
 
 import functools
 
-import numpy as np
 import pytest
 
 from models.agents.belief import BeliefAgent
@@ -12,7 +11,6 @@ from ucon.core.errors import ConfigError, DataError
 from ucon.learning.imitation.dagger import DaggerRollouts
 from ucon.learning.imitation.demonstrators import AgentDemonstrator
 from ucon.learning.imitation.experts import SearchingExpert
-from ucon.learning.imitation.trajectories import trajectories_from_json
 from ucon.learning.run.training_run import Plan, TrainingRun
 from ucon.task.actions import Action
 from ucon.task.expert import Expert
@@ -73,50 +71,8 @@ def test_an_agent_that_searches_says_what_it_would_do_wherever_the_policy_went(l
         assert one.actions == one.labels == played.actions[:60] or played.actions == one.episode.solution
     assert any(one.actions != one.labels for one in later)
     assert all(label != "." for one in later for label in one.labels)
-    for one in found.collected:  # where it was going to: as the labels go, until it strays
-        goals = one.goal_frames["goal"]
-        assert goals.shape == (len(one.actions), 3)
-        assert len(one.goals) == 1 + int((goals[1:] != goals[:-1]).any(1).sum())
-        assert set(goals[:, 2].tolist()) <= {-1, 0, 1, 2, 3}
-    assert any(len(one.goals) > 1 for one in found.collected)
-    assert trajectories_from_json([one.to_json() for one in found.collected], by_id(found)) == found.collected
     assert found.identity["expert"].startswith("belief")
     assert "what the agent belief would do" in found.card().text
-
-
-def test_goals_are_where_the_expert_walks_to(learner):
-    """Where it walked by itself, it stands at each goal before it names the next one, or has seen something better."""
-    found = learner(rollouts={"mixture": 1.0, "max_steps": 120}, expert=SearchingExpert(BeliefAgent()), env=SHOWN)
-    found.step()
-    env, reached, named = SHOWN(), 0, 0
-    for one in found.collected[:4]:
-        observation, _ = env.reset(options={"episode": one.episode, "habit_level": one.level})
-        stood = []
-        for digit in one.actions:
-            x, y, yaw, _ = observation["pose"]
-            stood.append((round(x / 0.25), round(y / 0.25), round(yaw / (np.pi / 2)) % 4))
-            observation, *_ = env.step(int(digit))
-        for first, *goal in one.goals:
-            named += goal[2] >= 0
-            reached += goal[2] >= 0 and tuple(goal) in stood[first:]
-    assert named > 4
-    assert reached > named / 3
-
-
-def by_id(learner):
-    return {episode.id: episode for episode in learner.episodes}
-
-
-@pytest.mark.parametrize(
-    "goals", [[[0, 1, 2]], [[0, 1, 2, 4]], [[99999, 1, 2, 0]], [[0, 1 << 13, 2, 0]], [["0", 1, 2, 0]], "far"]
-)
-def test_goals_that_are_none_are_refused(learner, goals):
-    found = learner()
-    found.step()
-    state = found.state_dict()
-    state.values["collected"][0][4] = goals
-    with pytest.raises(DataError, match="trajectory of other episodes"):
-        learner().load_state_dict(state)
 
 
 def test_an_expert_that_is_not_obeyed_makes_new_plans(learner):

@@ -50,20 +50,6 @@ def test_chunks_and_company_change_nothing(pairs):
             torch.testing.assert_close(logits, alone[name], atol=1e-5, rtol=1e-5)
 
 
-def test_goals_are_learned_where_they_are_weighed(pairs):
-    """Mean over steps of what a policy says of the expert's goal; nothing where it says nothing, or is not asked."""
-    batch, weighed = Batch(pairs, 0.99, "cpu"), SequenceLoss(goal=0.5)
-    chunk, scale = next(iter(batch.chunks(1000))), weighed.scale(batch)
-    outputs = TinyPolicy().eval()(chunk.frames, chunk.context, TinyPolicy().initial_state(len(pairs)))
-    said = outputs._replace(goal=torch.full(chunk.present.shape, -3.0, requires_grad=True))
-    plain, with_goals, unasked = weighed(outputs, chunk, scale), weighed(said, chunk, scale), LOSS(said, chunk, scale)
-    assert float(with_goals[0] - plain[0]) == pytest.approx(1.5, abs=1e-4)
-    assert weighed.figures(with_goals[1])["goal_loss"] == pytest.approx(3.0)
-    assert weighed.figures(with_goals[1])["loss"] == pytest.approx(float(with_goals[0]), abs=1e-4)
-    assert "goal_loss" not in LOSS.figures(unasked[1])
-    assert torch.equal(unasked[0], LOSS(outputs, chunk, scale)[0])
-
-
 def test_the_comparison_would_notice_a_lost_or_a_shifted_state(pairs):
     policy = TinyPolicy().eval()
     right = logits_of(policy, pairs, 3)

@@ -79,50 +79,6 @@ def test_every_level_gives_logits_and_the_same_shapes(policy, walks, level):
     assert torch.isfinite(out.logits).all()
 
 
-def test_the_probability_of_the_expert_s_goal_is_that_of_its_block(policy, walks):
-    frames, context = episode(policy, walks["gt"])
-    pose, never = frames["pose"], torch.tensor([0, 0, -1], dtype=torch.int16)
-    here = torch.cat([pose[..., :2], (pose[..., 2:3] + 2) % 4], -1)  # about face, without a step
-    beyond = torch.cat([pose[..., :2] + 500, pose[..., 2:3]], -1)
-    with torch.no_grad():
-        for goal, known in ((here, True), (never.expand_as(here), False), (beyond, False)):
-            outputs, trace = policy.think({**frames, "goal": goal}, context, policy.initial_state(1))
-            middle = trace.ways.log_goals.shape[-1] // 2
-            there = trace.ways.log_goals[torch.arange(len(pose)), here[:, 0, 2].long(), middle, middle]
-            assert outputs.goal.shape == pose.shape[:2]
-            assert torch.equal(outputs.goal[:, 0], there if known else torch.zeros_like(there))
-    assert policy(frames, context, policy.initial_state(1)).goal is None
-
-
-def test_turned_maps_have_turned_goals(policy, walks):
-    frames, _ = episode(policy, walks["gt"])
-    goal = frames["pose"][..., :3] + torch.tensor([3, 1, 0], dtype=torch.int16)
-    goal[0, 0] = torch.tensor([0, 0, -1], dtype=torch.int16)
-    for seed in range(6):
-        found = policy.augment({**frames, "goal": goal}, torch.Generator().manual_seed(seed))
-        turns = int((found["pose"][0, 0, 2] - frames["pose"][0, 0, 2]) % 4)
-        dx, dy = (found["goal"] - found["pose"][..., :3])[1:, 0, :2].unbind(-1)
-        ahead = {0: (3, 1), 1: (-1, 3), 2: (-3, -1), 3: (1, -3)}[turns]
-        assert set(zip(dx.tolist(), dy.tolist(), strict=True)) == {ahead}
-        assert torch.equal(found["goal"][1:, 0, 2] % 4, found["pose"][1:, 0, 2] % 4)
-        assert found["goal"][0, 0].tolist() == [0, 0, -1]
-
-
-def test_sharpened_places_gather_on_the_best(walks):
-    plain, sharp = random_policy(), random_policy(sharpness=8.0)
-    sharp.load_state_dict(plain.state_dict())
-    frames, context = episode(plain, walks["gt"])
-    with torch.no_grad():
-        for policy in (plain.eval(), sharp.eval()):
-            policy.best = policy.think(frames, context, policy.initial_state(1))[1].ways
-    assert (sharp.best.goals.amax((1, 2, 3)) > plain.best.goals.amax((1, 2, 3))).all()
-    assert torch.equal(sharp.best.log_goals, plain.best.log_goals), "as learned"
-    sharp.train()
-    with torch.no_grad():
-        learning = sharp.think(frames, context, sharp.initial_state(1))[1].ways
-    assert torch.allclose(learning.goals, plain.best.goals, atol=1e-6)
-
-
 def test_done_is_held_back_until_the_target_is_near(policy):
     """On the way of a stored solution: nowhere else, and not at its end."""
     episode_ = load_episodes("mini")[1]
