@@ -46,8 +46,6 @@ _N_LOOKS = 5
 #: Subtracting a constant from Done's logit does not work: some solutions end farther off, so training raised the logit
 #: until constants of 10 and of 30 were undone.
 _NEVER = -15.0
-#: Log-probability below which a place cannot be reached.
-_UNREACHED = -1e3
 #: Offsets (i, j) of the nodes ahead, right, left and here in the window around the agent: (4 headings, 4, 2).
 _BESIDE = np.array([[(c, s), (s, -c), (-s, c), (0, 0)] for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1))])
 _N_STATUS = _N_LOOKS + 8 + 2 + 5 + 8 + len(SUMMARY_FEATURES)
@@ -74,7 +72,6 @@ class HabitPolicyE2E(PolicyModule):
         rgb: bool = True,
         plan: bool = True,
         attend: bool = True,
-        sharpness: float = 1.0,
         scores: bool = False,
         advisor: Advisor | None = None,
         clip: ClipEye | None = None,
@@ -91,7 +88,6 @@ class HabitPolicyE2E(PolicyModule):
             rgb: False blanks the image (ablation).
             plan: False leaves out the places to go to (ablation).
             attend: False zeroes the habits' vectors, which leaves the belief (ablation).
-            sharpness: in play, of the distribution over places to go to; 1: as learned.
             scores: retrieval scores as a feature of habits.
             advisor: a language model's choice among anchors as a feature of things.
             clip: a frozen CLIP image encoder beside the learned one.
@@ -103,13 +99,11 @@ class HabitPolicyE2E(PolicyModule):
         super().__init__()
         if type(image_px) is not int or not 16 <= image_px <= MOST or image_px % 16:
             raise ConfigError(f"agent.policy.image_px={brief(image_px)}: must be a multiple of 16, from 16 to {MOST}")
-        if type(sharpness) not in (int, float) or not 0 < sharpness <= 1e3:
-            raise ConfigError(f"agent.policy.sharpness={brief(sharpness)}: must be above 0, up to 1000")
         check_sizes("agent.policy", width=width, hidden=hidden)
         self._reader, self._head = reader, head
         self._arguments = {"image_px": image_px, "width": width, "hidden": hidden}
         self._arguments |= {"rgb": rgb, "plan": plan, "attend": attend, "scores": scores}
-        self._advisor, self._clip, self._sharpness = advisor, clip, float(sharpness)
+        self._advisor, self._clip = advisor, clip
         self._rgb, self._plan, self._attend, self._scores, self._image_px = rgb, plan, attend, scores, image_px
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(derived_seed(seed, self.architecture))
@@ -186,12 +180,7 @@ class HabitPolicyE2E(PolicyModule):
     def augment(self, frames: Tensors, generator: torch.Generator) -> Tensors:
         """Turn each episode by a random number of quarter turns: the map's axes are those of the start pose."""
         quarters = torch.randint(4, (frames["pose"].shape[1],), generator=generator).to(frames["pose"].device)
-        found = {**frames, "pose": turned(frames["pose"], quarters)}
-        if "goal" in frames:
-            goal = nn.functional.pad(frames["goal"], (0, 1))  # as a pose, without a look
-            there = goal[..., 2] >= 0
-            found["goal"] = torch.where(there[..., None], turned(goal, quarters)[..., :3], frames["goal"])
-        return found
+        return {**frames, "pose": turned(frames["pose"], quarters)}
 
     def initial_state(self, batch: int) -> Tensors:
         """Recurrent state at the start: empty maps, no container opened, no target seen, LSTM states of 0."""
@@ -236,8 +225,7 @@ class HabitPolicyE2E(PolicyModule):
             own = torch.where(possible, own, before.logsumexp(-1) + _NEVER)
             logits = torch.cat([before, own[..., None], after], -1)
         value = self.judge(thought).squeeze(-1)
-        goal = _goal_log_p(frames, ways) if "goal" in frames else None
-        return PolicyOutputs(logits.float(), value.float(), {**new, **memory}, goal=goal), PolicyTrace(seen, ways)
+        return PolicyOutputs(logits.float(), value.float(), {**new, **memory}), PolicyTrace(seen, ways)
 
     def picture(
         self, info: Mapping[str, Any], frames: Tensors, context: Tensors, state: Tensors
@@ -332,19 +320,6 @@ class HabitPolicyE2E(PolicyModule):
         joined = Window(torch.cat([w.cells for w in windows]), torch.cat([w.free for w in windows]))
         step, found = status[..., _N_LOOKS + 8, None], status[..., _N_LOOKS + 10, None]
         given = torch.cat([status[..., -len(SUMMARY_FEATURES) :], step, found], -1).flatten(0, 1)
-        sharpness = 1.0 if self.training else self._sharpness
-        ways = self.places(joined, frames["pose"][..., 2].flatten(), given, sharpness)
+        ways = self.places(joined, frames["pose"][..., 2].flatten(), given)
         log_p = ways.log_p.unflatten(0, status.shape[:2])
         return ways, log_p if self._plan else torch.zeros_like(log_p)
-
-
-def _goal_log_p(frames: Tensors, ways: Ways) -> Tensor:
-    """Log-probability (T, B) of going to the expert's goal; 0 where it has none, or none that can be reached here."""
-    goal, pose = frames["goal"].long(), frames["pose"].long()
-    block = (goal[..., :2] - pose[..., :2] + REACH).div(2, rounding_mode="floor").flatten(0, 1)  # (N, 2)
-    heading, side = goal[..., 2].flatten(), ways.log_goals.shape[-1]
-    known = (heading >= 0) & (block >= 0).all(1) & (block < side).all(1)
-    i, j = block.clamp(0, side - 1).unbind(1)
-    found = ways.log_goals[torch.arange(len(heading), device=heading.device), heading.clamp(min=0), i, j]
-    known &= found > _UNREACHED
-    return torch.where(known, found, torch.zeros_like(found)).view(goal.shape[:2])

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.evaluation.kept.decisions import DecisionRecord
-from ucon.perception.mapping.semantic_map import View
 from ucon.task.agent import Info, Observation
 
 
@@ -73,11 +72,6 @@ class ControllerAgent:
     def decisions(self, slot: int) -> list[DecisionRecord]:
         """Decisions in a slot since its reset; [] where the controller only chooses actions."""
         return list(getattr(self.controllers[slot], "decisions", ()))
-
-    def goal(self, slot: int) -> View | None:
-        """The pose that the agent is on its way to in a slot; None where there is none, or the controller has none."""
-        found: View | None = getattr(self.controllers[slot], "goal", None)
-        return found
 
     def picture(self, slot: int) -> NDArray[np.uint8] | None:
         """For videos: a picture of the agent's state after its last action in a slot.

@@ -5,7 +5,6 @@ from __future__ import annotations
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.perception.belief.protocol import Expecting
 from ucon.perception.drawing.map_picture import Image
-from ucon.perception.mapping.semantic_map import View
 from ucon.perception.views.viewpoints import Choice, Costs
 from ucon.search.aims import Aim, aim_at_target, aim_of, aim_to_open
 from ucon.search.search_decision import SearchDecision
@@ -106,13 +105,6 @@ class SearchController:
             self._log.chose(self.searcher, decision, decision.best)
             action = self.searcher.choose(decision.best)
         return int(action)
-
-    @property
-    def goal(self) -> View | None:
-        """The pose that the agent is on its way to."""
-        if self.searcher.taking:
-            return self.searcher.homing.goal
-        return None if self.searcher.choice is None else self.searcher.choice.view
 
     @property
     def decisions(self) -> list[DecisionRecord]:

@@ -36,8 +36,6 @@ class Ways(NamedTuple):
     """(N, 4) log-probability of MoveAhead, RotateRight, RotateLeft, and of staying in this pose."""
     goals: Tensor
     """(N, 4, C, C) probability of going to each pose, by heading there."""
-    log_goals: Tensor
-    """(N, 4, C, C) its logarithm as learned, before it is sharpened; -1e4 and less where it cannot be reached."""
     interest: Tensor
     """(N, F, C, C) learned features of places, which promises are computed from."""
 
@@ -66,7 +64,6 @@ class PlacesToGo(nn.Module):
         self.view = nn.Parameter(torch.zeros(1, width, _KERNEL, _KERNEL))
         self.wide_view = nn.Parameter(torch.zeros(1, n_wide, _KERNEL, _KERNEL))
         self.log_cost = nn.Parameter(torch.tensor([-1.2, -3.0]))
-        self.stay = nn.Parameter(torch.tensor(0.0))
         self._begin()
 
     @torch.no_grad()
@@ -82,14 +79,13 @@ class PlacesToGo(nn.Module):
         self.view[0, 0, middle + 2, middle] = 0.2
         self.view[0, 0, middle + 1, middle - 1 : middle + 2 : 2] = 0.1
 
-    def forward(self, window: Window, heading: Tensor, given: Tensor, sharpness: float = 1.0) -> Ways:
+    def forward(self, window: Window, heading: Tensor, given: Tensor) -> Ways:
         """Score the poses around N agents.
 
         Args:
             window: of each agent.
             heading: (N,) int, quarter turns.
             given: (N, n_globals) features of episode and step.
-            sharpness: factor of the scores: above 1, probability gathers on the best poses.
         """
         steps, first = shortest_ways(window.free, heading)
         seen = coarse(window.cells)
@@ -99,12 +95,10 @@ class PlacesToGo(nn.Module):
         interest = torch.cat([self.raw(seen), self.interests(near)], 1)
         promise = _seen_from(interest, self.view) + _finer(_seen_from(wide, self.wide_view))  # (N, 4, C, C)
         each, few = torch.exp(self.log_cost)
-        score = promise - each * steps - few * torch.log1p(steps / _FEW_STEPS) - self.stay * (steps == 0)
-        score = score.masked_fill(steps == FAR, _NEVER).flatten(1).float()
-        log_goal = torch.log_softmax(score * sharpness, 1)
-        learned = log_goal if sharpness == 1.0 else torch.log_softmax(score, 1)
-        first_p = _by_first(log_goal, first.flatten(1))
-        return Ways(first_p, log_goal.exp().view_as(promise), learned.view_as(promise), interest)
+        score = promise - each * steps - few * torch.log1p(steps / _FEW_STEPS)
+        score = score.masked_fill(steps == FAR, _NEVER).flatten(1)
+        log_goal = torch.log_softmax(score.float(), 1)
+        return Ways(_by_first(log_goal, first.flatten(1)), log_goal.exp().view_as(promise), interest)
 
 
 def _seen_from(features: Tensor, kernel: Tensor) -> Tensor:

@@ -6,16 +6,16 @@ same whichever process plays it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.rng import stream
-from ucon.learning.imitation.experts import Corrector, Goal
-from ucon.learning.imitation.trajectories import NO_GOAL, NO_LABEL, Replay, Trajectory
+from ucon.learning.imitation.experts import Corrector
+from ucon.learning.imitation.trajectories import NO_LABEL, Replay, Trajectory
 from ucon.learning.policies.playing import Job, Players, PolicyChooser, Seen
 from ucon.task.actions import Action
 
@@ -70,10 +70,8 @@ class Collector:
         played = []
         for number, one in enumerate(self._players.play(part.jobs, chooser, "collecting")):
             assert one.replay is not None  # keep_frames
-            labels, goals = "".join(chooser.labels[number]), _changes(chooser.goals[number])
-            trajectory = Trajectory(one.job.episode, one.job.level, one.actions, labels, goals)
-            seen = replace(one.replay, frames={**one.replay.frames, **trajectory.goal_frames})
-            played.append((trajectory, seen))
+            labels = "".join(chooser.labels[number])
+            played.append((Trajectory(one.job.episode, one.job.level, one.actions, labels), one.replay))
         return played
 
     def close(self) -> None:
@@ -81,18 +79,6 @@ class Collector:
         if self._players is not None:
             self._players.close()
             self._players = None
-
-
-def _changes(goals: Sequence[Goal | None]) -> tuple[tuple[int, int, int, int], ...]:
-    """Goals of T steps as in :class:`Trajectory`: a row wherever the goal changes; () where there is none at all."""
-    if not any(goals):
-        return ()
-    found, last = list[tuple[int, int, int, int]](), NO_GOAL
-    for step, goal in enumerate(goals):
-        if (now := goal or NO_GOAL) != last or step == 0:
-            found.append((step, *now))
-            last = now
-    return tuple(found)
 
 
 class _Mixture:
@@ -112,10 +98,9 @@ class _Mixture:
         """Slot of each job, by number: one for each environment."""
         self._number: dict[int, int] = {}
         self.labels: dict[int, list[str]] = {}
-        self.goals: dict[int, list[Goal | None]] = {}
 
     def begin(self, number: int, job: Job, env: Any, info: Mapping[str, Any]) -> None:
-        self.labels[number], self.goals[number] = [], []
+        self.labels[number] = []
         self._slot[number] = self._number.setdefault(id(env), len(self._number))
         self._expert.begin(self._slot[number], job.episode, env, info)
 
@@ -123,7 +108,6 @@ class _Mixture:
         part = self._part
         best = self._expert.label(self._slot[number], *seen)
         self.labels[number].append(NO_LABEL if best is None else str(int(best)))
-        self.goals[number].append(self._expert.goal(self._slot[number]))
         own = self._policy.choose(number, step, logits, seen)
         if best is None:
             return own

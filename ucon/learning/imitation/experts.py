@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, Protocol
 
 from ucon.learning.imitation.demonstrators import agent_fingerprint, check_agent
-from ucon.perception.mapping.semantic_map import CELL_M, View
 from ucon.task.actions import Action
 from ucon.task.agent import Agent
 from ucon.task.episode import Episode
 from ucon.task.expert import Expert
 
 Info = Mapping[str, Any]
-
-
-Goal = tuple[int, int, int]
-"""Pose that an expert is on its way to: cells of 0.25 m from the start along x and y, and heading in quarter turns."""
 
 
 class Corrector(Protocol):
@@ -52,14 +47,6 @@ class Corrector(Protocol):
         """
         ...
 
-    def goal(self, slot: int) -> Goal | None:
-        """The pose that it was on its way to when it said the last label; None where there is none.
-
-        Args:
-            slot: number of the slot.
-        """
-        ...
-
 
 class KnowingExpert:
     """Goes the shortest way from wherever the policy stands: it knows the home, the target's place and its container.
@@ -84,10 +71,6 @@ class KnowingExpert:
         """The next action of a shortest solution from here."""
         expert, env = self._experts[slot]
         return expert.action(env.unwrapped.search)
-
-    def goal(self, slot: int) -> Goal | None:
-        """None: its labels say all that it wants."""
-        return None
 
 
 class SearchingExpert:
@@ -117,12 +100,3 @@ class SearchingExpert:
     def label(self, slot: int, observation: Info, info: Info) -> Action | None:
         """The agent's own next action."""
         return Action(self._agent.act([observation], [info], [slot])[0])
-
-    def goal(self, slot: int) -> Goal | None:
-        """The agent's own goal, where it has goals; whatever moves its camera, headings are quarter turns."""
-        named: Callable[[int], View | None] | None = getattr(self._agent, "goal", None)
-        view = None if named is None else named(slot)
-        if view is None:
-            return None
-        x, y = view.xy
-        return round(x / CELL_M), round(y / CELL_M), view.heading % 4

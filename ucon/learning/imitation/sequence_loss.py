@@ -43,14 +43,12 @@ class SequenceLoss:
 
     Seven labels in eight repeat "forward"; a policy that learned only that would walk into walls.
     """
-    goal: float = 0.0
-    """Weight of the cross-entropy of the expert's goals, for policies that go to places."""
     value: float = 0.05
     """Weight of the value's loss; 0 leaves it out."""
     discount: float = 0.99
     """Discount per step of the returns that the value is trained on."""
 
-    n_sums = 7
+    n_sums = 6
 
     def __post_init__(self) -> None:
         if not isinstance(self.weights, Mapping):
@@ -60,7 +58,6 @@ class SequenceLoss:
                 raise ConfigError(unknown_name("action", str(name), _NAMES))
             _require(f"weights.{name}", weight, 1e6)
         _require("change", self.change, 1e6)
-        _require("goal", self.goal, 1e6)
         _require("value", self.value, 1e6)
         _require("discount", self.discount, 1.0)
 
@@ -92,17 +89,15 @@ class SequenceLoss:
         label_loss = (each * weight).sum()
         huber = functional.smooth_l1_loss(value, chunk.returns, reduction="none")
         value_loss = (huber * chunk.present).sum()
-        goal_loss = torch.zeros(()) if outputs.goal is None else -(outputs.goal * chunk.present).sum()
         correct = (logits.argmax(-1) == chunk.labels).sum()
         labelled = (chunk.labels != IGNORED).sum()
         sums = (
-            torch.stack([label_loss, weight.sum(), value_loss, chunk.present.sum(), correct, labelled, goal_loss])
+            torch.stack([label_loss, weight.sum(), value_loss, chunk.present.sum(), correct, labelled])
             .detach()
             .double()
             .cpu()
         )
-        aside = self.value * value_loss + self.goal * goal_loss
-        return label_loss / scale[0] + aside / scale[1], sums
+        return label_loss / scale[0] + self.value * value_loss / scale[1], sums
 
     def figures(self, sums: Tensor) -> Figures:
         """Figures to log, from sums over whole batches.
@@ -111,18 +106,15 @@ class SequenceLoss:
             sums: (n_sums,) as :meth:`__call__` returns them, added up.
 
         Returns:
-            ``loss``, ``cross_entropy`` (nats), ``value_loss`` and ``accuracy`` (share of labelled steps); with a weight
-            of goals also ``goal_loss`` (nats a step).
+            ``loss``, ``cross_entropy`` (nats), ``value_loss`` and ``accuracy`` (share of labelled steps).
         """
-        label_loss, weight, value_loss, present, correct, labelled, goal_loss = sums.tolist()
+        label_loss, weight, value_loss, present, correct, labelled = sums.tolist()
         label_loss, value_loss = label_loss / max(weight, 1e-9), value_loss / max(present, 1.0)
-        goal_loss /= max(present, 1.0)
         return {
-            "loss": label_loss + self.value * value_loss + self.goal * goal_loss,
+            "loss": label_loss + self.value * value_loss,
             "cross_entropy": label_loss,
             "value_loss": value_loss,
             "accuracy": correct / max(labelled, 1.0),
-            **({"goal_loss": goal_loss} if self.goal else {}),
         }
 
     def _weights_of(self, labels: Tensor, changes: Tensor) -> Tensor:

@@ -25,14 +25,8 @@ if TYPE_CHECKING:
 
 #: Stands for a label in the string of digits where the expert had no action.
 NO_LABEL: Final = "."
-#: Cells and heading where there is no goal.
-NO_GOAL: Final = (0, 0, -1)
 #: Class index of such a step, which the cross-entropy leaves out.
 IGNORED: Final = -1
-
-
-#: Cells from the start beyond which no goal is: the map's half side.
-_MOST_CELLS: Final = 1 << 12
 
 
 @dataclass(frozen=True)
@@ -46,8 +40,6 @@ class Trajectory:
     """The T actions taken, one digit each (see :class:`ucon.task.actions.Action`)."""
     labels: str
     """The T labels, one digit each; :data:`NO_LABEL` where the expert had none."""
-    goals: tuple[tuple[int, int, int, int], ...] = ()
-    """Where the expert was going to: first step of each goal, cells i and j from the start, heading, -1 for no goal."""
 
     @property
     def key(self) -> tuple[str, str, str]:
@@ -69,19 +61,9 @@ class Trajectory:
         """Number of steps that have a label."""
         return len(self.labels) - self.labels.count(NO_LABEL)
 
-    @property
-    def goal_frames(self) -> dict[str, NDArray[np.int16]]:
-        """``goal`` (T, 3) int16: cells i, j and heading of the expert's goal at every step; {} where none was told."""
-        if not self.goals:
-            return {}
-        found = np.full((len(self.actions), 3), NO_GOAL, np.int16)
-        for first, *goal in self.goals:
-            found[first:] = goal
-        return {"goal": found}
-
-    def to_json(self) -> list[Any]:
-        """Episode id, level, actions, labels and goals: plain values that JSON can hold."""
-        return [self.episode.id, self.level, self.actions, self.labels, [list(goal) for goal in self.goals]]
+    def to_json(self) -> list[str]:
+        """Episode id, level, actions and labels: plain values that JSON can hold."""
+        return [self.episode.id, self.level, self.actions, self.labels]
 
 
 def demonstration(episode: Episode, level: str) -> Trajectory:
@@ -106,27 +88,16 @@ def trajectories_from_json(rows: Any, episodes: Mapping[str, Episode]) -> list[T
     """
     if not isinstance(rows, list) or not all(_is_trajectory(row, episodes) for row in rows):
         raise DataError("state with a trajectory of other episodes; resume with the run's own configuration")
-    return [
-        Trajectory(episodes[name], level, actions, labels, tuple(tuple(goal) for goal in goals))
-        for name, level, actions, labels, goals in rows
-    ]
+    return [Trajectory(episodes[name], level, actions, labels) for name, level, actions, labels in rows]
 
 
 def _is_trajectory(row: Any, episodes: Mapping[str, Episode]) -> bool:
-    if not (isinstance(row, list) and len(row) == 5 and all(isinstance(text, str) for text in row[:4])):
+    if not (isinstance(row, list) and len(row) == 4 and all(isinstance(text, str) for text in row)):
         return False
-    name, level, actions, labels, goals = row
+    name, level, actions, labels = row
     digits = {str(int(action)) for action in Action}
     right = digits.issuperset(actions) and digits.issuperset(labels.replace(NO_LABEL, ""))
-    right = right and isinstance(goals, list) and all(_is_goal(goal, len(actions)) for goal in goals)
     return name in episodes and level in LEVELS and right and len(actions) == len(labels) > 0
-
-
-def _is_goal(goal: Any, steps: int) -> bool:
-    if not (isinstance(goal, list) and len(goal) == 4 and all(type(number) is int for number in goal)):
-        return False
-    first, i, j, heading = goal
-    return 0 <= first < steps and max(abs(i), abs(j)) < _MOST_CELLS and -1 <= heading < 4
 
 
 @dataclass(frozen=True)
@@ -179,7 +150,6 @@ class Replayer:
             rewards.append(float(reward))
             ended = terminated or truncated
         stacked = {name: np.stack([np.asarray(frame[name]) for frame in frames]) for name in frames[0]}
-        stacked |= trajectory.goal_frames
         return Replay(context, stacked, np.array(rewards, np.float32))
 
     def close(self) -> None:

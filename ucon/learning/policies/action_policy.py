@@ -40,11 +40,6 @@ class PolicyOutputs(NamedTuple):
     """Recurrent state after the last step; tensors (B, ...)."""
     foresight: Tensor | None = None
     """(T, B, V, R), what is foreseen beyond each of V views; only of policies over views."""
-    goal: Tensor | None = None
-    """(T, B) float32, log-probability of going where the expert goes, 0 where it is not known to go anywhere.
-
-    Only of policies that go to places, where frames have the expert's ``goal``.
-    """
 
 
 def scores_views(policy: Any) -> bool:
