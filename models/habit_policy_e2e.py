@@ -3,7 +3,7 @@
 An RGB-D encoder, detections as tokens that attend to the habits, a belief over anchors, a map memory and an LSTM. The
 map is part of the recurrent state: fixed rules write it, convolutions read it. A mixture over places to go to
 (:mod:`models.nets.end_to_end.places_to_go`) gives action preferences by shortest paths over what was seen; nothing that
-the agent has not seen enters. Done is suppressed where no target is seen nearby, Open where nothing closed is.
+the agent has not seen enters. Done is suppressed where no target is seen nearby.
 """
 
 from __future__ import annotations
@@ -42,9 +42,8 @@ from ucon.task.actions import Action
 
 _MAX_STEPS = 300.0
 _N_LOOKS = 5
-#: Log odds of Done where the target is not near, and of Open where nothing closed is, whatever the network says.
-#: Subtracting a constant from Done's logit does not work: some solutions end farther off, so training raised the logit
-#: until constants of 10 and of 30 were undone.
+#: Log odds of Done where the target is not near, whatever the network says. Subtracting a constant from its logit does
+#: not work: some solutions end farther off, so training raised the logit until constants of 10 and of 30 were undone.
 _NEVER = -15.0
 #: Offsets (i, j) of the nodes ahead, right, left and here in the window around the agent: (4 headings, 4, 2).
 _BESIDE = np.array([[(c, s), (s, -c), (-s, c), (0, 0)] for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1))])
@@ -220,10 +219,9 @@ class HabitPolicyE2E(PolicyModule):
         thought = torch.cat([hidden, facts], -1)
         planned = torch.cat([log_p[..., :3], log_p[..., 3:].expand(*log_p.shape[:-1], 4)], -1)
         logits = self.choose(thought) + self.plan_weight * planned
-        for action, possible in ((Action.OPEN, seen.openable), (Action.DONE, seen.near)):  # the last two actions
-            before, own, after = logits[..., :action], logits[..., action], logits[..., action + 1 :]
-            own = torch.where(possible, own, before.logsumexp(-1) + _NEVER)
-            logits = torch.cat([before, own[..., None], after], -1)
+        others, done = logits[..., : Action.DONE], logits[..., Action.DONE]  # Done is the last action
+        done = torch.where(seen.near, done, others.logsumexp(-1) + _NEVER)
+        logits = torch.cat([others, done[..., None]], -1)
         value = self.judge(thought).squeeze(-1)
         return PolicyOutputs(logits.float(), value.float(), {**new, **memory}), PolicyTrace(seen, ways)
 

@@ -32,14 +32,6 @@ it, beside or under it, in an open one, in a closed one (stored as 255 times the
 of these; ``visited`` counts visits in steps of 64.
 """
 _MASSES = slice(4, 10)
-LEFT = ("ontop left", "beside left", "inside left", "closed left")
-LAYERS = (*CHANNELS[1:-1], *LEFT, "unknown", "frontier")
-"""What :func:`coarse` gives: layers of the map, and :data:`LEFT`, the belief that is left.
-
-That on, beside and in open things fades as their cell is seen from nearer; that in closed ones is gone once opened.
-"""
-#: Cells seen from this near or nearer hold no more belief, in units of the ``looked`` layer: 1.4 m.
-_CLOSE = 127.5
 _MOST = CHANNELS.index("most")
 N_TRACKS = 512
 
@@ -158,33 +150,23 @@ def _around(cells: Tensor, i: int, j: int) -> Tensor:
 
 
 def coarse(cells: Tensor) -> Tensor:
-    """Windows at half the resolution.
+    """Windows at half the resolution, with unknown space and frontiers.
 
     Args:
         cells: (N, C, W, W) uint8.
 
     Returns:
-        (N, len(LAYERS), (W + 1) / 2, (W + 1) / 2) float32 in [0, 1]: :data:`LAYERS`. All but two are the largest value
-        of each 2 x 2 block; ``unknown`` is the share of it that was not seen, ``frontier`` is floor that borders on it.
+        (N, C + 2, (W + 1) / 2, (W + 1) / 2) float32 in [0, 1]: the largest value of each 2 x 2 block, the share of it
+        that is unknown, and floor that borders on the unknown (frontiers).
     """
     unknown = functional.avg_pool2d(255.0 - cells[:, :1].float(), 2, ceil_mode=True) / 255.0
-    layers = torch.cat([cells[:, 1:-1], _left(cells)], 1)
     even = functional.pad(
-        layers, (0, layers.shape[3] % 2, 0, layers.shape[2] % 2)
+        cells, (0, cells.shape[3] % 2, 0, cells.shape[2] % 2)
     )  # pooled as bytes: a quarter of the time
     rows = torch.maximum(even[:, :, ::2], even[:, :, 1::2])
     pooled = torch.maximum(rows[..., ::2], rows[..., 1::2]).float() / 255.0
-    frontier = functional.max_pool2d(unknown, 3, 1, 1) * pooled[:, :1]
+    frontier = functional.max_pool2d(unknown, 3, 1, 1) * pooled[:, 1:2]
     return torch.cat([pooled, unknown, frontier], 1)
-
-
-def _left(cells: Tensor) -> Tensor:
-    """Belief that is left in each cell, (N, 4, W, W) uint8."""
-    looked, opened = (cells[:, CHANNELS.index(name)] for name in ("looked", "opened"))
-    fresh = (1.0 - looked[:, None].float() / _CLOSE).clamp(min=0.0)
-    open_to_view = (cells[:, _MASSES.start : _MASSES.start + 3].float() * fresh).to(torch.uint8)
-    closed = cells[:, _MASSES.start + 3] * (opened == 0)
-    return torch.cat([open_to_view, closed[:, None]], 1)
 
 
 assert ROWS * COLUMNS == N_CELLS

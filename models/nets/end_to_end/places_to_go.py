@@ -3,7 +3,7 @@
 A pose's score is what it promises, learned from the map around it, minus the cost of the way there. The probability of
 an action is the sum over poses whose shortest path begins with it. As this is a mixture, imitating actions teaches what
 places promise: which anchors named by habits, containers and frontiers are worth the way. All four headings share the
-weights: what lies around a pose is weighed by one kernel, rotated.
+weights: what lies ahead of a pose is weighed by one kernel, rotated.
 """
 
 from __future__ import annotations
@@ -15,18 +15,17 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from models.nets.end_to_end.floor_memory import LAYERS, LEFT, Window, coarse
+from models.nets.end_to_end.floor_memory import CHANNELS, Window, coarse
 from models.nets.end_to_end.shortest_ways import FAR, shortest_ways
 
+_INPUTS = len(CHANNELS) + 2
 _KERNEL = 5
 _NEVER = -1e4
 """Score of what cannot be; -inf would give NaN gradients."""
 #: Added to the probability of each first action.
 _LEAST = math.exp(-12.0)
 #: Initial promise of a place by channel, in actions that one would spend for it.
-_BEFORE = dict(zip(LEFT, (6.0, 4.0, 4.0, 8.0), strict=True)) | {"target": 60.0, "frontier": 4.0}
-#: The way's cost also grows with the logarithm of its length; one unit of it is this many actions.
-_FEW_STEPS = 4.0
+_BEFORE = {"ontop": 6.0, "beside": 4.0, "inside": 4.0, "closed": 8.0, "target": 60.0, "frontier": 4.0}
 
 
 class Ways(NamedTuple):
@@ -43,37 +42,32 @@ class Ways(NamedTuple):
 class PlacesToGo(nn.Module):
     """Network that scores the poses around the agent."""
 
-    def __init__(self, n_globals: int, width: int = 16, n_wide: int = 32) -> None:
-        """Build the network; at first it scores by the fixed promises of the layers.
+    def __init__(self, n_globals: int, width: int = 16, n_interests: int = 8) -> None:
+        """Build the network; at first it scores by the fixed promises of the channels.
 
         Args:
             n_globals: number of features of the whole episode or step, which change what is worth going to.
-            width: channels of the hidden layer, and learned features of a place.
-            n_wide: channels at a quarter of the resolution, which see 5 m around.
+            width: channels of the hidden layers.
+            n_interests: learned features of a place.
         """
         super().__init__()
-        self.near = nn.Conv2d(len(LAYERS), width, 3, padding=1)
-        self.wide = nn.Sequential(
-            *(nn.Conv2d(width, n_wide, 3, stride=2, padding=1), nn.ReLU()),
-            *(nn.Conv2d(n_wide, n_wide, 3, padding=2, dilation=2), nn.ReLU()),
-        )
-        self.back = nn.Conv2d(n_wide, width, 1)
-        self.interests = nn.Conv2d(width, width - 1, 1)
+        self.near = nn.Conv2d(_INPUTS, width, 3, padding=1)
+        self.wide = nn.Conv2d(width, width, 3, padding=2, dilation=2)
+        self.interests = nn.Conv2d(width, n_interests, 1)
         self.globals = nn.Linear(n_globals, width)
-        self.raw = nn.Conv2d(len(LAYERS), 1, 1)
-        self.view = nn.Parameter(torch.zeros(1, width, _KERNEL, _KERNEL))
-        self.wide_view = nn.Parameter(torch.zeros(1, n_wide, _KERNEL, _KERNEL))
-        self.log_cost = nn.Parameter(torch.tensor([-1.2, -3.0]))
+        self.raw = nn.Conv2d(_INPUTS, 1, 1)
+        self.view = nn.Parameter(torch.zeros(1, n_interests + 1, _KERNEL, _KERNEL))
+        self.log_cost = nn.Parameter(torch.tensor(-1.2))
         self._begin()
 
     @torch.no_grad()
     def _begin(self) -> None:
+        names = (*CHANNELS, "unknown", "frontier")
         self.raw.weight.zero_()
         self.raw.bias.zero_()  # type: ignore[union-attr]
         for name, worth in _BEFORE.items():
-            self.raw.weight[0, LAYERS.index(name)] = worth
+            self.raw.weight[0, names.index(name)] = worth
         nn.init.normal_(self.view[:, 1:], std=0.05)
-        nn.init.normal_(self.wide_view, std=0.03)
         middle = _KERNEL // 2
         self.view[0, 0, middle + 1, middle] = 0.6  # weight of the block half a metre ahead of a pose
         self.view[0, 0, middle + 2, middle] = 0.2
@@ -89,31 +83,18 @@ class PlacesToGo(nn.Module):
         """
         steps, first = shortest_ways(window.free, heading)
         seen = coarse(window.cells)
-        near = functional.relu(self.near(seen) + self.globals(given)[:, :, None, None])
-        wide = self.wide(near)
-        near = near + _finer(self.back(wide))
-        interest = torch.cat([self.raw(seen), self.interests(near)], 1)
-        promise = _seen_from(interest, self.view) + _finer(_seen_from(wide, self.wide_view))  # (N, 4, C, C)
-        each, few = torch.exp(self.log_cost)
-        score = promise - each * steps - few * torch.log1p(steps / _FEW_STEPS)
+        hidden = functional.relu(self.near(seen) + self.globals(given)[:, :, None, None])
+        hidden = functional.relu(self.wide(hidden))
+        interest = torch.cat([self.raw(seen), self.interests(hidden)], 1)
+        promise = functional.conv2d(interest, self._kernels(), padding=_KERNEL // 2)  # (N, 4, C, C)
+        score = promise - torch.exp(self.log_cost) * steps
         score = score.masked_fill(steps == FAR, _NEVER).flatten(1)
-        log_goal = torch.log_softmax(score.float(), 1)
+        log_goal = torch.log_softmax(score, 1)
         return Ways(_by_first(log_goal, first.flatten(1)), log_goal.exp().view_as(promise), interest)
 
-
-def _seen_from(features: Tensor, kernel: Tensor) -> Tensor:
-    """(N, 4, C, C), ``features`` (N, F, C, C) weighed by the kernel (1, F, K, K) as turned to headings 0 to 3.
-
-    Heading 0 looks along the first axis, 1 along the second.
-    """
-    kernels = torch.cat([torch.rot90(kernel, turns, (2, 3)) for turns in range(4)])
-    return functional.conv2d(features, kernels, padding=_KERNEL // 2)
-
-
-def _finer(coarse: Tensor) -> Tensor:
-    """(N, F, 2 C - 1, 2 C - 1) from (N, F, C, C); the middle stays in the middle."""
-    side = 2 * coarse.shape[-1] - 1
-    return functional.interpolate(coarse, (side, side), mode="bilinear", align_corners=True)
+    def _kernels(self) -> Tensor:
+        """The kernel for headings 0 to 3; heading 0 looks along the first axis, 1 along the second."""
+        return torch.cat([torch.rot90(self.view, turns, (2, 3)) for turns in range(4)])
 
 
 def _by_first(log_goal: Tensor, first: Tensor) -> Tensor:

@@ -16,8 +16,6 @@ from models.nets.end_to_end.read_habits import HABIT_FEATURES, STATIC_FEATURES, 
 
 REACH_M = 0.98
 """Horizontal distance of a thing's nearest seen point within which it can be opened or taken; the task allows 1 m."""
-OPEN_M = 1.25
-"""Horizontal distance within which something closed must be seen for Open to be considered at all."""
 N_CUES = 10
 TAKE_M = 1.0
 """Done is possible within this distance of the target's seen part.
@@ -42,8 +40,6 @@ class Seen(NamedTuple):
     """(T, B, N) attention of the agent to each thing."""
     near: Tensor
     """(T, B) bool, True where the target may be in reach."""
-    openable: Tensor
-    """(T, B) bool, True where something closed may be in reach."""
 
 
 class ThingsInView(nn.Module):
@@ -123,10 +119,8 @@ class ThingsInView(nn.Module):
         largest = (tokens * there[..., None]).amax(-2)
         told = (focus[..., None] * self._value(attention, context)).sum(-2)
         summary = torch.cat([pooled, largest, told], -1)
-        away = things[..., THING_FEATURES.index("nearest_m")]
-        near = (is_target & (away <= TAKE_M)).any(-1)
-        openable = (self.openable[row] & ~opened & there & (away <= OPEN_M)).any(-1)
-        return Seen(summary, _cues(is_target, reach, closed, things, mass), attention, focus, near, openable)
+        near = (is_target & (things[..., THING_FEATURES.index("nearest_m")] <= TAKE_M)).any(-1)
+        return Seen(summary, _cues(is_target, reach, closed, things, mass), attention, focus, near)
 
     def _names(self, row: Tensor) -> Tensor:
         """Projected names of categories; projects rows or the whole table first, whichever is smaller."""

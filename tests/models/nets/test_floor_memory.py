@@ -7,7 +7,7 @@ import torch
 
 from models.nets.end_to_end.ego_kernels import SEEN_FLOOR
 from models.nets.end_to_end.ego_view import ASIDE, BEHIND, COLUMNS, ROWS
-from models.nets.end_to_end.floor_memory import CHANNELS, HALF, LAYERS, SIZE, FloorMemory, MemoryStep, State, coarse
+from models.nets.end_to_end.floor_memory import CHANNELS, HALF, SIZE, FloorMemory, MemoryStep, State
 
 FRONT = (3 + BEHIND) * COLUMNS + ASIDE
 """The cell of the patch three ahead."""
@@ -72,24 +72,3 @@ def test_a_cell_is_called_by_what_speaks_most_for_the_target() -> None:
     assert not (nothing >= 0).any()
     _, none = written(step((-1, 1.0, 7)))
     assert not (none >= 0).any(), "a pair that is none"
-
-
-def left(**layers: int) -> dict[str, float]:
-    """What :func:`coarse` gives for the middle block of a map whose middle cell has these values."""
-    cells = torch.zeros(1, len(CHANNELS), 5, 5, dtype=torch.uint8)
-    for name, value in layers.items():
-        cells[0, CHANNELS.index(name), 2, 2] = value
-    return dict(zip(LAYERS, coarse(cells)[0, :, 1, 1].tolist(), strict=True))
-
-
-def test_belief_is_used_up_by_looking_from_near() -> None:
-    far, near = 60, 200  # 2.9 m and half a metre away
-    assert left(ontop=255)["ontop left"] == 1.0
-    assert 0.4 < left(ontop=255, looked=far)["ontop left"] < 0.6
-    assert left(ontop=255, looked=near)["ontop left"] == 0.0
-    assert left(ontop=255, looked=near)["ontop"] == 1.0, "what was believed stays in the map"
-
-
-def test_belief_in_closed_things_is_used_up_by_opening() -> None:
-    assert left(closed=204, looked=200)["closed left"] == pytest.approx(0.8)
-    assert left(closed=204, opened=255)["closed left"] == 0.0
