@@ -11,7 +11,7 @@ from functools import cached_property
 from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import torch
 from torch import Tensor, nn
@@ -41,6 +41,16 @@ class FrozenEfficientNetLite0(FrozenBackbone):
     channels = _STAGES[-1][2]
     mean, deviation = (0.5, 0.5, 0.5), (0.5, 0.5, 0.5)
 
+    def __init__(self, path: str | None = None, seed: int = 0) -> None:
+        """Set where the weights are; they are loaded on first use.
+
+        Args:
+            path: the published file, where the package is not installed; None: the package's.
+            seed: of nothing, since no weights are random; configurations of backbones have it.
+        """
+        super().__init__()
+        self._path, self._seed = path, seed
+
     @property
     def name(self) -> str:
         """``efficientnet_lite0 imagenet`` and the first digits of the weights' hash."""
@@ -48,12 +58,14 @@ class FrozenEfficientNetLite0(FrozenBackbone):
 
     def check(self) -> None:
         """Raise :class:`DataError` where the package is not installed; loads nothing."""
-        if _file() is None:
+        if self._path is not None and not Path(self._path).is_file():
+            raise DataError(f"agent.policy.backbone.path={self._path}: no such file; {_HOW}")
+        if self._path is None and _file() is None:
             raise DataError(f"agent.policy.backbone: package {_PACKAGE} is not installed; {_HOW}")
 
     def fingerprint(self) -> str | None:
         """Hash of the weights; None where the package is not installed."""
-        return None if _file() is None else _SHA256
+        return None if self._path is None and _file() is None else _SHA256
 
     def _mapped(self, images: Tensor) -> Tensor:
         return self._model.to(images.device).mapped(images)
@@ -62,7 +74,9 @@ class FrozenEfficientNetLite0(FrozenBackbone):
     def _model(self) -> EfficientNetLite0:
         self.check()
         with torch.inference_mode(False):
-            return fused(pretrained()).to(memory_format=torch.channels_last)
+            model: Any = fused(pretrained(None if self._path is None else Path(self._path)))
+            found: EfficientNetLite0 = model.to(memory_format=torch.channels_last)
+            return found
 
 
 class EfficientNetLite0(nn.Module):
@@ -132,13 +146,16 @@ class _Block(nn.Module):
         return found + x if self._adds else found
 
 
-def pretrained() -> EfficientNetLite0:
+def pretrained(file: Path | None = None) -> EfficientNetLite0:
     """The network with its ImageNet weights, on the CPU, in evaluation mode, without gradients.
+
+    Args:
+        file: of weights; None: the package's.
 
     Raises:
         DataError: the package is not installed, or its file is not the published one.
     """
-    file = _file()
+    file = file or _file()
     if file is None:
         raise DataError(f"package {_PACKAGE} is not installed; {_HOW}")
     try:

@@ -200,10 +200,12 @@ class DaggerLearner(ImitationLearner):
         if not self._playing:
             self._playing = self._weights()
         parts, found = self._ahead or self._asked_for(iteration), 0
-        with progress("collecting", self.rollouts.episodes) as tick:
-            for part in parts:
-                self.collected += (made := part())
-                tick(found := found + len(made))
+        for part in parts:
+            made = part()  # where this process plays it, it shows its own progress
+            self.collected += made
+            found += len(made)
+            with progress("collecting", self.rollouts.episodes) as tick:
+                tick(found)
         self._ahead, self._stream = [], None
 
     def _asked_for(self, iteration: int) -> list[Callable[[], list[Trajectory]]]:

@@ -108,9 +108,9 @@ class ImitationLearner:
     def _made_feeder(self, **players: Any) -> Feeder:
         """The feeder, with further ``players`` of its workers."""
         given = self.options
-        memory = {"workers": given.workers, "memory_bytes": int(given.memory_gb * (1 << 30))}
-        timeout = {"worker_timeout_s": given.worker_timeout_s}
-        return Feeder(self.policy, self.make_env, demonstrator=self.demonstrator, **memory, **timeout, **players)
+        options: dict[str, Any] = {"workers": given.workers, "memory_bytes": int(given.memory_gb * (1 << 30))}
+        options |= {"worker_timeout_s": given.worker_timeout_s, **players}
+        return Feeder(self.policy, self.make_env, demonstrator=self.demonstrator, **options)
 
     @property
     def identity(self) -> Mapping[str, str]:
