@@ -1,8 +1,12 @@
 """DAgger: what is collected, who plays, and that it can be stopped anywhere."""
 
 import functools
+from contextlib import closing
+from dataclasses import replace
 
+import numpy as np
 import pytest
+import torch
 
 from models.agents.belief import BeliefAgent
 from tests.learning.test_imitation import files
@@ -11,6 +15,8 @@ from ucon.core.errors import ConfigError, DataError
 from ucon.learning.imitation.dagger import DaggerRollouts
 from ucon.learning.imitation.demonstrators import AgentDemonstrator
 from ucon.learning.imitation.experts import SearchingExpert
+from ucon.learning.imitation.feeding import _unpacked
+from ucon.learning.imitation.trajectories import Replayer
 from ucon.learning.run.training_run import Plan, TrainingRun
 from ucon.task.actions import Action
 from ucon.task.expert import Expert
@@ -103,6 +109,58 @@ def test_the_collections_take_episodes_and_levels_in_turn(learner):
     assert {one.level for one in found.collected} == {"none", "retrieval"}
 
 
+def test_collections_are_the_same_with_any_number_of_workers(learner):
+    """Parts of three and of one episode, played ahead by others, with what was seen of them."""
+    found = []
+    for workers in (0, 1, 2):
+        with closing(learner(TinyPolicy(dropout=0.1), steps=9, average=0.5, workers=workers)) as one:
+            for _ in range(7):
+                one.step()
+            found.append((one.collected, {name: tensor.clone() for name, tensor in one.state_dict().tensors.items()}))
+    for collected, tensors in found[1:]:
+        assert collected == found[0][0]
+        assert all(torch.equal(tensor, found[0][1][name]) for name, tensor in tensors.items())
+    assert len(found[0][0]) == 12
+
+
+def test_what_was_seen_in_a_collection_is_what_is_seen_when_it_is_played_again(learner):
+    found = learner()
+    found.step()
+    assert found.feeder._kept
+    for one in found.collected:
+        kept, again = _unpacked(found.feeder._kept[found.feeder._key(one)]), Replayer(found.act, ENV)(one)
+        assert kept.frames.keys() == again.frames.keys()
+        for before, after in ((kept.frames, again.frames), (kept.context, again.context)):
+            assert all(np.array_equal(before[name], after[name]) for name in after)
+        assert np.array_equal(kept.rewards, again.rewards)
+
+
+def test_the_expert_acts_at_least_so_often(learner):
+    found = learner(rollouts={"mixture": 0.0, "least": 1.0})
+    for _ in range(4):
+        found.step()
+    assert all(one.actions == one.labels for one in found.collected[4:])
+
+
+def test_a_share_of_each_batch_is_new(learner):
+    found = learner(rollouts={"newest": 1.0}, batch=2)
+    for _ in range(5):
+        found.step()
+    new = found.collected[4:]
+    assert all(one in new for batch in found.batches() for one in batch)
+    found.rollouts = replace(found.rollouts, newest=0.0, per_iteration=60)
+    assert any(one not in new for batch in found.batches() for one in batch)
+
+
+def test_nothing_is_collected_beyond_the_end_but_where_a_run_is_lengthened(learner):
+    found = learner(steps=3)
+    found.step()
+    assert not found._ahead
+    found.lengthen(6)
+    found.step()
+    assert found._ahead
+
+
 @pytest.mark.parametrize("at", [2, 3, 5])
 def test_a_run_that_is_killed_goes_on_to_the_same_bytes(learner, tmp_path, at):
     """Before a collection, in the middle between two, and just after one."""
@@ -147,6 +205,9 @@ def test_a_state_with_other_episodes_is_refused(learner):
         ({"episodes": 0}, r"rollouts\.episodes=0: must be a whole number from 1"),
         ({"mixture": 1.5}, r"rollouts\.mixture=1\.5: must be from 0 to 1"),
         ({"per_iteration": 2.5}, r"rollouts\.per_iteration=2\.5"),
+        ({"least": -0.1}, r"rollouts\.least=-0\.1: must be from 0 to 1"),
+        ({"newest": True}, r"rollouts\.newest=True: must be from 0 to 1"),
+        ({"temperature": -1}, r"rollouts\.temperature=-1: must be from 0 to 100"),
     ],
 )
 def test_rollouts_that_make_no_sense(options, message):

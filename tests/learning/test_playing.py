@@ -54,6 +54,9 @@ def test_draws_are_a_function_of_seed_and_step():
     assert played(JOBS, 3, sample=True) != played(JOBS, 3)
     draws = [PolicyChooser(True, 0, "a").choose(1, step, np.log([0.7, 0.2, 0.1]), Seen({}, {})) for step in range(600)]
     assert np.bincount(draws) / 600 == pytest.approx([0.7, 0.2, 0.1], abs=0.06)
+    cold = PolicyChooser(True, 0, "a", temperature=0.5)  # squares the odds
+    draws = [cold.choose(1, step, np.log([0.7, 0.2, 0.1]), Seen({}, {})) for step in range(600)]
+    assert np.bincount(draws, minlength=3) / 600 == pytest.approx([0.907, 0.074, 0.019], abs=0.04)
 
 
 def test_what_is_measured_is_what_the_environment_says():

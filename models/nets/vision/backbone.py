@@ -26,8 +26,9 @@ class FrozenBackbone:
     channels: ClassVar[int]
     """Channels of the map."""
     mean: ClassVar[tuple[float, float, float]]
+    """Mean of red, green and blue in the network's training images, from 0 to 1."""
     deviation: ClassVar[tuple[float, float, float]]
-    """Of the colours, from 0 to 1, that the network expects."""
+    """Their standard deviation."""
 
     def __init__(self) -> None:
         self._known: OrderedDict[bytes, Tensor] = OrderedDict()

@@ -41,15 +41,14 @@ class FrozenEfficientNetLite0(FrozenBackbone):
     channels = _STAGES[-1][2]
     mean, deviation = (0.5, 0.5, 0.5), (0.5, 0.5, 0.5)
 
-    def __init__(self, path: str | None = None, seed: int = 0) -> None:
+    def __init__(self, path: str | None = None) -> None:
         """Set where the weights are; they are loaded on first use.
 
         Args:
-            path: the published file, where the package is not installed; None: the package's.
-            seed: of nothing, since no weights are random; configurations of backbones have it.
+            path: the published file of weights; None: that of the installed package.
         """
         super().__init__()
-        self._path, self._seed = path, seed
+        self._path = path
 
     @property
     def name(self) -> str:
@@ -57,15 +56,20 @@ class FrozenEfficientNetLite0(FrozenBackbone):
         return f"efficientnet_lite0 imagenet {_SHA256[:12]}"
 
     def check(self) -> None:
-        """Raise :class:`DataError` where the package is not installed; loads nothing."""
-        if self._path is not None and not Path(self._path).is_file():
-            raise DataError(f"agent.policy.backbone.path={self._path}: no such file; {_HOW}")
-        if self._path is None and _file() is None:
-            raise DataError(f"agent.policy.backbone: package {_PACKAGE} is not installed; {_HOW}")
+        """Raise :class:`DataError` where the file of weights is missing; loads nothing."""
+        if self._file is None:
+            missing = f"package {_PACKAGE} is not installed" if self._path is None else f"{self._path}: no such file"
+            raise DataError(f"agent.policy.backbone: {missing}; {_HOW}")
 
     def fingerprint(self) -> str | None:
-        """Hash of the weights; None where the package is not installed."""
-        return None if self._path is None and _file() is None else _SHA256
+        """Hash of the weights; None where their file is missing."""
+        return None if self._file is None else _SHA256
+
+    @property
+    def _file(self) -> Path | None:
+        if self._path is None:
+            return package_file()
+        return file if (file := Path(self._path).expanduser()).is_file() else None
 
     def _mapped(self, images: Tensor) -> Tensor:
         return self._model.to(images.device).mapped(images)
@@ -73,8 +77,9 @@ class FrozenEfficientNetLite0(FrozenBackbone):
     @cached_property
     def _model(self) -> EfficientNetLite0:
         self.check()
+        assert self._file is not None
         with torch.inference_mode(False):
-            model: Any = fused(pretrained(None if self._path is None else Path(self._path)))
+            model: Any = fused(pretrained(self._file))
             found: EfficientNetLite0 = model.to(memory_format=torch.channels_last)
             return found
 
@@ -146,18 +151,15 @@ class _Block(nn.Module):
         return found + x if self._adds else found
 
 
-def pretrained(file: Path | None = None) -> EfficientNetLite0:
+def pretrained(file: Path) -> EfficientNetLite0:
     """The network with its ImageNet weights, on the CPU, in evaluation mode, without gradients.
 
     Args:
-        file: of weights; None: the package's.
+        file: of weights.
 
     Raises:
-        DataError: the package is not installed, or its file is not the published one.
+        DataError: it is not the published one, or cannot be read.
     """
-    file = file or _file()
-    if file is None:
-        raise DataError(f"package {_PACKAGE} is not installed; {_HOW}")
     try:
         raw = file.read_bytes()
     except OSError as error:
@@ -180,8 +182,8 @@ def fused(model: EfficientNetLite0) -> EfficientNetLite0:
     return model
 
 
-def _file() -> Path | None:
-    """The package's file of weights; None where it is not installed. Runs no code of the package."""
+def package_file() -> Path | None:
+    """File of weights of the installed package; None where there is none. Runs no code of the package."""
     spec = find_spec(_PACKAGE)
     roots = list(spec.submodule_search_locations or ()) if spec else []
     return next((file for root in roots if (file := Path(root) / _FILE).is_file()), None)

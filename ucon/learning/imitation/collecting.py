@@ -50,12 +50,15 @@ class Collector:
         policy: plays, with the weights of each part; on the CPU.
         make_env: makes an environment of ``UcON-v0``; called when the first part comes.
         expert: labels every step.
+        slots: most episodes of a part, which are played at once.
         max_steps: episodes are cut off after this many actions.
     """
 
-    def __init__(self, policy: nn.Module, make_env: Callable[[], Any], expert: Corrector, max_steps: int) -> None:
-        self._policy, self._make_env, self._expert, self._max_steps = policy, make_env, expert, max_steps
-        self._players: Players | None = None
+    def __init__(
+        self, policy: nn.Module, make_env: Callable[[], Any], expert: Corrector, slots: int, max_steps: int
+    ) -> None:
+        self._policy, self._expert = policy, expert
+        self._players = Players(policy, make_env, slots, max_steps, keep_frames=True)
 
     def __call__(self, part: CollectionPart) -> list[Played]:
         """Play one part.
@@ -64,8 +67,6 @@ class Collector:
             For each job, its trajectory and what the policy saw along it, in the order of the jobs.
         """
         self._policy.load_state_dict(part.weights)
-        if self._players is None:
-            self._players = Players(self._policy, self._make_env, len(part.jobs), self._max_steps, keep_frames=True)
         chooser = _Mixture(part, self._expert)
         played = []
         for number, one in enumerate(self._players.play(part.jobs, chooser, "collecting")):
@@ -76,9 +77,7 @@ class Collector:
 
     def close(self) -> None:
         """Close the environments; a later call makes new ones."""
-        if self._players is not None:
-            self._players.close()
-            self._players = None
+        self._players.close()
 
 
 class _Mixture:

@@ -97,6 +97,7 @@ class DaggerLearner(ImitationLearner):
         """Weights that play the next collection."""
         self._ahead: list[Callable[[], list[Trajectory]]] = []
         """Parts of the next collection, once asked for."""
+        self._length = self.options.steps
 
     @property
     def identity(self) -> Mapping[str, str]:
@@ -148,7 +149,7 @@ class DaggerLearner(ImitationLearner):
         if self.done % self.rollouts.per_iteration == 0:
             self._collect(self.iteration)
             self._playing = self._weights()
-        if not self._ahead:
+        if not self._ahead and (self.iteration + 1) * self.rollouts.per_iteration < self._length:
             self._ahead = self._asked_for(self.iteration + 1)
         return super().step() | {"collected": float(len(self.collected))}
 
@@ -177,6 +178,11 @@ class DaggerLearner(ImitationLearner):
         by_id = {episode.id: episode for episode in self.episodes}
         self.collected = trajectories_from_json(state.values.get("collected"), by_id)
 
+    def lengthen(self, steps: int) -> bool:
+        """As of imitation; collections are asked for until then."""
+        self._length = steps
+        return super().lengthen(steps)
+
     def close(self) -> None:
         """End worker processes and close all environments."""
         super().close()
@@ -184,7 +190,9 @@ class DaggerLearner(ImitationLearner):
 
     def _made_feeder(self, **options: Any) -> Feeder:
         rollouts = self.rollouts
-        collector = Collector(copy.deepcopy(self.policy).cpu(), self.make_env, self.expert, rollouts.max_steps)
+        collector = Collector(
+            copy.deepcopy(self.policy).cpu(), self.make_env, self.expert, rollouts.slots, rollouts.max_steps
+        )
         return super()._made_feeder(collector=collector, **options)
 
     def _weights(self) -> dict[str, Tensor]:

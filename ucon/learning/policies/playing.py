@@ -38,7 +38,7 @@ class RolloutOutcome:
     success: bool
     spl: float
     replay: Replay | None = None
-    """What the policy saw, where the players keep it."""
+    """Context, frames and rewards of the episode; None unless the players keep frames."""
 
 
 class Seen(NamedTuple):
@@ -107,7 +107,7 @@ class _Slot:
     rewards: list[float] = field(default_factory=list)
 
     def replay(self) -> Replay:
-        """What was seen in the episode, as arrays."""
+        """Context, frames and rewards of the episode, as arrays."""
         names = self.frames[0]
         frames = {name: np.stack([np.asarray(frame[name]) for frame in self.frames]) for name in names}
         return Replay(dict(self.context), frames, np.array(self.rewards, np.float32))
