@@ -1,9 +1,10 @@
 """The end-to-end habit policy: frames, detections and habits in, one of the seven actions out.
 
 An RGB-D encoder, detections as tokens that attend to the habits, a belief over anchors, a map memory and an LSTM. The
-map is part of the recurrent state: fixed rules write it, convolutions read it. A mixture over places to go to
-(:mod:`models.nets.end_to_end.places_to_go`) gives action preferences by shortest paths over what was seen; nothing that
-the agent has not seen enters. Done is suppressed where no target is seen nearby.
+map is part of the recurrent state: fixed rules write it and count what the poses around the agent would show. A mixture
+over places to go to (:mod:`models.nets.end_to_end.places_to_go`) gives action preferences by shortest paths over what
+was seen; nothing that the agent has not seen enters. Done is suppressed where no target is seen nearby, Open where
+nothing that could be opened is.
 """
 
 from __future__ import annotations
@@ -19,13 +20,23 @@ from torch import Tensor, nn
 from models.nets.belief.head_reader import default_head_reader
 from models.nets.end_to_end.advice import Advisor
 from models.nets.end_to_end.ego_view import THING_FEATURES
-from models.nets.end_to_end.floor_memory import CHANNELS, N_TRACKS, REACH, FloorMemory, MemoryStep, Window
+from models.nets.end_to_end.floor_memory import (
+    N_TRACKS,
+    TOTALS,
+    MemoryStep,
+    Outlook,
+    initial_maps,
+    layers,
+    outlook,
+    track_belief,
+    write,
+)
 from models.nets.end_to_end.frames_of_reference import from_here, target_at, turned
 from models.nets.end_to_end.inside import PolicyTrace
 from models.nets.end_to_end.one_frame import one_frame
-from models.nets.end_to_end.places_to_go import PlacesToGo, Ways
+from models.nets.end_to_end.places_to_go import PlacesToGo, Ways, divergence
 from models.nets.end_to_end.read_habits import SUMMARY_FEATURES, read_habits, words
-from models.nets.end_to_end.things_in_view import N_CUES, ThingsInView
+from models.nets.end_to_end.things_in_view import N_CUES, Seen, ThingsInView
 from models.nets.policy_defaults import N_ACTIONS, PolicyModule, lstm_state, run_lstm
 from models.nets.sizes import MOST, check_sizes
 from models.nets.vision.clip_eye import ClipEye
@@ -42,11 +53,15 @@ from ucon.task.actions import Action
 
 _MAX_STEPS = 300.0
 _N_LOOKS = 5
-#: Log odds of Done where the target is not near, whatever the network says. Subtracting a constant from its logit does
-#: not work: some solutions end farther off, so training raised the logit until constants of 10 and of 30 were undone.
+#: Log odds of Done where the target is not near, and of Open where nothing can be opened, whatever the network says.
+#: Subtracting a constant from a logit does not work: some solutions end farther off, so training raised that of Done
+#: until constants of 10 and of 30 were undone.
 _NEVER = -15.0
-#: Offsets (i, j) of the nodes ahead, right, left and here in the window around the agent: (4 headings, 4, 2).
-_BESIDE = np.array([[(c, s), (s, -c), (-s, c), (0, 0)] for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1))])
+#: Features of episode and step, beside the summary of the habits, on which it depends what places are worth: sight
+#: range, step, whether the target was seen, and sums over the map.
+_GLOBALS = 3 + len(TOTALS)
+#: Square metres and belief of the sums over the map, of which logarithms are taken.
+_TOTALS_UNIT = (10.0, 10.0, 0.1)
 _N_STATUS = _N_LOOKS + 8 + 2 + 5 + 8 + len(SUMMARY_FEATURES)
 
 
@@ -55,10 +70,10 @@ class HabitPolicyE2E(PolicyModule):
 
     architecture = "habit_policy_e2e"
     uses_habits = True
+    learns_views = True
     max_habits = MAX_HABITS
 
-    openable: Tensor
-    beside: Tensor
+    totals_unit: Tensor
 
     def __init__(
         self,
@@ -74,6 +89,7 @@ class HabitPolicyE2E(PolicyModule):
         scores: bool = False,
         advisor: Advisor | None = None,
         clip: ClipEye | None = None,
+        sharpness: float = 3.0,
         seed: int = 0,
     ) -> None:
         """Build the network with random weights.
@@ -90,6 +106,7 @@ class HabitPolicyE2E(PolicyModule):
             scores: retrieval scores as a feature of habits.
             advisor: a language model's choice among anchors as a feature of things.
             clip: a frozen CLIP image encoder beside the learned one.
+            sharpness: factor of the scores of places to go to; the higher, the more the best one decides.
             seed: of the weights.
 
         Raises:
@@ -98,21 +115,23 @@ class HabitPolicyE2E(PolicyModule):
         super().__init__()
         if type(image_px) is not int or not 16 <= image_px <= MOST or image_px % 16:
             raise ConfigError(f"agent.policy.image_px={brief(image_px)}: must be a multiple of 16, from 16 to {MOST}")
+        if type(sharpness) not in (int, float) or not 0 < sharpness <= 100:
+            raise ConfigError(f"agent.policy.sharpness={brief(sharpness)}: must be above 0, at most 100")
         check_sizes("agent.policy", width=width, hidden=hidden)
         self._reader, self._head = reader, head
         self._arguments = {"image_px": image_px, "width": width, "hidden": hidden}
         self._arguments |= {"rgb": rgb, "plan": plan, "attend": attend, "scores": scores}
-        self._advisor, self._clip = advisor, clip
+        self._advisor, self._clip, self._sharpness = advisor, clip, float(sharpness)
         self._rgb, self._plan, self._attend, self._scores, self._image_px = rgb, plan, attend, scores, image_px
+        known = tuple(self.reader.known)  # loading it draws random numbers, the first time
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(derived_seed(seed, self.architecture))
-            self._build(width, hidden)
+            self._build(width, hidden, known)
 
-    def _build(self, width: int, hidden: int) -> None:
+    def _build(self, width: int, hidden: int, known: tuple[str, ...]) -> None:
         self.eye = Eye(self._image_px, 2 * width)
-        self.things = ThingsInView(width, tuple(self.reader.known), DIM)
-        self.memory = FloorMemory()
-        self.places = PlacesToGo(len(SUMMARY_FEATURES) + 2)
+        self.things = ThingsInView(width, known, DIM)
+        self.places = PlacesToGo(len(SUMMARY_FEATURES) + _GLOBALS, self._sharpness)
         facts = N_CUES + _N_STATUS + 4
         looks = 2 * width + (0 if self._clip is None else self._clip.dim)
         self.join = nn.Sequential(nn.Linear(looks + 3 * width + facts, hidden), nn.ReLU())
@@ -122,7 +141,7 @@ class HabitPolicyE2E(PolicyModule):
         self.choose = nn.Sequential(nn.Linear(hidden + facts, hidden), nn.ReLU(), last)
         self.plan_weight = nn.Parameter(torch.tensor([1.0, 1.0, 1.0, 0.2, 0.2, 0.2, 0.2]))
         self.judge = nn.Sequential(nn.Linear(hidden + facts, hidden // 2), nn.ReLU(), nn.Linear(hidden // 2, 1))
-        self.register_buffer("beside", torch.from_numpy(_BESIDE), persistent=False)
+        self.register_buffer("totals_unit", torch.tensor(_TOTALS_UNIT), persistent=False)
 
     @property
     def reader(self) -> Reader:
@@ -182,13 +201,13 @@ class HabitPolicyE2E(PolicyModule):
         return {**frames, "pose": turned(frames["pose"], quarters)}
 
     def initial_state(self, batch: int) -> Tensors:
-        """Recurrent state at the start: empty maps, no container opened, no target seen, LSTM states of 0."""
+        """Recurrent state at the start: empty maps, no target seen, nowhere to go, LSTM states of 0."""
         device = self.device
         return {
-            **self.memory.initial_state(batch, device),
+            **initial_maps(batch, device),
             **lstm_state(batch, self.lstm),
-            "opened": torch.zeros(batch, N_TRACKS, dtype=torch.bool, device=device),
             "target_at": torch.zeros(batch, 4, device=device),
+            "aim": torch.full((batch, 3), -1, device=device),
         }
 
     def forward(self, frames: Tensors, context: Tensors, state: Tensors) -> PolicyOutputs:
@@ -205,25 +224,26 @@ class HabitPolicyE2E(PolicyModule):
         """
         frames, given = self.features(frames), dict(context)
         things, mass = frames["things"].float(), self._masses(frames["thing_ids"], given)
-        new, opened, windows, remembered = self._remember(frames, things, mass, given, state)
-        status = self._status(frames, given, windows, remembered)
+        new, opened, seen_from, remembered = self._remember(frames, things, given, state)
+        status = self._status(frames, given, seen_from, remembered)
         image = frames["image"].flatten(0, 1)
         sight = self.eye(image if self._rgb else torch.zeros_like(image)).unflatten(0, frames["pose"].shape[:2])
         if "clip" in frames:
             sight = torch.cat([sight, frames["clip"].float()], -1)
         seen = self.things(frames["thing_ids"].long(), things, opened, mass, given)
-        ways, log_p = self._ways(frames, windows, status)
+        ways = self._ways(frames, seen_from, status, given, state["aim"])
+        log_p = ways.log_p if self._plan else torch.zeros_like(ways.log_p)
         facts = torch.cat([seen.cues, status, log_p / 4], -1)
         joined = self.join(torch.cat([sight, seen.summary, facts], -1))
         hidden, memory = run_lstm(self.lstm, joined, state)
         thought = torch.cat([hidden, facts], -1)
         planned = torch.cat([log_p[..., :3], log_p[..., 3:].expand(*log_p.shape[:-1], 4)], -1)
-        logits = self.choose(thought) + self.plan_weight * planned
-        others, done = logits[..., : Action.DONE], logits[..., Action.DONE]  # Done is the last action
-        done = torch.where(seen.near, done, others.logsumexp(-1) + _NEVER)
-        logits = torch.cat([others, done[..., None]], -1)
+        logits = _possible(self.choose(thought) + self.plan_weight * planned, seen)
         value = self.judge(thought).squeeze(-1)
-        return PolicyOutputs(logits.float(), value.float(), {**new, **memory}), PolicyTrace(seen, ways)
+        outputs = PolicyOutputs(
+            logits.float(), value.float(), {**new, **memory, "aim": ways.aim}, views=self._apart(ways, frames)
+        )
+        return outputs, PolicyTrace(seen, ways)
 
     def picture(
         self, info: Mapping[str, Any], frames: Tensors, context: Tensors, state: Tensors
@@ -243,16 +263,18 @@ class HabitPolicyE2E(PolicyModule):
         from models.nets.end_to_end.reasons import reasons
 
         outputs, inside = self.think(frames, context, state)
-        why = reasons(self.reader, info, frames, context, outputs.state, inside, outputs.logits[-1, 0])
+        after = outputs.state
+        believed = track_belief({**after}, _padded(context["belief"]), self.things.openable)
+        why = reasons(self.reader, info, frames, context, after, believed, inside, outputs.logits[-1, 0])
         i, j, heading, _ = frames["pose"][-1, 0].tolist()
-        return draw_reasons(why, str(info["target"]), outputs.state["cells"][0], (i, j, heading))
+        return draw_reasons(why, str(info["target"]), layers({**after}, believed), (i, j, heading))
 
     def _masses(self, ids: Tensor, context: dict[str, Tensor]) -> Tensor:
-        """Belief (T, B, N, 4) that the target is on, beside, in (open) or in (closed) each thing.
+        """Belief (T, B, N, 4) that the target is on, beside, in (open) or in (closed) each thing in view.
 
         Values are relative to the category with the highest belief.
         """
-        belief = nn.functional.pad(context["belief"].float(), (0, 0, 0, 1))  # (B, n + 1, 4)
+        belief = _padded(context["belief"])  # (B, n + 1, 4)
         best = belief.sum(-1).amax(-1)[:, None, None].clamp(min=1e-6)
         row = ids.clamp(min=0).long()
         episode = torch.arange(len(belief), device=row.device)[None, :, None]
@@ -263,61 +285,83 @@ class HabitPolicyE2E(PolicyModule):
 
     @torch.no_grad()
     def _remember(
-        self, frames: Tensors, things: Tensor, mass: Tensor, context: dict[str, Tensor], state: Tensors
-    ) -> tuple[dict[str, Tensor], Tensor, list[Window], Tensor]:
-        """Write T frames into the map memory, step by step.
+        self, frames: Tensors, things: Tensor, context: dict[str, Tensor], state: Tensors
+    ) -> tuple[dict[str, Tensor], Tensor, Outlook, Tensor]:
+        """Write T frames into the map memory, step by step; on the CPU, whatever the device of the network.
 
         Returns:
-            The new state; which things were opened (T, B, N); the window around the agent at each step; and the
-            remembered
-            target relative to the agent, (T, B, 4).
+            The new state; which things were opened (T, B, N); what the poses around the agent would show, of T * B
+            agents; and the remembered target relative to the agent, (T, B, 4).
         """
-        new = {name: state[name].clone() for name in ("cells", "what", "opened", "target_at")}
-        just, opened, windows, remembered = things[..., THING_FEATURES.index("just_opened")] > 0.5, [], [], []
+        device, cpu = self.device, torch.device("cpu")
+        new = {name: state[name].to(cpu, copy=True) for name in (*_MAPS, "target_at")}
+        frames = {name: frames[name].to(cpu).contiguous() for name in _WRITTEN}
+        belief, reach = _padded(context["belief"]).to(cpu), context["reach_m"].float().to(cpu)
+        target, openable, things = context["target"].to(cpu), self.things.openable.to(cpu), things.to(cpu)
+        just, opened, seen_from, remembered = things[..., THING_FEATURES.index("just_opened")] > 0.5, [], [], []
         for t, ids in enumerate(frames["thing_ids"]):
-            tracks, is_target = frames["thing_tracks"][t].long(), ids == context["target"][:, None]
+            tracks, pose = frames["thing_tracks"][t], frames["pose"][t]
+            is_target = (ids == target[:, None]) & (ids >= 0)
+            new["target_at"] = target_at(new["target_at"], is_target[:, 0], things[t, :, 0], pose.long())
+            step = MemoryStep(
+                pose, frames["status"][t, :, 1] > 0, frames["patch"][t], frames["look"][t], frames["pair_cell"][t],
+                frames["pair_row"][t], tracks, ids, is_target, just[t],
+            )  # fmt: skip
+            mass = write(new, step, belief, openable)
             known = (tracks >= 0) & (tracks < N_TRACKS)
-            batch, row = (just[t] & known).nonzero(as_tuple=True)
-            new["opened"][batch, tracks[batch, row]] = True
-            opened.append(new["opened"].gather(1, tracks.clamp(0, N_TRACKS - 1)) & known)
-            pose = frames["pose"][t].long()
-            new["target_at"] = target_at(new["target_at"], is_target[:, 0] & (ids[:, 0] >= 0), things[t, :, 0], pose)
-            rows = frames["pair_row"][t].clamp(min=0).long()
-            marks = torch.stack([just[t] | opened[-1], is_target], 1).float()
-            masses = torch.cat([mass[t].transpose(1, 2), marks], 1)  # (B, 6, N)
-            pair_mass = masses.gather(2, rows[:, None].expand(-1, 6, -1))
-            category = ids.long().gather(1, rows)
-            collision = frames["status"][t, :, 1] > 0
-            patch, look = frames["patch"][t], frames["look"][t]
-            self.memory.write(
-                new, MemoryStep(pose, collision, patch, look, frames["pair_cell"][t], pair_mass, category)
-            )
-            windows.append(self.memory.read(new, pose))
-            remembered.append(from_here(new["target_at"], pose))
-        return new, torch.stack(opened), windows, torch.stack(remembered)
+            opened.append(new["opened"].gather(1, tracks.long().clamp(0, N_TRACKS - 1)) & known)
+            seen_from.append(outlook(new, mass, pose, reach))
+            remembered.append(from_here(new["target_at"], pose.long()))
+        joined = Outlook(*(torch.cat(parts).to(device) for parts in zip(*seen_from, strict=True)))
+        return (
+            {name: tensor.to(device) for name, tensor in new.items()},
+            torch.stack(opened).to(device),
+            joined,
+            torch.stack(remembered).to(device),
+        )
 
-    def _status(self, frames: Tensors, context: dict[str, Tensor], windows: list[Window], remembered: Tensor) -> Tensor:
+    def _status(self, frames: Tensors, context: dict[str, Tensor], seen_from: Outlook, remembered: Tensor) -> Tensor:
         """Features (T, B, _N_STATUS): look, last action, step, collision, remembered target, nodes around, belief."""
         pose, status = frames["pose"].long(), frames["status"].long()
         look = nn.functional.one_hot(pose[..., 3] + 2, _N_LOOKS)
         last = nn.functional.one_hot(status[..., 2], 8)
         step = status[..., :2] / torch.tensor([_MAX_STEPS, 1.0], device=pose.device)
-        at = REACH + self.beside[pose[..., 2]]  # (T, B, 4, 2)
-        batch = torch.arange(pose.shape[1], device=pose.device)[:, None]
-        visits, free = [], []
-        for t, window in enumerate(windows):
-            i, j = at[t].unbind(-1)
-            visits.append(window.cells[batch, CHANNELS.index("visited"), i, j] / 255.0)
-            free.append(window.free[batch, i, j])
-        beside = torch.cat([torch.stack(visits), torch.stack(free).float()], -1)
+        beside = seen_from.beside.unflatten(0, pose.shape[:2])
         summary = context["summary"].float().expand(len(pose), -1, -1)
         return torch.cat([look, last, step, remembered, beside, summary], -1)
 
-    def _ways(self, frames: Tensors, windows: list[Window], status: Tensor) -> tuple[Ways, Tensor]:
-        """Places to go to with their weights, and log-probabilities of moves (T, B, 4)."""
-        joined = Window(torch.cat([w.cells for w in windows]), torch.cat([w.free for w in windows]))
+    def _ways(
+        self, frames: Tensors, seen_from: Outlook, status: Tensor, context: dict[str, Tensor], aim: Tensor
+    ) -> Ways:
+        """Places to go to with their probabilities, and log-probabilities of moves."""
         step, found = status[..., _N_LOOKS + 8, None], status[..., _N_LOOKS + 10, None]
-        given = torch.cat([status[..., -len(SUMMARY_FEATURES) :], step, found], -1).flatten(0, 1)
-        ways = self.places(joined, frames["pose"][..., 2].flatten(), given)
-        log_p = ways.log_p.unflatten(0, status.shape[:2])
-        return ways, log_p if self._plan else torch.zeros_like(log_p)
+        reach = context["reach_m"].float().expand(len(status), -1)[..., None]
+        totals = torch.log1p(seen_from.totals / self.totals_unit).unflatten(0, status.shape[:2])
+        given = torch.cat([status[..., -len(SUMMARY_FEATURES) :], reach, step, found, totals], -1)
+        return self.places(seen_from, given, aim, frames["pose"].long())  # type: ignore[no-any-return]
+
+    def _apart(self, ways: Ways, frames: Tensors) -> Tensor | None:
+        """Nats (T, B) from what an expert thinks of the poses, where frames tell that."""
+        if "views" not in frames or not self._plan:
+            return None
+        goals, views, pose = (part.flatten(0, 1) for part in (ways.log_goal, frames["views"], frames["pose"]))
+        return divergence(goals, views, pose, self._sharpness).unflatten(0, frames["pose"].shape[:2])
+
+
+#: Frames that the map memory is written from, and the parts of the state that hold it.
+_WRITTEN = ("pose", "status", "patch", "look", "thing_ids", "thing_tracks", "pair_cell", "pair_row")
+_MAPS = ("flags", "look", "visits", "who", "kind", "extent", "opened")
+
+
+def _padded(belief: Tensor) -> Tensor:
+    """Belief (B, n + 1, 4) float32, with 0 in the last row, for names outside the catalogue."""
+    return nn.functional.pad(belief.float(), (0, 0, 0, 1))
+
+
+def _possible(logits: Tensor, seen: Seen) -> Tensor:
+    """Logits (..., 7) with Open and Done all but impossible where nothing can be opened or taken."""
+    kept = list(logits.unbind(-1))
+    for action, possible in ((Action.OPEN, seen.openable), (Action.DONE, seen.near)):
+        others = torch.stack([one for number, one in enumerate(kept) if number != action], -1).logsumexp(-1)
+        kept[action] = torch.where(possible, kept[action], others + _NEVER)
+    return torch.stack(kept, -1)

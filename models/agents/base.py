@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.evaluation.kept.decisions import DecisionRecord
+from ucon.search.search_decision import SearchDecision, Seeking
 from ucon.task.agent import Info, Observation
 
 
@@ -68,6 +69,13 @@ class ControllerAgent:
             self.controllers[slot].act(observation, info)
             for slot, observation, info in zip(slots_of(infos, slots), observations, infos, strict=True)
         ]
+
+    def decided(self, slot: int) -> tuple[Seeking, SearchDecision | None] | None:
+        """The search in a slot and what it chose from in its last step; None for controllers that value no views."""
+        controller = self.controllers[slot]
+        if not hasattr(controller, "decided"):
+            return None
+        return controller.searcher, controller.decided  # type: ignore[attr-defined]
 
     def decisions(self, slot: int) -> list[DecisionRecord]:
         """Decisions in a slot since its reset; [] where the controller only chooses actions."""

@@ -78,6 +78,10 @@ class SearchLog:
 class SearchController:
     """Searches one home for one target.
 
+    Attributes:
+        searcher: the search.
+        decided: what it chose from in its last step; None where there was nothing to choose.
+
     Args:
         info: of the reset.
         expecting: gives the expected gain of looking at a place.
@@ -89,6 +93,7 @@ class SearchController:
         self, info: Info, expecting: Expecting, costs: Costs | None = None, judge: Judge | None = None
     ) -> None:
         self.searcher = Searcher(info, expecting, costs, judge=judge)
+        self.decided: SearchDecision | None = None
         self._log = SearchLog(info)
 
     def act(self, observation: Observation, info: Info) -> int:
@@ -100,8 +105,9 @@ class SearchController:
         """
         action = self.searcher.look(observation, info)
         self._log.looked(self.searcher, action)
+        self.decided = None
         if action is None:
-            decision = self.searcher.decision()
+            self.decided = decision = self.searcher.decision()
             self._log.chose(self.searcher, decision, decision.best)
             action = self.searcher.choose(decision.best)
         return int(action)

@@ -25,6 +25,7 @@ class PolicyModule(nn.Module):
     architecture = ""
     chooses: Choice = "actions"
     uses_habits = False
+    learns_views = False
     max_habits: int | None = None
     """For a network that reads habits, the longest list of them in training; learners set it."""
 

@@ -7,13 +7,13 @@ import time
 import numpy as np
 import pytest
 import torch
+from models.nets.end_to_end.shortest_ways import FAR, STAY, shortest_ways
 
 from models.habit_policy_e2e import HabitPolicyE2E
 from models.nets.end_to_end.ego_kernels import BLOCKED, EXPLORED, SEEN_FLOOR
 from models.nets.end_to_end.ego_view import ASIDE, BEHIND, N_PAIRS, N_THINGS
 from models.nets.end_to_end.floor_memory import CHANNELS, HALF, SIZE
 from models.nets.end_to_end.reasons import reasons
-from models.nets.end_to_end.shortest_ways import FAR, STAY, shortest_ways
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.perception.mapping.semantic_map import SemanticMap

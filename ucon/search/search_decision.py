@@ -42,6 +42,7 @@ class Seeking(Protocol):
     planner: Planner
     places: Places
     homing: Homing
+    taking: bool
     expected: Expectation | None
 
     def decision(self) -> SearchDecision:

@@ -7,10 +7,9 @@ from typing import Final
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from torch import Tensor
 
 from models.nets.end_to_end.ego_view import CELL_M
-from models.nets.end_to_end.floor_memory import CHANNELS, HALF, REACH, SIZE
+from models.nets.end_to_end.floor_memory import HALF, REACH, SIZE
 from models.nets.end_to_end.reasons import Reasons
 from ucon.perception.drawing.map_picture import FLOOR_COLOUR, OPENED, PATH, TALL, TARGET, UNKNOWN, Image, draw_agent
 from ucon.perception.drawing.overlay import FAINT, GOAL, WARM, Line, belief_lines, habit_lines, map_room, page, words
@@ -27,11 +26,11 @@ _BY_M: Final = 2.0
 _GLOW: Final = 0.05
 
 Layers = dict[str, NDArray[np.uint8]]
-"""Channels of the map memory by name, (SIZE, SIZE) each."""
+"""Layers of the map memory by name, (SIZE, SIZE) each; see :func:`models.nets.end_to_end.floor_memory.layers`."""
 
 
 def draw_reasons(
-    why: Reasons, target: str, cells: Tensor, pose: tuple[int, int, int], height: int = 384, width: int = 384
+    why: Reasons, target: str, layers: Layers, pose: tuple[int, int, int], height: int = 384, width: int = 384
 ) -> Image:
     """Draw one step of one episode.
 
@@ -42,7 +41,7 @@ def draw_reasons(
     Args:
         why: reasons of that step.
         target: category.
-        cells: (len(CHANNELS), SIZE * SIZE) uint8, the map memory after the step.
+        layers: the map memory after the step.
         pose: cell (i, j) relative to the start, and heading in quarter turns.
         height: of the picture, in pixels.
         width: of the picture, in pixels.
@@ -51,7 +50,6 @@ def draw_reasons(
         (height, width, 3) uint8.
     """
     places = [(anchor, relation, p) for anchor, relation, p in why.belief[:3]]
-    layers = dict(zip(CHANNELS, cells.view(-1, SIZE, SIZE).cpu().numpy(), strict=True))
     lines = [*belief_lines(places, width), *_intention_lines(why, target, layers), *habit_lines(why.habits, width)]
     return page(_map(why, layers, pose, *map_room(height, width)), lines, height, width)
 

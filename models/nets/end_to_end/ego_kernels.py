@@ -12,11 +12,12 @@ import numpy as np
 from ucon.core.jit import F32, F64, U8, jit
 
 _HALF, _CELL = np.float32(0.5), np.float32(0.25)
-_LOW_M, _TALL_M = np.float32(0.05), np.float32(1.8)
+_LOW_M, _TALL_M, _OPAQUE_M = np.float32(0.05), np.float32(1.8), np.float32(1.2)
 _RADIUS2_M2 = np.float32(0.18**2)
 _FARTHEST_M = np.float32(30.0)
-#: Bits of the patch: a sight line passed over a cell; floor was seen in it; an obstacle leaves no room to stand there.
-EXPLORED, SEEN_FLOOR, BLOCKED = 1, 2, 4
+#: Bits of the patch: a sight line ended in a cell or passed over it; floor was seen in it; an obstacle leaves no room to stand there;
+#: something in it stands too high to look over.
+EXPLORED, SEEN_FLOOR, BLOCKED, OPAQUE = 1, 2, 4, 8
 
 
 @jit
@@ -47,10 +48,11 @@ def mark_floor(points: F32, spread: F32, stride: int, shape: Any, flags: U8, nea
             at = (int(f) + behind) * columns + int(left) + aside
             cell[a, b] = at
             nearest[at] = min(nearest[at], away)
+            flags[at] |= EXPLORED
             if z < _LOW_M:
                 flags[at] |= SEEN_FLOOR
             elif z < _TALL_M:
-                flags[at] |= BLOCKED
+                flags[at] |= BLOCKED | (OPAQUE if z >= _OPAQUE_M else 0)
                 dx, dy = x - f * _CELL, y - left * _CELL
                 down, right = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
                 ex, ey = _CELL - abs(dx), _CELL - abs(dy)

@@ -2,7 +2,7 @@
 
 Nothing is remembered here; :class:`models.nets.end_to_end.floor_memory.FloorMemory` combines frames over time. Cells
 are
-0.25 m and centred on nodes; row f, column l of the patch is the cell f - 1 ahead and l - 24 to the left of the agent.
+0.25 m and centred on nodes; row f, column l of the patch is the cell f - 1 ahead and l - 40 to the left of the agent.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from ucon.perception.mapping.detections import STRUCTURE_KINDS, Detections
 from ucon.perception.mapping.semantic_map import require_right_angle
 
 CELL_M = 0.25
-AHEAD, ASIDE, BEHIND = 24, 24, 1
-"""Cells of the patch ahead (6 m), to either side (6 m), and behind."""
+AHEAD, ASIDE, BEHIND = 40, 40, 1
+"""Cells of the patch ahead (10 m), to either side (10 m), and behind."""
 ROWS, COLUMNS = AHEAD + BEHIND + 1, 2 * ASIDE + 1
 N_CELLS = ROWS * COLUMNS
 N_THINGS = 32
@@ -39,6 +39,8 @@ sine and cosine of its bearing; its box in shares of the image; log(pixels / 64)
 opened it.
 """
 _FAR_M, _LOOK_M = 25.0, 2.0
+#: Cells that a sight line passed over are explored up to this distance.
+_CARVE_M = 8.0
 _STRIDE = 2
 _N_BINS = 120
 
@@ -50,7 +52,7 @@ class EgoView:
     """Arrays of one frame; unused rows and pairs are -1."""
 
     patch: NDArray[np.uint8]
-    """(ROWS, COLUMNS) uint8, bits EXPLORED, SEEN_FLOOR and BLOCKED."""
+    """(ROWS, COLUMNS) uint8, bits EXPLORED, SEEN_FLOOR, BLOCKED and OPAQUE."""
     look: NDArray[np.uint8]
     """(ROWS, COLUMNS) uint8, 255 exp(-d / 2 m); d is the least horizontal distance from which the cell was seen."""
     names: tuple[str, ...]
@@ -147,7 +149,7 @@ def _floor(points: F32, spread: F32) -> tuple[NDArray[np.uint8], NDArray[np.uint
     reach = np.zeros(_N_BINS, np.float32)
     np.maximum.at(reach, _bins(ahead[seen], left[seen]), away[seen])
     distance, direction = _cells()
-    explored = distance <= np.minimum(reach[direction] + 0.125, AHEAD * CELL_M)
+    explored = distance <= np.minimum(reach[direction] + 0.125, _CARVE_M)
     patch = flags.reshape(ROWS, COLUMNS)
     patch[explored] |= EXPLORED
     look = (255.0 * np.exp(-nearest / _LOOK_M)).astype(np.uint8).reshape(ROWS, COLUMNS)

@@ -1,172 +1,218 @@
-"""The map memory: a grid of where the agent has been and what it saw there, kept in the recurrent state.
+"""The map memory: where the agent has been, what it saw there, and what each pose on it would show.
 
-0.25 m cells around the start, written by fixed rules from each frame's :mod:`models.nets.end_to_end.ego_view`: no
-parameters, no gradient, a pure function of the sequence of frames. The network reads a window around the agent.
+A grid of 0.25 m cells around the start and a table of tracked things, kept in the recurrent state and written by fixed
+rules from each frame's :mod:`models.nets.end_to_end.ego_view`: no parameters, no gradient, a pure function of the
+sequence of frames. What the network reads of it is counted by :mod:`models.nets.end_to_end.memory_kernels`.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, Final, NamedTuple
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
-from torch.nn import functional
 
-from models.nets.end_to_end.ego_kernels import BLOCKED, EXPLORED, SEEN_FLOOR
-from models.nets.end_to_end.ego_view import ASIDE, BEHIND, COLUMNS, N_CELLS, ROWS
-
-HALF = 128
-SIZE = 2 * HALF + 1
-"""Cells of a side of the map: 64 m, with the start in the middle."""
-REACH = 40
-WINDOW = 2 * REACH + 1
-"""Cells of a side of the window: 10 m to each side of the agent."""
-CHANNELS = (
-    *("explored", "floor", "blocked", "looked", "ontop", "beside", "inside", "closed"),
-    *("opened", "target", "visited", "most"),
+from models.nets.end_to_end.ego_kernels import BLOCKED, EXPLORED
+from models.nets.end_to_end.ego_view import BEHIND, COLUMNS
+from models.nets.end_to_end.memory_kernels import (
+    N_OUTLOOK,
+    OPENED,
+    TARGET,
+    VISITED,
+    find_ways,
+    look_out,
+    measure_maps,
+    write_floor,
+    write_things,
 )
-"""Layers of the map, uint8.
 
-``ontop`` to ``closed`` hold the belief that the target is with a thing in the cell, relative to the best category: on
-it, beside or under it, in an open one, in a closed one (stored as 255 times the square root). ``most`` is the largest
-of these; ``visited`` counts visits in steps of 64.
+HALF: Final = 128
+SIZE: Final = 2 * HALF + 1
+"""Cells of a side of the map: 64 m, with the start in the middle."""
+REACH: Final = 40
+"""Poses up to so many cells to each side of the agent (10 m) are considered."""
+BLOCKS: Final = REACH + 1
+"""Blocks of 2 x 2 cells of a side of the window around the agent."""
+N_TRACKS: Final = 512
+OUTLOOK: Final = ("on", "beside", "inside", "used", "closed", "space", "thin", "target", "been", "around")
+"""What is counted of every pose (a cell and a heading):
+
+belief that the target is on, beside or under, or in (open) what the pose would show, if that was not looked at closely,
+and all belief that was; belief behind closed doors that Open would reach; square metres of unexplored space, and of
+space seen from too far away; whether the target shows; how often the agent stood near with this heading, and with any.
 """
-_MASSES = slice(4, 10)
-_MOST = CHANNELS.index("most")
-N_TRACKS = 512
+TOTALS: Final = ("explored", "thin", "fresh")
+"""Of the whole map: square metres explored, square metres of them not seen closely, belief not looked at."""
+
+assert len(OUTLOOK) == N_OUTLOOK
 
 State = dict[str, Tensor]
 
 
 class MemoryStep(NamedTuple):
-    """What one step writes, for B episodes."""
+    """What one step writes, for B episodes with K things in view."""
 
     pose: Tensor
     """(B, 4) int: cell (i, j) relative to the start, heading in quarter turns, look up or down."""
     collision: Tensor
     """(B,) bool, the last move hit something."""
     patch: Tensor
-    """(B, ROWS, COLUMNS) uint8, bits of :mod:`models.nets.end_to_end.ego_view`."""
+    """(B, R, C) uint8, bits of :mod:`models.nets.end_to_end.ego_view`."""
     look: Tensor
-    """(B, ROWS, COLUMNS) uint8, how closely each cell was seen."""
+    """(B, R, C) uint8, how closely each cell was seen."""
     pair_cell: Tensor
-    """(B, P) int, cell of the patch of each (thing, cell) pair; -1 for none."""
-    pair_mass: Tensor
-    """(B, 6, P) in [0, 1]: ontop, beside, inside, closed, opened, target."""
-    pair_category: Tensor
-    """(B, P) int, category of the thing."""
+    """(B, P) int16, cell of the patch of each (thing, cell) pair; -1 for none."""
+    pair_row: Tensor
+    """(B, P) int16, number of the thing in the frame."""
+    tracks: Tensor
+    """(B, K) int16, -1 for none."""
+    ids: Tensor
+    """(B, K) int16, categories; -1 for none."""
+    is_target: Tensor
+    """(B, K) bool."""
+    just_opened: Tensor
+    """(B, K) bool, was opened by this step."""
 
 
-class Window(NamedTuple):
-    """The part of the map around an agent."""
+class Outlook(NamedTuple):
+    """What B agents could see from the poses around them: C x C blocks of 2 x 2 cells, along the map's axes."""
 
-    cells: Tensor
-    """(B, len(CHANNELS), WINDOW, WINDOW) uint8 along the map's axes, with the agent in the middle."""
-    free: Tensor
-    """(B, WINDOW, WINDOW) bool, False where cells are known to be impassable."""
-
-
-class FloorMemory(torch.nn.Module):
-    """Writes frames into maps and reads windows from them."""
-
-    offsets: Tensor
-
-    def __init__(self) -> None:
-        super().__init__()
-        f = torch.arange(N_CELLS) // COLUMNS - BEHIND
-        left = torch.arange(N_CELLS) % COLUMNS - ASIDE
-        turns = ((1, 0), (0, 1), (-1, 0), (0, -1))
-        offsets = torch.stack([torch.stack([c * f - s * left, s * f + c * left]) for c, s in turns])
-        self.register_buffer("offsets", offsets, persistent=False)  # (4, 2, N_CELLS): cells of the patch by heading
-
-    def initial_state(self, batch: int, device: torch.device) -> State:
-        """Empty maps: ``cells`` (B, channels, SIZE ** 2) uint8 of 0, ``what`` (B, SIZE ** 2) int16 of -1."""
-        cells = torch.zeros(batch, len(CHANNELS), SIZE * SIZE, dtype=torch.uint8, device=device)
-        what = torch.full((batch, SIZE * SIZE), -1, dtype=torch.int16, device=device)
-        return {"cells": cells, "what": what}
-
-    @torch.no_grad()
-    def write(self, state: State, step: MemoryStep) -> None:
-        """Write one step into the maps, in place.
-
-        Args:
-            state: maps as of :meth:`initial_state`.
-            step: what was seen.
-        """
-        cells, what = state["cells"], state["what"]
-        here = step.pose[:, :2].long() + HALF
-        at = here[:, :, None] + self.offsets[step.pose[:, 2].long()]  # (B, 2, N_CELLS)
-        inside = ((at >= 0) & (at < SIZE)).all(1)
-        index = at.clamp(0, SIZE - 1)
-        flat = index[:, 0] * SIZE + index[:, 1]  # (B, N_CELLS)
-        flags = step.patch.flatten(1)
-        seen = torch.stack([(flags & bit).bool() * 255 for bit in (EXPLORED, SEEN_FLOOR, BLOCKED)], 1).to(torch.uint8)
-        new = torch.cat([seen, step.look.flatten(1)[:, None]], 1) * inside[:, None]
-        cells[:, :4].scatter_reduce_(2, flat[:, None].expand(-1, 4, -1), new, "amax")
-        self._write_pairs(cells, what, flat, inside, step)
-        self._write_self(cells, here, step)
-
-    def _write_pairs(self, cells: Tensor, what: Tensor, flat: Tensor, inside: Tensor, step: MemoryStep) -> None:
-        """Write the belief of things into their cells; ``what`` keeps the category of the highest belief."""
-        there = (step.pair_cell >= 0) & inside.gather(1, step.pair_cell.clamp(min=0).long())
-        target = flat.gather(1, step.pair_cell.clamp(min=0).long())  # (B, P)
-        mass = (255 * step.pair_mass.clamp(0, 1).sqrt() * there[:, None]).to(torch.uint8)
-        cells[:, _MASSES].scatter_reduce_(2, target[:, None].expand(-1, mass.shape[1], -1), mass, "amax")
-        most = mass[:, :4].amax(1)
-        cells[:, _MOST].scatter_reduce_(1, target, most, "amax")
-        best = (most == cells[:, _MOST].gather(1, target)) & (most > 0)
-        batch, pair = best.nonzero(as_tuple=True)
-        what[batch, target[batch, pair]] = step.pair_category[batch, pair].to(torch.int16)
-
-    def _write_self(self, cells: Tensor, here: Tensor, step: MemoryStep) -> None:
-        """Mark the agent's cell as visited, and the cell ahead as blocked after a collision."""
-        rows = torch.arange(len(here), device=here.device)
-        ahead = here + self.offsets[step.pose[:, 2].long(), :, (BEHIND + 1) * COLUMNS + ASIDE]
-        own, next_ = (
-            p.clamp(0, SIZE - 1).select(1, 0) * SIZE + p.clamp(0, SIZE - 1).select(1, 1) for p in (here, ahead)
-        )
-        bumped = cells[rows, 2, next_]
-        cells[rows, 2, next_] = torch.where(step.collision, torch.full_like(bumped, 255), bumped)
-        visits = CHANNELS.index("visited")
-        cells[rows, visits, own] = (cells[rows, visits, own].int() + 64).clamp(max=255).to(torch.uint8)
-        cells[rows, 0, own] = 255
-
-    def read(self, state: State, pose: Tensor) -> Window:
-        """Windows around agents at ``pose`` (B, 4); cells beyond the map count as unknown."""
-        cells = state["cells"].view(len(pose), -1, SIZE, SIZE)
-        here = (pose[:, :2].long() + HALF).clamp(0, SIZE - 1).tolist()
-        window = torch.stack([_around(c, i, j) for c, (i, j) in zip(cells, here, strict=True)])
-        free = (window[:, 2] == 0) | (window[:, CHANNELS.index("visited")] > 0)
-        return Window(window, free)
+    counts: Tensor
+    """(B, len(OUTLOOK), 4, C, C) float32, by heading; 0 where there is no way."""
+    steps: Tensor
+    """(B, 4, C, C) uint8, actions to get there, ``FAR`` where there is no way."""
+    first: Tensor
+    """(B, 4, C, C) uint8, the first of them; ``STAY`` where the agent is."""
+    cell: Tensor
+    """(B, C, C) uint8, which cell stands for each block: 2 * row + column."""
+    totals: Tensor
+    """(B, len(TOTALS)) float32."""
+    beside: Tensor
+    """(B, 8) float32: visits of the cells ahead, right, left and here in units of four, and which are free."""
 
 
-def _around(cells: Tensor, i: int, j: int) -> Tensor:
-    """The window (C, WINDOW, WINDOW) of a map (C, SIZE, SIZE) around cell (i, j)."""
-    top, left = i - REACH, j - REACH
-    part = cells[:, max(top, 0) : top + WINDOW, max(left, 0) : left + WINDOW]
-    above, before = max(-top, 0), max(-left, 0)
-    below, after = WINDOW - above - part.shape[1], WINDOW - before - part.shape[2]
-    return functional.pad(part, (before, after, above, below)) if above or before or below or after else part
+def initial_maps(batch: int, device: torch.device) -> State:
+    """Empty maps of B episodes, tensors (B, ...) by name."""
+
+    def filled(value: float, dtype: torch.dtype, *shape: int) -> Tensor:
+        return torch.full((batch, *shape), value, dtype=dtype, device=device)
+
+    return {
+        "flags": filled(0, torch.uint8, SIZE, SIZE),
+        "look": filled(0, torch.uint8, SIZE, SIZE),
+        "visits": filled(0, torch.uint8, 4, SIZE, SIZE),
+        "who": filled(-1, torch.int16, 2, SIZE, SIZE),
+        "kind": filled(-1, torch.int16, N_TRACKS),
+        "extent": filled(0, torch.int32, N_TRACKS),
+        "opened": filled(0, torch.bool, N_TRACKS),
+    }
 
 
-def coarse(cells: Tensor) -> Tensor:
-    """Windows at half the resolution, with unknown space and frontiers.
+def write(state: State, step: MemoryStep, belief: Tensor, openable: Tensor) -> Tensor:
+    """Write one step into the maps, in place.
 
     Args:
-        cells: (N, C, W, W) uint8.
+        state: maps as of :func:`initial_maps`, on the CPU.
+        step: what was seen.
+        belief: (B, n + 1, 4) float32, probability that the target is on, in, under or beside a thing of each category.
+        openable: (n + 1,) bool, categories with doors.
 
     Returns:
-        (N, C + 2, (W + 1) / 2, (W + 1) / 2) float32 in [0, 1]: the largest value of each 2 x 2 block, the share of it
-        that is unknown, and floor that borders on the unknown (frontiers).
+        (B, N_TRACKS, 4) float32, belief of every track: on it, beside or under it, in it, behind its closed doors. That
+        of a category is divided among its things.
     """
-    unknown = functional.avg_pool2d(255.0 - cells[:, :1].float(), 2, ceil_mode=True) / 255.0
-    even = functional.pad(
-        cells, (0, cells.shape[3] % 2, 0, cells.shape[2] % 2)
-    )  # pooled as bytes: a quarter of the time
-    rows = torch.maximum(even[:, :, ::2], even[:, :, 1::2])
-    pooled = torch.maximum(rows[..., ::2], rows[..., 1::2]).float() / 255.0
-    frontier = functional.max_pool2d(unknown, 3, 1, 1) * pooled[:, 1:2]
-    return torch.cat([pooled, unknown, frontier], 1)
+    known = (step.tracks >= 0) & (step.tracks < N_TRACKS) & (step.ids >= 0)
+    batch, row = known.nonzero(as_tuple=True)
+    track = step.tracks[batch, row].long()
+    state["kind"][batch, track] = step.ids[batch, row]
+    just = step.just_opened[batch, row]
+    state["opened"][batch[just], track[just]] = True
+    mass = track_belief(state, belief, openable)
+    maps = {name: state[name].numpy() for name in ("flags", "look", "visits", "who", "extent")}
+    pose = step.pose.to(torch.int32).numpy()
+    write_floor(
+        maps["flags"], maps["look"], maps["visits"], pose, step.collision.numpy(), step.patch.numpy(),
+        step.look.numpy(), BEHIND,
+    )  # fmt: skip
+    write_things(
+        maps["flags"], maps["who"], maps["extent"], mass.numpy(), pose, step.pair_cell.numpy(), step.pair_row.numpy(),
+        step.tracks.numpy(), step.is_target.numpy(), state["opened"].numpy(), COLUMNS, BEHIND,
+    )  # fmt: skip
+    return mass
 
 
-assert ROWS * COLUMNS == N_CELLS
+def track_belief(state: State, belief: Tensor, openable: Tensor) -> Tensor:
+    """(B, N_TRACKS, 4) float32, belief of every track, as :func:`write` returns it."""
+    kind = state["kind"].long()
+    seen = kind >= 0
+    kind = torch.where(seen, kind, belief.shape[1] - 1)
+    alike = torch.zeros(belief.shape[:2], dtype=torch.float32).scatter_add_(1, kind, seen.float())
+    share = seen / alike.gather(1, kind).clamp(min=1.0)
+    ontop, inside, under, beside = (belief[..., k].gather(1, kind) * share for k in range(4))
+    shut = openable[kind] & ~state["opened"]
+    return torch.stack([ontop, under + beside, inside * ~shut, inside * shut], -1)
+
+
+def outlook(state: State, mass: Tensor, pose: Tensor, reach_m: Tensor) -> Outlook:
+    """What the poses around each agent would show.
+
+    Args:
+        state: maps, on the CPU.
+        mass: (B, N_TRACKS, 4) of :func:`write`.
+        pose: (B, 4) int.
+        reach_m: (B,) from how far away the target would be seen, metres.
+    """
+    n = len(pose)
+    share = (mass / state["extent"].clamp(min=1)[..., None]).numpy()
+    flags, look, visits, who, extent = (state[k].numpy() for k in ("flags", "look", "visits", "who", "extent"))
+    at = pose.to(torch.int32).numpy()
+    sight = (reach_m * 4.0).to(torch.int32).numpy()
+    enough = (255.0 * torch.exp(-reach_m / 2.0)).to(torch.uint8).numpy()
+    steps, first = (np.empty((n, 4, BLOCKS, BLOCKS), np.uint8) for _ in range(2))
+    cell = np.empty((n, BLOCKS, BLOCKS), np.uint8)
+    find_ways(flags, at, REACH, steps, first, cell)
+    counts = np.empty((n, N_OUTLOOK, 4, BLOCKS, BLOCKS), np.float32)
+    look_out(flags, look, who, visits, share, extent, at, sight, enough, steps, cell, counts)
+    totals = np.empty((n, len(TOTALS)), np.float32)
+    measure_maps(flags, look, who, share, enough, totals)
+    found: list[Any] = [counts, steps, first, cell, totals, _beside(flags, visits, at)]
+    return Outlook(*(torch.from_numpy(array) for array in found))
+
+
+def layers(state: State, mass: Tensor) -> dict[str, NDArray[np.uint8]]:
+    """The map of one episode for drawing: (SIZE, SIZE) uint8 by name, 255 where it holds.
+
+    ``most`` is the belief in each cell, relative to the largest; as 255 times its square root.
+
+    Args:
+        state: maps of one episode (1, ...).
+        mass: (1, N_TRACKS, 4) of :func:`track_belief`.
+    """
+    flags = state["flags"][0].numpy()
+    bits = {"explored": EXPLORED, "blocked": BLOCKED, "opened": OPENED, "target": TARGET, "visited": VISITED}
+    drawn = {name: np.where(flags & bit, 255, 0).astype(np.uint8) for name, bit in bits.items()}
+    most = cell_belief(state, mass).max(0)
+    drawn["most"] = (255 * np.sqrt(most / max(float(most.max()), 1e-9))).astype(np.uint8)
+    return drawn
+
+
+def cell_belief(state: State, mass: Tensor) -> NDArray[np.float32]:
+    """(2, SIZE, SIZE) float32, belief of the two things in each cell of one episode's map."""
+    who = state["who"][0].long()
+    found: NDArray[np.float32] = torch.where(who >= 0, mass[0].sum(-1)[who.clamp(min=0)], 0.0).numpy()
+    return found
+
+
+#: Cells (i, j) ahead, to the right, to the left and here, by heading.
+_BESIDE: Final = np.array([[(c, s), (s, -c), (-s, c), (0, 0)] for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1))])
+
+
+def _beside(flags: NDArray[np.uint8], visits: NDArray[np.uint8], pose: NDArray[np.int32]) -> NDArray[np.float32]:
+    at = np.clip(pose[:, None, :2] + HALF + _BESIDE[pose[:, 2] & 3], 0, SIZE - 1)  # (B, 4, 2)
+    row = np.arange(len(pose))[:, None]
+    seen = flags[row, at[..., 0], at[..., 1]]
+    often = visits[row, :, at[..., 0], at[..., 1]].astype(np.float32).sum(-1)
+    free = (seen & BLOCKED == 0) | (seen & VISITED > 0)
+    return np.concatenate([np.minimum(0.25 * often, 1.0), free], 1).astype(np.float32)

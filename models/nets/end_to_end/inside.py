@@ -16,4 +16,4 @@ class PolicyTrace(NamedTuple):
 
     seen: Seen
     ways: Ways
-    """Places to go to, of T * B agents."""
+    """Places to go to."""

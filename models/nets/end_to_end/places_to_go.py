@@ -1,104 +1,177 @@
 """Where to go: a distribution over the poses of the remembered floor, and the first action towards each.
 
-A pose's score is what it promises, learned from the map around it, minus the cost of the way there. The probability of
-an action is the sum over poses whose shortest path begins with it. As this is a mixture, imitating actions teaches what
-places promise: which anchors named by habits, containers and frontiers are worth the way. All four headings share the
-weights: what lies ahead of a pose is weighed by one kernel, rotated.
+A pose's score is the logarithm of what it would show, less that of the cost of the way there: how much each thing that
+it would show is worth is learned, and depends on target, habits and step. A small network adds what else poses are
+worth. The probability of an action is the sum over poses whose shortest path begins with it.
 """
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from models.nets.end_to_end.floor_memory import CHANNELS, Window, coarse
-from models.nets.end_to_end.shortest_ways import FAR, shortest_ways
+from models.nets.end_to_end.floor_memory import BLOCKS, OUTLOOK, Outlook
+from models.nets.end_to_end.memory_kernels import FAR
 
-_INPUTS = len(CHANNELS) + 2
-_KERNEL = 5
-_NEVER = -1e4
+_NEVER: Final = -1e4
 """Score of what cannot be; -inf would give NaN gradients."""
 #: Added to the probability of each first action.
-_LEAST = math.exp(-12.0)
-#: Initial promise of a place by channel, in actions that one would spend for it.
-_BEFORE = {"ontop": 6.0, "beside": 4.0, "inside": 4.0, "closed": 8.0, "target": 60.0, "frontier": 4.0}
+_LEAST: Final = math.exp(-12.0)
+#: Worth of a pose that shows nothing.
+_NOTHING: Final = 1e-4
+#: Initial worth of a unit of each count: of the belief, of a square metre, of the target.
+_WORTH: Final = {
+    "on": 1.0, "beside": 0.6, "inside": 1.0, "used": 0.05, "closed": 1.0, "space": 0.01, "thin": 0.002, "target": 10.0,
+}  # fmt: skip
+#: Initial loss of score by each unit of having been there.
+_STALE: Final = {"been": 0.5, "around": 0.0}
+#: The pose that it is on its way to is liked better by this factor, at first.
+_LOYALTY: Final = 1.25
+#: Poses whose log-probabilities differ by less are alike: last bits depend on what else is in the batch.
+_TIE: Final = 1e-3
+#: Cost of every pose beside the actions, at first.
+_OVERHEAD: Final = 0.5
 
 
 class Ways(NamedTuple):
-    """For N agents: log-probabilities of first actions, and of goals in C x C blocks of 2 x 2 cells around each."""
+    """For T steps of B agents: first actions, and poses in C x C blocks of 2 x 2 cells around each agent."""
 
     log_p: Tensor
-    """(N, 4) log-probability of MoveAhead, RotateRight, RotateLeft, and of staying in this pose."""
-    goals: Tensor
-    """(N, 4, C, C) probability of going to each pose, by heading there."""
-    interest: Tensor
-    """(N, F, C, C) learned features of places, which promises are computed from."""
+    """(T, B, 4) log-probability of MoveAhead, RotateRight, RotateLeft, and of staying in this pose."""
+    log_goal: Tensor
+    """(T, B, 4, C, C) log-probability of going to each pose, by heading there."""
+    aim: Tensor
+    """(B, 3) int64, the likeliest pose at the last step: cell (i, j) from the start and heading."""
 
 
 class PlacesToGo(nn.Module):
     """Network that scores the poses around the agent."""
 
-    def __init__(self, n_globals: int, width: int = 16, n_interests: int = 8) -> None:
-        """Build the network; at first it scores by the fixed promises of the channels.
+    def __init__(self, n_globals: int, sharpness: float, width: int = 24) -> None:
+        """Build the network; at first it scores by fixed worths.
 
         Args:
-            n_globals: number of features of the whole episode or step, which change what is worth going to.
-            width: channels of the hidden layers.
-            n_interests: learned features of a place.
+            n_globals: number of features of episode and step, on which worths depend.
+            sharpness: factor of the scores; the higher, the more the best pose decides.
+            width: of the hidden layers.
         """
         super().__init__()
-        self.near = nn.Conv2d(_INPUTS, width, 3, padding=1)
-        self.wide = nn.Conv2d(width, width, 3, padding=2, dilation=2)
-        self.interests = nn.Conv2d(width, n_interests, 1)
-        self.globals = nn.Linear(n_globals, width)
-        self.raw = nn.Conv2d(_INPUTS, 1, 1)
-        self.view = nn.Parameter(torch.zeros(1, n_interests + 1, _KERNEL, _KERNEL))
-        self.log_cost = nn.Parameter(torch.tensor(-1.2))
+        self._sharpness = sharpness
+        self.worths = nn.Sequential(nn.Linear(n_globals, width), nn.ReLU(), nn.Linear(width, len(_WORTH)))
+        self.stale = nn.Parameter(torch.tensor([*_STALE.values()]))
+        self.overhead = nn.Parameter(torch.tensor(math.log(_OVERHEAD)))
+        self.loyalty = nn.Parameter(torch.tensor(math.log(_LOYALTY)))
+        self.numbers = nn.Linear(len(OUTLOOK) + 2, width)
+        self.globals = nn.Linear(n_globals, width, bias=False)
+        self.also = nn.Sequential(nn.ReLU(), nn.Linear(width, width), nn.ReLU(), nn.Linear(width, 1))
         self._begin()
 
     @torch.no_grad()
     def _begin(self) -> None:
-        names = (*CHANNELS, "unknown", "frontier")
-        self.raw.weight.zero_()
-        self.raw.bias.zero_()  # type: ignore[union-attr]
-        for name, worth in _BEFORE.items():
-            self.raw.weight[0, names.index(name)] = worth
-        nn.init.normal_(self.view[:, 1:], std=0.05)
-        middle = _KERNEL // 2
-        self.view[0, 0, middle + 1, middle] = 0.6  # weight of the block half a metre ahead of a pose
-        self.view[0, 0, middle + 2, middle] = 0.2
-        self.view[0, 0, middle + 1, middle - 1 : middle + 2 : 2] = 0.1
+        last, extra = self.worths[-1], self.also[-1]
+        assert isinstance(last, nn.Linear) and isinstance(extra, nn.Linear)  # noqa: PT018
+        for layer in (last, extra):
+            nn.init.zeros_(layer.weight)
+            nn.init.zeros_(layer.bias)
+        last.bias.copy_(torch.tensor([*_WORTH.values()]).log())
 
-    def forward(self, window: Window, heading: Tensor, given: Tensor) -> Ways:
-        """Score the poses around N agents.
+    def forward(self, seen: Outlook, given: Tensor, aim: Tensor, pose: Tensor) -> Ways:
+        """Score the poses around B agents at T steps.
 
         Args:
-            window: of each agent.
-            heading: (N,) int, quarter turns.
-            given: (N, n_globals) features of episode and step.
+            seen: of T * B agents, step by step.
+            given: (T, B, n_globals) features of episode and step.
+            aim: (B, 3) int64, the pose that was likeliest before the first step; heading -1 for none.
+            pose: (T, B, 4) int64 of the agents.
         """
-        steps, first = shortest_ways(window.free, heading)
-        seen = coarse(window.cells)
-        hidden = functional.relu(self.near(seen) + self.globals(given)[:, :, None, None])
-        hidden = functional.relu(self.wide(hidden))
-        interest = torch.cat([self.raw(seen), self.interests(hidden)], 1)
-        promise = functional.conv2d(interest, self._kernels(), padding=_KERNEL // 2)  # (N, 4, C, C)
-        score = promise - torch.exp(self.log_cost) * steps
-        score = score.masked_fill(steps == FAR, _NEVER).flatten(1)
-        log_goal = torch.log_softmax(score, 1)
-        return Ways(_by_first(log_goal, first.flatten(1)), log_goal.exp().view_as(promise), interest)
+        n_steps, batch = given.shape[:2]
+        score = self._scores(seen, given.flatten(0, 1)).unflatten(0, (n_steps, batch))  # (T, B, 4 * C * C)
+        cell = seen.cell.unflatten(0, (n_steps, batch))
+        log_goals = []
+        for t in range(n_steps):
+            log_goals.append(torch.log_softmax(self._sharpness * self._loyal(score[t], aim, pose[t]), -1))
+            aim = aimed_at(log_goals[-1].detach(), pose[t], cell[t])
+        log_goal = torch.stack(log_goals)
+        first = seen.first.flatten(1).unflatten(0, (n_steps, batch))
+        shape = (n_steps, batch, *seen.steps.shape[1:])
+        return Ways(_by_first(log_goal, first), log_goal.view(shape), aim)
 
-    def _kernels(self) -> Tensor:
-        """The kernel for headings 0 to 3; heading 0 looks along the first axis, 1 along the second."""
-        return torch.cat([torch.rot90(self.view, turns, (2, 3)) for turns in range(4)])
+    def _scores(self, seen: Outlook, given: Tensor) -> Tensor:
+        """Scores (N, 4 * C * C) of all poses without loyalty; only those with a way to them are computed."""
+        there = seen.steps.flatten(1) != FAR
+        agent, at = there.nonzero(as_tuple=True)
+        counts = seen.counts.flatten(2)[agent, :, at]  # (P, len(OUTLOOK))
+        steps = seen.steps.flatten(1)[agent, at].float()
+        n = len(_WORTH)
+        with torch.autocast(given.device.type, enabled=False):
+            worth = (counts[:, :n] * self.worths(given.float()).float().exp()[agent]).sum(-1)
+            cost = torch.log(steps + self.overhead.exp())
+            score = torch.log(worth + _NOTHING) - cost - counts[:, n:] @ self.stale
+        logs = torch.log1p(100.0 * counts[:, :n]) / 4
+        numbers = torch.cat([logs, counts[:, n:], cost[:, None], steps[:, None] / 50], 1)
+        score = score + self.also(self.numbers(numbers) + self.globals(given)[agent]).squeeze(-1).float()
+        return torch.full(there.shape, _NEVER, device=score.device).index_put((agent, at), score)
+
+    def _loyal(self, score: Tensor, aim: Tensor, pose: Tensor) -> Tensor:
+        """Scores (B, 4 * C * C) with that of the block of the pose that it is on its way to raised."""
+        block = (aim[:, :2] - pose[:, :2] + BLOCKS - 1) // 2
+        known = (aim[:, 2] >= 0) & ((block >= 0) & (block < BLOCKS)).all(1)
+        block = block.clamp(0, BLOCKS - 1)
+        at = (aim[:, 2].clamp(min=0) * BLOCKS + block[:, 0]) * BLOCKS + block[:, 1]
+        raised = self.loyalty * functional.one_hot(at, score.shape[1]) * known[:, None]
+        return score + raised
+
+
+def aimed_at(log_goal: Tensor, pose: Tensor, cell: Tensor) -> Tensor:
+    """The likeliest poses, (B, 3) int64: cell (i, j) from the start and heading.
+
+    Args:
+        log_goal: (B, 4 * C * C).
+        pose: (B, 4) int64 of the agents.
+        cell: (B, C, C) which cell stands for each block.
+    """
+    at = (log_goal / _TIE).round().argmax(-1)
+    heading, block = at // (BLOCKS * BLOCKS), at % (BLOCKS * BLOCKS)
+    which = cell.flatten(1).gather(1, block[:, None]).squeeze(1).long()
+    i = pose[:, 0] - (BLOCKS - 1) + 2 * (block // BLOCKS) + which // 2
+    j = pose[:, 1] - (BLOCKS - 1) + 2 * (block % BLOCKS) + which % 2
+    return torch.stack([i, j, heading], 1)
+
+
+def divergence(log_goal: Tensor, views: Tensor, pose: Tensor, sharpness: float) -> Tensor:
+    """How far a policy's goals are from what an expert thinks of the poses, (N,) nats; 0 where it says nothing.
+
+    The Kullback-Leibler divergence from the expert's distribution, in which a view has weight ``score ** sharpness``.
+
+    Args:
+        log_goal: (N, 4, C, C).
+        views: (N, V, 4) int: cells ahead and to the left, heading from the agent's, and score relative to the best
+            one's 10,000; 0 for none.
+        pose: (N, 4) int of the agents.
+        sharpness: the higher, the more the best view counts.
+    """
+    heading = pose[:, 2:3].long()
+    f, left, turned, score = (views[..., k].long() for k in range(4))
+    cos, sin = (torch.tensor(v, device=views.device)[heading] for v in ((1, 0, -1, 0), (0, 1, 0, -1)))
+    block = torch.stack([cos * f - sin * left, sin * f + cos * left], -1).add(BLOCKS - 1).div(2, rounding_mode="floor")
+    inside = ((block >= 0) & (block < BLOCKS)).all(-1) & (score > 0)
+    block = block.clamp(0, BLOCKS - 1)
+    at = ((heading + turned) % 4 * BLOCKS + block[..., 0]) * BLOCKS + block[..., 1]
+    weight = torch.where(inside, score.float() / 1e4, 0.0) ** sharpness
+    flat = log_goal.flatten(1)
+    best = torch.zeros_like(flat).scatter_reduce_(1, at, weight, "amax")  # views of one block count once
+    total = best.sum(1, keepdim=True)
+    wanted = best / total.clamp(min=1e-9)
+    apart = (wanted * (wanted.clamp(min=1e-9).log() - flat.clamp(min=-30.0))).sum(1)
+    return apart * (total.squeeze(1) > 0)
 
 
 def _by_first(log_goal: Tensor, first: Tensor) -> Tensor:
-    """(N, 4) log of the summed probability of the goals whose path begins with each action, at least -12."""
-    summed = torch.zeros(len(first), 4, dtype=log_goal.dtype, device=log_goal.device)
-    summed = summed.scatter_add(1, first.clamp(max=3).long(), log_goal.exp() * (first < 4))
+    """(T, B, 4) log of the summed probability of the goals whose path begins with each action, at least -12."""
+    summed = torch.zeros(*log_goal.shape[:-1], 4, dtype=log_goal.dtype, device=log_goal.device)
+    summed = summed.scatter_add(-1, first.clamp(max=3).long(), log_goal.exp())
     return (summed + _LEAST).log()

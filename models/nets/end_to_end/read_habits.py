@@ -18,7 +18,7 @@ from ucon.language.phrases import phrase, query_text
 from ucon.language.store import StoredEncoder, default_encoder
 from ucon.objects.catalogue import catalogue
 from ucon.objects.model import RELATIONS
-from ucon.perception.places.affordances import affordance
+from ucon.perception.places.affordances import affordance, sight_range_m
 from ucon.readers.protocol import Read, Reader
 
 N_HABITS = 24
@@ -91,7 +91,8 @@ def read_habits(
     Returns:
         belief (n, 4) float16, p(category, relation) for the n categories of the catalogue; summary (7,) float32;
         target () int64, its number, n outside the catalogue; goal (DIM,) float16, embedding of its name; habit_vectors
-        (N_HABITS, DIM) float16; habit_features (N_HABITS, 4) float16; support (N_HABITS, A) float16.
+        (N_HABITS, DIM) float16; habit_features (N_HABITS, 4) float16; support (N_HABITS, A) float16; reach_m ()
+        float32, from how far away the target is seen.
     """
     target, texts = str(info["target"]), tuple(info["habits"])
     trusted = info.get("habit_level") == "gt"
@@ -122,6 +123,7 @@ def read_habits(
         "habit_vectors": vectors,
         "habit_features": features,
         "support": supports,
+        "reach_m": np.array(sight_range_m(target), np.float32),
     }
 
 

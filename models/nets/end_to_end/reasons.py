@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from torch import Tensor
 
 from models.nets.end_to_end.ego_view import CELL_M
-from models.nets.end_to_end.floor_memory import HALF, REACH, SIZE
+from models.nets.end_to_end.floor_memory import HALF, REACH, State, cell_belief
 from models.nets.end_to_end.inside import PolicyTrace
 from models.nets.end_to_end.read_habits import kept_habits, words
 from ucon.learning.policies.action_policy import Tensors
@@ -72,6 +73,7 @@ def reasons(
     frame: Tensors,
     context: Tensors,
     state: Tensors,
+    believed: Tensor,
     trace: PolicyTrace,
     logits: Any,
 ) -> Reasons:
@@ -83,13 +85,14 @@ def reasons(
         frame: of that step, (1, 1, ...) by name.
         context: (1, ...) by name.
         state: recurrent state after the step, (1, ...) by name.
+        believed: (1, N_TRACKS, 4) belief of every track.
         trace: second result of ``think``.
         logits: (7,).
     """
-    goals = trace.ways.goals[-1].sum(0)  # (C, C)
+    goals = trace.ways.log_goal[-1, 0].exp().sum(0)  # (C, C)
     at = divmod(int(goals.argmax()), goals.shape[1])
     i, j = (int(frame["pose"][-1, 0, k]) + 2 * at[k] - REACH for k in range(2))
-    thing = _thing_near(state, i, j)
+    thing = _thing_near({**state}, believed, i, j)
     belief = context["belief"][0].float()
     best = belief.flatten().topk(5)
     names = catalogue().names
@@ -112,15 +115,15 @@ def reasons(
     )
 
 
-def _thing_near(state: Tensors, i: int, j: int) -> str:
+def _thing_near(state: State, believed: Tensor, i: int, j: int) -> str:
     """Category with the highest belief remembered within 6 cells of cell (i, j); "" for none."""
-    most = state["cells"][0, -1].view(SIZE, SIZE)
+    most = cell_belief(state, believed)
     a, b = max(i + HALF - _NEAR, 0), max(j + HALF - _NEAR, 0)
-    around = most[a : a + 2 * _NEAR + 1, b : b + 2 * _NEAR + 1]
-    if not around.numel() or int(around.max()) == 0:
+    around = most[:, a : a + 2 * _NEAR + 1, b : b + 2 * _NEAR + 1]
+    if not around.size or float(around.max()) <= 0.0:
         return ""
-    k, m = divmod(int(around.argmax()), around.shape[1])
-    return _name(int(state["what"][0].view(SIZE, SIZE)[a + k, b + m]))
+    layer, k, m = (int(n) for n in np.unravel_index(int(around.argmax()), around.shape))
+    return _name(int(state["kind"][0, int(state["who"][0, layer, a + k, b + m])]))
 
 
 def _name(number: int) -> str:

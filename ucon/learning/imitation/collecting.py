@@ -8,19 +8,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.rng import stream
 from ucon.learning.imitation.experts import Corrector
+from ucon.learning.imitation.replaying import Replayer, learns_views, with_views
 from ucon.learning.imitation.trajectories import NO_LABEL, Replay, Trajectory
+from ucon.learning.imitation.view_labels import Label
 from ucon.learning.policies.playing import Job, Players, PolicyChooser, Seen
 from ucon.task.actions import Action
 
 if TYPE_CHECKING:
     from torch import Tensor, nn
+
+    from ucon.learning.policies.action_policy import ActionPolicy
 
 Played = tuple[Trajectory, Replay]
 
@@ -52,12 +56,16 @@ class Collector:
         expert: labels every step.
         slots: most episodes of a part, which are played at once.
         max_steps: episodes are cut off after this many actions.
+
+    Attributes:
+        replayer: plays trajectories again; the expert labels views anew, if the policy learns from them.
     """
 
     def __init__(
         self, policy: nn.Module, make_env: Callable[[], Any], expert: Corrector, slots: int, max_steps: int
     ) -> None:
         self._policy, self._expert = policy, expert
+        self.replayer = Replayer(cast("ActionPolicy", policy), make_env, expert if learns_views(policy) else None)
         self._players = Players(policy, make_env, slots, max_steps, keep_frames=True)
 
     def __call__(self, part: CollectionPart) -> list[Played]:
@@ -67,17 +75,19 @@ class Collector:
             For each job, its trajectory and what the policy saw along it, in the order of the jobs.
         """
         self._policy.load_state_dict(part.weights)
-        chooser = _Mixture(part, self._expert)
+        chooser = _Mixture(part, self._expert, views=learns_views(self._policy))
         played = []
         for number, one in enumerate(self._players.play(part.jobs, chooser, "collecting")):
             assert one.replay is not None  # keep_frames
             labels = "".join(chooser.labels[number])
-            played.append((Trajectory(one.job.episode, one.job.level, one.actions, labels), one.replay))
+            trajectory = Trajectory(one.job.episode, one.job.level, one.actions, labels)
+            played.append((trajectory, with_views(one.replay, chooser.views.get(number))))
         return played
 
     def close(self) -> None:
         """Close the environments; a later call makes new ones."""
         self._players.close()
+        self.replayer.close()
 
 
 class _Mixture:
@@ -89,8 +99,9 @@ class _Mixture:
     further step could be labelled.
     """
 
-    def __init__(self, part: CollectionPart, expert: Corrector) -> None:
-        self._part, self._expert = part, expert
+    def __init__(self, part: CollectionPart, expert: Corrector, *, views: bool) -> None:
+        self._part, self._expert, self._with_views = part, expert, views
+        self.views: dict[int, list[Label]] = {}
         keys = ("stray", part.iteration, part.first)
         self._policy = PolicyChooser(part.temperature > 0, part.seed, *keys, temperature=part.temperature)
         self._slot: dict[int, int] = {}
@@ -100,6 +111,8 @@ class _Mixture:
 
     def begin(self, number: int, job: Job, env: Any, info: Mapping[str, Any]) -> None:
         self.labels[number] = []
+        if self._with_views:
+            self.views[number] = []
         self._slot[number] = self._number.setdefault(id(env), len(self._number))
         self._expert.begin(self._slot[number], job.episode, env, info)
 
@@ -107,6 +120,8 @@ class _Mixture:
         part = self._part
         best = self._expert.label(self._slot[number], *seen)
         self.labels[number].append(NO_LABEL if best is None else str(int(best)))
+        if self._with_views:
+            self.views[number].append(self._expert.views(self._slot[number]))
         own = self._policy.choose(number, step, logits, seen)
         if best is None:
             return own

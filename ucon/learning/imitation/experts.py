@@ -3,15 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from ucon.learning.imitation.demonstrators import agent_fingerprint, check_agent
+from ucon.learning.imitation.view_labels import Label, no_views, views_label
+from ucon.search.search_decision import SearchDecision, Seeking
 from ucon.task.actions import Action
 from ucon.task.agent import Agent
 from ucon.task.episode import Episode
 from ucon.task.expert import Expert
 
 Info = Mapping[str, Any]
+
+
+@runtime_checkable
+class Decides(Protocol):
+    """An agent that chooses among views."""
+
+    def decided(self, slot: int) -> tuple[Seeking, SearchDecision | None] | None:
+        """The search in a slot, and what it chose from in its last step."""
+        ...
 
 
 class Corrector(Protocol):
@@ -47,6 +58,14 @@ class Corrector(Protocol):
         """
         ...
 
+    def views(self, slot: int) -> Label:
+        """What it thought of views when it last said an action; see :data:`ucon.learning.imitation.view_labels.Label`.
+
+        Args:
+            slot: number of the slot.
+        """
+        ...
+
 
 class KnowingExpert:
     """Goes the shortest way from wherever the policy stands: it knows the home, the target's place and its container.
@@ -71,6 +90,10 @@ class KnowingExpert:
         """The next action of a shortest solution from here."""
         expert, env = self._experts[slot]
         return expert.action(env.unwrapped.search)
+
+    def views(self, slot: int) -> Label:
+        """Nothing: it values no views."""
+        return no_views()
 
 
 class SearchingExpert:
@@ -100,3 +123,8 @@ class SearchingExpert:
     def label(self, slot: int, observation: Info, info: Info) -> Action | None:
         """The agent's own next action."""
         return Action(self._agent.act([observation], [info], [slot])[0])
+
+    def views(self, slot: int) -> Label:
+        """The agent's scores of views; nothing where it has none."""
+        found = self._agent.decided(slot) if isinstance(self._agent, Decides) else None
+        return no_views() if found is None else views_label(*found)

@@ -22,7 +22,8 @@ import numpy as np
 
 from ucon.learning.imitation.demonstrators import Demonstrator
 from ucon.learning.imitation.kept_demonstrations import KeptDemonstrations
-from ucon.learning.imitation.trajectories import Replay, Replayer, Trajectory
+from ucon.learning.imitation.replaying import Replayer
+from ucon.learning.imitation.trajectories import Replay, Trajectory
 from ucon.learning.policies.playing import Job
 from ucon.learning.run.workers import WORKER_TIMEOUT_S, ask, begin_worker, lost_worker
 
@@ -74,7 +75,7 @@ class Feeder:
         self._kept: dict[tuple[str, str, str], bytes] = {}
         self._nothing_frozen = False
         """Whether the policy is known to have no frozen networks."""
-        self._play = Replayer(self._policy, make_env)
+        self._play = _replayer_of(policy, make_env, collector)
         self._demonstrator, self._collector = demonstrator, collector
         self._pool: ProcessPoolExecutor | None = None
         self._started: dict[int, BaseProcess] = {}
@@ -241,7 +242,12 @@ def _begin(
     """Initialise a worker: create its replayer."""
     begin_worker()
     global _replayer, _demonstrator, _collector
-    _replayer, _demonstrator, _collector = Replayer(policy, make_env), demonstrator, collector
+    _replayer, _demonstrator, _collector = _replayer_of(policy, make_env, collector), demonstrator, collector
+
+
+def _replayer_of(policy: Any, make_env: Callable[[], Any], collector: Collector | None) -> Replayer:
+    """The collector's, whose expert labels views anew; without a collector one that plays alone."""
+    return Replayer(policy, make_env) if collector is None else collector.replayer
 
 
 def _collect(part: CollectionPart) -> list[tuple[Trajectory, bytes]]:

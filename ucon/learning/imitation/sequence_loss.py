@@ -16,6 +16,8 @@ from ucon.learning.policies.sequences import Batch, Chunk
 from ucon.learning.run.protocol import Figures
 from ucon.task.actions import Action
 
+#: Denominators of the parts of a batch's loss.
+Scale = tuple[float, float, float]
 _NAMES = tuple(action.name.lower() for action in Action)
 
 
@@ -23,9 +25,9 @@ _NAMES = tuple(action.name.lower() for action in Action)
 class SequenceLoss:
     """Weighted cross-entropy of the labelled actions, plus a Huber loss of the value against the discounted return.
 
-    The loss of a batch is sum(weight * cross-entropy) / sum(weight) + ``value`` * mean(Huber). A step without a label
-    has
-    weight 0 in the first term.
+    The loss of a batch is sum(weight * cross-entropy) / sum(weight) + ``value`` * mean(Huber) + ``views`` *
+    mean(divergence). A step without a label has weight 0 in the first term; the last is of the steps in which the
+    expert says what it thinks of views.
 
     Raises:
         ConfigError: an unknown action, or a number out of range.
@@ -47,8 +49,10 @@ class SequenceLoss:
     """Weight of the value's loss; 0 leaves it out."""
     discount: float = 0.99
     """Discount per step of the returns that the value is trained on."""
+    views: float = 0.0
+    """Weight of the mean divergence of the policy's goals from what the expert thinks of views; 0 leaves it out."""
 
-    n_sums = 6
+    n_sums = 8
 
     def __post_init__(self) -> None:
         if not isinstance(self.weights, Mapping):
@@ -59,18 +63,21 @@ class SequenceLoss:
             _require(f"weights.{name}", weight, 1e6)
         _require("change", self.change, 1e6)
         _require("value", self.value, 1e6)
+        _require("views", self.views, 1e6)
         _require("discount", self.discount, 1.0)
 
-    def scale(self, batch: Batch) -> tuple[float, float]:
+    def scale(self, batch: Batch) -> Scale:
         """Denominators of a batch's loss.
 
         Returns:
-            Sum of its label weights (at least 1e-9), and its number of steps.
+            Sum of its label weights (at least 1e-9), its number of steps, and how many of them have labels of views (at
+            least 1).
         """
         labels, changes = torch.cat(batch.labels).cpu(), torch.cat(batch.changes).cpu()
-        return max(float(self._weights_of(labels, changes).sum()), 1e-9), float(len(labels))
+        told = sum(float(_told(frames).sum()) for frames in batch.frames)
+        return max(float(self._weights_of(labels, changes).sum()), 1e-9), float(len(labels)), max(told, 1.0)
 
-    def __call__(self, outputs: PolicyOutputs, chunk: Chunk, scale: tuple[float, float]) -> tuple[Tensor, Tensor]:
+    def __call__(self, outputs: PolicyOutputs, chunk: Chunk, scale: Scale) -> tuple[Tensor, Tensor]:
         """A chunk's share of the batch's loss.
 
         Args:
@@ -89,15 +96,22 @@ class SequenceLoss:
         label_loss = (each * weight).sum()
         huber = functional.smooth_l1_loss(value, chunk.returns, reduction="none")
         value_loss = (huber * chunk.present).sum()
+        views_loss = torch.zeros((), device=logits.device) if outputs.views is None else outputs.views.sum()
         correct = (logits.argmax(-1) == chunk.labels).sum()
         labelled = (chunk.labels != IGNORED).sum()
         sums = (
-            torch.stack([label_loss, weight.sum(), value_loss, chunk.present.sum(), correct, labelled])
+            torch.stack(
+                [
+                    *(label_loss, weight.sum(), value_loss, chunk.present.sum(), correct, labelled),
+                    *(views_loss, _told(chunk.frames).sum()),
+                ]
+            )
             .detach()
             .double()
             .cpu()
         )
-        return label_loss / scale[0] + self.value * value_loss / scale[1], sums
+        loss = label_loss / scale[0] + self.value * value_loss / scale[1] + self.views * views_loss / scale[2]
+        return loss, sums
 
     def figures(self, sums: Tensor) -> Figures:
         """Figures to log, from sums over whole batches.
@@ -106,21 +120,31 @@ class SequenceLoss:
             sums: (n_sums,) as :meth:`__call__` returns them, added up.
 
         Returns:
-            ``loss``, ``cross_entropy`` (nats), ``value_loss`` and ``accuracy`` (share of labelled steps).
+            ``loss``, ``cross_entropy`` (nats), ``value_loss`` and ``accuracy`` (share of labelled steps); where the
+            expert says what it thinks of views, ``views_loss`` (nats).
         """
-        label_loss, weight, value_loss, present, correct, labelled = sums.tolist()
+        label_loss, weight, value_loss, present, correct, labelled, views_loss, told = sums.tolist()
         label_loss, value_loss = label_loss / max(weight, 1e-9), value_loss / max(present, 1.0)
+        views_loss /= max(told, 1.0)
         return {
-            "loss": label_loss + self.value * value_loss,
+            "loss": label_loss + self.value * value_loss + self.views * views_loss,
             "cross_entropy": label_loss,
             "value_loss": value_loss,
             "accuracy": correct / max(labelled, 1.0),
+            **({"views_loss": views_loss} if told else {}),
         }
 
     def _weights_of(self, labels: Tensor, changes: Tensor) -> Tensor:
         """Weight of each label, (N,) float32; 0 where there is no label."""
         table = torch.tensor([*(float(self.weights.get(name, 1.0)) for name in _NAMES), 0.0], device=labels.device)
         return table[torch.where(labels == IGNORED, len(_NAMES), labels)] * (1 + (self.change - 1) * changes)
+
+
+def _told(frames: Mapping[str, Tensor]) -> Tensor:
+    """Steps (...) bool in which the expert says what it thinks of views."""
+    if "views" not in frames:
+        return torch.zeros(1, dtype=torch.bool)
+    return frames["views"][..., 3].amax(-1) > 0
 
 
 def _require(name: str, value: object, most: float) -> None:

@@ -6,7 +6,7 @@ of digits: a thousand of them take a few hundred kilobytes, whatever arrays a po
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -19,9 +19,7 @@ from ucon.task.actions import Action
 from ucon.task.episode import Episode
 
 if TYPE_CHECKING:
-    import gymnasium as gym
-
-    from ucon.learning.policies.action_policy import ActionPolicy
+    pass
 
 #: Stands for a label in the string of digits where the expert had no action.
 NO_LABEL: Final = "."
@@ -113,50 +111,6 @@ class Replay:
 
     def __len__(self) -> int:
         return len(self.rewards)
-
-
-class Replayer:
-    """Plays trajectories again and has the policy turn observations into arrays; one process, one environment.
-
-    Args:
-        policy: its ``context`` and ``frame`` are called; its weights do not matter.
-        make_env: makes an environment of ``UcON-v0``; called when the first trajectory comes.
-    """
-
-    def __init__(self, policy: ActionPolicy, make_env: Callable[[], gym.Env[Any, Any]]) -> None:
-        self._policy, self._make_env = policy, make_env
-        self._env: gym.Env[Any, Any] | None = None
-
-    def __call__(self, trajectory: Trajectory) -> Replay:
-        """Replay one trajectory of T steps.
-
-        Returns:
-            Context arrays (...), frame arrays (T, ...) and rewards (T,) float32.
-
-        Raises:
-            DataError: its actions go on after the episode's end.
-        """
-        if self._env is None:
-            self._env = self._make_env()
-        options = {"episode": trajectory.episode, "habit_level": trajectory.level}
-        observation, info = self._env.reset(seed=0, options=options)
-        context = dict(self._policy.context(info))
-        frames, rewards, ended = [], [], False
-        for digit in trajectory.actions:
-            if ended:
-                raise DataError(f"episode {trajectory.episode.id}: actions after its end; it was made by other rules")
-            frames.append(self._policy.frame(observation, info))
-            observation, reward, terminated, truncated, info = self._env.step(int(digit))
-            rewards.append(float(reward))
-            ended = terminated or truncated
-        stacked = {name: np.stack([np.asarray(frame[name]) for frame in frames]) for name in frames[0]}
-        return Replay(context, stacked, np.array(rewards, np.float32))
-
-    def close(self) -> None:
-        """Close the environment; the next call makes a new one."""
-        if self._env is not None:
-            self._env.close()
-            self._env = None
 
 
 def returns(rewards: NDArray[np.float32], discount: float) -> NDArray[np.float32]:

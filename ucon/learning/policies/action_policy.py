@@ -40,6 +40,8 @@ class PolicyOutputs(NamedTuple):
     """Recurrent state after the last step; tensors (B, ...)."""
     foresight: Tensor | None = None
     """(T, B, V, R), what is foreseen beyond each of V views; only of policies over views."""
+    views: Tensor | None = None
+    """(T, B) nats that the policy's goals are from what an expert thinks of views, where frames tell that."""
 
 
 def scores_views(policy: Any) -> bool:
@@ -62,6 +64,11 @@ class ActionPolicy(Protocol):
     chooses: Choice
     uses_habits: bool
     """Whether its outputs depend on the habit level."""
+    learns_views: bool
+    """Whether it learns from what an expert thinks of views, as ``views`` among the frames.
+
+    See :data:`ucon.learning.imitation.experts.N_VIEWS`.
+    """
 
     @property
     def arguments(self) -> Mapping[str, Any]:

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from ucon.core.sharing import PartlyShared
 from ucon.perception.mapping.planner import Planner
-from ucon.perception.mapping.semantic_map import SemanticMap
+from ucon.perception.mapping.semantic_map import SemanticMap, View
 from ucon.perception.views.approach import Approach
 from ucon.task.actions import Action
 
@@ -19,6 +19,7 @@ class Homing(PartlyShared):
 
     Attributes:
         approach: finds the poses to walk to.
+        goal: the pose that it is walking to; None before the first plan.
     """
 
     _flat: ClassVar[frozenset[str]] = frozenset({"_plan"})
@@ -28,6 +29,7 @@ class Homing(PartlyShared):
     def __init__(self) -> None:
         """Start without a plan."""
         self.approach = Approach()
+        self.goal: View | None = None
         self._plan: deque[Action] = deque()
         self._age = 0
         self._under_way = False
@@ -54,6 +56,6 @@ class Homing(PartlyShared):
             self.approach.failed(known.view)
         self._under_way, self._age = True, 0
         planner.update(known)
-        goal = self.approach.goal(known, planner, track) or self.approach.nearer(known, planner, track)
-        self._plan = deque(planner.plan(goal))
+        self.goal = self.approach.goal(known, planner, track) or self.approach.nearer(known, planner, track)
+        self._plan = deque(planner.plan(self.goal))
         return self._plan.popleft() if self._plan else Action.ROTATE_LEFT
