@@ -16,7 +16,7 @@ from ucon.learning.imitation.dagger import DaggerRollouts
 from ucon.learning.imitation.demonstrators import AgentDemonstrator
 from ucon.learning.imitation.experts import SearchingExpert
 from ucon.learning.imitation.feeding import _unpacked
-from ucon.learning.imitation.trajectories import Replayer
+from ucon.learning.imitation.replaying import Replayer
 from ucon.learning.run.training_run import Plan, TrainingRun
 from ucon.task.actions import Action
 from ucon.task.expert import Expert

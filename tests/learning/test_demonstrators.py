@@ -14,7 +14,7 @@ from tests.learning.tiny_policy import tiny_dagger, tiny_imitation
 from ucon.core.errors import ConfigError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.learning.imitation.demonstrators import AgentDemonstrator, SolutionDemonstrator
-from ucon.learning.imitation.trajectories import Replayer
+from ucon.learning.imitation.replaying import Replayer
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
 

@@ -12,10 +12,10 @@ import pytest
 from tests.learning.tiny_policy import ENV, TinyPolicy
 from ucon.core.errors import DataError
 from ucon.learning.imitation.feeding import Feeder, _packed, _unpacked
+from ucon.learning.imitation.replaying import Replayer
 from ucon.learning.imitation.trajectories import (
     IGNORED,
     Replay,
-    Replayer,
     Trajectory,
     demonstration,
     returns,

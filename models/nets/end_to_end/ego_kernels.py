@@ -15,8 +15,8 @@ _HALF, _CELL = np.float32(0.5), np.float32(0.25)
 _LOW_M, _TALL_M, _OPAQUE_M = np.float32(0.05), np.float32(1.8), np.float32(1.2)
 _RADIUS2_M2 = np.float32(0.18**2)
 _FARTHEST_M = np.float32(30.0)
-#: Bits of the patch: a sight line ended in a cell or passed over it; floor was seen in it; an obstacle leaves no room to stand there;
-#: something in it stands too high to look over.
+#: Bits of the patch: a sight line ended in a cell or passed over it; floor was seen in it; an obstacle leaves no room
+#: to stand there; something in it stands too high to look over.
 EXPLORED, SEEN_FLOOR, BLOCKED, OPAQUE = 1, 2, 4, 8
 
 

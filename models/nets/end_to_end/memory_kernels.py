@@ -325,9 +325,8 @@ def _look_from(
         trust, deep = np.float32(1.0), 0
         for k in range(_MOST):
             i, j = i0 + _CELL[ray, k, 0], j0 + _CELL[ray, k, 1]
-            if i < 0 or j < 0 or i >= flags.shape[0] or j >= flags.shape[0]:
-                break
-            bits = flags[i, j]
+            inside = 0 <= i < flags.shape[0] and 0 <= j < flags.shape[0]
+            bits = flags[i, j] if inside else np.uint8(0)
             if not bits & EXPLORED:
                 if not bits & OPAQUE:
                     out[SPACE, h] += _AREA[ray, k] * trust

@@ -75,7 +75,7 @@ class PlacesToGo(nn.Module):
         last, extra = self.worths[-1], self.also[-1]
         assert isinstance(last, nn.Linear) and isinstance(extra, nn.Linear)  # noqa: PT018
         for layer in (last, extra):
-            nn.init.zeros_(layer.weight)
+            nn.init.normal_(layer.weight, std=0.01)
             nn.init.zeros_(layer.bias)
         last.bias.copy_(torch.tensor([*_WORTH.values()]).log())
 

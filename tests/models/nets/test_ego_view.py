@@ -36,7 +36,8 @@ def test_an_obstacle_at_one_edge_blocks_nothing_at_the_other(left: int) -> None:
 
 def test_an_obstacle_between_nodes_blocks_both() -> None:
     flags, at = flags_of(10, ASIDE, 0.12), 10 * COLUMNS + ASIDE
-    assert np.flatnonzero(flags == BLOCKED).tolist() == [at, at + 1]
+    assert np.flatnonzero(flags & BLOCKED).tolist() == [at, at + 1]
+    assert np.flatnonzero(flags & EXPLORED).tolist() == [at]
 
 
 def frame(**changes: object) -> tuple[np.ndarray, dict[str, object]]:

@@ -1,74 +1,265 @@
-"""What one step writes into the map, by hand: an agent in the middle that looks along the first axis."""
+"""What one step writes into the map, and what poses would show, by hand: an agent in the middle that looks along i."""
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 import torch
 
-from models.nets.end_to_end.ego_kernels import SEEN_FLOOR
+from models.nets.end_to_end import memory_kernels as kernels
+from models.nets.end_to_end.ego_kernels import BLOCKED, EXPLORED, OPAQUE, SEEN_FLOOR
 from models.nets.end_to_end.ego_view import ASIDE, BEHIND, COLUMNS, ROWS
-from models.nets.end_to_end.floor_memory import CHANNELS, HALF, SIZE, FloorMemory, MemoryStep, State
+from models.nets.end_to_end.floor_memory import (
+    BLOCKS,
+    HALF,
+    N_TRACKS,
+    OUTLOOK,
+    REACH,
+    SIZE,
+    TOTALS,
+    MemoryStep,
+    Outlook,
+    State,
+    initial_maps,
+    layers,
+    outlook,
+    track_belief,
+    write,
+)
+from ucon.task.actions import Action
 
-FRONT = (3 + BEHIND) * COLUMNS + ASIDE
-"""The cell of the patch three ahead."""
+#: Categories of these tests: a table, and a cupboard with doors; the last row is for names outside the catalogue.
+TABLE, CUPBOARD = 0, 1
+BELIEF = torch.tensor([[[0.4, 0.0, 0.1, 0.1], [0.1, 0.3, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]]])
+OPENABLE = torch.tensor([False, True, False])
+#: Block of the agent.
+HERE = REACH // 2
 
 
-def step(*pairs: tuple[int, float, int], heading: int = 0, collision: bool = False) -> MemoryStep:
-    """``pairs``: cell of the patch, belief that the target is on top of what is there, number of its category."""
-    mass = torch.zeros(1, 6, max(len(pairs), 1))
-    for k, (_, belief, _) in enumerate(pairs):
-        mass[0, 0, k] = belief
+def cell(ahead: int, left: int = 0) -> int:
+    """Number of a cell of the patch."""
+    return (ahead + BEHIND) * COLUMNS + ASIDE + left
+
+
+def step(
+    *pairs: tuple[int, int, int], pose: tuple[int, int, int] = (0, 0, 0), collision: bool = False, floor: int = 0,
+    opened: tuple[int, ...] = (), look: int = 0, target: int = -1, tall: tuple[int, ...] = (),
+) -> MemoryStep:  # fmt: skip
+    """``pairs``: cell of the patch, track and category of what shows there; ``floor``: cells seen ahead in each row."""
     patch = torch.zeros(1, ROWS, COLUMNS, dtype=torch.uint8)
-    patch.view(-1)[FRONT] = SEEN_FLOOR
+    looks = torch.zeros(1, ROWS, COLUMNS, dtype=torch.uint8)
+    patch[0, BEHIND + 1 : BEHIND + 1 + floor] = EXPLORED | SEEN_FLOOR
+    looks[0, BEHIND + 1 : BEHIND + 1 + floor] = look
+    for at in tall:
+        patch.view(-1)[at] |= EXPLORED | BLOCKED | OPAQUE
+    n = max(len(pairs), 1)
     return MemoryStep(
-        pose=torch.tensor([[0, 0, heading, 0]]),
+        pose=torch.tensor([[*pose, 0]]),
         collision=torch.tensor([collision]),
         patch=patch,
-        look=torch.zeros(1, ROWS, COLUMNS, dtype=torch.uint8),
-        pair_cell=torch.tensor([[cell for cell, _, _ in pairs] or [-1]]),
-        pair_mass=mass,
-        pair_category=torch.tensor([[name for _, _, name in pairs] or [0]]),
+        look=looks,
+        pair_cell=torch.tensor([[at for at, _, _ in pairs] or [-1]], dtype=torch.int16),
+        pair_row=torch.arange(n, dtype=torch.int16)[None],
+        tracks=torch.tensor([[track for _, track, _ in pairs] or [-1]], dtype=torch.int16),
+        ids=torch.tensor([[kind for _, _, kind in pairs] or [-1]], dtype=torch.int16),
+        is_target=torch.tensor([[kind == target for _, _, kind in pairs] or [False]]),
+        just_opened=torch.tensor([[track in opened for _, track, _ in pairs] or [False]]),
     )
 
 
-def written(*steps: MemoryStep) -> tuple[dict[str, torch.Tensor], torch.Tensor]:
-    memory = FloorMemory()
-    state: State = memory.initial_state(1, torch.device("cpu"))
+def written(*steps: MemoryStep) -> State:
+    state = initial_maps(1, torch.device("cpu"))
     for one in steps:
-        memory.write(state, one)
-    cells = state["cells"].view(len(CHANNELS), SIZE, SIZE)
-    return dict(zip(CHANNELS, cells, strict=True)), state["what"].view(SIZE, SIZE)
+        write(state, one, BELIEF, OPENABLE)
+    return state
+
+
+def seen_from(state: State, pose: tuple[int, int, int] = (0, 0, 0), reach_m: float = 3.0) -> Outlook:
+    mass = track_belief(state, BELIEF, OPENABLE)
+    return outlook(state, mass, torch.tensor([[*pose, 0]]), torch.tensor([reach_m]))
+
+
+def counted(found: Outlook, name: str) -> torch.Tensor:
+    return found.counts[0, OUTLOOK.index(name)]
 
 
 @pytest.mark.parametrize(("heading", "at"), [(0, (3, 0)), (1, (0, 3)), (2, (-3, 0)), (3, (0, -3))])
 def test_what_lies_ahead_is_written_where_it_looks(heading: int, at: tuple[int, int]) -> None:
-    cells, _ = written(step(heading=heading))
-    assert cells["floor"].nonzero().tolist() == [[HALF + at[0], HALF + at[1]]]
+    state = written(step((cell(3), 7, TABLE), pose=(0, 0, heading)))
+    assert (state["who"] == 7).nonzero().tolist() == [[0, 0, HALF + at[0], HALF + at[1]]]
+    state = written(step((cell(3, 2), 7, TABLE), pose=(0, 0, heading)))
+    aside = ((0, 2), (-2, 0), (0, -2), (2, 0))[heading]
+    assert (state["who"] == 7).nonzero().tolist() == [[0, 0, HALF + at[0] + aside[0], HALF + at[1] + aside[1]]]
 
 
-def test_where_it_stands_is_explored_and_counted() -> None:
-    cells, _ = written(step(), step())
-    assert cells["visited"].nonzero().tolist() == cells["explored"].nonzero().tolist() == [[HALF, HALF]]
-    assert int(cells["visited"][HALF, HALF]) == 128
-    often, _ = written(*[step()] * 5)
-    assert int(often["visited"][HALF, HALF]) == 255, "as much as there is room for"
+def test_where_it_stands_is_explored_and_counted_by_heading() -> None:
+    state = written(step(), step(), step(pose=(0, 0, 3)))
+    assert (state["flags"][0] & EXPLORED).nonzero().tolist() == [[HALF, HALF]]
+    assert state["visits"][0, :, HALF, HALF].tolist() == [2, 0, 0, 1]
+    assert int(state["visits"].sum()) == 3
+    often = written(*[step()] * 300)
+    assert int(often["visits"][0, 0, HALF, HALF]) == 255, "as much as there is room for"
 
 
 def test_a_bump_blocks_the_cell_ahead() -> None:
-    assert written(step(collision=True))[0]["blocked"].nonzero().tolist() == [[HALF + 1, HALF]]
-    assert not written(step())[0]["blocked"].any()
+    blocked = written(step(pose=(0, 0, 1), collision=True))["flags"][0] & BLOCKED
+    assert blocked.nonzero().tolist() == [[HALF, HALF + 1]]
+    assert not (written(step())["flags"] & BLOCKED).any()
 
 
-def test_a_cell_is_called_by_what_speaks_most_for_the_target() -> None:
-    """Belief is kept as its root; a thing without any names nothing, and a weaker one later changes no name."""
-    there = (HALF + 3, HALF)
-    cells, what = written(step((FRONT, 0.25, 7), (FRONT, 0.04, 9)))
-    assert int(cells["ontop"][there]) == int(cells["most"][there]) == 127
-    assert int(what[there]) == 7
-    assert int((what >= 0).sum()) == 1
-    cells, what = written(step((FRONT, 0.04, 9)), step((FRONT, 0.25, 7)), step((FRONT, 0.16, 5)))
-    assert (int(what[there]), int(cells["most"][there])) == (7, 127)
-    _, nothing = written(step((FRONT, 0.0, 7)))
-    assert not (nothing >= 0).any()
-    _, none = written(step((-1, 1.0, 7)))
-    assert not (none >= 0).any(), "a pair that is none"
+def test_a_cell_keeps_the_two_things_with_the_most_belief() -> None:
+    other = 2  # a category without belief
+    state = written(step((cell(3), 5, other), (cell(3), 6, TABLE)), step((cell(3), 7, CUPBOARD)))
+    assert sorted(state["who"][0, :, HALF + 3, HALF].tolist()) == [6, 7]
+    assert [int(state["extent"][0, track]) for track in (5, 6, 7)] == [0, 1, 1]
+    again = written(step((cell(3), 6, TABLE), (cell(3), 7, CUPBOARD)), step((cell(3), 5, other)))
+    assert sorted(again["who"][0, :, HALF + 3, HALF].tolist()) == [6, 7], "a weaker one later changes nothing"
+    assert not (written(step((-1, 7, TABLE)))["who"] >= 0).any(), "a pair that is none"
+
+
+def test_belief_of_a_category_is_divided_among_its_things() -> None:
+    one = track_belief(written(step((cell(3), 4, TABLE))), BELIEF, OPENABLE)
+    assert one[0, 4].tolist() == pytest.approx([0.4, 0.2, 0.0, 0.0]), "beside and under are one"
+    two = track_belief(written(step((cell(3), 4, TABLE), (cell(5), 9, TABLE))), BELIEF, OPENABLE)
+    assert two[0, 4].tolist() == two[0, 9].tolist() == pytest.approx([0.2, 0.1, 0.0, 0.0])
+    assert float(two.sum()) == pytest.approx(0.6)
+
+
+def test_what_is_behind_doors_is_so_until_they_are_opened() -> None:
+    shut = written(step((cell(3), 4, CUPBOARD)))
+    assert track_belief(shut, BELIEF, OPENABLE)[0, 4].tolist() == pytest.approx([0.1, 0.0, 0.0, 0.3])
+    open_ = written(step((cell(3), 4, CUPBOARD)), step((cell(3), 4, CUPBOARD), opened=(4,)))
+    assert track_belief(open_, BELIEF, OPENABLE)[0, 4].tolist() == pytest.approx([0.1, 0.0, 0.3, 0.0])
+    assert (open_["flags"][0] & kernels.OPENED).nonzero().tolist() == [[HALF + 3, HALF]]
+
+
+def test_ways_by_hand() -> None:
+    """A corridor along the second axis: heading 1. The agent looks along the first."""
+    flags = np.full((1, SIZE, SIZE), BLOCKED | EXPLORED, np.uint8)
+    flags[0, HALF, HALF : HALF + 4] = EXPLORED
+    steps, first, _ = ways(flags, (0, 0, 0))
+    assert (steps[0, HERE, HERE], first[0, HERE, HERE]) == (0, kernels.STAY)
+    assert (steps[1, HERE, HERE + 1], first[1, HERE, HERE + 1]) == (1 + 2, Action.ROTATE_LEFT)
+    assert (steps[3, HERE, HERE], first[3, HERE, HERE]) == (1, Action.ROTATE_RIGHT)
+    assert steps[0, HERE + 2, HERE + 2] == kernels.FAR
+    assert (kernels.FAR, Action.MOVE_AHEAD, Action.ROTATE_RIGHT, Action.ROTATE_LEFT) == (255, 0, 1, 2)
+
+
+def ways(flags: np.ndarray, pose: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    steps, first = (np.zeros((1, 4, BLOCKS, BLOCKS), np.uint8) for _ in range(2))
+    which = np.zeros((1, BLOCKS, BLOCKS), np.uint8)
+    kernels.find_ways(flags, np.array([[*pose, 0]], np.int32), REACH, steps, first, which)
+    return steps[0], first[0], which[0]
+
+
+@pytest.mark.parametrize("heading", [0, 1, 3])
+def test_ways_against_plain_search(heading: int) -> None:
+    draw = np.random.default_rng(heading)
+    flags = np.full((1, SIZE, SIZE), BLOCKED, np.uint8)
+    near = slice(HALF - 6, HALF + 7)
+    flags[0, near, near] = np.where(draw.random((13, 13)) > 0.3, 0, BLOCKED)
+    flags[0, HALF, HALF] = BLOCKED | kernels.VISITED  # where it stood it can stand
+    steps, _, which = ways(flags, (0, 0, heading))
+    told = {(HALF, HALF, heading): 0}
+    edge = list(told)
+    for i, j, h in edge:
+        di, dj = ((1, 0), (0, 1), (-1, 0), (0, -1))[h]
+        for new in ((i + di, j + dj, h), (i, j, (h + 1) % 4), (i, j, (h + 3) % 4)):
+            free = new[:2] == (HALF, HALF) or not flags[0, new[0], new[1]] & BLOCKED
+            if new not in told and free:
+                told[new] = told[i, j, h] + 1
+                edge.append(new)
+    assert len(told) > 100
+    for a in range(BLOCKS):
+        for b in range(BLOCKS):
+            i, j = HALF - REACH + 2 * a, HALF - REACH + 2 * b
+            cells = [(i + (k >> 1), j + (k & 1)) for k in range(4)]
+            each = [sum(told.get((*at, h), kernels.FAR) for h in range(4)) for at in cells]
+            assert which[a, b] == int(np.argmin(each)), "the cell that is reached soonest stands for its block"
+            expected = [told.get((*cells[which[a, b]], h), kernels.FAR) for h in range(4)]
+            assert steps[:, a, b].tolist() == expected
+
+
+def test_belief_counts_where_it_shows_until_it_was_looked_at() -> None:
+    """Six cells ahead stands a table; nothing is known behind it."""
+    state = written(step((cell(6), 4, TABLE), floor=8))
+    found = seen_from(state)
+    assert counted(found, "on")[:, HERE, HERE].tolist() == pytest.approx([0.4, 0.0, 0.0, 0.0]), "ahead alone"
+    assert counted(found, "beside")[0, HERE, HERE] == pytest.approx(0.2)
+    assert counted(found, "on")[2, HERE + 4, HERE] == pytest.approx(0.4), "from the other side by looking back"
+    assert counted(seen_from(state, reach_m=1.2), "on")[0, HERE, HERE] == 0, "too far away to see the target"
+    looked = seen_from(written(step((cell(6), 4, TABLE), floor=8, look=255)))
+    assert counted(looked, "on")[0, HERE, HERE] == 0
+    assert counted(looked, "used")[0, HERE, HERE] == pytest.approx(0.6)
+
+
+def test_a_thing_of_many_cells_counts_once() -> None:
+    wide = [(cell(6, left), 4, TABLE) for left in (-1, 0, 1)]
+    found = counted(seen_from(written(step(*wide, floor=8))), "on")
+    assert found[0, HERE, HERE] == pytest.approx(0.4)
+
+
+def test_what_is_tall_hides_what_is_behind() -> None:
+    wall = tuple(cell(3, left) for left in range(-12, 13))
+    hidden = seen_from(written(step((cell(6), 4, TABLE), floor=8, tall=wall)))
+    assert counted(hidden, "on")[0, HERE, HERE] == 0
+    assert counted(hidden, "on")[2, HERE + 4, HERE] == pytest.approx(0.4), "but not from behind"
+
+
+def test_doors_count_within_reach() -> None:
+    state = written(step((cell(3), 4, CUPBOARD), (cell(4), 4, CUPBOARD), floor=8))
+    found = counted(seen_from(state), "closed")
+    assert found[0, HERE, HERE] == pytest.approx(0.3), "once, however many cells it has"
+    assert found[2, HERE, HERE] == 0
+    assert found[0, HERE - 2, HERE] == 0, "seven cells away"
+
+
+def test_space_beyond_what_is_explored() -> None:
+    found = counted(seen_from(written(step(floor=8))), "space")
+    assert found[0, HERE + 3, HERE] > 1.0
+    blank = counted(seen_from(written(step(floor=8, tall=tuple(cell(8, k) for k in range(-40, 41))))), "space")
+    assert blank[0, HERE + 3, HERE] < 0.5 * found[0, HERE + 3, HERE]
+
+
+def test_the_target_and_where_it_was() -> None:
+    state = written(step((cell(6), 4, TABLE), floor=8, target=TABLE), step(pose=(0, 0, 0)))
+    found = seen_from(state)
+    target = counted(found, "target")
+    assert target[0, HERE + 1, HERE] == 1.0
+    assert 0 < target[0, HERE, HERE] < 1.0
+    assert target[2, HERE, HERE] == 0.0
+    assert counted(found, "been")[:, HERE, HERE].tolist() == [0.5, 0, 0, 0]
+    assert counted(found, "around")[:, HERE, HERE].tolist() == [0.5] * 4
+
+
+def test_sums_over_the_map() -> None:
+    state = written(step((cell(6), 4, TABLE), floor=2))
+    found = dict(zip(TOTALS, seen_from(state).totals[0].tolist(), strict=True))
+    assert found["explored"] == pytest.approx((2 * COLUMNS + 1) / 16)
+    assert found["thin"] == found["explored"], "nothing was seen closely"
+    assert found["fresh"] == 0, "the table's cell is not explored"
+    known = dict(zip(TOTALS, seen_from(written(step((cell(2), 4, TABLE), floor=2))).totals[0].tolist(), strict=True))
+    assert known["fresh"] == pytest.approx(0.6)
+
+
+def test_at_the_edge_of_the_map_nothing_is_written_beyond_it() -> None:
+    far = HALF - 2
+    state = written(step((cell(6), 4, TABLE), floor=8, pose=(far, far, 0), collision=True))
+    assert not (state["who"] >= 0).any()
+    found = seen_from(state, (far, far, 0))
+    assert torch.isfinite(found.counts).all()
+    assert written(step(pose=(10 * SIZE, 0, 0)))["visits"].sum() == 1, "farther off it stands at the edge"
+
+
+def test_tracks_beyond_the_table_are_left_out() -> None:
+    state = written(step((cell(3), N_TRACKS, TABLE)))
+    assert not (state["who"] >= 0).any()
+    assert not (state["kind"] >= 0).any()
+
+
+def test_layers_for_drawing() -> None:
+    state = written(step((cell(3), 4, TABLE), (cell(5), 9, CUPBOARD), floor=8))
+    drawn = layers(state, track_belief(state, BELIEF, OPENABLE))
+    assert drawn["most"].max() == drawn["most"][HALF + 3, HALF] == 255
+    assert drawn["most"][HALF + 5, HALF] == int(255 * np.sqrt(0.4 / 0.6))
+    assert drawn["visited"].nonzero()[0].tolist() == [HALF]
