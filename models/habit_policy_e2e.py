@@ -90,6 +90,7 @@ class HabitPolicyE2E(PolicyModule):
         advisor: Advisor | None = None,
         clip: ClipEye | None = None,
         sharpness: float = 3.0,
+        trust: float = 4.0,
         seed: int = 0,
     ) -> None:
         """Build the network with random weights.
@@ -107,6 +108,8 @@ class HabitPolicyE2E(PolicyModule):
             advisor: a language model's choice among anchors as a feature of things.
             clip: a frozen CLIP image encoder beside the learned one.
             sharpness: factor of the scores of places to go to; the higher, the more the best one decides.
+            trust: in play, factor of the log-probabilities that the places to go to give moves; 1 while it learns from
+                labels. Their mixture says little by one step, and much by many.
             seed: of the weights.
 
         Raises:
@@ -115,13 +118,15 @@ class HabitPolicyE2E(PolicyModule):
         super().__init__()
         if type(image_px) is not int or not 16 <= image_px <= MOST or image_px % 16:
             raise ConfigError(f"agent.policy.image_px={brief(image_px)}: must be a multiple of 16, from 16 to {MOST}")
-        if type(sharpness) not in (int, float) or not 0 < sharpness <= 100:
-            raise ConfigError(f"agent.policy.sharpness={brief(sharpness)}: must be above 0, at most 100")
+        for name, value in (("sharpness", sharpness), ("trust", trust)):
+            if type(value) not in (int, float) or not 0 < value <= 100:
+                raise ConfigError(f"agent.policy.{name}={brief(value)}: must be above 0, at most 100")
         check_sizes("agent.policy", width=width, hidden=hidden)
         self._reader, self._head = reader, head
         self._arguments = {"image_px": image_px, "width": width, "hidden": hidden}
         self._arguments |= {"rgb": rgb, "plan": plan, "attend": attend, "scores": scores}
-        self._advisor, self._clip, self._sharpness = advisor, clip, float(sharpness)
+        self._advisor, self._clip = advisor, clip
+        self._sharpness, self._trust = float(sharpness), float(trust)
         self._rgb, self._plan, self._attend, self._scores, self._image_px = rgb, plan, attend, scores, image_px
         known = tuple(self.reader.known)  # loading it draws random numbers, the first time
         with torch.random.fork_rng(devices=[]):
@@ -238,7 +243,8 @@ class HabitPolicyE2E(PolicyModule):
         hidden, memory = run_lstm(self.lstm, joined, state)
         thought = torch.cat([hidden, facts], -1)
         planned = torch.cat([log_p[..., :3], log_p[..., 3:].expand(*log_p.shape[:-1], 4)], -1)
-        logits = _possible(self.choose(thought) + self.plan_weight * planned, seen)
+        trust = 1.0 if self.training else self._trust
+        logits = _possible(self.choose(thought) + trust * self.plan_weight * planned, seen)
         value = self.judge(thought).squeeze(-1)
         outputs = PolicyOutputs(
             logits.float(), value.float(), {**new, **memory, "aim": ways.aim}, views=self._apart(ways, frames)

@@ -325,10 +325,23 @@ def test_what_an_expert_thinks_of_views_is_told_in_nats(policy, walks):
     assert float(policy.places.worths[-1].bias.grad.abs().sum()) > 0
 
 
-@pytest.mark.parametrize("sharpness", [0, -1.0, True, 101, "3"])
-def test_a_sharpness_that_does_not_fit_is_named(sharpness):
-    with pytest.raises(ConfigError, match=r"agent\.policy\.sharpness=.*above 0, at most 100"):
-        HabitPolicyE2E(sharpness=sharpness)
+@pytest.mark.parametrize("value", [0, -1.0, True, 101, "3"])
+@pytest.mark.parametrize("name", ["sharpness", "trust"])
+def test_a_factor_that_does_not_fit_is_named(name, value):
+    with pytest.raises(ConfigError, match=rf"agent\.policy\.{name}=.*above 0, at most 100"):
+        HabitPolicyE2E(**{name: value})
+
+
+def test_in_play_the_plan_counts_more(walks):
+    """By the configured factor, of moves alone; while it learns from labels by none."""
+    trusting, plain = random_policy(trust=3.0), random_policy(trust=1.0)
+    frames, context = episode(plain, walks["gt"])
+    with torch.no_grad():
+        moves = [policy(frames, context, policy.initial_state(1)).logits[..., :3] for policy in (trusting, plain)]
+        log_p = plain.think(frames, context, plain.initial_state(1))[1].ways.log_p[..., :3]
+        assert torch.allclose(moves[0] - moves[1], 2.0 * plain.plan_weight[:3] * log_p, atol=1e-4)
+        learning = [policy.train()(frames, context, policy.initial_state(1)).logits for policy in (trusting, plain)]
+    assert torch.equal(*learning)
 
 
 def test_reasons_name_place_and_habit(walks):
