@@ -1,5 +1,6 @@
 """DAgger: what is collected, who plays, and that it can be stopped anywhere."""
 
+import dataclasses
 import functools
 from contextlib import closing
 from dataclasses import replace
@@ -188,6 +189,29 @@ def test_a_run_that_is_killed_goes_on_to_the_same_bytes(learner, tmp_path, at):
     again.resume()
     again.run()
     assert files(tmp_path / "parts") == files(tmp_path / "whole")
+
+
+def test_a_run_that_finds_nothing_better_than_its_start_ends_with_its_start(learner, tmp_path):
+    """Before the first step nothing plays yet, and that state is loaded at the end."""
+    found = learner(steps=2)
+    before = {name: tensor.clone() for name, tensor in found.policy.state_dict().items()}
+    scores = iter([1.0, 0.5])
+    found.validate = lambda: {"score": next(scores)}
+    run = TrainingRun(tmp_path / "run", found, Plan(steps=2, validate_every=2, save_every=1, keep=2), {})
+    run.start("a: 1\n")
+    run.run()
+    assert run.best["step"] == 0
+    with found.updates.averaged():
+        assert all(torch.equal(tensor, before[name]) for name, tensor in found.policy.state_dict().items())
+
+
+def test_a_state_without_the_weights_that_play_is_refused(learner):
+    found = learner()
+    found.step()
+    state = found.state_dict()
+    kept = {name: tensor for name, tensor in state.tensors.items() if not name.startswith("playing/")}
+    with pytest.raises(DataError, match="the weights that play are missing"):
+        learner().load_state_dict(dataclasses.replace(state, tensors=kept))
 
 
 def test_a_state_with_other_episodes_is_refused(learner):

@@ -171,7 +171,8 @@ class DaggerLearner(ImitationLearner):
         learned = {name: value for name, value in state.tensors.items() if not name.startswith(_PLAYING)}
         super().load_state_dict(replace(state, tensors=learned))
         now = self._weights()
-        if {name: tensor.shape for name, tensor in playing.items()} != {n: t.shape for n, t in now.items()}:
+        begun = bool(playing) or self.done > 0  # before the first step nothing plays yet
+        if begun and {name: tensor.shape for name, tensor in playing.items()} != {n: t.shape for n, t in now.items()}:
             raise DataError("state of another learner: the weights that play are missing, or of another network")
         require_finite(playing, self.done)
         self._playing, self._ahead = playing, []
