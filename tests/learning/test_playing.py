@@ -1,11 +1,15 @@
 """A policy plays several episodes at once: each as if it were alone."""
 
+from os.path import commonprefix
+
 import numpy as np
 import pytest
 import torch
 
 from tests.learning.tiny_policy import ENV, TinyPolicy
+from ucon.core.errors import ConfigError
 from ucon.learning.policies.playing import Job, Players, PolicyChooser, Seen
+from ucon.learning.policies.validation import Validation
 from ucon.task.sets import load_episodes
 
 EPISODES = load_episodes("mini")[:4]
@@ -72,3 +76,27 @@ def test_what_is_measured_is_what_the_environment_says():
     assert (one.success, one.spl, one.actions) == (True, 1.0, short.solution)
     (cut,) = Players(TinyPolicy(), ENV, 1, len(short.solution) - 1).play([Job(short, "none")], Replaying(False, 0))
     assert (cut.success, cut.spl, len(cut.actions)) == (False, 0.0, len(short.solution) - 1)
+
+
+def test_validation_draws_at_its_temperature():
+    """Nearly always the best action at a low one."""
+
+    def steps(**options):
+        players = Players(noisy_policy(), ENV, 3, max_steps=15, keep_frames=True)
+        validation = Validation("mini", n_play=3, level="none", **options)
+        seen = []
+        play = players.play
+        players.play = lambda *given: seen.extend(play(*given)) or seen
+        validation.played(players, 0)
+        players.close()
+        return [one.actions for one in seen]
+
+    best, cold, warm = steps(), steps(sample=True, temperature=0.01), steps(sample=True, temperature=3.0)
+    alike = [sum(len(commonprefix(pair)) for pair in zip(best, other, strict=True)) for other in (cold, warm)]
+    assert alike[0] > 3 * alike[1]
+
+
+@pytest.mark.parametrize("temperature", [0, -1.0, 101, True, "1"])
+def test_a_temperature_of_validation_that_makes_no_sense(temperature):
+    with pytest.raises(ConfigError, match=r"learner\.validation\.temperature=.*from 0\.01 to 100"):
+        Validation(temperature=temperature)

@@ -45,6 +45,8 @@ class Validation:
     """Episodes played in parallel."""
     sample: bool = False
     """True: sample actions from the policy's probabilities. False: take the highest logit."""
+    temperature: float = 1.0
+    """Logits are divided by it before an action is sampled; best as in play."""
     choose: str = "spl"
     """Figure that chooses the best checkpoint: loss, accuracy, success_rate or spl."""
 
@@ -53,6 +55,8 @@ class Validation:
             value = getattr(self, name)
             if type(value) is not int or value < least:
                 raise ConfigError(f"learner.validation.{name}={brief(value)}: must be a whole number from {least} up")
+        if type(self.temperature) not in (int, float) or not 0.01 <= self.temperature <= 100:
+            raise ConfigError(f"learner.validation.temperature={brief(self.temperature)}: must be from 0.01 to 100")
         if self.choose not in SCORES:
             raise ConfigError(unknown_name("figure of learner.validation.choose", str(self.choose), SCORES))
         if self.choose in _PLAYED and not self.n_play:
@@ -88,9 +92,8 @@ class Validation:
         if not self.n_play:
             return {}
         chosen = evenly_spaced(self.all, self.n_play, "learner.validation.n_play")
-        results = players.play(
-            [Job(e, self.level) for e in chosen], PolicyChooser(self.sample, seed, "validation"), "validating"
-        )
+        chooser = PolicyChooser(self.sample, seed, "validation", temperature=self.temperature)
+        results = players.play([Job(e, self.level) for e in chosen], chooser, "validating")
         return {
             "success_rate": sum(r.success for r in results) / len(results),
             "spl": sum(r.spl for r in results) / len(results),
