@@ -91,7 +91,7 @@ def test_validation_draws_at_its_temperature():
 
     best, cold, warm = steps(), steps(sample=True, temperature=0.01), steps(sample=True, temperature=3.0)
     begun = [sum(a[:5] == b[:5] for a, b in zip(best, other, strict=True)) for other in (cold, warm)]
-    assert begun == [3, 0]
+    assert begun[0] >= 2 > begun[1]
 
 
 @pytest.mark.parametrize("temperature", [0, -1.0, 101, True, "1"])
