@@ -144,7 +144,7 @@ class HabitPolicyE2E(PolicyModule):
         last = nn.Linear(hidden, N_ACTIONS)
         nn.init.normal_(last.weight, std=0.01)  # small, so that at first the places to go to decide
         self.choose = nn.Sequential(nn.Linear(hidden + facts, hidden), nn.ReLU(), last)
-        self.plan_weight = nn.Parameter(torch.tensor([1.0, 1.0, 1.0, 0.2, 0.2, 0.2, 0.2]))
+        self.plan_weight = nn.Parameter(torch.tensor([1.0, 1.0, 1.0, 0.25, 0.25, 0.25, 0.25]))
         self.judge = nn.Sequential(nn.Linear(hidden + facts, hidden // 2), nn.ReLU(), nn.Linear(hidden // 2, 1))
         self.register_buffer("totals_unit", torch.tensor(_TOTALS_UNIT), persistent=False)
 
