@@ -62,6 +62,9 @@ _NEVER = -15.0
 _GLOBALS = 3 + len(TOTALS)
 #: Square metres and belief of the sums over the map, of which logarithms are taken.
 _TOTALS_UNIT = (10.0, 10.0, 0.1)
+#: Frames that the map memory is written from, and the parts of the state that hold it.
+_WRITTEN = ("pose", "status", "patch", "look", "thing_ids", "thing_tracks", "pair_cell", "pair_row")
+_MAPS = ("flags", "look", "visits", "who", "kind", "extent", "opened")
 _N_STATUS = _N_LOOKS + 8 + 2 + 5 + 8 + len(SUMMARY_FEATURES)
 
 
@@ -269,11 +272,11 @@ class HabitPolicyE2E(PolicyModule):
         from models.nets.end_to_end.reasons import reasons
 
         outputs, inside = self.think(frames, context, state)
-        after = outputs.state
-        believed = track_belief({**after}, _padded(context["belief"]), self.things.openable)
+        after = {name: tensor.cpu() for name, tensor in outputs.state.items()}
+        believed = track_belief(after, _padded(context["belief"]).cpu(), self.things.openable.cpu())
         why = reasons(self.reader, info, frames, context, after, believed, inside, outputs.logits[-1, 0])
         i, j, heading, _ = frames["pose"][-1, 0].tolist()
-        return draw_reasons(why, str(info["target"]), layers({**after}, believed), (i, j, heading))
+        return draw_reasons(why, str(info["target"]), layers(after, believed), (i, j, heading))
 
     def _masses(self, ids: Tensor, context: dict[str, Tensor]) -> Tensor:
         """Belief (T, B, N, 4) that the target is on, beside, in (open) or in (closed) each thing in view.
@@ -352,11 +355,6 @@ class HabitPolicyE2E(PolicyModule):
             return None
         goals, views, pose = (part.flatten(0, 1) for part in (ways.log_goal, frames["views"], frames["pose"]))
         return divergence(goals, views, pose, self._sharpness).unflatten(0, frames["pose"].shape[:2])
-
-
-#: Frames that the map memory is written from, and the parts of the state that hold it.
-_WRITTEN = ("pose", "status", "patch", "look", "thing_ids", "thing_tracks", "pair_cell", "pair_row")
-_MAPS = ("flags", "look", "visits", "who", "kind", "extent", "opened")
 
 
 def _padded(belief: Tensor) -> Tensor:

@@ -78,15 +78,15 @@ class SearchLog:
 class SearchController:
     """Searches one home for one target.
 
-    Attributes:
-        searcher: the search.
-        decided: what it chose from in its last step; None where there was nothing to choose.
-
     Args:
         info: of the reset.
         expecting: gives the expected gain of looking at a place.
         costs: of moves, turns and looks, in actions.
         judge: says how probable suspects are, where the detector errs; None: the arithmetic posterior.
+
+    Attributes:
+        searcher: the search.
+        decided: what it chose from in its last step; None where there was nothing to choose.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""What an agent that searches thinks of views, as labels: against what it chose from, and where frames come from."""
+"""Labels of views, by an agent that searches: against what it chose from, and in collections and losses."""
 
 from __future__ import annotations
 

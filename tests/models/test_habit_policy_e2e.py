@@ -333,7 +333,7 @@ def test_a_factor_that_does_not_fit_is_named(name, value):
 
 
 def test_in_play_the_plan_counts_more(walks):
-    """By the configured factor, of moves alone; while it learns from labels by none."""
+    """Its log-probabilities are multiplied by ``trust`` in evaluation mode, and not in training mode."""
     trusting, plain = random_policy(trust=3.0), random_policy(trust=1.0)
     frames, context = episode(plain, walks["gt"])
     with torch.no_grad():

@@ -1,8 +1,7 @@
 """One frame as arrays: a patch of floor ahead of the agent and the things in view, in the agent's frame of reference.
 
-Nothing is remembered here; :class:`models.nets.end_to_end.floor_memory.FloorMemory` combines frames over time. Cells
-are
-0.25 m and centred on nodes; row f, column l of the patch is the cell f - 1 ahead and l - 40 to the left of the agent.
+Nothing is remembered here; :mod:`models.nets.end_to_end.floor_memory` combines frames over time. Cells are 0.25 m and
+centred on nodes; row f, column l of the patch is the cell f - 1 ahead and l - 40 to the left of the agent.
 """
 
 from __future__ import annotations

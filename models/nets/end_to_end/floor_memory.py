@@ -17,16 +17,15 @@ from torch import Tensor
 from models.nets.end_to_end.ego_kernels import BLOCKED, EXPLORED
 from models.nets.end_to_end.ego_view import BEHIND, COLUMNS
 from models.nets.end_to_end.memory_kernels import (
-    N_OUTLOOK,
     OPENED,
     TARGET,
     VISITED,
-    find_ways,
-    look_out,
     measure_maps,
     write_floor,
     write_things,
 )
+from models.nets.end_to_end.outlook_kernels import N_OUTLOOK, look_out
+from models.nets.end_to_end.way_kernels import find_ways
 
 HALF: Final = 128
 SIZE: Final = 2 * HALF + 1
@@ -37,14 +36,17 @@ BLOCKS: Final = REACH + 1
 """Blocks of 2 x 2 cells of a side of the window around the agent."""
 N_TRACKS: Final = 512
 OUTLOOK: Final = ("on", "beside", "inside", "used", "closed", "space", "thin", "target", "been", "around")
-"""What is counted of every pose (a cell and a heading):
+"""Names of the counts of every pose (a cell and a heading).
 
-belief that the target is on, beside or under, or in (open) what the pose would show, if that was not looked at closely,
+Belief that the target is on, beside or under, or in (open) what the pose would show, if that was not looked at closely,
 and all belief that was; belief behind closed doors that Open would reach; square metres of unexplored space, and of
 space seen from too far away; whether the target shows; how often the agent stood near with this heading, and with any.
 """
 TOTALS: Final = ("explored", "thin", "fresh")
-"""Of the whole map: square metres explored, square metres of them not seen closely, belief not looked at."""
+"""Names of the sums over a map: square metres explored, those of them not seen closely, and belief not looked at."""
+
+#: Cells (i, j) ahead, to the right, to the left and here, by heading.
+_BESIDE: Final = np.array([[(c, s), (s, -c), (-s, c), (0, 0)] for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1))])
 
 assert len(OUTLOOK) == N_OUTLOOK
 
@@ -52,7 +54,7 @@ State = dict[str, Tensor]
 
 
 class MemoryStep(NamedTuple):
-    """What one step writes, for B episodes with K things in view."""
+    """One frame of B episodes with K things in view, as it is written into their maps."""
 
     pose: Tensor
     """(B, 4) int: cell (i, j) relative to the start, heading in quarter turns, look up or down."""
@@ -77,7 +79,7 @@ class MemoryStep(NamedTuple):
 
 
 class Outlook(NamedTuple):
-    """What B agents could see from the poses around them: C x C blocks of 2 x 2 cells, along the map's axes."""
+    """Poses around B agents with what each would show, in C x C blocks of 2 x 2 cells along the map's axes."""
 
     counts: Tensor
     """(B, len(OUTLOOK), 4, C, C) float32, by heading; 0 where there is no way."""
@@ -156,7 +158,7 @@ def track_belief(state: State, belief: Tensor, openable: Tensor) -> Tensor:
 
 
 def outlook(state: State, mass: Tensor, pose: Tensor, reach_m: Tensor) -> Outlook:
-    """What the poses around each agent would show.
+    """Count what each pose around the agents would show.
 
     Args:
         state: maps, on the CPU.
@@ -203,10 +205,6 @@ def cell_belief(state: State, mass: Tensor) -> NDArray[np.float32]:
     who = state["who"][0].long()
     found: NDArray[np.float32] = torch.where(who >= 0, mass[0].sum(-1)[who.clamp(min=0)], 0.0).numpy()
     return found
-
-
-#: Cells (i, j) ahead, to the right, to the left and here, by heading.
-_BESIDE: Final = np.array([[(c, s), (s, -c), (-s, c), (0, 0)] for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1))])
 
 
 def _beside(flags: NDArray[np.uint8], visits: NDArray[np.uint8], pose: NDArray[np.int32]) -> NDArray[np.float32]:

@@ -12,10 +12,9 @@ from typing import Final, NamedTuple
 
 import torch
 from torch import Tensor, nn
-from torch.nn import functional
 
 from models.nets.end_to_end.floor_memory import BLOCKS, OUTLOOK, Outlook
-from models.nets.end_to_end.memory_kernels import FAR
+from models.nets.end_to_end.way_kernels import FAR
 
 _NEVER: Final = -1e4
 """Score of what cannot be; -inf would give NaN gradients."""
@@ -122,8 +121,7 @@ class PlacesToGo(nn.Module):
         known = (aim[:, 2] >= 0) & ((block >= 0) & (block < BLOCKS)).all(1)
         block = block.clamp(0, BLOCKS - 1)
         at = (aim[:, 2].clamp(min=0) * BLOCKS + block[:, 0]) * BLOCKS + block[:, 1]
-        raised = self.loyalty * functional.one_hot(at, score.shape[1]) * known[:, None]
-        return score + raised
+        return score.scatter_add(1, at[:, None], (self.loyalty * known)[:, None].to(score.dtype))
 
 
 def aimed_at(log_goal: Tensor, pose: Tensor, cell: Tensor) -> Tensor:

@@ -1,4 +1,4 @@
-"""What one step writes into the map, and what poses would show, by hand: an agent in the middle that looks along i."""
+"""The map memory by hand: what a step writes, the ways, and what poses would show. The agent looks along i."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from models.nets.end_to_end import memory_kernels as kernels
+from models.nets.end_to_end import memory_kernels, way_kernels
 from models.nets.end_to_end.ego_kernels import BLOCKED, EXPLORED, OPAQUE, SEEN_FLOOR
 from models.nets.end_to_end.ego_view import ASIDE, BEHIND, COLUMNS, ROWS
 from models.nets.end_to_end.floor_memory import (
@@ -130,7 +130,7 @@ def test_what_is_behind_doors_is_so_until_they_are_opened() -> None:
     assert track_belief(shut, BELIEF, OPENABLE)[0, 4].tolist() == pytest.approx([0.1, 0.0, 0.0, 0.3])
     open_ = written(step((cell(3), 4, CUPBOARD)), step((cell(3), 4, CUPBOARD), opened=(4,)))
     assert track_belief(open_, BELIEF, OPENABLE)[0, 4].tolist() == pytest.approx([0.1, 0.0, 0.3, 0.0])
-    assert (open_["flags"][0] & kernels.OPENED).nonzero().tolist() == [[HALF + 3, HALF]]
+    assert (open_["flags"][0] & memory_kernels.OPENED).nonzero().tolist() == [[HALF + 3, HALF]]
 
 
 def test_ways_by_hand() -> None:
@@ -138,17 +138,17 @@ def test_ways_by_hand() -> None:
     flags = np.full((1, SIZE, SIZE), BLOCKED | EXPLORED, np.uint8)
     flags[0, HALF, HALF : HALF + 4] = EXPLORED
     steps, first, _ = ways(flags, (0, 0, 0))
-    assert (steps[0, HERE, HERE], first[0, HERE, HERE]) == (0, kernels.STAY)
+    assert (steps[0, HERE, HERE], first[0, HERE, HERE]) == (0, way_kernels.STAY)
     assert (steps[1, HERE, HERE + 1], first[1, HERE, HERE + 1]) == (1 + 2, Action.ROTATE_LEFT)
     assert (steps[3, HERE, HERE], first[3, HERE, HERE]) == (1, Action.ROTATE_RIGHT)
-    assert steps[0, HERE + 2, HERE + 2] == kernels.FAR
-    assert (kernels.FAR, Action.MOVE_AHEAD, Action.ROTATE_RIGHT, Action.ROTATE_LEFT) == (255, 0, 1, 2)
+    assert steps[0, HERE + 2, HERE + 2] == way_kernels.FAR
+    assert (way_kernels.FAR, Action.MOVE_AHEAD, Action.ROTATE_RIGHT, Action.ROTATE_LEFT) == (255, 0, 1, 2)
 
 
 def ways(flags: np.ndarray, pose: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     steps, first = (np.zeros((1, 4, BLOCKS, BLOCKS), np.uint8) for _ in range(2))
     which = np.zeros((1, BLOCKS, BLOCKS), np.uint8)
-    kernels.find_ways(flags, np.array([[*pose, 0]], np.int32), REACH, steps, first, which)
+    way_kernels.find_ways(flags, np.array([[*pose, 0]], np.int32), REACH, steps, first, which)
     return steps[0], first[0], which[0]
 
 
@@ -158,7 +158,7 @@ def test_ways_against_plain_search(heading: int) -> None:
     flags = np.full((1, SIZE, SIZE), BLOCKED, np.uint8)
     near = slice(HALF - 6, HALF + 7)
     flags[0, near, near] = np.where(draw.random((13, 13)) > 0.3, 0, BLOCKED)
-    flags[0, HALF, HALF] = BLOCKED | kernels.VISITED  # where it stood it can stand
+    flags[0, HALF, HALF] = BLOCKED | memory_kernels.VISITED  # where it stood it can stand
     steps, _, which = ways(flags, (0, 0, heading))
     told = {(HALF, HALF, heading): 0}
     edge = list(told)
@@ -174,9 +174,9 @@ def test_ways_against_plain_search(heading: int) -> None:
         for b in range(BLOCKS):
             i, j = HALF - REACH + 2 * a, HALF - REACH + 2 * b
             cells = [(i + (k >> 1), j + (k & 1)) for k in range(4)]
-            each = [sum(told.get((*at, h), kernels.FAR) for h in range(4)) for at in cells]
+            each = [sum(told.get((*at, h), way_kernels.FAR) for h in range(4)) for at in cells]
             assert which[a, b] == int(np.argmin(each)), "the cell that is reached soonest stands for its block"
-            expected = [told.get((*cells[which[a, b]], h), kernels.FAR) for h in range(4)]
+            expected = [told.get((*cells[which[a, b]], h), way_kernels.FAR) for h in range(4)]
             assert steps[:, a, b].tolist() == expected
 
 

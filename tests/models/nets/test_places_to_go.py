@@ -8,8 +8,8 @@ import pytest
 import torch
 
 from models.nets.end_to_end.floor_memory import BLOCKS, OUTLOOK, REACH, TOTALS, Outlook
-from models.nets.end_to_end.memory_kernels import FAR
 from models.nets.end_to_end.places_to_go import PlacesToGo, Ways, aimed_at, divergence
+from models.nets.end_to_end.way_kernels import FAR
 from tests.models.nets.test_floor_memory import HERE, step, ways, written
 
 NOWHERE = torch.full((1, 3), -1)

@@ -67,7 +67,7 @@ class ActionPolicy(Protocol):
     learns_views: bool
     """Whether it learns from what an expert thinks of views, as ``views`` among the frames.
 
-    See :data:`ucon.learning.imitation.experts.N_VIEWS`.
+    See :data:`ucon.learning.imitation.view_labels.Label`.
     """
 
     @property
