@@ -5,34 +5,26 @@ Plain imitation shows only states along shortest paths; a policy that leaves the
 trajectories join those collected before (DAgger: Ross, Gordon and Bagnell 2011). The expert knows the home, or searches
 as an agent that sees what the policy sees (:mod:`ucon.learning.imitation.experts`).
 
-Workers play the next collection while the policy learns from the last one, so the weights that play are those from when
-the last one began to be learned from. They are part of the learner's state, as are the collected trajectories, stored
-as strings of action digits. Their frames are kept while there is memory, else made by playing the actions again.
+Who plays when: :mod:`ucon.learning.imitation.collecting_learner`.
 """
 
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Final
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 from torch import Tensor
 
-from ucon.core.errors import ConfigError, DataError, brief
-from ucon.core.progress import part as progress
+from ucon.core.errors import ConfigError, brief
 from ucon.core.rng import stream
 from ucon.learning.imitation.collecting import CollectionPart, Collector
+from ucon.learning.imitation.collecting_learner import CollectingLearner
 from ucon.learning.imitation.experts import Corrector, KnowingExpert
 from ucon.learning.imitation.feeding import Feeder
-from ucon.learning.imitation.learner import ImitationLearner
-from ucon.learning.imitation.trajectories import Trajectory, trajectories_from_json
+from ucon.learning.imitation.trajectories import Trajectory
 from ucon.learning.policies.playing import Job
-from ucon.learning.run.protocol import State
-from ucon.learning.run.updates import require_finite
-
-#: Prefix of the names of the weights that play, in the state.
-_PLAYING: Final = "playing/"
 
 
 @dataclass(frozen=True)
@@ -73,8 +65,8 @@ class DaggerRollouts:
             raise ConfigError(f"learner.rollouts.temperature={brief(self.temperature)}: must be from 0 to 100")
 
 
-class DaggerLearner(ImitationLearner):
-    """Imitation learner that collects its own trajectories (see the module).
+class DaggerLearner(CollectingLearner):
+    """Imitation learner that is told what to do where it went (see the module).
 
     Args:
         rollouts: how much is collected, and with which mixture.
@@ -92,12 +84,16 @@ class DaggerLearner(ImitationLearner):
             raise ConfigError("learner.demonstrator: for learner=imitation; DAgger's expert corrects what is played")
         self.rollouts, self.expert = rollouts, expert or KnowingExpert()
         super().__init__(**options)
-        self.collected: list[Trajectory] = []
-        self._playing: dict[str, Tensor] = {}
-        """Weights that play the next collection."""
-        self._ahead: list[Callable[[], list[Trajectory]]] = []
-        """Parts of the next collection, once asked for."""
-        self._length = self.options.steps
+
+    @property
+    def per_iteration(self) -> int:
+        """Learning steps between two collections."""
+        return self.rollouts.per_iteration
+
+    @property
+    def per_collection(self) -> int:
+        """Episodes of a collection."""
+        return self.rollouts.episodes
 
     @property
     def identity(self) -> Mapping[str, str]:
@@ -109,11 +105,6 @@ class DaggerLearner(ImitationLearner):
     def teacher(self) -> str:
         """Who says what to do, in words."""
         return self.expert.title
-
-    @property
-    def iteration(self) -> int:
-        """Number of the collection that the next step learns from, from 0."""
-        return self.done // self.rollouts.per_iteration
 
     @property
     def n_labels(self) -> int:
@@ -137,57 +128,20 @@ class DaggerLearner(ImitationLearner):
                 *(self.collected[int(k)] for k in draw.choice(len(self.collected), rest, replace=False)),
             ]
 
-    def step(self) -> dict[str, float]:
-        """Update the policy on one batch; where a collection is due, wait for it first, and ask for the next one.
+    def parts(self, iteration: int, jobs: Sequence[Job], weights: Mapping[str, Tensor]) -> Sequence[CollectionPart]:
+        """Parts of as many episodes as are played at once."""
+        rollouts = self.rollouts
+        share = max(rollouts.mixture**iteration, rollouts.least)
+        return [
+            CollectionPart(
+                iteration, at, tuple(jobs[at : at + rollouts.slots]), weights, share, rollouts.temperature, self.seed
+            )
+            for at in range(0, len(jobs), rollouts.slots)
+        ]
 
-        Returns:
-            The figures of imitation, and ``collected``: the number of trajectories so far.
-
-        Raises:
-            DivergedError: a loss or gradient that is not finite.
-        """
-        if self.done % self.rollouts.per_iteration == 0:
-            self._collect(self.iteration)
-            self._playing = self._weights()
-        if not self._ahead and (self.iteration + 1) * self.rollouts.per_iteration < self._length:
-            self._ahead = self._asked_for(self.iteration + 1)
-        return super().step() | {"collected": float(len(self.collected))}
-
-    def state_dict(self) -> State:
-        """State of the imitation learner, with the weights that play and the collected trajectories."""
-        state = super().state_dict()
-        tensors = {**state.tensors, **{f"{_PLAYING}{name}": value for name, value in self._playing.items()}}
-        return State(tensors, {**state.values, "collected": [t.to_json() for t in self.collected]})
-
-    def load_state_dict(self, state: State) -> None:
-        """Restore counters, weights, optimiser moments and collected trajectories.
-
-        Raises:
-            DataError: a state of another network, or trajectories of other episodes.
-        """
-        playing = {
-            name.removeprefix(_PLAYING): value for name, value in state.tensors.items() if name.startswith(_PLAYING)
-        }
-        learned = {name: value for name, value in state.tensors.items() if not name.startswith(_PLAYING)}
-        super().load_state_dict(replace(state, tensors=learned))
-        now = self._weights()
-        begun = bool(playing) or self.done > 0  # before the first step nothing plays yet
-        if begun and {name: tensor.shape for name, tensor in playing.items()} != {n: t.shape for n, t in now.items()}:
-            raise DataError("state of another learner: the weights that play are missing, or of another network")
-        require_finite(playing, self.done)
-        self._playing, self._ahead = playing, []
-        by_id = {episode.id: episode for episode in self.episodes}
-        self.collected = trajectories_from_json(state.values.get("collected"), by_id)
-
-    def lengthen(self, steps: int) -> bool:
-        """As of imitation; collections are asked for until then."""
-        self._length = steps
-        return super().lengthen(steps)
-
-    def close(self) -> None:
-        """End worker processes and close all environments."""
-        super().close()
-        self._ahead = []
+    def keep(self, made: Sequence[Trajectory]) -> None:
+        """Nothing that was labelled is forgotten."""
+        self.collected += made
 
     def _made_feeder(self, **options: Any) -> Feeder:
         rollouts = self.rollouts
@@ -195,45 +149,3 @@ class DaggerLearner(ImitationLearner):
             copy.deepcopy(self.policy).cpu(), self.make_env, self.expert, rollouts.slots, rollouts.max_steps
         )
         return super()._made_feeder(collector=collector, **options)
-
-    def _weights(self) -> dict[str, Tensor]:
-        """A copy of the averaged weights and of the buffers, on the CPU."""
-        with self.updates.averaged():
-            return {name: value.detach().cpu().clone() for name, value in self.policy.state_dict().items()}
-
-    def _collect(self, iteration: int) -> None:
-        """Add the trajectories of a collection to those collected before.
-
-        They depend only on the weights that play, the seed and the number of the collection.
-        """
-        if not self._playing:
-            self._playing = self._weights()
-        parts, found = self._ahead or self._asked_for(iteration), 0
-        for part in parts:
-            made = part()  # where this process plays it, it shows its own progress
-            self.collected += made
-            found += len(made)
-            with progress("collecting", self.rollouts.episodes) as tick:
-                tick(found)
-        self._ahead, self._stream = [], None
-
-    def _asked_for(self, iteration: int) -> list[Callable[[], list[Trajectory]]]:
-        """Parts of a collection, which workers begin to play."""
-        rollouts = self.rollouts
-        first = iteration * rollouts.episodes
-        jobs = [Job(*self.assigned(first + k)) for k in range(rollouts.episodes)]
-        share = max(rollouts.mixture**iteration, rollouts.least)
-        return self.feeder.begin_collecting(
-            [
-                CollectionPart(
-                    iteration,
-                    at,
-                    tuple(jobs[at : at + rollouts.slots]),
-                    self._playing,
-                    share,
-                    rollouts.temperature,
-                    self.seed,
-                )
-                for at in range(0, len(jobs), rollouts.slots)
-            ]
-        )

@@ -16,7 +16,7 @@ from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import cached_property
 from multiprocessing.process import BaseProcess
-from typing import TYPE_CHECKING, Any, Final, cast
+from typing import TYPE_CHECKING, Any, Final, Protocol, cast
 
 import numpy as np
 
@@ -30,7 +30,6 @@ from ucon.learning.run.workers import WORKER_TIMEOUT_S, ask, begin_worker, lost_
 if TYPE_CHECKING:
     from torch import nn
 
-    from ucon.learning.imitation.collecting import CollectionPart, Collector
     from ucon.learning.policies.action_policy import ActionPolicy
 
 #: Number of batches that workers play ahead of the learner.
@@ -39,6 +38,22 @@ _OPTION: Final = "learner.worker_timeout_s"
 _CONTEXT, _FRAMES, _REWARDS = "context/", "frames/", "rewards"
 
 Played = tuple[Trajectory, Replay]
+
+
+class Collector(Protocol):
+    """Plays parts of a collection, and whole trajectories again."""
+
+    replayer: Replayer
+
+    def __call__(self, part: Any) -> Sequence[Played]:
+        """What was done in each episode of a part, and what was seen."""
+        ...
+
+    def close(self) -> None:
+        """Close the environments; a later call makes new ones."""
+        ...
+
+
 _replayer: Replayer | None = None
 _demonstrator: Demonstrator | None = None
 _collector: Collector | None = None
@@ -54,7 +69,7 @@ class Feeder:
         make_env: makes an environment of ``UcON-v0``; pickled and sent to workers.
         workers: number of processes that play; 0 plays in this one.
         demonstrator: shows what to do in jobs; plays them where the replays are played, each only once.
-        collector: plays parts of DAgger's collections, in the same processes.
+        collector: plays parts of collections, in the same processes.
         memory_bytes: memory for kept replays, compressed.
         worker_timeout_s: seconds that workers may take for the replay that is needed next.
     """
@@ -103,7 +118,12 @@ class Feeder:
             if player is not None:
                 player.close()
 
-    def begin_collecting(self, parts: Sequence[CollectionPart]) -> list[Callable[[], list[Trajectory]]]:
+    def forget(self) -> None:
+        """Drop all replays that are kept in memory."""
+        self._free_bytes += sum(map(len, self._kept.values()))
+        self._kept.clear()
+
+    def begin_collecting(self, parts: Sequence[Any]) -> list[Callable[[], list[Trajectory]]]:
         """Have the workers play parts of a collection while the learner goes on.
 
         Returns:
@@ -112,7 +132,7 @@ class Feeder:
         """
         return [self._collecting(part) for part in parts]
 
-    def _collecting(self, part: CollectionPart) -> Callable[[], list[Trajectory]]:
+    def _collecting(self, part: Any) -> Callable[[], list[Trajectory]]:
         assert self._collector is not None
         asked = None if self._pool is None else self._submitted(_collect, part)
 
@@ -250,7 +270,7 @@ def _replayer_of(policy: Any, make_env: Callable[[], Any], collector: Collector 
     return Replayer(policy, make_env) if collector is None else collector.replayer
 
 
-def _collect(part: CollectionPart) -> list[tuple[Trajectory, bytes]]:
+def _collect(part: Any) -> list[tuple[Trajectory, bytes]]:
     """Play a part of a collection in a worker; its replays are compressed."""
     if _collector is None:
         raise RuntimeError("a worker without a collector")

@@ -26,11 +26,10 @@ from ucon.core.rng import derived_seed, stream
 from ucon.habits.splits import entry_parts
 from ucon.learning.imitation.demonstrators import Demonstrator, SolutionDemonstrator
 from ucon.learning.imitation.feeding import Feeder
-from ucon.learning.imitation.sequence_loss import SequenceLoss
 from ucon.learning.imitation.trajectories import Replay, Trajectory
 from ucon.learning.policies.action_policy import ActionPolicy, scores_views
 from ucon.learning.policies.playing import Job, Players
-from ucon.learning.policies.sequences import Batch, Chunk, detached_state
+from ucon.learning.policies.sequences import Batch, Chunk, ChunkLoss, detached_state
 from ucon.learning.policies.validation import Validation, evenly_spaced
 from ucon.learning.run.network_files import load_network, network_files, set_max_habits
 from ucon.learning.run.option_checks import check, check_parts, text_weights
@@ -68,7 +67,7 @@ class ImitationLearner:
         self,
         policy: nn.Module,
         env: Callable[[], Any],
-        loss: SequenceLoss,
+        loss: ChunkLoss,
         validation: Validation,
         demonstrator: Demonstrator | None = None,
         **options: Any,
@@ -158,7 +157,7 @@ class ImitationLearner:
         """Update the policy on one batch.
 
         Returns:
-            The loss figures of :meth:`SequenceLoss.figures`, ``gradient`` (norm before clipping), ``rate``, ``frames``
+            The figures of the loss, ``gradient`` (norm before clipping), ``rate``, ``frames``
             (trained on so far) and ``labels`` (different ones so far).
 
         Raises:
@@ -166,12 +165,12 @@ class ImitationLearner:
         """
         if self._stream is None:
             self._stream = self.feeder(self.batches())
-        pairs = next(self._stream)
+        pairs = self.prepared(next(self._stream))
         batch = Batch(pairs, self.loss.discount, self.device)
         seed = derived_seed(self.seed, "step", self.done)
         torch.manual_seed(seed)
-        batch.augment(self.act, seed)
-        self.policy.train()
+        self.augment(batch, seed)
+        self.train_mode()
         for frames in batch.frames:
             self.act.update_statistics(frames)
         self.updates.begin()
@@ -181,6 +180,18 @@ class ImitationLearner:
         self.done += 1
         self.frames += sum(batch.lengths)
         return figures | {"frames": float(self.frames), "labels": float(self.n_labels)}
+
+    def train_mode(self) -> None:
+        """Put the policy into the mode in which it learns."""
+        self.policy.train()
+
+    def augment(self, batch: Batch, seed: int) -> None:
+        """Change the frames of a batch at random, as the policy asks for."""
+        batch.augment(self.act, seed)
+
+    def prepared(self, pairs: list[tuple[Trajectory, Replay]]) -> list[tuple[Trajectory, Replay]]:
+        """The episodes of a batch, with everything that the loss reads."""
+        return pairs
 
     def validate(self) -> Figures:
         """Loss and accuracy on validation demonstrations, SR and SPL of the policy's own play, and ``score``.
@@ -199,7 +210,7 @@ class ImitationLearner:
         return Players(self.policy, self.make_env, self.validation.slots, self.validation.max_steps)
 
     def measured(self, trajectories: Sequence[Trajectory]) -> Figures:
-        """Loss and accuracy on trajectories, without gradients; figures of :meth:`SequenceLoss.figures`."""
+        """Loss and accuracy on trajectories, without gradients; figures of the loss."""
         batches = [trajectories[at : at + self.batch] for at in range(0, len(trajectories), self.batch)]
         sums = torch.zeros(self.loss.n_sums, dtype=torch.float64)
         with torch.no_grad(), part("validating demonstrations", len(batches)) as tick:
@@ -270,7 +281,7 @@ class ImitationLearner:
         """Forward pass over a batch, chunk by chunk; with ``backward`` it also accumulates the gradient.
 
         Returns:
-            (n_sums,) float64 on the CPU, the sums that :meth:`SequenceLoss.figures` reads.
+            (n_sums,) float64 on the CPU, the sums that the loss makes figures of.
         """
         total = torch.zeros(self.loss.n_sums, dtype=torch.float64)
         scale = self.loss.scale(batch)

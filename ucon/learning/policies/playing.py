@@ -39,6 +39,8 @@ class RolloutOutcome:
     spl: float
     replay: Replay | None = None
     """Context, frames and rewards of the episode; None unless the players keep frames."""
+    values: tuple[float, ...] = ()
+    """What the policy thought each state worth, as many as actions; empty unless the players keep frames."""
 
 
 class Seen(NamedTuple):
@@ -105,6 +107,7 @@ class _Slot:
     context: Arrays = field(default_factory=dict)
     frames: list[Arrays] = field(default_factory=list)
     rewards: list[float] = field(default_factory=list)
+    values: list[float] = field(default_factory=list)
 
     def replay(self) -> Replay:
         """Context, frames and rewards of the episode, as arrays."""
@@ -210,7 +213,7 @@ class Players:
             return False
         options = {"episode": job.episode, "habit_level": job.level}
         slot.seen = Seen(*slot.env.reset(seed=0, options=options))
-        slot.number, slot.actions, slot.frames, slot.rewards = number, [], [], []
+        slot.number, slot.actions, slot.frames, slot.rewards, slot.values = number, [], [], [], []
         slot.context = self._policy.context(slot.seen.info)
         chooser.begin(number, job, slot.env, slot.seen.info)
         return True
@@ -230,6 +233,9 @@ class Players:
         }  # (1, B, ...)
         outputs = self._policy(steps, context.tensors, state.tensors)
         state.tensors = dict(outputs.state)
+        if self._keep:
+            for slot, value in zip(slots, outputs.value[0].tolist(), strict=True):
+                slot.values.append(value)
         return rounded_logits(outputs.logits[0])
 
     def _step(self, slot: _Slot, action: int) -> bool:
@@ -244,7 +250,7 @@ class Players:
         metrics = slot.seen.info.get("episode_metrics", {})
         actions = "".join(map(str, slot.actions))
         success, spl = bool(metrics.get("success", False)), float(metrics.get("spl", 0.0))
-        return RolloutOutcome(job, actions, success, spl, slot.replay() if self._keep else None)
+        return RolloutOutcome(job, actions, success, spl, slot.replay() if self._keep else None, tuple(slot.values))
 
     def _tensors(self, arrays: Arrays) -> dict[str, Tensor]:
         """Arrays of one episode as tensors (1, ...)."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import torch
@@ -18,7 +18,8 @@ from torch.nn.utils.rnn import pad_sequence
 from ucon.learning.imitation.trajectories import IGNORED, Replay, Trajectory, returns
 
 if TYPE_CHECKING:
-    from ucon.learning.policies.action_policy import ActionPolicy
+    from ucon.learning.policies.action_policy import ActionPolicy, PolicyOutputs
+    from ucon.learning.run.protocol import Figures
 
 Named = Mapping[str, Tensor]
 
@@ -86,6 +87,27 @@ class Batch:
             values = pad_sequence([one[piece] for one in self.returns[:n]])
             changes = pad_sequence([one[piece] for one in self.changes[:n]])
             yield Chunk(frames, {name: t[:n] for name, t in self.context.items()}, labels, values, present, changes)
+
+
+class ChunkLoss(Protocol):
+    """Loss of a batch of whole episodes, given chunk by chunk."""
+
+    n_sums: int
+    """Number of sums that figures are made of."""
+    discount: float
+    """Per step, of the returns in the chunks."""
+
+    def scale(self, batch: Batch) -> Any:
+        """What the shares of a batch's chunks are divided by."""
+        ...
+
+    def __call__(self, outputs: PolicyOutputs, chunk: Chunk, scale: Any) -> tuple[Tensor, Tensor]:
+        """A chunk's share of the batch's loss, a scalar, and sums (n_sums,) float64 on the CPU for :meth:`figures`."""
+        ...
+
+    def figures(self, sums: Tensor) -> Figures:
+        """Figures to log, ``loss`` among them, from sums over whole batches."""
+        ...
 
 
 def detached_state(state: Named, episodes: int) -> dict[str, Tensor]:

@@ -1,0 +1,1 @@
+"""``learner=ppo_episodes``: PPO on whole episodes, played many at once."""

@@ -1,0 +1,114 @@
+"""What a policy did in an episode, how likely that was, and how much better it went than expected."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.errors import DataError
+from ucon.learning.imitation.trajectories import Replay, Trajectory, trajectories_from_json
+from ucon.task.episode import Episode
+
+Floats = NDArray[np.float32]
+#: Names of the arrays among the frames that the loss reads.
+LOG_P, ADVANTAGE, TARGET = "old_log_p", "advantage", "value_target"
+_ARRAYS: Final = ("log_p", "advantage", "target")
+_FIELDS: Final = 4
+"""Fields of a plain trajectory in JSON."""
+
+
+@dataclass(frozen=True, eq=False)
+class Experience(Trajectory):
+    """An episode that the policy played by itself; its labels are its actions."""
+
+    log_p: Floats
+    """(T,) float32 log-probability of each action, by the policy that played."""
+    advantage: Floats
+    """(T,) float32 generalised advantage of each action (Schulman et al., 2016)."""
+    target: Floats
+    """(T,) float32 return that the value should have told: advantage plus the value when it was played."""
+    success: bool
+    spl: float
+
+    def to_json(self) -> list[Any]:
+        """As of a trajectory, then the arrays as base64 of little-endian float32, success and SPL."""
+        return [*super().to_json(), *(_text(getattr(self, name)) for name in _ARRAYS), self.success, self.spl]
+
+
+def generalised_advantages(rewards: Floats, values: Floats, discount: float, trace: float) -> Floats:
+    """Advantages (T,) float32 of the actions of an episode that is over after the last one.
+
+    Args:
+        rewards: (T,) of each action.
+        values: (T,) of the state before it.
+        discount: of rewards, per step.
+        trace: lambda; 1 compares the whole return with the value, 0 only the next step.
+    """
+    found, later, after = np.zeros(len(rewards), np.float32), 0.0, 0.0
+    for step in range(len(rewards) - 1, -1, -1):
+        surprise = float(rewards[step]) + discount * after - float(values[step])
+        later = surprise + discount * trace * later
+        found[step], after = later, float(values[step])
+    return found
+
+
+def normalised(experience: Sequence[Experience]) -> list[Experience]:
+    """Experience whose advantages have mean 0 and deviation 1 over all steps."""
+    every = np.concatenate([one.advantage for one in experience]).astype(np.float64)
+    mean, deviation = every.mean(), every.std() + 1e-6
+    return [replace(one, advantage=((one.advantage - mean) / deviation).astype(np.float32)) for one in experience]
+
+
+def with_experience(replay: Replay, experience: Experience) -> Replay:
+    """A replay with the arrays of the experience among its frames, for the loss."""
+    arrays = {LOG_P: experience.log_p, ADVANTAGE: experience.advantage, TARGET: experience.target}
+    return replace(replay, frames={**replay.frames, **arrays})
+
+
+def experience_from_json(rows: Any, episodes: Mapping[str, Episode]) -> list[Experience]:
+    """Read what :meth:`Experience.to_json` wrote.
+
+    Args:
+        rows: plain values; not trusted.
+        episodes: known episodes by id.
+
+    Raises:
+        DataError: a row of another form, of an unknown episode, or with arrays that cannot be.
+    """
+    width = _FIELDS + len(_ARRAYS) + 2
+    if not isinstance(rows, list) or not all(isinstance(row, list) and len(row) == width for row in rows):
+        raise DataError("state with experience of another form; resume with the run's own configuration")
+    trajectories = trajectories_from_json([row[:_FIELDS] for row in rows], episodes)
+    found = []
+    for one, row in zip(trajectories, rows, strict=True):
+        log_p, advantage, target = (_array(text, len(one.actions)) for text in row[_FIELDS : _FIELDS + len(_ARRAYS)])
+        success, spl = row[-2:]
+        if type(success) is not bool or type(spl) is not float or not 0.0 <= spl <= 1.0 or (log_p > 0).any():
+            raise DataError(
+                f"state with experience of episode {one.episode.id} that cannot be; go on from an earlier one"
+            )
+        found.append(
+            Experience(one.episode, one.level, one.actions, one.labels, log_p, advantage, target, success, spl)
+        )
+    return found
+
+
+def _text(array: Floats) -> str:
+    return base64.b64encode(array.astype("<f4").tobytes()).decode("ascii")
+
+
+def _array(text: Any, length: int) -> Floats:
+    """An array (length,) of :func:`_text`; refused where it is of another length or not finite."""
+    try:
+        found = np.frombuffer(base64.b64decode(text, validate=True), "<f4").astype(np.float32)
+    except (TypeError, ValueError, binascii.Error):
+        found = np.full(0, np.nan, np.float32)
+    if len(found) != length or not np.isfinite(found).all():
+        raise DataError("state with experience that is cut off or not finite; go on from an earlier checkpoint")
+    return found

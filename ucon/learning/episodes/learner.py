@@ -1,0 +1,167 @@
+"""``learner=ppo_episodes``: PPO on whole episodes, for policies over the seven actions with a large memory.
+
+``learner=ppo`` keeps the memory of every step, so that updates can begin anywhere; that of a policy with a map is a
+megabyte. Here a collection is whole episodes, played many at once by workers while the policy learns from the last one;
+an update reads each of them from its beginning, as imitation does (:mod:`ucon.learning.policies.sequences`).
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, cast
+
+import numpy as np
+from torch import Tensor
+
+from ucon.core.errors import ConfigError
+from ucon.core.rng import stream
+from ucon.learning.episodes.collecting import EpisodeCollector, EpisodePart, EpisodeRollouts
+from ucon.learning.episodes.experience import Experience, experience_from_json, normalised, with_experience
+from ucon.learning.imitation.collecting_learner import CollectingLearner
+from ucon.learning.imitation.feeding import Feeder
+from ucon.learning.imitation.trajectories import Replay, Trajectory
+from ucon.learning.policies.playing import Job
+from ucon.learning.policies.sequences import Batch
+from ucon.learning.ppo.clipped_loss import eval_mode_except_rnn
+from ucon.learning.run.protocol import Card, Figures
+from ucon.learning.run.trainer_state import SCORE
+from ucon.task.episode import Episode
+
+
+class EpisodePPOLearner(CollectingLearner):
+    """Proximal policy optimisation of a policy over the seven actions on whole episodes (see the module).
+
+    Args:
+        rollouts: how much is collected, and how it is learned from.
+        options: arguments of :class:`ucon.learning.imitation.learner.ImitationLearner`, without ``demonstrator``; the
+            loss is an :class:`ucon.learning.episodes.loss.EpisodeLoss`.
+
+    Raises:
+        ConfigError: a ``demonstrator`` is given, a validation figure that is not played, or whatever the base class
+            refuses.
+    """
+
+    title = "proximal policy optimisation on whole episodes"
+
+    def __init__(self, rollouts: EpisodeRollouts, **options: Any) -> None:
+        if options.pop("demonstrator", None) is not None:
+            raise ConfigError("learner.demonstrator: for learner=imitation; PPO learns from what came of its own play")
+        self.rollouts = rollouts
+        super().__init__(**options)
+        if self.validation.choose not in ("success_rate", "spl"):
+            raise ConfigError(f"learner.validation.choose={self.validation.choose}: expected success_rate or spl")
+        self._new: Figures = {}
+        """Figures of the newest collection, until they were logged."""
+
+    @property
+    def per_iteration(self) -> int:
+        """Learning steps between two collections: all its episodes ``epochs`` times."""
+        return self.rollouts.epochs * -(-self.rollouts.episodes // self.batch)
+
+    @property
+    def per_collection(self) -> int:
+        """Episodes of a collection."""
+        return self.rollouts.episodes
+
+    def weights_that_play(self) -> dict[str, Tensor]:
+        """A copy of the present weights and buffers, on the CPU: it learns from what *they* do."""
+        return {name: value.detach().cpu().clone() for name, value in self.policy.state_dict().items()}
+
+    def parts(self, iteration: int, jobs: Sequence[Job], weights: Mapping[str, Tensor]) -> Sequence[EpisodePart]:
+        """Parts of as many episodes as are played at once."""
+        slots = self.rollouts.slots
+        return [
+            EpisodePart(iteration, at, tuple(jobs[at : at + slots]), weights, self.seed)
+            for at in range(0, len(jobs), slots)
+        ]
+
+    def keep(self, made: Sequence[Experience]) -> None:
+        """Learn from the newest collection alone."""
+        explained = _explained(made)
+        self.collected = list(normalised(made))
+        self._new = {
+            "success_rate": float(np.mean([one.success for one in made])),
+            "spl": float(np.mean([one.spl for one in made])),
+            "steps": float(np.mean([len(one.actions) for one in made])),
+            **({} if explained is None else {"explained": explained}),
+        }
+
+    def read(self, rows: Any, episodes: Mapping[str, Episode]) -> list[Trajectory]:
+        """Experience of a state, not trusted."""
+        return list(experience_from_json(rows, episodes))
+
+    def batches(self) -> Iterator[Sequence[Trajectory | Job]]:
+        """Episodes of each step until the next collection: all of them in another order in every epoch."""
+        per_epoch = -(-self.rollouts.episodes // self.batch)
+        for step in range(self.done, (self.iteration + 1) * self.per_iteration):
+            epoch, number = divmod(step % self.per_iteration, per_epoch)
+            order = stream(self.seed, "minibatches", self.iteration, epoch).permutation(len(self.collected))
+            yield [self.collected[int(k)] for k in np.array_split(order, per_epoch)[number]]
+
+    def prepared(self, pairs: list[tuple[Trajectory, Replay]]) -> list[tuple[Trajectory, Replay]]:
+        """With log-probabilities, advantages and targets among the frames."""
+        return [(one, with_experience(replay, cast(Experience, one))) for one, replay in pairs]
+
+    def augment(self, batch: Batch, seed: int) -> None:
+        """Nothing: it would change the probabilities of what was done."""
+
+    def train_mode(self) -> None:
+        """As it plays, so that ratios of probabilities begin at 1."""
+        eval_mode_except_rnn(self.policy)
+
+    def step(self) -> dict[str, float]:
+        """Update the policy on one batch; where a collection is due, wait for it first, and ask for the next one.
+
+        Returns:
+            The figures of the loss, ``gradient``, ``rate`` and ``frames``; after a new collection also its mean
+            ``success_rate``, ``spl`` and ``steps``, and ``explained``, the share of the variance of the value's targets
+            that it had foretold.
+
+        Raises:
+            DivergedError: a loss or gradient that is not finite.
+        """
+        figures = super().step() | self._new
+        self._new = {}
+        return {name: figure for name, figure in figures.items() if name not in ("labels", "collected")}
+
+    def validate(self) -> Figures:
+        """SR, SPL and mean ``steps`` of the averaged policy's play on validation episodes, and ``score``."""
+        with self.updates.averaged():
+            self.policy.eval()
+            found = self.validation.played(self.players, self.seed)
+        return found | {SCORE: found[self.validation.choose]}
+
+    def card(self) -> Card:
+        """Text of the model card: architecture, size, training episodes, levels and how to use the weights."""
+        size = sum(value.numel() for value in self.updates.parameters.values())
+        name = self.act.architecture
+        learned = (
+            f"Learned from {self.frames:,} steps of its own in episodes drawn from {len(self.episodes)} of the `train` "
+            f"part; habit levels {', '.join(self.levels)}."
+            if self.frames
+            else "As it was before training: nothing that was learned validated better."
+        )
+        return Card(
+            f"Policy over the seven actions: {name}, by {self.title}",
+            f"`{name}`, {size:,} trained parameters. {learned} Validation episodes chose the state; `test` was not "
+            f"touched.\n\nUse: `python eval.py agent={name} agent.checkpoint=RUN`.\n\n"
+            "It learned in simulated homes what a success is worth there; in homes unlike these it was not measured.",
+            self.dataset.name,
+        )
+
+    def _collect(self, iteration: int) -> None:
+        """Collect, and forget what was seen in earlier collections."""
+        self.feeder.forget()
+        super()._collect(iteration)
+
+    def _made_feeder(self, **options: Any) -> Feeder:
+        collector = EpisodeCollector(copy.deepcopy(self.policy).cpu(), self.make_env, self.rollouts)
+        return super()._made_feeder(collector=collector, **options)
+
+
+def _explained(made: Sequence[Experience]) -> float | None:
+    """Share of the variance of the value's targets that the value had foretold; None where they are all alike."""
+    targets = np.concatenate([one.target for one in made]).astype(np.float64)
+    surprises = np.concatenate([one.advantage for one in made]).astype(np.float64)
+    return float(1 - surprises.var() / targets.var()) if targets.var() > 0 else None
