@@ -8,6 +8,9 @@ from torch import nn
 
 from models.nets.policy_defaults import PolicyModule, lstm_state, run_lstm
 from ucon.envs.ucon_env import UcONEnv
+from ucon.learning.episodes.collecting import EpisodeRollouts
+from ucon.learning.episodes.learner import EpisodePPOLearner
+from ucon.learning.episodes.loss import EpisodeLoss
 from ucon.learning.imitation.dagger import DaggerLearner, DaggerRollouts
 from ucon.learning.imitation.learner import ImitationLearner
 from ucon.learning.imitation.sequence_loss import SequenceLoss
@@ -94,6 +97,13 @@ def tiny_imitation(folder, policy=None, kind=ImitationLearner, **options):
     standard |= {"env": ENV}
     loss = options.pop("loss", None) or SequenceLoss({"done": 3.0})
     return kind(policy=policy or TinyPolicy(), loss=loss, validation=Validation(**validation), **standard | options)
+
+
+def tiny_ppo_episodes(folder, policy=None, rollouts=None, **options):
+    standard = {"episodes": 4, "max_steps": 25, "slots": 3, "temperature": 0.8}
+    chosen = EpisodeRollouts(**standard | (rollouts or {}))
+    options = {"batch": 2, "loss": EpisodeLoss(chosen.temperature), "validation": {"choose": "spl"}} | options
+    return tiny_imitation(folder, policy, functools.partial(EpisodePPOLearner, chosen), **options)
 
 
 def tiny_dagger(folder, policy=None, rollouts=None, **options):

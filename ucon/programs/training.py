@@ -234,7 +234,8 @@ def learner_name(learner: Mapping[str, Any]) -> str:
         return "searches"
     if learner.get("expert"):
         return "dagger_searches"
-    return str(learner["_target_"]).rsplit(".", 1)[-1].removesuffix("Learner").lower()
+    name = str(learner["_target_"]).rsplit(".", 1)[-1].removesuffix("Learner")
+    return "ppo_episodes" if name == "EpisodePPO" else name.lower()
 
 
 def run_identity(config: Mapping[str, Any]) -> dict[str, str]:

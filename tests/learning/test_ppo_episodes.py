@@ -1,0 +1,204 @@
+"""PPO on whole episodes: what is collected, what is learned from it, and that it can be stopped anywhere."""
+
+import dataclasses
+import functools
+from contextlib import closing
+
+import numpy as np
+import pytest
+import torch
+from torchrl.objectives.value.functional import generalized_advantage_estimate
+
+from tests.learning.test_imitation import files
+from tests.learning.tiny_policy import TinyPolicy, tiny_ppo_episodes
+from ucon.core.errors import ConfigError, DataError
+from ucon.envs.ucon_env import UcONEnv
+from ucon.learning.episodes.collecting import EpisodeRollouts
+from ucon.learning.episodes.experience import experience_from_json, generalised_advantages
+from ucon.learning.run.training_run import Plan, TrainingRun
+from ucon.task.actions import Action
+from ucon.task.reward import Reward
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("episodes")
+
+
+def lasting():
+    """A policy that seldom says Done by chance."""
+    policy = TinyPolicy()
+    with torch.no_grad():
+        policy.choose.bias[Action.DONE] -= 5
+    return policy
+
+
+@pytest.fixture
+def learner(folder):
+    return functools.partial(tiny_ppo_episodes, folder)
+
+
+def test_advantages_are_those_of_torchrl():
+    draw = np.random.default_rng(0)
+    rewards, values = (draw.normal(size=30).astype(np.float32) for _ in range(2))
+    over = torch.zeros(30, 1, dtype=torch.bool)
+    over[-1] = True
+    value, reward = torch.from_numpy(values)[:, None], torch.from_numpy(rewards)[:, None]
+    after = torch.cat([value[1:], torch.zeros(1, 1)])
+    wanted, _ = generalized_advantage_estimate(0.97, 0.9, value, after, reward, over, over)
+    assert np.allclose(generalised_advantages(rewards, values, 0.97, 0.9), wanted[:, 0].numpy(), atol=1e-5)
+
+
+def test_what_is_remembered_of_a_collection_is_what_the_policy_that_played_thinks_of_it(learner):
+    """Played three at once, read one by one: the same probabilities, so that ratios begin at 1."""
+    found, raws = learner(lasting(), lr=1e-9), []
+    figures = found.step()
+    assert figures["kl"] < 1e-6
+    assert figures["clipped"] == 0
+    assert figures["steps"] == np.mean([len(one.actions) for one in found.collected])
+    for one, replay in found.feeder([found.collected]).__next__():
+        frames = {name: torch.from_numpy(array)[:, None] for name, array in replay.frames.items()}
+        context = {name: torch.from_numpy(array)[None] for name, array in replay.context.items()}
+        with torch.no_grad():
+            outputs = found.act(frames, context, found.act.initial_state(1))
+        log_p = (outputs.logits[:, 0] / found.rollouts.temperature).log_softmax(-1)
+        assert np.allclose(log_p.gather(1, torch.from_numpy(one.classes)[:, None])[:, 0], one.log_p, atol=1e-3)
+        raws.append(generalised_advantages(replay.rewards, outputs.value[:, 0].numpy(), 0.99, 0.95))
+        assert np.allclose(one.target, raws[-1] + outputs.value[:, 0].numpy(), atol=1e-3)
+    raw, given = np.concatenate(raws), np.concatenate([one.advantage for one in found.collected])
+    assert np.allclose((raw - raw.mean()) / raw.std(), given, atol=0.02)
+
+
+def test_every_epoch_reads_each_episode_of_the_newest_collection_once(learner):
+    found = learner(rollouts={"epochs": 2})
+    found.step()
+    assert found.per_iteration == 4
+    before = found.collected
+    found.done = 0
+    batches = list(found.batches())
+    for epoch in (batches[:2], batches[2:]):
+        assert sorted(id(one) for batch in epoch for one in batch) == sorted(map(id, before))
+    found.done = 1
+    for _ in range(4):
+        found.step()
+    assert len(found.collected) == 4
+    assert not set(map(id, found.collected)) & set(map(id, before))
+    assert len(found.feeder._kept) == 4
+
+
+def test_it_learns_what_pays(learner):
+    """Where only blocked moves cost, it stops bumping into things."""
+    env = functools.partial(UcONEnv, "mini", observe="pixels", reward=Reward(success=0, step=0, collision=-1))
+    found = learner(lasting(), env=env, rollouts={"temperature": 1.0, "discount": 0.9}, steps=60, lr=0.01)
+
+    def bumps():
+        return np.mean([replay.rewards.sum() for _, replay in found.feeder([found.collected]).__next__()])
+
+    costs = []
+    for step in range(60):
+        found.step()
+        if step % 2 == 0:
+            costs.append(bumps())
+    assert np.mean(costs[-5:]) > np.mean(costs[:5]) / 2
+
+
+def test_collections_are_the_same_with_any_number_of_workers(learner):
+    found = []
+    for workers in (0, 1, 2):
+        with closing(learner(TinyPolicy(dropout=0.1), steps=9, average=0.5, workers=workers)) as one:
+            for _ in range(5):
+                one.step()
+            state = one.state_dict()
+            found.append((state.values, {name: tensor.clone() for name, tensor in state.tensors.items()}))
+    for values, tensors in found[1:]:
+        assert values == found[0][0]
+        assert all(torch.equal(tensor, found[0][1][name]) for name, tensor in tensors.items())
+
+
+@pytest.mark.parametrize("at", [1, 2, 3])
+def test_a_run_that_is_killed_goes_on_to_the_same_bytes(learner, tmp_path, at):
+    """In the middle of a collection, before one, and just after one."""
+
+    class KilledError(Exception):
+        pass
+
+    def kill(step, figures):
+        if step == at and "loss" in figures:
+            raise KilledError
+
+    plan = Plan(steps=5, validate_every=5, save_every=1, keep=2)
+
+    def made():
+        return learner(TinyPolicy(dropout=0.1), steps=5, average=0.5)
+
+    whole = TrainingRun(tmp_path / "whole", made(), plan, {})
+    whole.start("a: 1\n")
+    whole.run()
+    parts = TrainingRun(tmp_path / "parts", made(), plan, {})
+    parts.start("a: 1\n")
+    with pytest.raises(KilledError):
+        parts.run(kill)
+    again = TrainingRun(tmp_path / "parts", made(), plan, {})
+    again.resume()
+    again.run()
+    assert files(tmp_path / "parts") == files(tmp_path / "whole")
+
+
+def test_experience_is_read_as_it_was_written(learner):
+    found = learner()
+    found.step()
+    rows = [one.to_json() for one in found.collected]
+    again = experience_from_json(rows, {one.id: one for one in found.episodes})
+    assert [one.to_json() for one in again] == rows
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda row: row[:4], "experience of another form"),
+        (lambda row: ["elsewhere", *row[1:]], "trajectory of other episodes"),
+        (lambda row: [*row[:4], row[4][:8], *row[5:]], "cut off or not finite"),
+        (lambda row: [*row[:4], 7, *row[5:]], "cut off or not finite"),
+        (lambda row: [*row[:5], "?" + row[5][1:], *row[6:]], "cut off or not finite"),
+        (lambda row: [*row[:4], row[6], *row[5:]], "that cannot be"),
+        (lambda row: [*row[:8], 2.0], "that cannot be"),
+        (lambda row: [*row[:7], "yes", row[8]], "that cannot be"),
+    ],
+)
+def test_a_state_whose_experience_was_changed_is_refused(learner, change, message):
+    found = learner(rollouts={"discount": 0.0})
+    found.step()
+    state = found.state_dict()
+    rows = [change(row) for row in state.values["collected"]]
+    if message == "that cannot be" and rows[0][4] != state.values["collected"][0][4]:  # probabilities above 1
+        rows = [[*row[:4], _all_ones(len(row[2])), *row[5:]] for row in rows]
+    with pytest.raises(DataError, match=message):
+        learner().load_state_dict(dataclasses.replace(state, values={**state.values, "collected": rows}))
+
+
+def _all_ones(length):
+    import base64
+
+    return base64.b64encode(np.ones(length, "<f4").tobytes()).decode()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"episodes": 0}, r"rollouts\.episodes=0: must be a whole number from 1"),
+        ({"epochs": 1.5}, r"rollouts\.epochs=1\.5"),
+        ({"discount": 1.5}, r"rollouts\.discount=1\.5: must be from 0 to 1"),
+        ({"trace": True}, r"rollouts\.trace=True: must be from 0 to 1"),
+        ({"temperature": 0}, r"rollouts\.temperature=0: must be above 0"),
+    ],
+)
+def test_rollouts_that_make_no_sense(options, message):
+    with pytest.raises(ConfigError, match=message):
+        EpisodeRollouts(**options)
+
+
+def test_options_that_are_for_other_learners_are_refused(learner):
+    with pytest.raises(ConfigError, match="PPO learns from what came of its own play"):
+        learner(demonstrator=object())
+    with pytest.raises(ConfigError, match=r"choose=loss: expected success_rate or spl"):
+        learner(validation={"choose": "loss"})
