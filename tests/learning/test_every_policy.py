@@ -31,7 +31,8 @@ def with_a_policy():
 #: Why a learner does not take every policy.
 UNFIT = {
     **dict.fromkeys(
-        ("imitation", "searches", "dagger", "dagger_searches", "ppo_episodes"), "scores views, and stored solutions name actions"
+        ("imitation", "searches", "dagger", "dagger_searches", "ppo_episodes"),
+        "scores views, and stored solutions name actions",
     ),
     "image_goal": "reads names, not images of goals",
 }

@@ -3,8 +3,8 @@
 Strict IEEE arithmetic (no fastmath) gives the same bits on every machine of one instruction set.
 
 Numba recompiles a kernel only when its own file changes. But kernels that it calls, and constants of other modules, are
-compiled into it and may be in other files. So all kernels are kept in a folder named by the hash of all files that
-define kernels and of the files that these import.
+compiled into it and may be in other files. So the kernels of a package are kept in a folder named by the hash of all
+its files that define kernels and of those that these import; of another package than this one, by this one's hash too.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+import sys
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
@@ -36,7 +37,6 @@ Flags: TypeAlias = NDArray[np.bool_]
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _MARK = b"ucon.core.jit import"
-_IMPORT = re.compile(rb"^from ucon\.([\w.]+) import", re.MULTILINE)
 
 
 def jit(function: _Function) -> _Function:
@@ -70,28 +70,38 @@ def _compiled(function: _Function, **options: Any) -> _Function:
     config: Any = numba.config
     before = config.CACHE_DIR
     # Numba reads the folder while it decorates. The user's NUMBA_CACHE_DIR takes precedence.
-    config.CACHE_DIR = before or str(kernel_folder())
+    config.CACHE_DIR = before or str(kernel_folder(_package_of(function)))
     try:
         return cast(_Function, numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function))
     finally:
         config.CACHE_DIR = before
 
 
-@lru_cache(maxsize=1)
-def kernel_folder() -> Path:
-    """Folder of compiled kernels: beside the code, or in the user's cache where that is read-only."""
-    name = f"kernels-{sources_hash(_PACKAGE)[:16]}"
-    beside = _PACKAGE / "__pycache__"
-    usable = os.access(beside if beside.is_dir() else _PACKAGE, os.W_OK)
+def _package_of(function: Callable[..., Any]) -> Path:
+    """Folder of the package that a function is of; this package's for a function of a script."""
+    top = sys.modules.get(function.__module__.partition(".")[0])
+    file = getattr(top, "__file__", None)
+    return Path(file).resolve().parent if file and Path(file).name == "__init__.py" else _PACKAGE
+
+
+@lru_cache
+def kernel_folder(package: Path = _PACKAGE) -> Path:
+    """Folder of a package's compiled kernels: beside its code, or in the user's cache where that is read-only."""
+    own = sources_hash(package)
+    digest = own if package == _PACKAGE else hashlib.sha256((own + sources_hash(_PACKAGE)).encode()).hexdigest()
+    name = f"kernels-{digest[:16]}"
+    beside = package / "__pycache__"
+    usable = os.access(beside if beside.is_dir() else package, os.W_OK)
     return (beside if usable else user_cache()) / name
 
 
 def sources_hash(package: Path) -> str:
-    """SHA-256 over a package's files that define kernels and those that they import, by name and content."""
+    """SHA-256 over a package's files that define kernels and those of it that they import, by name and content."""
+    imports = re.compile(rb"^from %s\.([\w.]+) import" % re.escape(package.name.encode()), re.MULTILINE)
     files = {path.relative_to(package).as_posix(): path.read_bytes() for path in package.rglob("*.py")}
     chosen = {name for name, content in files.items() if _MARK in content}
     for name in tuple(chosen):
-        modules = (match.decode().replace(".", "/") for match in _IMPORT.findall(files[name]))
+        modules = (match.decode().replace(".", "/") for match in imports.findall(files[name]))
         chosen |= {f"{module}.py" for module in modules} & files.keys()
     digest = hashlib.sha256()
     for name in sorted(chosen):
