@@ -22,6 +22,8 @@ _DEEPER, _DEEP_CELLS = np.float32(0.8825), 12
 #: Containers can be opened from so many cells away, and the target is taken from there.
 _REACH_CELLS = 4
 _CELL_M2 = 0.0625
+#: Whoever stood in a pose for so many steps has looked up and down there and opened what can be opened.
+_LONG = 8
 #: Square metres that each cell of a ray stands for.
 _AREA = RAY_AREA.astype(np.float32)
 
@@ -31,7 +33,7 @@ def look_out(
     flags: U8, look: U8, who: I16, visits: U8, share: F32, extent: I32, pose: I32, sight: I32, enough: U8, steps: U8,
     cell: U8, out: F32,
 ) -> None:  # fmt: skip
-    """Count what each pose that can be reached would show.
+    """Count what each pose that can be reached would show; one that it stood in for long shows nothing more.
 
     Args:
         flags: (B, S, S).
@@ -69,6 +71,9 @@ def look_out(
                 found[:] = 0.0
                 _look_from(i, j, maps, sight[b], enough[b], counted, asked, mark, found)
                 mark += 4
+                for h in range(4):
+                    if visits[b, h, i, j] >= _LONG:
+                        found[:, h] = 0.0
                 _been(i, j, visits[b], found)
                 for k in range(N_OUTLOOK):
                     for h in range(4):
