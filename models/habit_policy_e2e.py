@@ -21,6 +21,7 @@ from models.nets.belief.head_reader import default_head_reader
 from models.nets.end_to_end.advice import Advisor
 from models.nets.end_to_end.ego_view import THING_FEATURES
 from models.nets.end_to_end.floor_memory import (
+    ENDLESS,
     N_TRACKS,
     TOTALS,
     MemoryStep,
@@ -52,6 +53,10 @@ from ucon.readers.protocol import Reader
 from ucon.task.actions import Action
 
 _MAX_STEPS = 300.0
+#: In play, a pose shows nothing more after so many steps in it: there it looked up and down, and opened what can be
+#: opened. Without, it stays where it believes in what it cannot reach. While it learns from labels nothing is left out,
+#: since the expert may know better than to stay.
+_PATIENCE = 8
 _N_LOOKS = 5
 #: Log odds of Done where the target is not near, and of Open where nothing can be opened, whatever the network says.
 #: Subtracting a constant from a logit does not work: some solutions end farther off, so training raised that of Done
@@ -319,7 +324,7 @@ class HabitPolicyE2E(PolicyModule):
             mass = write(new, step, belief, openable)
             known = (tracks >= 0) & (tracks < N_TRACKS)
             opened.append(new["opened"].gather(1, tracks.long().clamp(0, N_TRACKS - 1)) & known)
-            seen_from.append(outlook(new, mass, pose, reach))
+            seen_from.append(outlook(new, mass, pose, reach, ENDLESS if self.training else _PATIENCE))
             remembered.append(from_here(new["target_at"], pose.long()))
         joined = Outlook(*(torch.cat(parts).to(device) for parts in zip(*seen_from, strict=True)))
         return (

@@ -157,7 +157,11 @@ def track_belief(state: State, belief: Tensor, openable: Tensor) -> Tensor:
     return torch.stack([ontop, under + beside, inside * ~shut, inside * shut], -1)
 
 
-def outlook(state: State, mass: Tensor, pose: Tensor, reach_m: Tensor) -> Outlook:
+#: More steps than are counted in a pose.
+ENDLESS: Final = 256
+
+
+def outlook(state: State, mass: Tensor, pose: Tensor, reach_m: Tensor, patience: int = ENDLESS) -> Outlook:
     """Count what each pose around the agents would show.
 
     Args:
@@ -165,6 +169,7 @@ def outlook(state: State, mass: Tensor, pose: Tensor, reach_m: Tensor) -> Outloo
         mass: (B, N_TRACKS, 4) of :func:`write`.
         pose: (B, 4) int.
         reach_m: (B,) from how far away the target would be seen, metres.
+        patience: a pose that the agent was in for so many steps shows nothing more.
     """
     n = len(pose)
     share = (mass / state["extent"].clamp(min=1)[..., None]).numpy()
@@ -176,7 +181,7 @@ def outlook(state: State, mass: Tensor, pose: Tensor, reach_m: Tensor) -> Outloo
     cell = np.empty((n, BLOCKS, BLOCKS), np.uint8)
     find_ways(flags, at, REACH, steps, first, cell)
     counts = np.empty((n, N_OUTLOOK, 4, BLOCKS, BLOCKS), np.float32)
-    look_out(flags, look, who, visits, share, extent, at, sight, enough, steps, cell, counts)
+    look_out(flags, look, who, visits, share, extent, at, sight, enough, steps, cell, patience, counts)
     totals = np.empty((n, len(TOTALS)), np.float32)
     measure_maps(flags, look, who, share, enough, totals)
     found: list[Any] = [counts, steps, first, cell, totals, _beside(flags, visits, at)]

@@ -22,8 +22,6 @@ _DEEPER, _DEEP_CELLS = np.float32(0.8825), 12
 #: Containers can be opened from so many cells away, and the target is taken from there.
 _REACH_CELLS = 4
 _CELL_M2 = 0.0625
-#: Whoever stood in a pose for so many steps has looked up and down there and opened what can be opened.
-_LONG = 8
 #: Square metres that each cell of a ray stands for.
 _AREA = RAY_AREA.astype(np.float32)
 
@@ -31,9 +29,9 @@ _AREA = RAY_AREA.astype(np.float32)
 @jit
 def look_out(
     flags: U8, look: U8, who: I16, visits: U8, share: F32, extent: I32, pose: I32, sight: I32, enough: U8, steps: U8,
-    cell: U8, out: F32,
+    cell: U8, patience: int, out: F32,
 ) -> None:  # fmt: skip
-    """Count what each pose that can be reached would show; one that it stood in for long shows nothing more.
+    """Count what each pose that can be reached would show.
 
     Args:
         flags: (B, S, S).
@@ -47,6 +45,7 @@ def look_out(
         enough: (B,) what was seen as closely as this would have shown it.
         steps: (B, 4, C, C) of :func:`find_ways`.
         cell: (B, C, C) of :func:`find_ways`.
+        patience: a pose that the agent was in for so many steps shows nothing more.
         out: (B, N_OUTLOOK, 4, C, C) written, 0 where there is no way.
     """
     size, coarse = flags.shape[1], cell.shape[1]
@@ -72,7 +71,7 @@ def look_out(
                 _look_from(i, j, maps, sight[b], enough[b], counted, asked, mark, found)
                 mark += 4
                 for h in range(4):
-                    if visits[b, h, i, j] >= _LONG:
+                    if visits[b, h, i, j] >= patience:
                         found[:, h] = 0.0
                 _been(i, j, visits[b], found)
                 for k in range(N_OUTLOOK):

@@ -214,6 +214,20 @@ def test_doors_count_within_reach() -> None:
     assert found[0, HERE - 2, HERE] == 0, "seven cells away"
 
 
+def test_a_pose_that_it_was_in_for_long_shows_nothing_more() -> None:
+    state = written(*[step((cell(3), 4, CUPBOARD), floor=8)] * 8)
+    mass, at = track_belief(state, BELIEF, OPENABLE), (torch.tensor([[0, 0, 0, 0]]), torch.tensor([3.0]))
+    patient, impatient = outlook(state, mass, *at, patience=9), outlook(state, mass, *at, patience=8)
+    here = (OUTLOOK.index("closed"), 0, HERE, HERE)
+    assert float(patient.counts[0][here]) > 0
+    assert torch.equal(patient.counts, outlook(state, mass, *at).counts)
+    lost = (patient.counts != impatient.counts)[0].nonzero()
+    assert set(lost[:, 1].tolist()) == {0}, "only where it looked"
+    assert {(a, c) for _, _, a, c in lost.tolist()} == {here[2:]}
+    assert float(impatient.counts[0][here]) == 0
+    assert torch.equal(counted(patient, "been"), counted(impatient, "been"))
+
+
 def test_space_beyond_what_is_explored() -> None:
     found = counted(seen_from(written(step(floor=8))), "space")
     assert found[0, HERE + 3, HERE] > 1.0
