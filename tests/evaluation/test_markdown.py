@@ -95,3 +95,45 @@ def test_runs_of_one_agent_and_level_are_told_apart_by_their_folders(tmp_path, c
     assert "| belief, retrieval: frozen |" in page
     assert "| (belief, retrieval: tuned) - (belief, none) |" in page
     assert "| belief, none |" in page
+
+
+def by_kind():
+    """Two runs in scenes, flats and houses; the second fails in flats."""
+    homes = ("Rs_int", "procedural:flat:3", "procedural:house:1", "Benevolence_1_int")
+    first = [record(i, scene=homes[i % 4]) for i in range(12)]
+    second = [record(i, scene=homes[i % 4], success=i % 4 != 1, habit_level="none") for i in range(12)]
+    return first, second
+
+
+def written(tmp_path, **runs):
+    for name, records in runs.items():
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "episodes.jsonl").write_text(to_lines(records))
+    return [str(tmp_path / name) for name in runs]
+
+
+def test_kinds_of_homes_are_compared_each_for_itself(tmp_path, capsys):
+    first, second = by_kind()
+    paths = written(tmp_path, one=first, two=second)
+    assert main(["compare", *paths, "--markdown", "--by-kind"]) == 0
+    kinds = rows(capsys.readouterr().out, "SPL by kind of home")
+    assert list(kinds) == ["SPL by kind of home", "---", "generated flats", "generated houses", "scenes"]
+    assert [cells[0] for cells in list(kinds.values())[2:]] == ["3", "3", "6"]
+    assert kinds["generated flats"][1].startswith("+0.500")
+    assert kinds["scenes"][1].startswith("+0.000")
+    assert main(["compare", *paths, "--json", "--by-kind"]) == 0
+    told = json.loads(capsys.readouterr().out)["kinds"]
+    assert told["generated flats"][0]["differences"]["success_rate"]["difference"] == 1.0
+    assert main(["compare", *paths, "--by-kind"]) == 0
+    assert "generated houses" in capsys.readouterr().out
+
+
+def test_runs_of_two_sets_are_joined(tmp_path, capsys):
+    first, second = by_kind()
+    a, b, c, d = written(tmp_path, a=first[:5], b=first[5:], c=second[:5], d=second[5:])
+    assert main(["compare", f"{a}+{b}", f"{c}+{d}", "--json"]) == 0
+    joined = json.loads(capsys.readouterr().out)[0]
+    assert joined["n"] == 12
+    assert joined["differences"]["success_rate"]["difference"] == 0.25
+    assert main(["compare", f"{a}+{d}", b]) != 0
+    assert "join those of one agent and level" in capsys.readouterr().err

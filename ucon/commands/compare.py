@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options to its parser."""
-    parser.add_argument("runs", nargs="+", metavar="RUN", type=Path, help="run folders (two or more)")
+    parser.add_argument(
+        "runs", nargs="+", metavar="RUN", type=Path, help="run folders (two or more); A+B joins two of one agent"
+    )
     parser.add_argument(
         "--against",
         action="append",
@@ -33,6 +35,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="say how far every RUN has come from START (frontier) to GOAL (oracle_locations), and what carries over "
         "to unseen categories and scenes; with --markdown or --json",
+    )
+    parser.add_argument(
+        "--by-kind", action="store_true", help="also within each kind of home: generated flats, scenes, ..."
     )
     parser.add_argument("--by-scene", action="store_true", help="draw whole homes in the bootstrap (wider intervals)")
     parser.add_argument("--json", action="store_true", help="print JSON")
@@ -54,7 +59,7 @@ def run(args: argparse.Namespace) -> int:
     """
     from ucon.core.errors import ConfigError
     from ucon.core.output import wide_console
-    from ucon.evaluation.figures.markdown import markdown_page, read_runs
+    from ucon.evaluation.figures.markdown import kind_of_home, markdown_page, read_runs
     from ucon.evaluation.figures.paired import compare_records, comparison_table
 
     if args.closed and not (args.json or args.markdown):
@@ -63,33 +68,53 @@ def run(args: argparse.Namespace) -> int:
     if len(folders) < 2:
         raise ConfigError(f"compare needs at least two run folders, got {len(folders)}")
     runs = read_runs(folders)
-    wanted = [(a, b) for b in args.against for a in args.runs if a != b] or combinations(folders, 2)
-    pairs = [
-        compare_records(
-            runs[a].records,
-            runs[b].records,
-            (str(a), str(b)) if args.json else (runs[a].label, runs[b].label),
-            by_scene=args.by_scene,
-        )
-        for a, b in wanted
-    ]
+    wanted = [(a, b) for b in args.against for a in args.runs if a != b] or list(combinations(folders, 2))
+
+    def compared(kind: str | None = None) -> list[Comparison]:
+        """All comparisons, over the homes of one kind or over all."""
+        chosen = {f: [r for r in run.records if kind in (None, kind_of_home(r.scene))] for f, run in runs.items()}
+        return [
+            compare_records(
+                chosen[a],
+                chosen[b],
+                (str(a), str(b)) if args.json else (runs[a].label, runs[b].label),
+                by_scene=args.by_scene,
+            )
+            for a, b in wanted
+        ]
+
+    pairs = compared()
+    present = [{kind_of_home(r.scene) for r in run.records} for run in runs.values()]
+    kinds = {kind: compared(kind) for kind in sorted(set.intersection(*present))} if args.by_kind else None
     way = (runs[args.closed[0]], runs[args.closed[1]]) if args.closed else None
     if args.json:
-        print(json.dumps(_json(pairs, runs, way), indent=1))
+        print(json.dumps(_json(pairs, runs, way, kinds), indent=1))
     elif args.markdown:
-        print(markdown_page(list(runs.values()), pairs, way))
+        print(markdown_page(list(runs.values()), pairs, way, kinds))
     else:
         wide_console().print(comparison_table(pairs))
+        for kind, among in (kinds or {}).items():
+            wide_console().print(comparison_table(among, ("success_rate", "spl"), title=kind))
     return 0
 
 
-def _json(pairs: list[Comparison], runs: dict[Path, Run], way: tuple[Run, Run] | None) -> Any:
-    """The list of differences; with start and goal, a mapping that also has what every run has closed."""
+def _json(
+    pairs: list[Comparison],
+    runs: dict[Path, Run],
+    way: tuple[Run, Run] | None,
+    kinds: Mapping[str, list[Comparison]] | None,
+) -> Any:
+    """The list of differences; with more asked for, a mapping: what every run has closed, and ``kinds`` of homes."""
     from ucon.evaluation.figures.gap_closed import carried_over, distance_closed
 
     differences = [pair.to_json() for pair in pairs]
-    if way is None:
+    if way is None and kinds is None:
         return differences
+    found: dict[str, Any] = {"differences": differences}
+    if kinds is not None:
+        found["kinds"] = {kind: [pair.to_json() for pair in among] for kind, among in kinds.items()}
+    if way is None:
+        return found
     start, goal = way
     shares = {
         str(folder): {
@@ -98,7 +123,7 @@ def _json(pairs: list[Comparison], runs: dict[Path, Run], way: tuple[Run, Run] |
         }
         for folder, run in runs.items()
     }
-    return {"differences": differences, "from": start.label, "to": goal.label, "runs": shares}
+    return found | {"from": start.label, "to": goal.label, "runs": shares}
 
 
 def _plain_values(shares: Mapping[str, Any]) -> dict[str, Any]:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 from math import isnan
 from pathlib import Path
-from typing import get_args
+from typing import Final, get_args
 
 from ucon.core.errors import ConfigError
 from ucon.evaluation.figures.gap_closed import CELLS, DISTANCES, carried_over, distance_closed
@@ -23,6 +23,8 @@ from ucon.task.outcome import FailureCause
 
 #: Limits of the classes of home sizes in square metres, around the sizes of the calibration study.
 SIZE_LIMITS_M2 = (0, 40, 70, 115, 170, 250, 600)
+#: Names of generated homes begin with it and a colon.
+GENERATED: Final = "procedural"
 
 
 @dataclass(frozen=True)
@@ -34,16 +36,22 @@ class Run:
 
 
 def read_run(path: Path) -> Run:
-    """Read a run folder of ``eval.py``, or its records alone.
+    """Read a run folder of ``eval.py``, or its records alone; or several runs of one agent, joined by ``+``.
 
     With a summary the label also names the language model and the detector.
 
     Args:
-        path: folder, or ``episodes.jsonl``.
+        path: folder, or ``episodes.jsonl``; ``A+B`` for the episodes of both.
 
     Raises:
+        ConfigError: runs of different agents or levels are joined.
         DataError: no records there, or a damaged file.
     """
+    if not path.exists() and "+" in str(path):
+        parts = [read_run(Path(part)) for part in str(path).split("+")]
+        if len(labels := dict.fromkeys(part.label for part in parts)) > 1:
+            raise ConfigError(f"{path}: joins runs of {' and '.join(labels)}; join those of one agent and level")
+        return Run(parts[0].label, tuple(record for part in parts for record in part.records))
     if has_summary(path):
         run = FinishedRun.read(path)
         if run.records is None:
@@ -81,19 +89,34 @@ def named_apart(runs: Sequence[Run]) -> None:
         raise ConfigError(f"two runs of '{twice[0]}'; give their folders different names")
 
 
-def markdown_page(runs: Sequence[Run], comparisons: Sequence[Comparison], way: tuple[Run, Run] | None = None) -> str:
+def kind_of_home(scene: str) -> str:
+    """``generated flats``, ``generated houses``, ...; ``scenes`` for the homes that are copied from BEHAVIOR."""
+    generated, _, kind = scene.partition(":")
+    return f"generated {kind.partition(':')[0]}s" if generated == GENERATED else "scenes"
+
+
+def markdown_page(
+    runs: Sequence[Run],
+    comparisons: Sequence[Comparison],
+    way: tuple[Run, Run] | None = None,
+    kinds: Mapping[str, Sequence[Comparison]] | None = None,
+) -> str:
     """All tables of some runs, separated by empty lines.
 
     Args:
         runs: what is shown.
         comparisons: paired differences.
         way: start and goal for distance closed; None: no such column.
+        kinds: the same comparisons within each kind of home; None: no such table.
 
     Raises:
         ConfigError: two runs have the same label.
     """
     named_apart(runs)
-    tables = [_runs(runs, way), _differences(comparisons), _causes(runs)]
+    tables = [_runs(runs, way), _differences(comparisons)]
+    if kinds is not None:
+        tables.append(_by_kind(kinds))
+    tables.append(_causes(runs))
     if way is not None and (carried := _carried(runs, way[1])):
         tables.append(carried)
     sizes = _sizes(runs)
@@ -167,6 +190,16 @@ def _differences(comparisons: Sequence[Comparison]) -> str:
         for c in comparisons
     ]
     return _table(("paired difference", "n", "SPL", "SR", "steps"), rows)
+
+
+def _by_kind(kinds: Mapping[str, Sequence[Comparison]]) -> str:
+    """Table of the differences in SPL within each kind of home."""
+    rows = [
+        (kind, str(pairs[0].n), *(_signed(pair.differences["spl"], 3) for pair in pairs))
+        for kind, pairs in kinds.items()
+    ]
+    some = next(iter(kinds.values()))
+    return _table(("SPL by kind of home", "n", *(f"({c.first}) - ({c.second})" for c in some)), rows)
 
 
 def _causes(runs: Sequence[Run]) -> str:

@@ -65,14 +65,17 @@ def compare_records(
     return Comparison(*names, len(common), len(a) - len(common), len(b) - len(common), differences)
 
 
-def comparison_table(comparisons: Sequence[Comparison], measures: Sequence[str] = tuple(MEASURES)) -> Table:
+def comparison_table(
+    comparisons: Sequence[Comparison], measures: Sequence[str] = tuple(MEASURES), title: str = "paired differences"
+) -> Table:
     """Table with one row per comparison and measure; an asterisk marks intervals that exclude zero.
 
     Args:
         comparisons: what is shown.
         measures: names of :data:`MEASURES`.
+        title: of the table.
     """
-    table = Table(title="paired differences (*: the interval excludes 0)", title_justify="left")
+    table = Table(title=f"{title} (*: the interval excludes 0)", title_justify="left")
     table.add_column("first - second")
     table.add_column("measure", no_wrap=True)
     for column in ("n", "difference", "95 % interval", ""):
