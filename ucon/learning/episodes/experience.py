@@ -19,8 +19,8 @@ Floats = NDArray[np.float32]
 #: Names of the arrays among the frames that the loss reads.
 LOG_P, ADVANTAGE, TARGET = "old_log_p", "advantage", "value_target"
 _ARRAYS: Final = ("log_p", "advantage", "target")
+#: Fields of a plain trajectory in JSON.
 _FIELDS: Final = 4
-"""Fields of a plain trajectory in JSON."""
 
 
 @dataclass(frozen=True, eq=False)

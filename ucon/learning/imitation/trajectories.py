@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +17,6 @@ from ucon.core.errors import DataError
 from ucon.retrieval.levels import LEVELS
 from ucon.task.actions import Action
 from ucon.task.episode import Episode
-
-if TYPE_CHECKING:
-    pass
 
 #: Stands for a label in the string of digits where the expert had no action.
 NO_LABEL: Final = "."
