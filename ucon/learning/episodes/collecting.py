@@ -44,7 +44,7 @@ class EpisodeRollouts:
     temperature: float = 1.0
     """Actions are drawn at this temperature, which is part of the policy that is learned."""
     discount: float = 0.99
-    """Of rewards, per step."""
+    """Discount of rewards per step."""
     trace: float = 0.95
     """Lambda of the generalised advantages."""
 

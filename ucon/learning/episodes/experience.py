@@ -1,4 +1,4 @@
-"""What a policy did in an episode, how likely that was, and how much better it went than expected."""
+"""Experience of PPO: an episode that the policy played, with log-probabilities, advantages and value targets."""
 
 from __future__ import annotations
 

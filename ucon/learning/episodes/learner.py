@@ -24,6 +24,7 @@ from ucon.learning.imitation.trajectories import Replay, Trajectory
 from ucon.learning.policies.playing import Job
 from ucon.learning.policies.sequences import Batch
 from ucon.learning.ppo.clipped_loss import eval_mode_except_rnn
+from ucon.learning.ppo.own_play_card import own_play_card
 from ucon.learning.run.protocol import Card, Figures
 from ucon.learning.run.trainer_state import SCORE
 from ucon.task.episode import Episode
@@ -136,19 +137,10 @@ class EpisodePPOLearner(CollectingLearner):
         """Text of the model card: architecture, size, training episodes, levels and how to use the weights."""
         size = sum(value.numel() for value in self.updates.parameters.values())
         name = self.act.architecture
-        learned = (
-            f"Learned from {self.frames:,} steps of its own in episodes drawn from {len(self.episodes)} of the `train` "
-            f"part; habit levels {', '.join(self.levels)}."
-            if self.frames
-            else "As it was before training: nothing that was learned validated better."
-        )
-        return Card(
-            f"Policy over the seven actions: {name}, by {self.title}",
-            f"`{name}`, {size:,} trained parameters. {learned} Validation episodes chose the state; `test` was not "
-            f"touched.\n\nUse: `python eval.py agent={name} agent.checkpoint=RUN`.\n\n"
-            "It learned in simulated homes what a success is worth there; in homes unlike these it was not measured.",
-            self.dataset.name,
-        )
+        return own_play_card(
+            f"Policy over the seven actions: {name}, by {self.title}", name, size,
+            frames=self.frames, episodes=len(self.episodes), levels=self.levels, dataset=self.dataset.name,
+        )  # fmt: skip
 
     def _collect(self, iteration: int) -> None:
         """Collect, and forget what was seen in earlier collections."""

@@ -32,7 +32,7 @@ class EpisodeLoss:
 
     n_sums = len(_FIGURES) + 1
     discount = 1.0
-    """Of the returns in chunks, which are not read: the targets of the value come with the experience."""
+    """Discount of the returns in chunks. They are not read: value targets come with the experience."""
 
     def __init__(
         self, temperature: float = 1.0, clip: float = 0.2, entropy: float = 0.003, value: float = 0.01

@@ -46,7 +46,7 @@ class Collector(Protocol):
     replayer: Replayer
 
     def __call__(self, part: Any) -> Sequence[Played]:
-        """What was done in each episode of a part, and what was seen."""
+        """Play a part of a collection: for each of its episodes, the trajectory and what the policy saw."""
         ...
 
     def close(self) -> None:

@@ -40,7 +40,7 @@ class RolloutOutcome:
     replay: Replay | None = None
     """Context, frames and rewards of the episode; None unless the players keep frames."""
     values: tuple[float, ...] = ()
-    """What the policy thought each state worth, as many as actions; empty unless the players keep frames."""
+    """Estimated return before each action; empty unless the players keep frames."""
 
 
 class Seen(NamedTuple):

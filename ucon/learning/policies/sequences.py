@@ -98,7 +98,7 @@ class ChunkLoss(Protocol):
     """Per step, of the returns in the chunks."""
 
     def scale(self, batch: Batch) -> Any:
-        """What the shares of a batch's chunks are divided by."""
+        """Denominators of a batch's loss, for :meth:`__call__`."""
         ...
 
     def __call__(self, outputs: PolicyOutputs, chunk: Chunk, scale: Any) -> tuple[Tensor, Tensor]:

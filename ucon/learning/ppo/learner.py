@@ -29,6 +29,7 @@ from ucon.learning.ppo.checks import check_choices, check_taught, collection_siz
 from ucon.learning.ppo.clipped_loss import PPOLoss, eval_mode_except_rnn, finite, mean_figures
 from ucon.learning.ppo.collecting import Collecting, ExperienceCollector
 from ucon.learning.ppo.experience import Experience, Sequences
+from ucon.learning.ppo.own_play_card import own_play_card
 from ucon.learning.run.network_files import load_network, network_files, set_max_habits
 from ucon.learning.run.option_checks import check_parts, text_weights
 from ucon.learning.run.options import PPOOptions
@@ -227,19 +228,10 @@ class PPOLearner:
         """Text of the model card: architecture, size, training episodes, levels and how to use the weights."""
         size = sum(value.numel() for value in self.updates.parameters.values())
         name = self.act.architecture
-        learned = (
-            f"Learned from {self.frames:,} steps of its own in episodes drawn from {len(self.episodes)} of the `train` "
-            f"part; habit levels {', '.join(self.levels)}."
-            if self.frames
-            else "As it was before training: nothing that was learned validated better."
-        )
-        return Card(
-            f"Policy {name}, by proximal policy optimisation",
-            f"`{name}`, {size:,} parameters. {learned} Validation episodes chose the state; `test` was not touched.\n\n"
-            f"Use: `python eval.py agent={name} agent.checkpoint=RUN`.\n\n"
-            "It learned in simulated homes what a success is worth there; in homes unlike these it was not measured.",
-            self.dataset.name,
-        )
+        return own_play_card(
+            f"Policy {name}, by proximal policy optimisation", name, size,
+            frames=self.frames, episodes=len(self.episodes), levels=self.levels, dataset=self.dataset.name,
+        )  # fmt: skip
 
 
 def _moved(tensors: Mapping[str, Tensor], device: str) -> dict[str, Tensor]:
