@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.search.search_decision import SearchDecision, Seeking
+from ucon.search.thoughts import Thoughts
 from ucon.task.agent import Info, Observation
 
 
@@ -80,6 +81,11 @@ class ControllerAgent:
     def decisions(self, slot: int) -> list[DecisionRecord]:
         """Decisions in a slot since its reset; [] where the controller only chooses actions."""
         return list(getattr(self.controllers[slot], "decisions", ()))
+
+    def thoughts(self, slot: int) -> Thoughts | None:
+        """For reports: what the search in a slot thinks after its last action; None for controllers without belief."""
+        think = getattr(self.controllers[slot], "thoughts", None)
+        return None if think is None else think()
 
     def picture(self, slot: int) -> NDArray[np.uint8] | None:
         """For videos: a picture of the agent's state after its last action in a slot.

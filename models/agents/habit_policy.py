@@ -23,9 +23,11 @@ from ucon.learning.policies.action_policy import rounded_logits
 from ucon.perception.belief.from_habits import Locate, ReadHabits, expecting
 from ucon.perception.drawing.map_picture import Image
 from ucon.perception.views.viewpoints import Choice
+from ucon.search.search_decision import SearchDecision
 from ucon.search.search_tokens import Sizes, TokenReader, Tokens
 from ucon.search.searcher import MISS, Searcher
 from ucon.search.text_tokens import EpisodeTextTokens, TextTokens, name_table
+from ucon.search.thoughts import Thoughts, thoughts_of
 from ucon.task.actions import Action
 from ucon.task.agent import Info, Observation
 
@@ -46,10 +48,13 @@ class _Search:
     log: SearchLog
     chosen: tuple[Tokens, int] | None = None
     """Tokens of the network's last choice, and the row that it chose."""
+    decided: SearchDecision | None = None
+    """What it chose from in its last step; None where there was nothing to choose."""
 
     def go(self, choice: Choice | None, also: str = "") -> Action:
         """Set out for ``choice`` and record why; the first action."""
-        self.log.chose(self.searcher, self.searcher.decision(), choice, also)
+        self.decided = self.searcher.decision()
+        self.log.chose(self.searcher, self.decided, choice, also)
         return self.searcher.choose(choice)
 
 
@@ -164,6 +169,7 @@ class HabitPolicyAgent:
         for slot, observation, info in zip(numbers, observations, infos, strict=True):
             search = self._searches[slot]
             actions[slot] = search.searcher.look(observation, info)
+            search.decided = None
             search.log.looked(search.searcher, actions[slot])
             if actions[slot] is None:
                 read = search.reader.read if self._adds else search.reader.read_views
@@ -181,6 +187,11 @@ class HabitPolicyAgent:
     def decisions(self, slot: int) -> list[DecisionRecord]:
         """Decisions in a slot since its reset."""
         return self._searches[slot].log.decisions
+
+    def thoughts(self, slot: int) -> Thoughts:
+        """Belief, goal and other views in a slot after its last action, as plain values."""
+        search = self._searches[slot]
+        return thoughts_of(search.searcher, search.decided)
 
     def picture(self, slot: int) -> Image:
         """Picture of the map and belief in a slot, (384, W, 3) uint8; see :func:`ucon.search.picture.draw_search`.

@@ -10,6 +10,7 @@ from ucon.search.aims import Aim, aim_at_target, aim_of, aim_to_open
 from ucon.search.search_decision import SearchDecision
 from ucon.search.searcher import Searcher
 from ucon.search.suspects import Judge
+from ucon.search.thoughts import Thoughts, thoughts_of
 from ucon.task.actions import Action
 from ucon.task.agent import Info, Observation
 
@@ -116,6 +117,10 @@ class SearchController:
     def decisions(self) -> list[DecisionRecord]:
         """Decisions so far, one whenever the goal changed."""
         return self._log.decisions
+
+    def thoughts(self) -> Thoughts:
+        """Belief, goal and other views after the last action, as plain values."""
+        return thoughts_of(self.searcher, self.decided)
 
     def picture(self) -> Image:
         """Picture of the map and belief, (384, W, 3) uint8; see :func:`ucon.search.picture.draw_search`."""

@@ -121,7 +121,7 @@ def markdown_page(
         tables.append(carried)
     sizes = _sizes(runs)
     if len(sizes) > 1:
-        tables.append(_groups(runs, sizes, lambda r: _size(_area_m2(r.scene))))
+        tables.append(_groups(runs, sizes, lambda r: size_class(area_m2(r.scene))))
     splits = sorted({r.split for run in runs for r in run.records})
     if len(splits) > 1:
         tables.append(_groups(runs, splits, lambda r: r.split))
@@ -231,19 +231,21 @@ def _rates(records: Sequence[EpisodeRecord]) -> str:
 
 def _sizes(runs: Sequence[Run]) -> list[str]:
     """Size classes that occur, from small to large."""
-    areas = {_area_m2(scene) for scene in {r.scene for run in runs for r in run.records}}
-    return list(dict.fromkeys(_size(area) for area in sorted(areas)))
+    areas = {area_m2(scene) for scene in {r.scene for run in runs for r in run.records}}
+    return list(dict.fromkeys(size_class(area) for area in sorted(areas)))
 
 
-def _size(area_m2: float) -> str:
+def size_class(floor_m2: float) -> str:
+    """Class of homes by floor area, in words: ``40-70 m2``."""
     for low, high in pairwise(SIZE_LIMITS_M2):
-        if area_m2 < high:
+        if floor_m2 < high:
             return f"{low}-{high} m2"
     return f"from {SIZE_LIMITS_M2[-1]} m2"
 
 
 @lru_cache(maxsize=4096)
-def _area_m2(scene: str) -> float:
+def area_m2(scene: str) -> float:
+    """Floor area of a home, square metres."""
     from ucon.scenes import home_spec  # compiled kernels, which most tables do not need
 
     return home_spec(scene).area_m2

@@ -78,6 +78,33 @@ def read_config(folder: Path) -> bytes:
     return read_plain(folder / CONFIG, _MOST_SMALL)
 
 
+def read_metrics(folder: Path) -> list[dict[str, Any]]:
+    """Lines of ``metrics.jsonl`` as mappings with ``step``; a last line that is being written is left out.
+
+    Args:
+        folder: of the run.
+
+    Raises:
+        DataError: naming a line that is no JSON with a step.
+    """
+    path = folder / METRICS
+    text = read_plain(path, _MOST_METRICS).decode("utf-8", errors="replace")
+    lines = text[: text.rfind("\n") + 1].split("\n")[:-1]
+    for number, line in enumerate(lines, 1):
+        _step_of(line, f"{path}:{number}")
+    return [json.loads(line) for line in lines]
+
+
+def read_text(path: Path) -> str:
+    """Text of a small file of a run's folder.
+
+    Raises:
+        DataError: it is a link or a folder, or too large.
+    """
+    _check(path, file=True)
+    return read_plain(path, _MOST_SMALL).decode("utf-8", errors="replace")
+
+
 def read_seconds(folder: Path) -> float:
     """Seconds that earlier calls of the run took; 0 where ``seconds.json`` is missing or unreadable."""
     try:

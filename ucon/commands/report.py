@@ -1,0 +1,69 @@
+"""``python -m ucon report RUN...``: one HTML file with the tables of runs and every episode."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from ucon.configuration.kept_config import add_places, places_in
+
+#: Name of the file beside a run.
+NAME = "report.html"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's options to its parser."""
+    parser.description = (
+        "Write report.html beside a run (of eval.py or train.py): tables with intervals, and every episode with its "
+        "map, path, pictures, beliefs, habits and decisions. Several runs are compared, episode by episode. The file "
+        "needs no network."
+    )
+    parser.add_argument("runs", nargs="+", metavar="RUN", type=Path, help="folders of eval.py, or one of train.py")
+    parser.add_argument("--out", type=Path, help="the file (report.html beside the only run, or runs/report.html)")
+    parser.add_argument(
+        "--pictures",
+        choices=("auto", "none", "key", "all"),
+        default="auto",
+        help="steps with the camera's picture: none, key (decisions, openings), all; auto chooses by the number of "
+        "episodes",
+    )
+    add_places(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write the report.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0.
+
+    Raises:
+        ConfigError: several runs of which one is of train.py, or a file that cannot be written.
+        DataError: a run that cannot be read.
+    """
+    from ucon.configuration.stored import said_in
+    from ucon.core.errors import ConfigError
+    from ucon.core.files import write_atomic
+    from ucon.core.output import stdout_to_stderr
+    from ucon.pages.report.build import build_report
+    from ucon.pages.report.training import build_training_report, is_training_run
+
+    out = args.out or (args.runs[0] / NAME if len(args.runs) == 1 else Path("runs") / NAME)
+    trained = [folder for folder in args.runs if is_training_run(folder)]
+    if trained and len(args.runs) > 1:
+        raise ConfigError(f"{trained[0]}: a run of train.py, which has a report of its own; give it alone")
+    with stdout_to_stderr():
+        text = (
+            build_training_report(args.runs[0])
+            if trained
+            else build_report(args.runs, args.pictures, places_in(args), said_in(args))
+        )
+    try:
+        write_atomic(out, text.encode())
+    except OSError as error:
+        raise ConfigError(f"{out}: cannot be written ({error.strerror}); give another file by --out") from None
+    sys.stdout.write(f"{out}: {len(text) / 1e6:.1f} MB, open it in a browser\n")
+    return 0

@@ -1,0 +1,56 @@
+// Line charts as SVG.
+'use strict';
+
+const Charts = (() => {
+  const SVG = 'http://www.w3.org/2000/svg';
+  const WIDTH = 560, HEIGHT = 260, LEFT = 46, BOTTOM = 34, TOP = 12, RIGHT = 12;
+
+  function node(tag, attributes, text) {
+    const made = document.createElementNS(SVG, tag);
+    for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+    if (text !== undefined) made.textContent = text;
+    return made;
+  }
+
+  /** Round steps that divide a range into some four parts. */
+  function ticks(low, high) {
+    const raw = (high - low) / 4 || 1, power = 10 ** Math.floor(Math.log10(raw));
+    const step = [1, 2, 2.5, 5, 10].map(k => k * power).find(s => s >= raw);
+    const found = [];
+    for (let at = Math.ceil(low / step) * step; at <= high + step / 1e6; at += step) found.push(+at.toPrecision(12));
+    return found;
+  }
+
+  /**
+   * A chart of lines. `lines`: {points: [[x, y], ...], color, label, band: [[x, low, high], ...] or nothing}.
+   * `options`: x and y (titles), low and high (of y), label (for screen readers), format (of y).
+   */
+  function lines(series, {x, y, low, high, label, format = String}) {
+    const all = series.flatMap(s => s.points), xs = all.map(p => p[0]), ys = all.map(p => p[1]).filter(Number.isFinite);
+    const x0 = Math.min(...xs), x1 = Math.max(...xs, x0 + 1e-9);
+    const y0 = low ?? Math.min(...ys), y1 = Math.max(high ?? Math.max(...ys), y0 + 1e-9);
+    const px = v => LEFT + (v - x0) / (x1 - x0) * (WIDTH - LEFT - RIGHT);
+    const py = v => HEIGHT - BOTTOM - (v - y0) / (y1 - y0) * (HEIGHT - BOTTOM - TOP);
+    const svg = node('svg', {viewBox: `0 0 ${WIDTH} ${HEIGHT}`, class: 'chart', role: 'img', 'aria-label': label});
+    for (const at of ticks(y0, y1)) {
+      svg.append(node('line', {x1: LEFT, x2: WIDTH - RIGHT, y1: py(at), y2: py(at), class: 'grid'}),
+        node('text', {x: LEFT - 6, y: py(at) + 4, 'text-anchor': 'end'}, format(at)));
+    }
+    for (const at of ticks(x0, x1)) {
+      svg.append(node('text', {x: px(at), y: HEIGHT - BOTTOM + 16, 'text-anchor': 'middle'}, at.toLocaleString('en')));
+    }
+    svg.append(node('text', {x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 3, 'text-anchor': 'middle'}, x),
+      node('text', {x: 0, y: 0, 'text-anchor': 'middle', transform: `translate(11 ${(HEIGHT - BOTTOM + TOP) / 2}) rotate(-90)`}, y));
+    const path = points => points.filter(p => Number.isFinite(p[1])).map(p => `${px(p[0]).toFixed(1)},${py(p[1]).toFixed(1)}`).join(' ');
+    for (const {points, color, band} of series) {
+      if (band) {
+        const around = [...band.map(p => [p[0], p[2]]), ...band.map(p => [p[0], p[1]]).reverse()];
+        svg.append(node('polygon', {points: path(around), class: 'band', fill: color}));
+      }
+      svg.append(node('polyline', {points: path(points), class: 'line', stroke: color}));
+    }
+    return svg;
+  }
+
+  return {lines};
+})();

@@ -1,0 +1,61 @@
+"""The camera's pictures of an episode, small: each pose is drawn once, and kept as WebP."""
+
+from __future__ import annotations
+
+import io
+from typing import Final, Literal, get_args
+
+import numpy as np
+from PIL import Image
+
+from ucon.sim.render import RasterRenderer
+from ucon.task.search import Search
+
+Pictures = Literal["none", "key", "all"]
+CHOICES: Final = get_args(Pictures)
+#: Side of a picture, pixels, and quality of its WebP: half a kilobyte each.
+SIDE_PX: Final = 112
+_FOV_DEG, _QUALITY = 90.0, 25
+
+
+def small_renderer() -> RasterRenderer:
+    """The renderer of all pictures."""
+    return RasterRenderer(SIDE_PX, SIDE_PX, _FOV_DEG)
+
+
+class Album:
+    """Pictures of one episode.
+
+    Attributes:
+        pictures: WebP files.
+    """
+
+    def __init__(self, search: Search, renderer: RasterRenderer) -> None:
+        """Start empty.
+
+        Args:
+            search: of the episode.
+            renderer: of :func:`small_renderer`; it is loaded with the episode's home.
+        """
+        self._search, self._renderer = search, renderer
+        self._opened: tuple[int, ...] = ()
+        self._taken: dict[tuple[object, ...], int] = {}
+        self.pictures: list[bytes] = []
+        renderer.load(search.world.house, search.world.arrangement)
+
+    def take(self) -> int:
+        """Number of the picture of the current pose, which is drawn where it was not before."""
+        opened = tuple(np.flatnonzero(self._search.opened).tolist())
+        for instance in opened:
+            if instance not in self._opened:
+                self._renderer.set_open(instance, 1.0)
+        self._opened = opened
+        key = (self._search.pose, opened)
+        if key not in self._taken:
+            self._taken[key] = len(self.pictures)
+            rgb = np.empty((SIDE_PX, SIDE_PX, 3), np.uint8)
+            self._renderer.render(*self._search.camera, rgb=rgb)
+            file = io.BytesIO()
+            Image.fromarray(rgb).save(file, "webp", quality=_QUALITY)
+            self.pictures.append(file.getvalue())
+        return self._taken[key]

@@ -1,0 +1,118 @@
+"""Tells the episodes of a run, in worker processes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+from ucon.configuration.wiring import Factory
+from ucon.core.errors import UconError
+from ucon.core.pool import Pool
+from ucon.evaluation.kept.decisions import DecisionRecord
+from ucon.evaluation.kept.record import EpisodeRecord
+from ucon.evaluation.playing.play import one_thread
+from ucon.evaluation.playing.runner import resolve_workers
+from ucon.pages.report.minds import HeardModel
+from ucon.pages.report.pictures import Pictures, small_renderer
+from ucon.pages.report.story import Story, tell
+from ucon.task.episode import Episode
+
+#: What is told of each episode: itself, its record, and what the agent chose.
+Told = tuple[Episode, EpisodeRecord, Sequence[DecisionRecord]]
+#: Fewer episodes are told in this process, since starting others takes seconds.
+_FEW: Final = 8
+
+
+@dataclass(frozen=True)
+class Telling:
+    """How the episodes of one run are told; plain data, sent to workers."""
+
+    config: dict[str, Any]
+    """Configuration of the run."""
+    thinks: bool
+    """Whether the agent plays beside."""
+    pictures: Pictures
+
+
+def mind_of(config: dict[str, Any]) -> tuple[bool, str]:
+    """Whether an agent has anything to tell besides its record, and can be had here.
+
+    Args:
+        config: of the run.
+
+    Returns:
+        Whether it plays beside; and a line for the page why it does not, "" where nothing is missing.
+    """
+    try:
+        agent = Factory(config["agent"])()
+        if not hasattr(agent, "thoughts") and not hasattr(agent, "language"):
+            return False, ""
+        if hasattr(agent, "check"):
+            agent.check()
+    except UconError as error:
+        return False, f"What the agent believed is left out, since it cannot be played here: {error}"
+    return True, ""
+
+
+class Teller:
+    """Tells episodes of one run, one after the other."""
+
+    def __init__(self, how: Telling) -> None:
+        """Build environment and agent.
+
+        Args:
+            how: what to tell.
+        """
+        self._how = how
+        env = dict(how.config["env"])
+        if not how.thinks:  # neither senses nor habits are needed to take recorded actions
+            env |= {"observe": "symbolic", "detector": False}
+        self._env_config, self._env = env, None
+        self._agent: Any = None
+        if how.thinks:
+            self._agent = Factory(how.config["agent"])()
+            if hasattr(self._agent, "language"):
+                self._agent.language = HeardModel(self._agent.language)
+            one_thread()
+        self._renderer = None if how.pictures == "none" else small_renderer()
+
+    def tell(self, episode: Episode, record: EpisodeRecord, decisions: Sequence[DecisionRecord]) -> Story:
+        """Tell one episode; see :func:`ucon.pages.report.story.tell`."""
+        if self._env is None:
+            self._env = Factory(self._env_config, {"episodes": (episode,)})().unwrapped
+        return tell(
+            self._env, episode, record, decisions,
+            agent=self._agent, renderer=self._renderer, pictures=self._how.pictures,
+        )  # fmt: skip
+
+
+_teller: Teller | None = None
+
+
+def _begin(how: Telling) -> None:
+    global _teller
+    _teller = Teller(how)
+
+
+def _tell(*told: Any) -> Story:
+    assert _teller is not None
+    return _teller.tell(*told)
+
+
+def stories(how: Telling, episodes: Sequence[Told]) -> Iterator[Story]:
+    """The stories of episodes, in their order.
+
+    Args:
+        how: what to tell.
+        episodes: of the run.
+    """
+    workers = resolve_workers("auto", len(episodes))
+    if workers < 2 or len(episodes) < _FEW:
+        teller = Teller(how)
+        yield from (teller.tell(*told) for told in episodes)
+        return
+    with Pool(workers, _begin, (how,)) as pool:
+        asked = [pool.submit(_tell, *told) for told in episodes]
+        for one in asked:
+            yield pool.result(one)
