@@ -28,6 +28,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="steps with the camera's picture: none, key (decisions, openings), all; auto chooses by the number of "
         "episodes",
     )
+    parser.add_argument(
+        "--actions", action="store_true", help="the recorded actions alone, without what the agents believed (faster)"
+    )
     add_places(parser)
 
 
@@ -59,7 +62,7 @@ def run(args: argparse.Namespace) -> int:
         text = (
             build_training_report(args.runs[0])
             if trained
-            else build_report(args.runs, args.pictures, places_in(args), said_in(args))
+            else build_report(args.runs, args.pictures, places_in(args), said_in(args), actions_only=args.actions)
         )
     try:
         write_atomic(out, text.encode())

@@ -46,7 +46,9 @@ def document(title: str, styles: Iterable[str], scripts: Iterable[str], data: Ma
         scripts: names of scripts, in their order.
         data: texts of :func:`packed` and :func:`joined` by name, which scripts find as elements with that id.
     """
-    blocks = "\n".join(f'<script type="application/x-packed" id="{html.escape(k)}">{v}</script>' for k, v in data.items())
+    blocks = "\n".join(
+        f'<script type="application/x-packed" id="{html.escape(k)}">{v}</script>' for k, v in data.items()
+    )
     code = "\n".join(asset(name) for name in scripts)
     return f"""<!doctype html>
 <html lang="en">

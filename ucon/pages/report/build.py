@@ -46,6 +46,8 @@ def build_report(
     pictures: Pictures | Literal["auto"] = "auto",
     places: Mapping[str, str] | None = None,
     said: Mapping[str, Any] | None = None,
+    *,
+    actions_only: bool = False,
 ) -> str:
     """The report of one or more finished evaluations, as the text of an HTML file.
 
@@ -55,6 +57,7 @@ def build_report(
             200, else nowhere.
         places: new paths by old ones, of what a configuration names.
         said: values that a stored configuration must not decide.
+        actions_only: tell the recorded actions alone, without the agents and what they believed.
 
     Raises:
         ConfigError: runs that do not fit here.
@@ -66,7 +69,7 @@ def build_report(
         pictures = "all" if total <= _ALL_UP_TO else "key" if total <= _KEY_UP_TO else "none"
     texts, data, about = HabitTexts(), {}, []
     for number, part in enumerate(parts):
-        thinks, missing = mind_of(part.config)
+        thinks, missing = (False, "") if actions_only else mind_of(part.config)
         told, said_of_run = _told(number, part, Telling(part.config, thinks, pictures), texts, missing)
         data |= told
         about.append(said_of_run)
