@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from collections.abc import Mapping
 from dataclasses import asdict
 from itertools import combinations, permutations
@@ -41,6 +42,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--by-scene", action="store_true", help="draw whole homes in the bootstrap (wider intervals)")
     parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument(
+        "--plot",
+        metavar="FOLDER",
+        type=Path,
+        help="also draw SR over steps, the runs from the lowest to the highest, and differences by subset (PNG)",
+    )
     parser.add_argument("--markdown", action="store_true", help="print the tables of a results page, also by home size")
 
 
@@ -61,6 +68,7 @@ def run(args: argparse.Namespace) -> int:
     from ucon.core.output import wide_console
     from ucon.evaluation.figures.markdown import kind_of_home, markdown_page, read_runs
     from ucon.evaluation.figures.paired import compare_records, comparison_table
+    from ucon.evaluation.figures.run_plots import plot_runs
 
     if args.closed and not (args.json or args.markdown):
         raise ConfigError("--closed is shown by --markdown and --json; give one of them")
@@ -84,6 +92,9 @@ def run(args: argparse.Namespace) -> int:
         ]
 
     pairs = compared()
+    if args.plot is not None:
+        for path in plot_runs(list(runs.values()), [(runs[a], runs[b]) for a, b in wanted], args.plot):
+            print(path, file=sys.stderr)
     present = [{kind_of_home(r.scene) for r in run.records} for run in runs.values()]
     kinds = {kind: compared(kind) for kind in sorted(set.intersection(*present))} if args.by_kind else None
     way = (runs[args.closed[0]], runs[args.closed[1]]) if args.closed else None

@@ -28,7 +28,7 @@ const Charts = (() => {
   function lines(series, {x, y, low, high, label, format = String}) {
     const all = series.flatMap(s => s.points), xs = all.map(p => p[0]), ys = all.map(p => p[1]).filter(Number.isFinite);
     const x0 = Math.min(...xs), x1 = Math.max(...xs, x0 + 1e-9);
-    const y0 = low ?? Math.min(...ys), y1 = Math.max(high ?? Math.max(...ys), y0 + 1e-9);
+    const y0 = low ?? Math.min(...ys), top = high ?? Math.max(...ys), y1 = top > y0 ? top : y0 + (Math.abs(y0) || 1);
     const px = v => LEFT + (v - x0) / (x1 - x0) * (WIDTH - LEFT - RIGHT);
     const py = v => HEIGHT - BOTTOM - (v - y0) / (y1 - y0) * (HEIGHT - BOTTOM - TOP);
     const svg = node('svg', {viewBox: `0 0 ${WIDTH} ${HEIGHT}`, class: 'chart', role: 'img', 'aria-label': label});

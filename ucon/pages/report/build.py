@@ -67,7 +67,9 @@ def build_report(
     total = sum(len(part.episodes) for part in parts)
     if pictures == "auto":
         pictures = "all" if total <= _ALL_UP_TO else "key" if total <= _KEY_UP_TO else "none"
-    texts, data, about = HabitTexts(), {}, []
+    texts = HabitTexts()
+    data: dict[str, str] = {}
+    about: list[dict[str, Any]] = []
     for number, part in enumerate(parts):
         thinks, missing = (False, "") if actions_only else mind_of(part.config)
         told, said_of_run = _told(number, part, Telling(part.config, thinks, pictures), texts, missing)

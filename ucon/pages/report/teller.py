@@ -9,6 +9,7 @@ from typing import Any, Final
 from ucon.configuration.wiring import Factory
 from ucon.core.errors import UconError
 from ucon.core.pool import Pool
+from ucon.envs.ucon_env import UcONEnv
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.evaluation.kept.record import EpisodeRecord
 from ucon.evaluation.playing.play import one_thread
@@ -68,7 +69,8 @@ class Teller:
         env = dict(how.config["env"])
         if not how.thinks:  # neither senses nor habits are needed to take recorded actions
             env |= {"observe": "symbolic", "detector": False}
-        self._env_config, self._env = env, None
+        self._env_config = env
+        self._env: UcONEnv | None = None
         self._agent: Any = None
         if how.thinks:
             self._agent = Factory(how.config["agent"])()
@@ -81,6 +83,7 @@ class Teller:
         """Tell one episode; see :func:`ucon.pages.report.story.tell`."""
         if self._env is None:
             self._env = Factory(self._env_config, {"episodes": (episode,)})().unwrapped
+        assert self._env is not None
         return tell(
             self._env, episode, record, decisions,
             agent=self._agent, renderer=self._renderer, pictures=self._how.pictures,

@@ -27,8 +27,8 @@ def build_training_report(folder: Path) -> str:
     Raises:
         DataError: it is damaged, or nothing was learned yet.
     """
-    return document(f"UcON: {folder.resolve().name}", ("theme.css", "report.css"),
-                    ("page.js", "charts.js", "packed.js", "training.js"), {"index": packed(training_of(folder))})  # fmt: skip
+    title, data = f"UcON: {folder.resolve().name}", {"index": packed(training_of(folder))}
+    return document(title, ("theme.css", "report.css"), ("page.js", "charts.js", "packed.js", "training.js"), data)
 
 
 def training_of(folder: Path) -> dict[str, Any]:
