@@ -46,7 +46,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--plot",
         metavar="FOLDER",
         type=Path,
-        help="also draw SR over steps, the runs from the lowest to the highest, and differences by subset (PNG)",
+        help="also draw SR over steps, the runs from the lowest to the highest, and differences by subset (PNG); for "
+        "runs of train.py their learning curves",
     )
     parser.add_argument("--markdown", action="store_true", help="print the tables of a results page, also by home size")
 
@@ -69,10 +70,13 @@ def run(args: argparse.Namespace) -> int:
     from ucon.evaluation.figures.markdown import kind_of_home, markdown_page, read_runs
     from ucon.evaluation.figures.paired import compare_records, comparison_table
     from ucon.evaluation.figures.run_plots import plot_runs
+    from ucon.learning.run.run_folder import METRICS
 
     if args.closed and not (args.json or args.markdown):
         raise ConfigError("--closed is shown by --markdown and --json; give one of them")
     folders = list(dict.fromkeys([*args.runs, *args.against, *(args.closed or ())]))
+    if any((folder / METRICS).is_file() for folder in folders):
+        return _compare_training(folders, args.plot)
     if len(folders) < 2:
         raise ConfigError(f"compare needs at least two run folders, got {len(folders)}")
     runs = read_runs(folders)
@@ -106,6 +110,21 @@ def run(args: argparse.Namespace) -> int:
         wide_console().print(comparison_table(pairs))
         for kind, among in (kinds or {}).items():
             wide_console().print(comparison_table(among, ("success_rate", "spl"), title=kind))
+    return 0
+
+
+def _compare_training(folders: list[Path], plot: Path | None) -> int:
+    """Draw the learning curves of runs of ``train.py``."""
+    from ucon.core.errors import ConfigError
+    from ucon.evaluation.figures.plotting import require_matplotlib
+    from ucon.learning.run.learning_curve import draw_curves
+
+    if plot is None:
+        raise ConfigError("runs of train.py are compared by their learning curves; give --plot FOLDER")
+    require_matplotlib()
+    plot.mkdir(parents=True, exist_ok=True)
+    draw_curves(folders, plot / "learning_curves.png")
+    print(plot / "learning_curves.png")
     return 0
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -103,7 +104,9 @@ def _differences(pairs: Sequence[tuple[Run, Run]]) -> Any:
         means = np.array([row.mean for row in rows.values()])
         reach = np.array([[row.mean - row.low, row.high - row.mean] for row in rows.values()]).T
         label = f"{first.label} minus {second.label}"
-        ax.errorbar(means, at, xerr=reach, fmt="o", color=_COLORS[k % len(_COLORS)], capsize=2, markersize=5, label=label)
+        ax.errorbar(
+            means, at, xerr=reach, fmt="o", color=_COLORS[k % len(_COLORS)], capsize=2, markersize=5, label=label
+        )
     ax.axvline(0, color=INK, linewidth=0.9)
     ax.set_yticks(range(len(names)), names)
     ax.invert_yaxis()
@@ -121,11 +124,17 @@ def _by_subset(first: Run, second: Run) -> dict[str, Interval]:
         parts: dict[str, list[EpisodeRecord]] = {}
         for record in common:
             parts.setdefault(of(record), []).append(record)
-        for name, part in sorted(parts.items()):
+        for name, part in sorted(parts.items(), key=lambda named: _in_order(named[0])):
             if len(part) >= _LEAST and len(part) < len(common) or name == "all episodes":
                 values = [r.spl for r in part], [others[r.episode].spl for r in part]
                 found[f"{name} ({len(part)})"] = paired_difference(*values, resamples=_RESAMPLES)
     return found
+
+
+def _in_order(name: str) -> tuple[int, str]:
+    """Sort key of a subset: by its first number (``40-70 m2``), then by name."""
+    number = re.search(r"\d+", name)
+    return int(number[0]) if number else 0, name
 
 
 def _points(ax: Any, values: Sequence[Interval], names: Sequence[str], color: str, form: str) -> None:
@@ -133,7 +142,9 @@ def _points(ax: Any, values: Sequence[Interval], names: Sequence[str], color: st
     for row, value in enumerate(values):
         reach = [[value.mean - value.low], [value.high - value.mean]]
         ax.errorbar([value.mean], [row], xerr=reach, fmt="o", color=color, capsize=3, markersize=6)
-        ax.annotate(form.format(value.mean), (value.high, row), (6, 0), textcoords="offset points", va="center", fontsize=9)
+        ax.annotate(
+            form.format(value.mean), (value.high, row), (6, 0), textcoords="offset points", va="center", fontsize=9
+        )
     ax.set_yticks(range(len(names)), names)
     ax.grid(axis="x")
     ax.margins(x=0.16)
