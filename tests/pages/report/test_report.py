@@ -15,6 +15,7 @@ import pytest
 from PIL import Image
 
 from ucon.__main__ import main
+from ucon.commands.two_searches import search_twice
 from ucon.evaluation.figures.metrics import summarise
 from ucon.evaluation.figures.paired import compare_records
 from ucon.evaluation.kept.finished import FinishedRun
@@ -146,3 +147,18 @@ def test_what_cannot_be_reported_is_said_in_one_line(
                 if not list(path.parent.glob("episodes.jsonl*")))  # fmt: skip
     assert main(["report", str(bare)]) == 2
     assert "replay" in capsys.readouterr().err
+
+
+def test_prompts_and_answers_of_a_language_agent_are_told(tmp_path: Path) -> None:
+    words = ("agent=lgx", "episodes=mini", "limit=1")
+    folder = search_twice(words, tmp_path, ["retrieval"], films=False)[0].folder
+    assert main(["report", str(folder), "--pictures", "none"]) == 0
+    story, record = values_of(folder / "report.html", "episode-0-0"), read_records(folder)[0]
+    asked = [decision for decision in story["decisions"] if decision.get("asked")]
+    assert sum(decision["asked"] for decision in asked) == record.language_calls > 0
+    for decision in asked:
+        ((system, situation, answer),) = decision["said"]
+        assert record.target.replace("_", " ") in situation
+        assert answer in [name for name, _ in decision["options"]]
+        assert decision["options"][decision["chosen"]][0] == decision["words"]
+        assert "habits" in system.lower()
