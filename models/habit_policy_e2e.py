@@ -10,7 +10,7 @@ nothing that could be opened is.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import torch
@@ -50,7 +50,11 @@ from ucon.learning.policies.action_policy import Arrays, PolicyOutputs, Tensors
 from ucon.learning.run.network_files import MAX_HABITS
 from ucon.readers.anchor_reader import default_reader
 from ucon.readers.protocol import Reader
+from ucon.search.thoughts import Thoughts
 from ucon.task.actions import Action
+
+if TYPE_CHECKING:
+    from models.nets.end_to_end.reasons import Reasons
 
 _MAX_STEPS = 300.0
 #: In play, a pose shows nothing more after so many steps in it: there it looked up and down, and opened what can be
@@ -274,14 +278,36 @@ class HabitPolicyE2E(PolicyModule):
             (384, W, 3) uint8.
         """
         from models.nets.end_to_end.draw_reasons import draw_reasons
+
+        why, drawn = self._explained(info, frames, context, state)
+        i, j, heading, _ = frames["pose"][-1, 0].tolist()
+        return draw_reasons(why, str(info["target"]), drawn, (i, j, heading))
+
+    def thoughts(self, info: Mapping[str, Any], frames: Tensors, context: Tensors, state: Tensors) -> Thoughts:
+        """Belief by cells of its map and goal after the last step of one episode, as plain values.
+
+        Args:
+            info: of the episode's reset.
+            frames: (1, 1, ...) by name.
+            context: (1, ...) by name.
+            state: recurrent state before the step, (1, ...) by name.
+        """
+        from models.nets.end_to_end.draw_reasons import believed_cells
+
+        why, drawn = self._explained(info, frames, context, state)
+        return Thoughts(believed_cells(drawn), why.goal_xy, (), ())
+
+    def _explained(
+        self, info: Mapping[str, Any], frames: Tensors, context: Tensors, state: Tensors
+    ) -> tuple[Reasons, dict[str, NDArray[np.uint8]]]:
+        """Reasons of the last step of one episode, and the layers of its map; arguments as of :meth:`picture`."""
         from models.nets.end_to_end.reasons import reasons
 
         outputs, inside = self.think(frames, context, state)
         after = {name: tensor.cpu() for name, tensor in outputs.state.items()}
         believed = track_belief(after, _padded(context["belief"]).cpu(), self.things.openable.cpu())
         why = reasons(self.reader, info, frames, context, after, believed, inside, outputs.logits[-1, 0])
-        i, j, heading, _ = frames["pose"][-1, 0].tolist()
-        return draw_reasons(why, str(info["target"]), layers(after, believed), (i, j, heading))
+        return why, layers(after, believed)
 
     def _masses(self, ids: Tensor, context: dict[str, Tensor]) -> Tensor:
         """Belief (T, B, N, 4) that the target is on, beside, in (open) or in (closed) each thing in view.

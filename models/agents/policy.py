@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import sha256_bytes
 from ucon.core.rng import stream
 from ucon.learning.policies.action_policy import Arrays, Tensors, rounded_logits, stacked, tensors_of
+from ucon.search.thoughts import Thoughts
 from ucon.task.agent import Info, Observation
 
 if TYPE_CHECKING:
@@ -161,12 +162,20 @@ class PolicyAgent:
             episode.steps += 1
         return actions
 
+    def thoughts(self, slot: int) -> Thoughts | None:
+        """For reports: what the policy thinks after its last step in a slot; None where it keeps no belief."""
+        return self._of_last_step(slot, "thoughts")
+
     def picture(self, slot: int) -> NDArray[np.uint8] | None:
         """For videos: a picture of the policy's last step in a slot.
 
         Returns:
             (384, W, 3) uint8, or None where the policy draws nothing.
         """
+        return self._of_last_step(slot, "picture")
+
+    def _of_last_step(self, slot: int, name: str) -> Any:
+        """What a method of the policy says of the last step in a slot; None before the first."""
         import torch
 
         episode = self._episodes[slot]
@@ -175,7 +184,7 @@ class PolicyAgent:
         frame, state = episode.last
         frames = {name: tensor[None, None] for name, tensor in frame.items()}
         with torch.inference_mode():
-            return self.policy.picture(episode.info, frames, stacked([episode.context]), stacked([state]))
+            return getattr(self.policy, name)(episode.info, frames, stacked([episode.context]), stacked([state]))
 
     def _choose(self, logits: NDArray[np.float64], episode: _Episode) -> int:
         if not np.isfinite(logits).all():

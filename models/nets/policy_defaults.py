@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from ucon.learning.policies.action_policy import Arrays, Choice, PolicyOutputs, Tensors
+from ucon.search.thoughts import Thoughts
 
 N_ACTIONS = 7
 
@@ -81,6 +82,14 @@ class PolicyModule(nn.Module):
 
         Returns:
             (384, W, 3) uint8, or None where the policy draws nothing.
+        """
+        return None
+
+    def thoughts(self, info: Mapping[str, Any], frames: Tensors, context: Tensors, state: Tensors) -> Thoughts | None:
+        """For reports: what it thinks after one step of one episode; arguments as of :meth:`picture`.
+
+        Returns:
+            None where the policy keeps no belief.
         """
         return None
 

@@ -13,6 +13,7 @@ from models.nets.end_to_end.floor_memory import HALF, REACH, SIZE
 from models.nets.end_to_end.reasons import Reasons
 from ucon.perception.drawing.map_picture import FLOOR_COLOUR, OPENED, PATH, TALL, TARGET, UNKNOWN, Image, draw_agent
 from ucon.perception.drawing.overlay import FAINT, GOAL, WARM, Line, belief_lines, habit_lines, map_room, page, words
+from ucon.search.thoughts import BelievedThing
 from ucon.task.actions import Action
 
 _MOST_CELL_PX: Final = 10
@@ -24,6 +25,8 @@ _LIKELY: Final = 0.05
 _BY_M: Final = 2.0
 #: Goals with at least this share of the highest probability are shown, even outside explored space.
 _GLOW: Final = 0.05
+#: Most cells that are told as believed in.
+_MOST_CELLS: Final = 24
 
 Layers = dict[str, NDArray[np.uint8]]
 """Layers of the map memory by name, (SIZE, SIZE) each; see :func:`models.nets.end_to_end.floor_memory.layers`."""
@@ -52,6 +55,23 @@ def draw_reasons(
     places = [(anchor, relation, p) for anchor, relation, p in why.belief[:3]]
     lines = [*belief_lines(places, width), *_intention_lines(why, target, layers), *habit_lines(why.habits, width)]
     return page(_map(why, layers, pose, *map_room(height, width)), lines, height, width)
+
+
+def believed_cells(layers: Layers) -> tuple[BelievedThing, ...]:
+    """The cells of the map memory with the most belief, by falling share of what the map holds; at most 24.
+
+    Args:
+        layers: the map memory.
+    """
+    belief = (layers["most"].astype(float) / 255) ** 2
+    most = np.argsort(-belief, axis=None, kind="stable")[:_MOST_CELLS]
+    found = []
+    for i, j in zip(*np.unravel_index(most, belief.shape), strict=True):
+        if belief[i, j] > 0:
+            x, y = _metres(int(i), int(j))
+            box = (x - CELL_M / 2, y - CELL_M / 2, x + CELL_M / 2, y + CELL_M / 2)
+            found.append(BelievedThing("a cell of its map", box, float(belief[i, j] / belief.sum())))
+    return tuple(found)
 
 
 def _intention_lines(why: Reasons, target: str, layers: Layers) -> list[Line]:
