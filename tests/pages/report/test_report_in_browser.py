@@ -123,6 +123,7 @@ def test_hostile_text_is_shown_as_text(browser_page: Any, report: Path, tmp_path
     page.wait_for_selector("#episode .habits")
     for summary in page.locator("#episode .side >> nth=0").locator("summary", has_text="given").all():
         summary.click()
+    page.wait_for_selector("#episode .side >> nth=0 >> .habits >> nth=2")
     shown = page.locator("#episode .side >> nth=0").locator(".habits .plain").all_text_contents()
     assert {HOSTILE[0], HOSTILE[1], HOSTILE[3]} <= set(shown)
     assert "taken" not in page.title()

@@ -48,7 +48,7 @@ def test_it_is_read_in_a_browser(browser_page: Any, trained: Path) -> None:
     assert "success rate" in page.locator(".panel h3 >> nth=0").inner_text()
     assert page.locator(".chart .line").count() == 2
     page.click("summary:has-text('more curves')")
-    assert page.locator(".chart .line").count() == 3
+    page.wait_for_selector(".chart .line >> nth=2", state="attached")
     assert CARD in page.locator("pre").nth(0).text_content()
     assert "taken" not in page.title()
     assert wider_than_the_window(page) == 0
