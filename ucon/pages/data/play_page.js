@@ -43,7 +43,7 @@ async function start() {
     try { localStorage.setItem('ucon-name', name.value); } catch { /* no storage */ }
     begin({player: name.value, level: level.value, episodes: set.value, n: Number(n.value), picture_px: Number(picture.value)});
   });
-  body.replaceChildren(
+  refill(body, 
     el('p', {}, 'You stand in a home that you do not know, and look for one thing. You get what an agent gets: the '
       + 'picture from where you stand, the names of what is in view, the sentences of the household, and 300 steps. '
       + 'You are done when the thing is in view, within 1 m, and you say so.'),
@@ -76,7 +76,7 @@ async function begin(options) {
 async function show(state, rules) {
   if (!state.view) return finished(state);
   const parts = searching(rules);
-  body.replaceChildren(parts.whole);
+  refill(body, parts.whole);
   let given = null;
   const update = async next => {
     if (!next.view || given !== null && next.view.episode !== given) {
@@ -114,7 +114,7 @@ function searching(rules) {
     const words = wordsOf(search.value);
     const found = sentences.filter(text => words.every(word => text.toLowerCase().includes(word)));
     count.textContent = words.length ? `${found.length} of ${sentences.length}` : `${sentences.length}`;
-    list.replaceChildren(...found.map(text => el('li', {}, marked(text, words))));
+    refill(list, ...found.map(text => el('li', {}, marked(text, words))));
     if (!found.length) list.append(el('li', {class: 'faint'}, sentences.length ? 'none with these words' : 'none are given at this level'));
   };
   search.addEventListener('input', listed);
@@ -142,7 +142,7 @@ function searching(rules) {
       seen.src = now.map;
       effect.textContent = now.effect || (now.step ? '' : 'The search begins.');
       effect.className = `effect${/^(Blocked|Nothing|Cannot)/.test(now.effect) ? ' warm' : ''}`;
-      things.replaceChildren(...now.things.map(thing => el('li', {
+      refill(things, ...now.things.map(thing => el('li', {
         class: `${thing.metres <= 1 ? 'reach' : ''}${thing.target ? ' goal' : ''}`},
       `${thing.name} ${thing.metres.toFixed(1)} m${thing.opened ? ', opened' : ''}`)));
       if (!now.things.length) things.append(el('li', {}, 'nothing with a name'));
@@ -158,7 +158,7 @@ async function result(state, rules) {
   drawEnd(drawing, end);
   const next = el('button', {type: 'button', class: 'main big', onclick: () => show(state, rules)}, state.view ? 'Next search' : 'To the figures');
   const row = (name, own, best) => el('tr', {}, el('td', {}, name), el('td', {}, own), el('td', {}, best));
-  body.replaceChildren(el('div', {class: 'result'},
+  refill(body, el('div', {class: 'result'},
     el('section', {'aria-label': 'The home'}, drawing.svg),
     el('section', {},
       el('h2', {class: end.success ? 'good' : 'bad', id: 'ending'}, end.success ? `Found the ${end.target}` : `Not found: the ${end.target}`),
@@ -185,7 +185,7 @@ function drawEnd(drawing, end) {
 /** After the last search. */
 function finished(state) {
   const f = state.figures;
-  body.replaceChildren(el('h2', {id: 'finished'}, `All ${state.n} searches are done`),
+  refill(body, el('h2', {id: 'finished'}, `All ${state.n} searches are done`),
     f ? el('table', {}, el('thead', {}, el('tr', {}, ['agent', 'habits', 'n', 'SR % [95 %]', 'SPL [95 %]', 'steps'].map((t, k) => el('th', {class: k < 2 ? 'left' : ''}, t)))),
       el('tbody', {}, el('tr', {}, el('td', {}, 'human'), el('td', {class: 'left'}, state.level), el('td', {}, f.n),
         el('td', {}, interval(f.success_rate, f.success_rate_ci95)), el('td', {}, interval(f.spl, f.spl_ci95, 1, 3)), el('td', {}, f.steps.toFixed(0))))) : null,

@@ -37,6 +37,9 @@ async function shownIn(line, work) {
   }
 }
 
+/** Put children in place of what an element has; null and undefined are left out, lists are unfolded. */
+const refill = (node, ...children) => node.replaceChildren(...children.flat(2).filter(child => child !== null && child !== undefined));
+
 /** A labelled control. */
 const field = (label, control) => el('label', {class: 'field'}, label, control);
 
@@ -74,3 +77,18 @@ function later(task, ms = 150) {
 
 const interval = (mean, [low, high], factor = 100, digits = 1) =>
   `${(factor * mean).toFixed(digits)} [${(factor * low).toFixed(digits)}, ${(factor * high).toFixed(digits)}]`;
+
+const spaced = name => String(name).replaceAll('_', ' ');
+
+/** Control characters as their pictures, so that nothing is hidden. */
+const visible = text => text.replace(/[\u0000-\u0008\u000b-\u001f]/g, c => String.fromCharCode(0x2400 + c.charCodeAt(0))).replace(/\u007f/g, '\u2421');
+
+/** The beginning of a text that would fill the page. */
+const clipped = (text, most = 600) => visible(text.length > most ? `${text.slice(0, most)}…` : text);
+
+/** A text from outside in full; a very long one is unfolded on demand. */
+function longText(text) {
+  if (text.length <= 2000) return plain(visible(text));
+  return el('span', {}, plain(clipped(text)), ' ', el('button', {type: 'button', onclick: event => event.currentTarget.replaceWith(
+    el('span', {class: 'plain scroll whole-text', dir: 'auto', tabindex: 0}, visible(text)))}, `all ${text.length} characters`));
+}

@@ -14,9 +14,16 @@ from starlette.types import ASGIApp
 
 from ucon.pages.serve.desk import Desk
 from ucon.pages.serve.guard import Guard
+from ucon.pages.serve.habits import habit_routes
+from ucon.pages.serve.home_cards import Cards
+from ucon.pages.serve.homes import home_routes
 from ucon.pages.serve.play.games import Games
 from ucon.pages.serve.play.routes import play_routes
+from ucon.pages.serve.run_list import RunList
+from ucon.pages.serve.runs import run_routes
 from ucon.pages.serve.shell import PAGES, asset, page
+from ucon.pages.serve.studies import Studies
+from ucon.pages.serve.study import study_routes
 
 
 def make_app(desk: Desk, token: str, port: int) -> ASGIApp:
@@ -44,7 +51,11 @@ def make_app(desk: Desk, token: str, port: int) -> ASGIApp:
         Route("/", shown),
         *(Route(f"/{name}", _page_of(name)) for name in PAGES),
         Route("/assets/{name}", file),
+        *run_routes(RunList(desk.folders)),
+        *habit_routes(desk.dataset),
+        *home_routes(Cards(desk.dataset)),
         *play_routes(games),
+        *study_routes(Studies(desk.out / "studies", desk.dataset)),
     ]
     return Guard(Starlette(routes=[Mount(f"/{token}", routes=routes)], lifespan=lifespan), token, port)
 
