@@ -55,7 +55,10 @@ def run(args: argparse.Namespace) -> int:
     desk = Desk(out.resolve(), tuple(folder.resolve() for folder in [*folders, out]), load_dataset(args.habits))
 
     def ready(address: str) -> None:
-        print(f"{address}\nonly this machine can open it; Ctrl-C ends it, and what was played and answered is kept", flush=True)
+        print(
+            f"{address}\nonly this machine can open it; Ctrl-C ends it, and what was played and answered is kept",
+            flush=True,
+        )
         if not args.no_browser:
             _open(address)
 

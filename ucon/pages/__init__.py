@@ -1,1 +1,1 @@
-"""Pages for people: reports of runs, and what ``python -m ucon serve`` shows. HTML, CSS and JavaScript are in ``data/``."""
+"""Pages for people: reports of runs, and what ``python -m ucon serve`` shows. CSS and JavaScript are in ``data/``."""

@@ -12,7 +12,7 @@ body.append(el('div', {class: 'row'}, search, kind, count), el('div', {class: 'r
 search.addEventListener('input', () => fill());
 kind.addEventListener('change', () => fill());
 
-let runs = [], total = 0, chosen = decodeURIComponent(location.hash.slice(1));
+let runs = [], total = 0, lastList = '', lastOne = '', chosen = decodeURIComponent(location.hash.slice(1));
 
 const ago = seconds => seconds < 90 ? `${seconds} s` : seconds < 5400 ? `${Math.round(seconds / 60)} min` : seconds < 129600 ? `${Math.round(seconds / 3600)} h` : `${Math.round(seconds / 86400)} d`;
 const state = run => run.finished ? 'finished' : run.age_s < 180 ? 'running' : 'not finished';
@@ -53,7 +53,9 @@ async function one() {
     return;
   }
   const asked = chosen, run = await ask('runs/one', {run: asked});
-  if (asked !== chosen) return;
+  const text = sameBut(run, ({age_s, ...rest}) => [rest, state(run)]);
+  if (asked !== chosen || text === lastOne) return;
+  lastOne = text;
   const share = run.total ? run.done / run.total : null;
   refill(detail, el('h2', {}, plain(run.name)),
     el('p', {}, plain(run.label || ''), run.level ? [', habits: ', plain(run.level)] : null, `, ${state(run)}`),
@@ -69,11 +71,14 @@ async function one() {
 }
 
 async function list() {
-  const found = await ask('runs/list');
+  const found = await ask('runs/list'), text = sameBut(found, ({age_s, ...run}) => run);
   runs = found.runs;
   total = found.n;
-  fill();
+  if (text !== lastList || !document.activeElement?.closest('table')) fill();  // who reads the table is not disturbed
+  lastList = text;
 }
+
+const sameBut = (found, rest) => JSON.stringify(found.runs ? found.runs.map(rest) : rest(found));
 
 /** Ask again and again while the page is looked at; an open list of episodes stays open. */
 async function again() {

@@ -3,6 +3,7 @@
 
 const line = messageLine(), body = el('div', {});
 main.append(el('h1', {}, 'Study'), line, body);
+const note = el('span', {class: 'faint', id: 'saved'});
 let study = '', rater = '', data = null, at = 0, saving = Promise.resolve(), keys = () => {};
 
 document.addEventListener('keydown', event => { if (!isTyping(event)) keys(event); });
@@ -30,7 +31,7 @@ async function start() {
   });
   refill(body,
     el('p', {}, 'Each item is a sentence about somebody’s habits, an OBJECT and a PLACE. Two questions: could a real person have this habit, and would you look for the object there after reading it? Leave out what you cannot answer; nobody is tested.'),
-    studies.length ? [field('Your name or initials', who), el('div', {class: 'cards'}, studies.map(one => el('div', {class: 'panel'},
+    studies.length ? [el('div', {class: 'fields'}, field('Your name or initials', who)), el('div', {class: 'cards'}, studies.map(one => el('div', {class: 'panel'},
       el('h2', {}, plain(one.name)), el('p', {class: 'faint'}, one.items === null ? 'its key is damaged' : `${one.items} items; raters: `, one.items === null ? null : plain(one.raters.join(', ') || 'none yet')),
       el('div', {class: 'row'}, el('button', {type: 'button', class: 'main', 'aria-label': `Answer ${one.name}`, onclick: () => open(one.name)}, 'Answer'),
         el('button', {type: 'button', 'aria-label': `Figures of ${one.name}`, onclick: () => shownIn(line, () => figures(one.name))}, 'Figures')))))] : null,
@@ -56,11 +57,13 @@ const isWhole = one => said(one).every(value => value !== null);
 
 function show() {
   const total = data.items.length, done = data.items.filter(isWhole).length;
-  const progress = el('p', {class: 'row', role: 'status'}, el('span', {id: 'done'}, `${done} of ${total} answered, as ${rater}`), el('progress', {max: total, value: done, 'aria-label': 'Answered'}));
+  const progress = el('p', {class: 'row', role: 'status'}, el('span', {id: 'done'}, `${done} of ${total} answered, as ${rater}`), el('progress', {max: total, value: done, 'aria-label': 'Answered'}), note);
   if (at >= total) {
     keys = () => {};
+    const written = el('p', {}), any = data.items.some(one => said(one).some(value => value !== null));
+    if (any) saving.then(() => refill(written, link('sheet', {study, rater}, 'Your sheet (CSV)', `${rater}.csv`)));
     refill(body, progress, el('h2', {id: 'thanks'}, done === total ? 'All is answered. Thank you!' : 'That was the last item'),
-      el('p', {}, 'Your answers are written. ', data.items.some(one => data.answers[one.item]) ? link('sheet', {study, rater}, 'Your sheet (CSV)', `${rater}.csv`) : null),
+      written,
       el('div', {class: 'row'}, done < total ? el('button', {type: 'button', class: 'main', onclick: () => { at = data.items.findIndex(one => !isWhole(one)); show(); }}, 'To what is left out') : null,
         el('button', {type: 'button', onclick: () => { at = total - 1; show(); }}, 'Back'), el('button', {type: 'button', class: done === total ? 'main' : '', onclick: () => shownIn(line, start)}, 'To the studies')));
     return;
@@ -103,8 +106,12 @@ function save(one, which, value) {
   const whole = isWhole(one);
   (whole ? document.getElementById('next') : focused && document.querySelector(focused))?.focus();
   const owner = data;
-  saving = saving.then(() => shownIn(line, async () => { await tell('study/answer', {study, rater, item: one.item, ...next}); }))
-    .then(() => { if (line.textContent && owner === data) shownIn(messageLine(), () => answer(study)); });
+  note.textContent = 'saving …';
+  saving = saving.then(() => shownIn(line, () => tell('study/answer', {study, rater, item: one.item, ...next}))).then(done => {
+    note.textContent = done ? 'saved' : 'not saved';
+    if (!done && owner === data) data.answers[one.item] = [real, look];
+    if (!done && owner === data) show();
+  });
 }
 
 /** Means, agreement and intervals of all raters. */

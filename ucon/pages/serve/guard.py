@@ -1,8 +1,8 @@
 """What every request has to pass: a token in the address, this machine's name, no other page behind it.
 
-Other pages that are open in the same browser can send requests to this machine. They do not know the token; a name that
-somebody else points to 127.0.0.1 (DNS rebinding) is not among the hosts; and a form or script of another page is told by
-``Origin`` and ``Sec-Fetch-Site``.
+Other pages that are open in the same browser can send requests to this machine. They do not know the token; a name
+that somebody else points to 127.0.0.1 (DNS rebinding) is not among the hosts; and a form or script of another page is
+told by ``Origin`` and ``Sec-Fetch-Site``.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 #: Pages load scripts, styles and pictures from here alone, talk to nobody else and are in no frame.
 _POLICY: Final = (
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 #: A report is one file with its scripts in it. It may run them, but asks nobody, and is of no origin.

@@ -89,7 +89,9 @@ def _plan(house: House) -> dict[str, Any]:
         "area_m2": round(house.spec.area_m2, 1),
         "origin": [float(v) for v in grid.origin_xy],
         "free": ["".join("1" if cell else "0" for cell in row) for row in grid.free.tolist()],
-        "middles": [[round(float(box[k] + box[k + 3]) / 2, 2) for k in range(3)] for box in house.boxes[: house.n_items]],
+        "middles": [
+            [round(float(box[k] + box[k + 3]) / 2, 2) for k in range(3)] for box in house.boxes[: house.n_items]
+        ],
         "room_of": [item.room for item in house.spec.items],
         "openable": np.flatnonzero(openable[: house.n_items]).tolist(),
     }

@@ -79,15 +79,13 @@ class RunList:
 
 
 def _runs_below(top: Path) -> Iterator[FoundRun]:
-    seen = 0
-    for folder, below, files in os.walk(top):  # follows no links
+    for seen, (folder, below, files) in enumerate(os.walk(top)):  # follows no links
         path = Path(folder)
         depth = len(path.relative_to(top).parts)
         below[:] = sorted(name for name in below if name not in _NO_RUNS and not name.startswith(".")) * (
             depth < _DEEPEST
         )
-        seen += 1
-        if seen > _MOST_FOLDERS:
+        if seen >= _MOST_FOLDERS:
             return
         if (run := _run(path, top, frozenset(files))) is not None:
             yield run

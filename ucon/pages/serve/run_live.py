@@ -1,10 +1,10 @@
-"""Figures of runs, also while they run: of evaluations from their finished episodes, of trainings from their metrics."""
+"""Figures of runs, also while they run: of evaluations from finished episodes, of trainings from their metrics."""
 
 from __future__ import annotations
 
 import math
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections import OrderedDict
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -28,6 +28,8 @@ from ucon.pages.serve.tails import Tails
 _SHOWN: Final = ("n", "success_rate", "success_rate_ci95", "spl", "spl_ci95", "steps", "failure_causes")
 #: Most points of a curve, and most episodes that are listed.
 _POINTS, _LISTED = 400, 12
+#: Most finished runs whose figures are kept.
+_KEPT: Final = 1000
 _MOST_SUMMARY: Final = 1 << 24
 
 
@@ -59,6 +61,7 @@ class LiveFigures:
 
     def __init__(self) -> None:
         self._partial, self._metrics = Tails(_line_of_partial), Tails(_line_of_metrics)
+        self._finished: OrderedDict[tuple[str, str, float], dict[str, Any]] = OrderedDict()
 
     def row(self, run: FoundRun) -> dict[str, Any]:
         """A line of the list of runs.
@@ -70,6 +73,9 @@ class LiveFigures:
             ``label``, ``level``, ``done`` and ``total`` (episodes or steps; None where unknown), and where they are
             known ``success_rate`` and ``spl`` with their intervals, or ``score``.
         """
+        return self._kept("row", run, self._row)
+
+    def _row(self, run: FoundRun) -> dict[str, Any]:
         try:
             return self._trained(run.path) if run.kind == "train" else self._evaluated(run)
         except (OSError, DataError) as error:
@@ -87,6 +93,9 @@ class LiveFigures:
         Raises:
             DataError: it cannot be read.
         """
+        return self._kept("detail", run, self._detail)
+
+    def _detail(self, run: FoundRun) -> dict[str, Any]:
         row = self.row(run)
         if "problem" in row:
             raise DataError(row["problem"])
@@ -101,6 +110,18 @@ class LiveFigures:
             for r in records[-_LISTED:]
         ]  # fmt: skip
         return {**row, "curves": _success_curve(records), "episodes": listed[::-1]}
+
+    def _kept(self, what: str, run: FoundRun, read: Callable[[FoundRun], dict[str, Any]]) -> dict[str, Any]:
+        """What is read of a run; of a finished one it is read once."""
+        key = (what, run.id, run.written_s)
+        if key in self._finished:
+            return self._finished[key]
+        found = read(run)
+        if run.finished:
+            self._finished[key] = found
+            while len(self._finished) > _KEPT:
+                self._finished.popitem(last=False)
+        return found
 
     def _evaluated(self, run: FoundRun) -> dict[str, Any]:
         if run.finished:

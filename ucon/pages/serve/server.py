@@ -10,6 +10,7 @@ from typing import Final
 import uvicorn
 
 from ucon.core.errors import ConfigError
+from ucon.core.sole_writer import sole_writer
 from ucon.pages.serve.app import make_app
 from ucon.pages.serve.desk import Desk
 from ucon.pages.serve.guard import new_token
@@ -53,10 +54,10 @@ def serve(desk: Desk, port: int | None, ready: Callable[[str], None]) -> None:
         ready: is called with the address once it is listened on.
 
     Raises:
-        ConfigError: the port cannot be used.
+        ConfigError: the port cannot be used, or another server writes to the same folder.
         KeyboardInterrupt: Ctrl-C; everything is closed by then.
     """
-    with listening(port) as opened:
+    with listening(port) as opened, sole_writer(desk.out):
         number, token = opened.getsockname()[1], new_token()
         config = uvicorn.Config(
             make_app(desk, token, number),

@@ -47,10 +47,12 @@ class Studies:
     def all(self) -> list[dict[str, Any]]:
         """Name, number of items and raters of every study, newest first."""
         keys = sorted(self._folder.glob(f"*/{_KEY}"), key=lambda path: -path.stat().st_mtime)[:_MOST]
-        found = []
+        found: list[dict[str, Any]] = []
         for path in keys:
             try:
-                found.append({"name": path.parent.name, "items": len(read_key(path)), "raters": self._raters(path.parent)})
+                found.append(
+                    {"name": path.parent.name, "items": len(read_key(path)), "raters": self._raters(path.parent)}
+                )
             except UconError:  # a damaged key is told where the study is opened
                 found.append({"name": path.parent.name, "items": None, "raters": []})
         return found

@@ -51,7 +51,7 @@ class Tails:
             size = file.seek(0, 2)
             if tail is None or size < tail.offset or not start.startswith(tail.start):
                 tail = self._tails[path] = _Tail()
-            tail.start = start[: max(len(tail.start), min(size, tail.offset or _START))]
+            tail.start = start
             file.seek(tail.offset)
             new = file.read(_MOST_READ)
             whole = new[: new.rfind(b"\n") + 1]

@@ -68,5 +68,3 @@ def _walked(episode: Episode, actions: str, source: HabitSource) -> tuple[list[l
     for digit in actions:
         env.step(int(digit))
     return [[round(float(x), 3), round(float(y), 3)] for x, y in env.ledger.path_xy], env
-
-

@@ -148,8 +148,8 @@ class Game:
         """What the page shows now.
 
         Returns:
-            ``over``; ``done`` and ``n`` episodes and the figures so far; ``view`` of the current episode, None after the
-            last; ``last``, the id of the episode that was over last.
+            ``over``; ``done`` and ``n`` episodes and the figures so far; ``view`` of the current episode, None after
+            the last; ``last``, the id of the episode that was over last.
 
         Raises:
             ConfigError: the run cannot go on; says why.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -144,7 +143,7 @@ def _records_of(evaluation: Evaluation) -> list[EpisodeRecord]:
     return [played.record for _, played in sorted(left.done.items())]
 
 
-def _options_of(path: Path) -> Mapping[str, Any] | None:
+def _options_of(path: Path) -> dict[str, Any] | None:
     """What was chosen for the run of a folder, by its name; None where it is none of these runs."""
     name, picture_px = path.name, PICTURES[0]
     for px in PICTURES[1:]:
@@ -153,9 +152,8 @@ def _options_of(path: Path) -> Mapping[str, Any] | None:
     words = name.split("-")
     if len(words) < 3 or words[1] not in LEVELS or not words[2].isdecimal() or len(words[2]) > 4:
         return None
-    return {
-        "player": path.parent.name, "episodes": words[0], "level": words[1], "n": int(words[2]), "picture_px": picture_px
-    }  # fmt: skip
+    n = int(words[2])
+    return {"player": path.parent.name, "episodes": words[0], "level": words[1], "n": n, "picture_px": picture_px}
 
 
 def _lines(path: Path) -> int:

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Final
 
 from ucon.core.errors import DataError
+from ucon.core.files import canonical_json
 from ucon.core.untrusted.plain_file import read_plain
 from ucon.core.untrusted.strict_json import JsonError, parse_json
-from ucon.core.files import canonical_json
 
 _MOST_BYTES: Final = 1 << 28
 
@@ -17,7 +17,7 @@ _MOST_BYTES: Final = 1 << 28
 class Journal:
     """The actions of one run by episode, in a file with a line for each.
 
-    A last line that was cut off is dropped. A line that is none ends the reading there: what follows cannot be replayed.
+    A last line that was cut off is dropped. A line that is none ends the reading: what follows cannot be replayed.
     """
 
     def __init__(self, path: Path) -> None:
