@@ -4,7 +4,7 @@
 const line = messageLine(), body = el('div', {});
 main.append(el('h1', {}, 'Study'), line, body);
 const note = el('span', {class: 'faint', id: 'saved'});
-let study = '', rater = '', data = null, at = 0, saving = Promise.resolve(), keys = () => {};
+let study = '', rater = '', data = null, at = 0, saving = Promise.resolve(), pending = 0, keys = () => {};
 
 document.addEventListener('keydown', event => { if (!isTyping(event)) keys(event); });
 
@@ -106,9 +106,12 @@ function save(one, which, value) {
   const whole = isWhole(one);
   (whole ? document.getElementById('next') : focused && document.querySelector(focused))?.focus();
   const owner = data;
+  pending += 1;
   note.textContent = 'saving …';
   saving = saving.then(() => shownIn(line, () => tell('study/answer', {study, rater, item: one.item, ...next}))).then(done => {
-    note.textContent = done ? 'saved' : 'not saved';
+    pending -= 1;
+    if (!done) note.textContent = 'not saved';
+    else if (!pending) note.textContent = 'saved';
     if (!done && owner === data) data.answers[one.item] = [real, look];
     if (!done && owner === data) show();
   });
