@@ -85,7 +85,7 @@ def test_seconds_of_interrupted_calls_are_added_up(tmp_path, monkeypatch):
     assert again.seconds == 17.0
 
 
-FIRST = line_of({"hashes": HASHES, "versions": {}})
+FIRST = line_of({"hashes": HASHES, "versions": {}, "n": len(IDS)})
 
 
 def whole_line(number, seconds, first=FIRST):

@@ -41,7 +41,8 @@ def built(name: str, level: str = "retrieval") -> tuple[Agent, UcONEnv]:
     return Factory(config["agent"])(), Factory(config["env"] | {"width_px": 128, "height_px": 128})()
 
 
-_CONFIGURED = sorted(path.stem for path in (CONFIGS / "agent").glob("*.yaml"))
+#: Without ``human``: nobody is here to be asked (tests/pages/serve/test_play.py plays it).
+_CONFIGURED = sorted(path.stem for path in (CONFIGS / "agent").glob("*.yaml") if path.stem != "human")
 #: Networks over the seven actions. They play for a few steps only: many take a tenth of a second each.
 POLICIES = [name for name in _CONFIGURED if config_of(name)["agent"]["_target_"].endswith(".PolicyAgent")]
 #: Networks without shipped weights.

@@ -13,9 +13,9 @@ import pytest
 _OWN = ("file", "data", "blob", "about")
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    """The system's Chromium, started once."""
+    """The system's Chromium, started once a module: while it runs, no test of this process can use asyncio itself."""
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
     path = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     if path is None:
@@ -51,14 +51,14 @@ def wider_than_the_window(page: Any) -> float:
 
 
 def contrast(page: Any, selector: str) -> float:
-    """Least contrast (WCAG, 1 to 21) of the text of the shown elements that match a selector, with what is behind it."""
+    """Least contrast (WCAG, 1 to 21) of the text of shown elements that match a selector, with what is behind it."""
     return float(page.evaluate(_CONTRAST, selector))
 
 
 _CONTRAST = """selector => {
   const parts = text => (text.match(/[\\d.]+/g) || [0, 0, 0, 0]).map(Number);
-  const light = ([r, g, b]) => [r, g, b].map(v => v / 255).map(v => v <= .03928 ? v / 12.92 : ((v + .055) / 1.055) ** 2.4)
-    .reduce((sum, v, k) => sum + v * [.2126, .7152, .0722][k], 0);
+  const linear = v => v / 255 <= .03928 ? v / 255 / 12.92 : ((v / 255 + .055) / 1.055) ** 2.4;
+  const light = ([r, g, b]) => [r, g, b].map(linear).reduce((sum, v, k) => sum + v * [.2126, .7152, .0722][k], 0);
   const behind = node => {
     for (let at = node; at; at = at.parentElement) {
       const found = parts(getComputedStyle(at).backgroundColor);

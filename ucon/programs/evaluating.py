@@ -25,7 +25,7 @@ from ucon.evaluation.playing.needed_weights import check_weights, fingerprints
 from ucon.evaluation.playing.pictures import worth_filming
 from ucon.evaluation.playing.play import PlayedEpisode, RunSpec
 from ucon.evaluation.playing.progress_bar import EvaluationProgress, embedding_progress
-from ucon.evaluation.playing.runner import evaluate
+from ucon.evaluation.playing.runner import OnPlayed, evaluate
 from ucon.retrieval.levels import check_level
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
@@ -95,8 +95,11 @@ class Evaluation:
         """
         return None if self.parts.uses_habits else twin_of(self.out, self.config, self.hashes)
 
-    def play(self) -> dict[str, Any]:
+    def play(self, on_played: OnPlayed | None = None) -> dict[str, Any]:
         """Play the episodes that are missing in the folder, and finish it. A finished run is only read.
+
+        Args:
+            on_played: is called with each episode that is played now, after it was written.
 
         Returns:
             Content of ``summary.json``.
@@ -106,9 +109,9 @@ class Evaluation:
             DataError: its content is damaged.
         """
         with contextlib.nullcontext() if has_summary(self.out) else sole_writer(self.out):
-            return self._play()
+            return self._play(on_played)
 
-    def _play(self) -> dict[str, Any]:
+    def _play(self, on_end: OnPlayed | None) -> dict[str, Any]:
         folder = RunFolder(self.out, self.hashes, versions())
         done = folder.open([episode.id for episode in self.episodes])
         if folder.summary is not None:
@@ -120,7 +123,7 @@ class Evaluation:
                 file=sys.stderr,
             )
         started = time.perf_counter()
-        played = sorted([*done.values(), *self._missing(folder, done)], key=lambda p: p.index)
+        played = sorted([*done.values(), *self._missing(folder, done, on_end)], key=lambda p: p.index)
         self.n_new, self.seconds = len(played) - len(done), time.perf_counter() - started
         figures = summary(played, folder.hashes, self.parts)
         folder.finish(played, figures, OmegaConf.to_yaml(OmegaConf.create(self.config)))
@@ -148,7 +151,9 @@ class Evaluation:
                 on_played=on_played,
             )
 
-    def _missing(self, folder: RunFolder, done: dict[int, PlayedEpisode]) -> list[PlayedEpisode]:
+    def _missing(
+        self, folder: RunFolder, done: dict[int, PlayedEpisode], on_end: OnPlayed | None
+    ) -> list[PlayedEpisode]:
         """Play the episodes that no earlier call has played."""
         config = self.config
         with embedding_progress(visible=config["progress"]) as on_text:
@@ -160,6 +165,8 @@ class Evaluation:
             def on_played(played: PlayedEpisode) -> None:
                 folder.add(played)
                 progress.add(played)
+                if on_end is not None:
+                    on_end(played)
 
             return evaluate(
                 self.spec,

@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -115,9 +116,15 @@ def _candidate(entries: Sequence[Entry], rng: np.random.Generator) -> tuple[Entr
     return None
 
 
-def sheet_csv(items: Sequence[RatedHabit]) -> str:
-    """The sheet that raters fill in, as CSV."""
-    rows = [(one.item, one.object, one.habit, one.place, "", "") for one in items]
+def sheet_csv(items: Sequence[RatedHabit], answers: Mapping[int, Rating] = MappingProxyType({})) -> str:
+    """The sheet that raters fill in, as CSV.
+
+    Args:
+        items: of the survey.
+        answers: that are filled in already, by item.
+    """
+    said = {number: ("" if one.real is None else one.real, one.look or "") for number, one in answers.items()}
+    rows = [(one.item, one.object, one.habit, one.place, *said.get(one.item, ("", ""))) for one in items]
     return _csv(SHEET_FIELDS, rows)
 
 

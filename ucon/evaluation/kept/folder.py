@@ -38,7 +38,7 @@ class RunFolder:
         self.summary: dict[str, Any] | None = None
         """Content of ``summary.json`` if the run is finished already; set by :meth:`open`."""
         self._versions = dict(versions or {})
-        self._first = line_of({"hashes": hashes, "versions": self._versions})
+        self._first = b""
         self.damaged = 0
         """Number of damaged lines in the partial file; their episodes are played again."""
         self._partial: BinaryIO | None = None
@@ -81,6 +81,7 @@ class RunFolder:
         except OSError as error:
             raise ConfigError(f"out={self.path}: cannot be written ({error.strerror}); choose another folder") from None
         if self._partial.tell() == 0:
+            self._first = line_of({"hashes": self.hashes, "versions": self._versions, "n": len(episodes)})
             self._append(self._first)
         self._opened = time.perf_counter()
         return done

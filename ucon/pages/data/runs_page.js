@@ -1,0 +1,94 @@
+// Runs: what eval.py and train.py have written, also while they write.
+'use strict';
+
+const LIST_MS = 4000, ONE_MS = 2000;
+const line = messageLine(), body = el('div', {});
+main.append(el('h1', {}, 'Runs'), line, body);
+const search = el('input', {type: 'search', placeholder: 'search', 'aria-label': 'Search the runs', id: 'run-search'});
+const kind = choiceOf(['all', 'eval', 'train'], 'all', {all: 'all', eval: 'evaluations', train: 'trainings'});
+kind.setAttribute('aria-label', 'Kind');
+const count = el('span', {class: 'faint', role: 'status'}), table = el('div', {class: 'wide'}), detail = el('section', {class: 'run-detail', id: 'detail', 'aria-label': 'The chosen run'});
+body.append(el('div', {class: 'row'}, search, kind, count), el('div', {class: 'runs'}, table, detail));
+search.addEventListener('input', () => fill());
+kind.addEventListener('change', () => fill());
+
+let runs = [], total = 0, lastList = '', lastOne = '', chosen = decodeURIComponent(location.hash.slice(1));
+
+const ago = seconds => seconds < 90 ? `${seconds} s` : seconds < 5400 ? `${Math.round(seconds / 60)} min` : seconds < 129600 ? `${Math.round(seconds / 3600)} h` : `${Math.round(seconds / 86400)} d`;
+const state = run => run.finished ? 'finished' : run.age_s < 180 ? 'running' : 'not finished';
+const done = run => run.done === undefined ? '' : run.total ? `${run.done} of ${run.total}` : String(run.done);
+
+function fill() {
+  const words = wordsOf(search.value);
+  const found = runs.filter(run => (kind.value === 'all' || run.kind === kind.value)
+    && words.every(word => `${run.name} ${run.label} ${run.level} ${state(run)}`.toLowerCase().includes(word)));
+  count.textContent = found.length === total ? `${total} runs` : `${found.length} of ${total} runs`;
+  if (!runs.length) {
+    refill(table, el('p', {class: 'faint'}, 'No run is here yet. One appears as soon as eval.py or train.py has written its first line.'));
+    return;
+  }
+  const kept = document.activeElement?.dataset?.run;
+  refill(table, el('table', {}, el('thead', {}, el('tr', {},
+    ['run', 'what', 'habits', 'state', 'done', 'SR % [95 %]', 'SPL', 'written'].map((text, k) => el('th', {class: k < 4 ? 'left' : ''}, text)))),
+  el('tbody', {}, found.map(run => el('tr', {class: run.id === chosen ? 'chosen' : ''},
+    el('td', {class: 'run-name'}, el('button', {type: 'button', class: 'link', 'data-run': run.id, 'aria-pressed': run.id === chosen, onclick: () => choose(run.id)}, plain(run.name))),
+    el('td', {class: 'left'}, plain(run.label || '')), el('td', {class: 'left'}, plain(run.level || '')),
+    el('td', {class: `left ${run.finished ? '' : state(run) === 'running' ? 'good' : 'warm'}`}, state(run)),
+    el('td', {}, done(run)),
+    el('td', {}, run.success_rate_ci95 ? interval(run.success_rate, run.success_rate_ci95) : run.score != null ? `best score ${run.score.toPrecision(3)}` : ''),
+    el('td', {}, run.spl === undefined ? '' : run.spl.toFixed(3)), el('td', {}, `${ago(run.age_s)} ago`))))));
+  if (kept) table.querySelector(`[data-run="${kept}"]`)?.focus();
+}
+
+async function choose(id) {
+  chosen = id;
+  history.replaceState(null, '', `#${encodeURIComponent(id)}`);
+  fill();
+  await shownIn(line, one);
+}
+
+async function one() {
+  if (!chosen) {
+    refill(detail, el('p', {class: 'faint'}, 'Choose a run for its curves and figures.'));
+    return;
+  }
+  const asked = chosen, run = await ask('runs/one', {run: asked});
+  const text = sameBut(run, ({age_s, ...rest}) => [rest, state(run)]);
+  if (asked !== chosen || text === lastOne) return;
+  lastOne = text;
+  const share = run.total ? run.done / run.total : null;
+  refill(detail, el('h2', {}, plain(run.name)),
+    el('p', {}, plain(run.label || ''), run.level ? [', habits: ', plain(run.level)] : null, `, ${state(run)}`),
+    el('p', {class: 'row'}, el('span', {class: 'figure', id: 'progress'}, `${done(run)} ${run.kind === 'train' ? 'steps' : 'episodes'}`),
+      share === null ? null : el('progress', {max: 1, value: share, 'aria-label': 'Progress'})),
+    run.success_rate_ci95 ? el('dl', {class: 'facts'}, ...[['SR %', interval(run.success_rate, run.success_rate_ci95)], ['SPL', interval(run.spl, run.spl_ci95, 1, 3)],
+      ['steps', run.steps.toFixed(0)], ['failures', Object.entries(run.failure_causes).map(([why, n]) => `${spaced(why)} ${n}`).join(', ') || 'none']]
+      .flatMap(([name, value]) => [el('dt', {}, name), el('dd', {class: 'figure'}, value)])) : null,
+    run.report ? el('p', {}, el('a', {href: `report/${run.id}`, target: '_blank', rel: 'noopener noreferrer'}, 'Its report'), ' (opens in a tab of its own)') : null,
+    el('div', {class: 'curves'}, run.curves.map(Figures.curve)),
+    run.episodes?.length ? el('details', {}, el('summary', {}, 'The last episodes'), el('div', {class: 'wide'}, el('table', {}, el('tbody', {}, run.episodes.map(episode =>
+      el('tr', {}, el('td', {}, plain(episode.episode)), el('td', {class: 'left'}, plain(spaced(episode.target))), el('td', {class: `left ${episode.success ? 'good' : 'bad'}`}, episode.success ? 'found' : plain(episode.why)), el('td', {}, episode.steps))))))) : null);
+}
+
+async function list() {
+  const found = await ask('runs/list'), text = sameBut(found, ({age_s, ...run}) => run);
+  runs = found.runs;
+  total = found.n;
+  if (text !== lastList || !document.activeElement?.closest('table')) fill();  // who reads the table is not disturbed
+  lastList = text;
+}
+
+const sameBut = (found, rest) => JSON.stringify(found.runs ? found.runs.map(rest) : rest(found));
+
+/** Ask again and again while the page is looked at; an open list of episodes stays open. */
+async function again() {
+  if (!document.hidden) {
+    const open = detail.querySelector('details')?.open;
+    await shownIn(line, one);
+    if (open) detail.querySelector('details')?.setAttribute('open', '');
+  }
+  setTimeout(again, ONE_MS);
+}
+
+shownIn(line, list).then(() => again());
+setInterval(() => { if (!document.hidden) shownIn(line, list); }, LIST_MS);

@@ -1,0 +1,42 @@
+"""What the pages of one server share: where things are written, which habits and runs are shown."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from ucon.core.errors import ConfigError, brief
+from ucon.habits import HabitDataset
+
+_NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,39}")
+
+
+@dataclass(frozen=True)
+class Desk:
+    """Folders and habits of a server."""
+
+    out: Path
+    """Folder of what is played and answered."""
+    folders: tuple[Path, ...]
+    """Where runs are looked for."""
+    dataset: HabitDataset
+    """The habits of the pages Habits, Homes and Study; played are those of the episodes."""
+
+
+def checked_name(value: object, what: str) -> str:
+    """A name that becomes part of a path.
+
+    Args:
+        value: as it was given.
+        what: it is of, for the error.
+
+    Raises:
+        ConfigError: anything but letters, digits, hyphens and underscores.
+    """
+    if not isinstance(value, str) or not _NAME.fullmatch(value):
+        raise ConfigError(
+            f"{what} '{brief(value)}': expected 1 to 40 of the letters a to z, digits, - and _, such as initials"
+        )
+    return value

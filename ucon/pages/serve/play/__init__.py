@@ -1,0 +1,1 @@
+"""The page *Play*: a person searches, by the rules that agents search by."""

@@ -1,0 +1,70 @@
+"""A search that is over, told and drawn: found or lost, the shortest way beside one's own, the whole home."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ucon.envs.knowledge import HabitSource
+from ucon.envs.ucon_env import UcONEnv
+from ucon.evaluation.kept.endings import why_lost
+from ucon.evaluation.kept.record import EpisodeRecord
+from ucon.pages.home_plan import footprint, placed_in, plan_of
+from ucon.sim.cache import load_house
+from ucon.task.episode import Episode
+from ucon.task.spoken import target_place
+
+
+def ended(episode: Episode, record: EpisodeRecord, source: HabitSource) -> dict[str, Any]:
+    """What is shown after an episode; nothing of it may be shown before.
+
+    Args:
+        episode: that was played.
+        record: of it.
+        source: the habits it was played with.
+
+    Returns:
+        Figures, words, ``plan`` and ``placed`` as ``data/plan.js`` draws them, and the ways as points in metres.
+    """
+    house = load_house(episode.scene)
+    own, env = _walked(episode, record.actions, source)
+    boxes = env.search.world.boxes
+    opened = [footprint(boxes[k]) for k in np.flatnonzero(env.search.opened).tolist()]
+    shown = {
+        "episode": episode.id,
+        "home": episode.scene,
+        "target": record.target.replace("_", " "),
+        "success": record.success,
+        "why": why_lost(record, ()),
+        "place": target_place(episode),
+        "steps": record.steps,
+        "path_m": record.path_length_m,
+        "shortest_m": record.shortest_path_m,
+        "spl": record.spl,
+        "collisions": record.collisions,
+        "opens": record.opens,
+        "plan": plan_of(house),
+        "placed": placed_in(episode.arrangement, boxes, house.n_instances),
+        "target_box": footprint(boxes[env.search.target]),
+        "opened": [box for box in opened if box is not None],
+        "path": own,
+        "heading": env.search.pose.heading,
+    }
+    env.close()
+    shortest, again = _walked(episode, episode.solution, source)
+    again.close()
+    return shown | {"shortest": shortest}
+
+
+def _walked(episode: Episode, actions: str, source: HabitSource) -> tuple[list[list[float]], UcONEnv]:
+    """Carry out actions without pictures.
+
+    Returns:
+        Nodes of the way in metres, and the environment at its end.
+    """
+    env = UcONEnv([episode], habit_level="none", source=source, task=episode.task, observe="symbolic")
+    env.reset(options={"episode": episode})
+    for digit in actions:
+        env.step(int(digit))
+    return [[round(float(x), 3), round(float(y), 3)] for x, y in env.ledger.path_xy], env

@@ -1,0 +1,237 @@
+"""One person's run: an evaluation in a thread, whose agent asks the page for every action."""
+
+from __future__ import annotations
+
+import sys
+import threading
+import traceback
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any, Final
+
+from ucon.core.errors import ConfigError, UconError
+from ucon.evaluation.figures.metrics import summarise
+from ucon.evaluation.kept.record import EpisodeRecord
+from ucon.evaluation.playing.human import HumanAgent
+from ucon.evaluation.playing.play import PlayedEpisode
+from ucon.pages.serve.play.endings import ended
+from ucon.pages.serve.play.journal import Journal
+from ucon.pages.serve.play.sights import Sights
+from ucon.programs.evaluating import Evaluation
+from ucon.task.agent import Info, Observation
+from ucon.task.rules import task_rules
+
+#: Longest wait in seconds for the next view; a home is built in that time, too.
+_PATIENCE_S: Final = 120.0
+
+
+class _Stopped(Exception):  # noqa: N818 (no error: the person or the server leaves)
+    """The game is left; what was done is in the journal."""
+
+
+class Game:
+    """A run of :class:`ucon.programs.evaluating.Evaluation` that a person plays.
+
+    The thread of the run waits in :meth:`choose`; requests of the page take :meth:`state` and give :meth:`act`. The run
+    itself, its records and files are those of any agent.
+    """
+
+    def __init__(self, evaluation: Evaluation, journal: Journal) -> None:
+        """Prepare a game; :meth:`start` begins it.
+
+        Args:
+            evaluation: of agent ``human``, not begun.
+            journal: of its actions.
+        """
+        self.evaluation, self._journal = evaluation, journal
+        self._index = {episode.id: number for number, episode in enumerate(evaluation.episodes)}
+        self._rules = task_rules(str(evaluation.config["task"]["name"]))
+        self._changed = threading.Condition()
+        self._sights: Sights | None = None
+        self._recorded: Iterator[int] = iter(())
+        self._view: dict[str, Any] | None = None
+        self._step, self._given = 0, None  # type: tuple[int, int | None]
+        self._records: dict[str, EpisodeRecord] = {}
+        self._last: EpisodeRecord | None = None
+        self._problem, self._over, self._stopping = "", False, False
+        agent = HumanAgent(str(evaluation.config["agent"]["player"]))
+        agent.hand = self
+        evaluation.spec = replace(evaluation.spec, agent=lambda: agent)
+        self._thread = threading.Thread(target=self._run, name=f"play {evaluation.out}", daemon=True)
+
+    def start(self) -> None:
+        """Begin, or go on where an earlier server stopped."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Leave the game; it goes on later where it was."""
+        with self._changed:
+            self._stopping = True
+            self._changed.notify_all()
+        if self._thread.is_alive():
+            self._thread.join(_PATIENCE_S)
+
+    @property
+    def alive(self) -> bool:
+        """Whether there is a next action to be given."""
+        return self._thread.is_alive()
+
+    def _run(self) -> None:
+        try:
+            self.evaluation.play(self._played)
+        except _Stopped:
+            pass
+        except UconError as error:
+            self._problem = str(error)
+        except Exception as error:  # a bug: told on the page, with its traceback where the server was started
+            traceback.print_exc(file=sys.stderr)
+            self._problem = f"{type(error).__name__}: {error}"
+        with self._changed:
+            self._over, self._view = True, None
+            self._changed.notify_all()
+
+    def _played(self, played: PlayedEpisode) -> None:
+        with self._changed:
+            self._last = self._records[played.record.episode] = played.record
+
+    def begin(self, info: Info) -> None:
+        """An episode begins; see :class:`ucon.evaluation.playing.human.Hand`."""
+        with self._changed:
+            self._sights = Sights(info)
+            self._recorded = iter(self._journal.of(self._sights.episode))
+            self._step = 0
+
+    def choose(self, observation: Observation, info: Info) -> int:
+        """The next action: from the journal, then from the person."""
+        sights = self._sights
+        assert sights is not None
+        effect = sights.see(observation, info)
+        with self._changed:
+            recorded = next(self._recorded, None)
+            if recorded is None:
+                self._view = sights.shown(observation) | {"effect": effect}
+                self._changed.notify_all()
+                while self._given is None and not self._stopping:
+                    self._changed.wait()
+                if self._given is None:
+                    raise _Stopped
+                recorded, self._given, self._view = self._given, None, None
+            self._step += 1
+            return recorded
+
+    def act(self, episode: str, step: int, action: int) -> dict[str, Any]:
+        """Carry out an action of the person.
+
+        An action that comes twice, or from a page that shows an earlier state, does nothing.
+
+        Args:
+            episode: id of the episode that the page shows.
+            step: number of steps that it shows.
+            action: 0 to 6.
+
+        Returns:
+            The state after it.
+
+        Raises:
+            DataError: it could not be written down, so it was not carried out.
+        """
+        with self._changed:
+            self._wait()
+            sights = self._sights
+            if self._view is not None and sights is not None and (sights.episode, self._step) == (episode, step):
+                self._journal.add(episode, action)
+                self._given, self._view = action, None
+                self._changed.notify_all()
+        return self.state()
+
+    def state(self) -> dict[str, Any]:
+        """What the page shows now.
+
+        Returns:
+            ``over``; ``done`` and ``n`` episodes and the figures so far; ``view`` of the current episode, None after
+            the last; ``last``, the id of the episode that was over last.
+
+        Raises:
+            ConfigError: the run cannot go on; says why.
+        """
+        with self._changed:
+            self._wait()
+            found: dict[str, Any] = {
+                "over": self._over,
+                "done": len(self._known()),
+                "n": len(self.evaluation.episodes),
+                "level": self.evaluation.level,
+                "run": str(self.evaluation.out),
+                "last": self._last and self._last.episode,
+                "view": None,
+            }
+            if self._view is not None and self._sights is not None:
+                found["view"] = {
+                    **self._view,
+                    "episode": self._sights.episode,
+                    "number": self._index[self._sights.episode] + 1,
+                    "target": self._sights.target,
+                    "context": self._sights.context,
+                    "n_habits": len(self._sights.habits),
+                    "step": self._step,
+                    "max_steps": self._rules.max_steps,
+                }
+            records = list(self._known().values())
+        found["figures"] = _figures(records)
+        return found
+
+    def habits(self) -> list[str]:
+        """Sentences that are given in the current episode."""
+        with self._changed:
+            self._wait()
+            return list(self._sights.habits) if self._sights is not None else []
+
+    def result(self, episode: str) -> dict[str, Any]:
+        """What is shown of an episode that is over.
+
+        Args:
+            episode: its id.
+
+        Raises:
+            ConfigError: it is not over, or not of this run.
+        """
+        with self._changed:
+            record = self._known().get(episode)
+        if record is None or episode not in self._index:
+            raise ConfigError("this episode is not over yet; its end is shown when it is")
+        return ended(self.evaluation.episodes[self._index[episode]], record, self.evaluation.source)
+
+    def rules(self) -> list[dict[str, str]]:
+        """Names and effects of the seven actions."""
+        return self._rules.actions()
+
+    def know(self, records: list[EpisodeRecord]) -> None:
+        """Take note of what was played before this server began.
+
+        Args:
+            records: of the run.
+        """
+        with self._changed:
+            self._records |= {record.episode: record for record in records}
+
+    def _known(self) -> dict[str, EpisodeRecord]:
+        return self._records
+
+    def _wait(self) -> None:
+        """Wait until the person can act, or nothing more comes; the lock is held.
+
+        Raises:
+            ConfigError: the run failed, or takes too long.
+        """
+        if not self._changed.wait_for(lambda: self._view is not None or self._over or self._stopping, _PATIENCE_S):
+            raise ConfigError("the home is not there yet; try again in a moment")
+        if self._problem:
+            raise ConfigError(self._problem)
+
+
+def _figures(records: list[EpisodeRecord]) -> dict[str, Any] | None:
+    """Success rate and SPL so far; None before the first episode is over."""
+    if not records:
+        return None
+    found = summarise(records)
+    return {name: found[name] for name in ("n", "success_rate", "success_rate_ci95", "spl", "spl_ci95", "steps")}

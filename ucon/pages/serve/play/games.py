@@ -1,0 +1,164 @@
+"""All runs of people below one folder: opening them, finding those that were left."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+from typing import Any, Final
+
+from ucon.core.errors import ConfigError, DataError, brief
+from ucon.evaluation.kept.partial import PARTIAL, read_partial
+from ucon.evaluation.kept.record import EpisodeRecord, read_records
+from ucon.evaluation.kept.seal import has_summary
+from ucon.pages.serve.desk import checked_name
+from ucon.pages.serve.play.game import Game
+from ucon.pages.serve.play.journal import Journal
+from ucon.programs.composing import eval_config
+from ucon.programs.evaluating import Evaluation
+from ucon.task.sets import episode_sets
+
+#: Levels that can be played; ``context`` ranks habits anew in every step, which nobody could follow.
+LEVELS: Final = ("none", "retrieval", "gt", "full")
+#: Side of the picture in pixels: what agents get, and a sharper one.
+PICTURES: Final = (128, 384)
+_MOST_EPISODES: Final = 2000
+#: Games that are open at once: each keeps a home in memory.
+_MOST_OPEN: Final = 8
+
+
+def sets() -> tuple[str, ...]:
+    """Names of the episode sets that can be played, the small one first."""
+    names = {name for name in episode_sets() if "." not in name}
+    return tuple(sorted(names, key=lambda name: (name != "mini", name)))
+
+
+class Games:
+    """The open games of a server, by name: ``ann/mini-retrieval-5``."""
+
+    def __init__(self, folder: Path) -> None:
+        """Games below a folder.
+
+        Args:
+            folder: of all runs of people.
+        """
+        self._folder = folder
+        self._open: dict[str, Game] = {}
+        self._lock = threading.Lock()
+
+    def open(self, player: str, level: str, episodes: str, n: int, picture_px: int) -> str:
+        """Begin a run, or go on with the one that was left.
+
+        Args:
+            player: who plays.
+            level: habit level.
+            episodes: name of a set.
+            n: number of its episodes, from the first.
+            picture_px: side of the picture.
+
+        Returns:
+            Name of the game.
+
+        Raises:
+            ConfigError: a wrong option, or the run is open in another command.
+        """
+        checked_name(player, "name")
+        if level not in LEVELS or episodes not in sets() or picture_px not in PICTURES or not 1 <= n <= _MOST_EPISODES:
+            raise ConfigError(f"no such run: {brief(level)}, {brief(episodes)}, {n} episodes, {picture_px} pixels")
+        sharp = "" if picture_px == PICTURES[0] else f"-{picture_px}px"
+        wanted = self._folder / player / f"{episodes}-{level}-{n}{sharp}"
+        with self._lock:
+            evaluation = Evaluation(_config(player, level, episodes, n, picture_px, wanted), wanted, anew=True)
+            name = f"{player}/{evaluation.out.name}"
+            if (there := self._open.get(name)) is not None and there.alive:
+                return name
+            self._close_one_of_many()
+            game = Game(evaluation, Journal(_journal_of(evaluation.out)))
+            game.know(_records_of(evaluation))
+            self._open[name] = game
+            game.start()
+        return name
+
+    def get(self, name: str) -> Game:
+        """An open game.
+
+        Args:
+            name: of the game.
+
+        Raises:
+            ConfigError: it is not open.
+        """
+        with self._lock:
+            game = self._open.get(name)
+        if game is None:
+            raise ConfigError("this game is not open any more; begin or go on with it from the page Play")
+        return game
+
+    def left(self) -> list[dict[str, Any]]:
+        """Runs below the folder, newest first: ``player``, ``level``, ``episodes``, ``n``, ``picture_px``, ``done``."""
+        found = []
+        for path in self._folder.glob("*/*"):
+            options = _options_of(path)
+            if options is not None and (has_summary(path) or (path / PARTIAL).is_file()):
+                finished = has_summary(path)
+                done = options["n"] if finished else _lines(path / PARTIAL)
+                found.append((path.stat().st_mtime, options | {"done": done, "finished": finished, "run": str(path)}))
+        return [one for _, one in sorted(found, key=lambda pair: -pair[0])][:100]
+
+    def close(self) -> None:
+        """Leave all games."""
+        with self._lock:
+            for game in self._open.values():
+                game.stop()
+            self._open.clear()
+
+    def _close_one_of_many(self) -> None:
+        """Leave the game that was opened first, where there are many; over ones before others."""
+        while len(self._open) >= _MOST_OPEN:
+            name = next((name for name, game in self._open.items() if not game.alive), next(iter(self._open)))
+            self._open.pop(name).stop()
+
+
+def _config(player: str, level: str, episodes: str, n: int, picture_px: int, out: Path) -> dict[str, Any]:
+    """Configuration of ``eval.py`` with the person as the agent; played in this process."""
+    config = eval_config(
+        "agent=human", f"habit_level={level}", "env.observe=pixels", "workers=0", "pictures=0", "progress=false",
+        f"limit={n}", f"env.width_px={picture_px}", f"env.height_px={picture_px}",
+    )  # fmt: skip
+    config["agent"]["player"] = player  # as an override, 7 or null would be no text
+    return config | {"episodes": episodes, "out": str(out)}
+
+
+def _journal_of(out: Path) -> Path:
+    return out / "journal.jsonl"
+
+
+def _records_of(evaluation: Evaluation) -> list[EpisodeRecord]:
+    """Records of a run that an earlier server left."""
+    if has_summary(evaluation.out):
+        return read_records(evaluation.out)
+    path = evaluation.out / PARTIAL
+    if not path.is_file():
+        return []
+    left = read_partial(path, [episode.id for episode in evaluation.episodes])
+    return [played.record for _, played in sorted(left.done.items())]
+
+
+def _options_of(path: Path) -> dict[str, Any] | None:
+    """What was chosen for the run of a folder, by its name; None where it is none of these runs."""
+    name, picture_px = path.name, PICTURES[0]
+    for px in PICTURES[1:]:
+        if f"-{px}px" in name:
+            name, picture_px = name.partition(f"-{px}px")[0], px
+    words = name.split("-")
+    if len(words) < 3 or words[1] not in LEVELS or not words[2].isdecimal() or len(words[2]) > 4:
+        return None
+    n = int(words[2])
+    return {"player": path.parent.name, "episodes": words[0], "level": words[1], "n": n, "picture_px": picture_px}
+
+
+def _lines(path: Path) -> int:
+    """Number of episodes in a partial file."""
+    try:
+        return max(0, path.read_bytes().count(b"\n") - 1)
+    except (OSError, DataError):
+        return 0

@@ -1,0 +1,108 @@
+"""Finds runs below some folders: of ``eval.py`` and ``train.py``, finished or not."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from ucon.core.errors import ConfigError, brief
+from ucon.core.files import sha256_bytes
+from ucon.evaluation.kept.partial import PARTIAL
+from ucon.evaluation.kept.seal import RECORDS, SUMMARY
+from ucon.learning.run.run_folder import METRICS
+
+REPORT: Final = "report.html"
+#: How deep below a folder runs are looked for, in how many folders at most, and which are none.
+_DEEPEST, _MOST_FOLDERS = 4, 4000
+_NO_RUNS: Final = frozenset({"checkpoints", "model", "pictures", "tensorboard", "wandb", "__pycache__"})
+#: Seconds for which a list holds.
+_HOLDS_S: Final = 2.0
+
+
+@dataclass(frozen=True)
+class FoundRun:
+    """A folder with a run in it."""
+
+    id: str
+    """Stands for it in addresses, so that no path does."""
+    name: str
+    path: Path
+    kind: str
+    """``eval`` or ``train``."""
+    finished: bool
+    written_s: float
+    """When something was last written, seconds since 1970."""
+    report: bool
+    """Whether there is a report of it."""
+
+
+class RunList:
+    """The runs below some folders."""
+
+    def __init__(self, folders: Sequence[Path]) -> None:
+        """Look in these folders.
+
+        Args:
+            folders: absolute paths.
+        """
+        self._folders = tuple(dict.fromkeys(folders))
+        self._runs: dict[str, FoundRun] = {}
+        self._until = 0.0
+        self._lock = threading.Lock()
+
+    def all(self) -> list[FoundRun]:
+        """All runs, those written last first."""
+        with self._lock:
+            if time.monotonic() > self._until:
+                self._runs = {run.id: run for folder in self._folders for run in _runs_below(folder)}
+                self._until = time.monotonic() + _HOLDS_S
+            return sorted(self._runs.values(), key=lambda run: (-run.written_s, run.name))
+
+    def get(self, number: str) -> FoundRun:
+        """A run by its id.
+
+        Args:
+            number: the id.
+
+        Raises:
+            ConfigError: there is none.
+        """
+        found = next((run for run in self.all() if run.id == number), None)
+        if found is None:
+            raise ConfigError(f"no run '{brief(number)}' any more")
+        return found
+
+
+def _runs_below(top: Path) -> Iterator[FoundRun]:
+    for seen, (folder, below, files) in enumerate(os.walk(top)):  # follows no links
+        path = Path(folder)
+        depth = len(path.relative_to(top).parts)
+        below[:] = sorted(name for name in below if name not in _NO_RUNS and not name.startswith(".")) * (
+            depth < _DEEPEST
+        )
+        if seen >= _MOST_FOLDERS:
+            return
+        if (run := _run(path, top, frozenset(files))) is not None:
+            yield run
+
+
+def _run(path: Path, top: Path, files: frozenset[str]) -> FoundRun | None:
+    trained, finished = METRICS in files, SUMMARY in files
+    evaluated = PARTIAL in files or (finished and not trained)
+    if not trained and not evaluated:
+        return None
+    names = [name for name in (SUMMARY, PARTIAL, METRICS, RECORDS) if name in files]
+    try:
+        written_s = max((path / name).stat().st_mtime for name in names)
+    except OSError:  # removed in between
+        return None
+    name = str(Path(top.name, path.relative_to(top)))
+    kind = "train" if trained else "eval"
+    return FoundRun(
+        sha256_bytes(str(path).encode())[:16], name, path, kind, finished, written_s, REPORT in files
+    )  # fmt: skip
