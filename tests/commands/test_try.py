@@ -11,9 +11,9 @@ import pytest
 from tests.evaluation.records import record
 from ucon.__main__ import main
 from ucon.commands.try_ import _given_lines
-from ucon.commands.two_searches import Search, print_searches
 from ucon.evaluation.kept.record import read_records
 from ucon.habits.datafile import load_dataset_file
+from ucon.programs.two_searches import Search, print_searches
 from ucon.task.making.own_household import FaultsError, OwnPlacement, likely_places
 from ucon.task.sets import load_episodes
 

@@ -9,7 +9,6 @@ import cv2
 import pytest
 
 from ucon.__main__ import main
-from ucon.commands.two_searches import search_twice
 from ucon.commands.watch import _decision_lines, _habit_lines
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.evaluation.kept.finished import FinishedRun
@@ -17,6 +16,7 @@ from ucon.evaluation.kept.record import read_records
 from ucon.evaluation.playing.recorded import RecordedAgent
 from ucon.programs.composing import eval_config
 from ucon.programs.evaluating import Evaluation
+from ucon.programs.two_searches import search_twice
 from ucon.task.actions import Action
 from ucon.task.sets import load_episodes
 from ucon.task.spoken import target_place

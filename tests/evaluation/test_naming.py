@@ -13,12 +13,12 @@ from models.agents.lgx import LGXAgent
 from models.agents.random import RandomAgent
 from tests.evaluation.records import played, record, store
 from ucon.__main__ import main
-from ucon.commands.compare import print_sweep
 from ucon.evaluation.figures.markdown import read_run
 from ucon.evaluation.figures.report import results_table, summary
 from ucon.evaluation.kept.naming import NameParts, agent_label, is_worth_comparing, level, parts_of
 from ucon.language.models.encoder import EncoderModel
 from ucon.perception.detectors.gt import GtDetector
+from ucon.programs.sweep import print_sweep
 
 ENCODER = "encoder (all-MiniLM-L6-v2)"
 LLAMA = "causal (Llama-3.1-8B-Instruct)"

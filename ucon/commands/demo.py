@@ -29,8 +29,8 @@ def run(args: argparse.Namespace) -> int:
     Returns:
         Exit code 0.
     """
-    from ucon.commands.two_searches import check_searches, print_searches, search_twice
     from ucon.core.output import stdout_to_stderr
+    from ucon.programs.two_searches import check_searches, print_searches, search_twice
     from ucon.task.sets import load_episodes, save_episodes
 
     episode = load_episodes("mini")[_EPISODE]

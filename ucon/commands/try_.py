@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from ucon.commands.two_searches import Search
+    from ucon.programs.two_searches import Search
 
 
 #: Read places below this probability are a guess.
@@ -49,9 +49,9 @@ def run(args: argparse.Namespace) -> int:
     Returns:
         Exit code 0; 2 if the wish has faults, which are printed one per line.
     """
-    from ucon.commands.two_searches import check_searches, print_searches, search_twice
     from ucon.core.output import stdout_to_stderr
     from ucon.habits.datafile import save_dataset
+    from ucon.programs.two_searches import check_searches, print_searches, search_twice
     from ucon.task.making.own_household import FaultsError, OwnPlacement, own_episode
     from ucon.task.sets import save_episodes
     from ucon.task.spoken import spoken_place

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ucon.commands.two_searches import search_twice
+from ucon.programs.two_searches import search_twice
 
 
 @pytest.fixture(scope="session")

@@ -15,11 +15,11 @@ import pytest
 from PIL import Image
 
 from ucon.__main__ import main
-from ucon.commands.two_searches import search_twice
 from ucon.evaluation.figures.metrics import summarise
 from ucon.evaluation.figures.paired import compare_records
 from ucon.evaluation.kept.finished import FinishedRun
 from ucon.evaluation.kept.record import read_records
+from ucon.programs.two_searches import search_twice
 from ucon.task.sets import load_episodes
 from ucon.task.spoken import target_place
 

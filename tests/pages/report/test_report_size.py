@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from ucon.__main__ import main
-from ucon.commands.two_searches import search_twice
+from ucon.programs.two_searches import search_twice
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).resolve().parents[3]

@@ -125,7 +125,7 @@ def _by_subset(first: Run, second: Run) -> dict[str, Interval]:
         for record in common:
             parts.setdefault(of(record), []).append(record)
         for name, part in sorted(parts.items(), key=lambda named: _in_order(named[0])):
-            if len(part) >= _LEAST and len(part) < len(common) or name == "all episodes":
+            if (len(part) >= _LEAST and len(part) < len(common)) or name == "all episodes":
                 values = [r.spl for r in part], [others[r.episode].spl for r in part]
                 found[f"{name} ({len(part)})"] = paired_difference(*values, resamples=_RESAMPLES)
     return found
