@@ -18,6 +18,7 @@ from ucon.core.errors import DataError
 JOINTS = ("doorway", "opening_1.2", "opening_1.5", "opening_2.0", "open")
 HOME_KINDS = ("house", "flat", "office", "restaurant", "shop")
 _SOURCE = "ucon/scenes/data/programs.json"
+_REINSTALL = f" in {_SOURCE}; reinstall the package"
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ def scene_programs() -> dict[str, HomeProgram]:
         DataError: the shipped file cannot be read.
     """
     scenes = _section("scenes")
-    return {name: _program(name, scenes[name]) for name in sorted(scenes)}
+    return {name: program_of(name, scenes[name], _REINSTALL) for name in sorted(scenes)}
 
 
 @lru_cache(maxsize=1)
@@ -96,7 +97,17 @@ def _section(key: str) -> dict[str, Any]:
         raise DataError(f"{_SOURCE}: cannot be read ({error}); reinstall the package") from None
 
 
-def _program(name: str, raw: Any) -> HomeProgram:
+def program_of(name: str, raw: Any, remedy: str = "") -> HomeProgram:
+    """A program from JSON data.
+
+    Args:
+        name: of the home, for errors.
+        raw: the data.
+        remedy: added to the error about malformed data.
+
+    Raises:
+        DataError: it is malformed, or :func:`check_program` refuses it.
+    """
     try:
         rooms = tuple(
             RoomProgram(
@@ -112,7 +123,7 @@ def _program(name: str, raw: Any) -> HomeProgram:
         edges = tuple((str(a), str(b), str(k)) for a, b, k in raw["edges"])
         program = HomeProgram(str(raw["kind"]), float(raw["wall_height_m"]), str(raw["hub"]), rooms, edges)
     except (KeyError, TypeError, ValueError, IndexError) as error:
-        raise DataError(f"{_SOURCE}: scene '{name}' is malformed ({error}); reinstall the package") from None
+        raise DataError(f"scene '{name}' is malformed ({error}){remedy}") from None
     check_program(name, program)
     return program
 

@@ -1,0 +1,385 @@
+"""Reads a home file: every value is checked, and all faults are told at once, each with its line and what is near."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from ucon.core.errors import UconError, brief, unknown_name
+from ucon.core.untrusted.marked_yaml import Marked, marked, read_marked
+from ucon.habits.book import Faults, book_anchors
+from ucon.habits.rules import placement_fault
+from ucon.habits.types import Placement
+from ucon.objects.catalogue import catalogue
+from ucon.scenes.library import MAX_SEED, SCENES, parse_procedural, parse_scene
+from ucon.scenes.own import is_own, own_program
+from ucon.scenes.procedural import MAX_ROOMS
+from ucon.scenes.program import HOME_KINDS, JOINTS
+from ucon.task.own_home.names import category_fault, category_of, place_of, room_type_fault, room_type_of
+from ucon.task.own_home.sentences import read_habits, shared_out
+from ucon.task.own_home.wish import Door, OwnHome, OwnRoom, Request, Thing
+
+KEYS: Final = ("home", "kind", "seed", "rooms", "doors", "habits", "requests", "starts")
+ROOM_KEYS: Final = ("type", "size", "furniture")
+#: Shortest and longest side of a room, metres; most of one category, and of all things, in a room.
+SIDES_M: Final = (1.75, 15.0)
+MOST_OF_ONE: Final = 30
+MOST_IN_ROOM: Final = 120
+#: Most requests of a file, most searches for each.
+MOST_REQUESTS: Final = 50
+MOST_STARTS: Final = 100
+_SIZE: Final = re.compile(r"([0-9.]+) *(?:x|by|\*|×) *([0-9.]+) *m?")
+_LONGEST_NAME: Final = 60
+
+
+def read_home(source: Path | Mapping[str, Any], instead: Mapping[str, Any] | None = None) -> OwnHome:
+    """Read a home file, or the same content as a dict.
+
+    Args:
+        source: the file, or the dict.
+        instead: keys of the top level with values that take the place of the file's.
+
+    Raises:
+        DataError: with all faults, each with its line.
+    """
+    if isinstance(source, Path):
+        name, root, folder = str(source), read_marked(source), source.parent
+    else:
+        name, root, folder = "home", marked(source, "home"), None
+    if instead and isinstance(root.value, dict):
+        content = {key: marked(value, key) for key, value in instead.items()}
+        root = Marked(root.value | content, root.where, {**root.keys, **{key: key for key in content}})
+    faults = Faults()
+    found = _Reader(faults, name, folder).home(root)
+    faults.raise_if_any(Path(name))
+    assert found is not None, "without a fault there is a home"
+    return found
+
+
+class _Reader:
+    """Turns marked values into a home; faults are collected, and what is wrong is left out."""
+
+    def __init__(self, faults: Faults, name: str, folder: Path | None) -> None:
+        self._faults, self._name, self._folder = faults, name, folder
+
+    def _fault(self, where: str, text: str) -> None:
+        self._faults.add(where, text)
+
+    def home(self, root: Marked) -> OwnHome | None:
+        """The home of a document; None where a fault was found."""
+        if not isinstance(root.value, dict):
+            self._fault(root.where, "expected a home, as `python -m ucon home new FILE.yaml` writes one")
+            return None
+        self._known_keys(root, KEYS)
+        part = root.value
+        called = self._called(part.get("home"))
+        known = _is_known(called)
+        if known and (extra := [key for key in ("kind", "rooms", "doors", "seed") if key in part]):
+            self._fault(root.keys[extra[0]], f"{called} is there already: leave this key out or rename yours")
+        kind = self._choice(part.get("kind"), "kind of home", HOME_KINDS, "flat")
+        seed = self._whole(part.get("seed"), "seed", 0, MAX_SEED, 0)
+        starts = self._whole(part.get("starts"), "starts", 1, MOST_STARTS, 1)
+        rooms = tuple(self._rooms(part.get("rooms")))
+        doors = self._doors(part.get("doors"), [room.called for room in rooms])
+        requests = self._requests(part.get("requests"), part.get("habits"))
+        return OwnHome(called, known, kind, seed, rooms, doors, requests, starts, root.where)
+
+    # -- the home ---------------------------------------------------------------------------------------------
+
+    def _known_keys(self, node: Marked, known: Collection[str]) -> None:
+        for key, where in node.keys.items():
+            if key not in known:
+                self._fault(where, unknown_name("key", key, known))
+
+    def _called(self, node: Marked | None) -> str:
+        if node is None or node.value is None:
+            return Path(self._name).stem
+        text = str(node.value) if isinstance(node.value, str | int) and not isinstance(node.value, bool) else ""
+        if not text.strip() or len(text) > _LONGEST_NAME:
+            self._fault(node.where, f"home: {brief(node.value)}, expected a name of at most {_LONGEST_NAME} letters")
+        elif _is_known(text):
+            try:
+                check_known(text)
+            except UconError as error:
+                self._fault(node.where, str(error))
+        return text
+
+    def _choice(self, node: Marked | None, what: str, known: Collection[str], default: str) -> str:
+        if node is None:
+            return default
+        if node.value not in known:
+            self._fault(node.where, unknown_name(what, str(node.value), known))
+            return default
+        return str(node.value)
+
+    def _whole(self, node: Marked | None, what: str, least: int, most: int, default: int) -> int:
+        if node is None:
+            return default
+        if type(node.value) is not int or not least <= node.value <= most:
+            self._fault(node.where, f"{what}: {_told(node)}, expected a whole number from {least} to {most:,}")
+            return default
+        return node.value
+
+    # -- rooms ------------------------------------------------------------------------------------------------
+
+    def _rooms(self, node: Marked | None) -> Iterator[OwnRoom]:
+        if node is None:
+            return
+        said = list(self._named_rooms(node))
+        if len(said) > MAX_ROOMS:
+            self._fault(node.where, f"{len(said)} rooms, expected at most {MAX_ROOMS}; leave some out")
+        seen: dict[str, str] = {}
+        for called, where, content in said[:MAX_ROOMS]:
+            if (key := _key(called)) in seen:
+                self._fault(where, f"room '{brief(called)}' is there twice (first at {seen[key]}); number them")
+                continue
+            seen[key] = where
+            if (room := self._room(called, where, content)) is not None:
+                yield room
+        if not said:
+            self._fault(node.where, "no rooms; name some, such as kitchen, or leave 'rooms' out to have them drawn")
+        if len(seen) == 1 and said and room_type_of(said[0][0]) in ("corridor", "garden"):
+            self._fault(node.where, f"a home of a {said[0][0]} alone; add a room")
+
+    def _named_rooms(self, node: Marked) -> Iterator[tuple[str, str, Marked | None]]:
+        """Names of rooms, where they stand, and what is said of them."""
+        if isinstance(node.value, dict):
+            yield from ((name, node.keys[name], content) for name, content in node.value.items())
+        elif isinstance(node.value, list):
+            for one in node.value:
+                if isinstance(one.value, str):
+                    yield one.value, one.where, None
+                elif isinstance(one.value, dict) and len(one.value) == 1:
+                    yield from ((name, one.keys[name], content) for name, content in one.value.items())
+                else:
+                    self._fault(one.where, f"{_told(one)}, expected the name of a room, such as kitchen")
+        else:
+            self._fault(node.where, f"rooms: {_told(node)}, expected names of rooms, such as kitchen: {{size: [3, 4]}}")
+
+    def _room(self, called: str, where: str, content: Marked | None) -> OwnRoom | None:
+        part: dict[str, Marked] = {}
+        if content is not None and isinstance(content.value, dict):
+            self._known_keys(content, ROOM_KEYS)
+            part = content.value
+        elif content is not None and content.value is not None:
+            part = {"size": content}  # kitchen: [3, 4]
+        size = self._size(part.get("size"))
+        furniture = self._furniture(part.get("furniture"))
+        said = part.get("type")
+        room_type = room_type_of(called if said is None else str(said.value))
+        if room_type is None:
+            words, at = (called, where) if said is None else (str(said.value), said.where)
+            hint = "" if said is not None else "; say its type: " + f"{brief(called)}: {{type: bedroom}}"
+            self._fault(at, room_type_fault(words) + hint)
+            return None
+        return OwnRoom(called, room_type, size, furniture, where)
+
+    def _size(self, node: Marked | None) -> tuple[float, float] | None:
+        if node is None or node.value is None:
+            return None
+        found = _SIZE.fullmatch(node.value.strip()) if isinstance(node.value, str) else None
+        values = _floats(found.groups()) if found else [one.value for one in node.value] if _is_list(node) else []
+        low, high = SIDES_M
+        if len(values) != 2 or not all(_is_number(v) and low <= v <= high for v in values):
+            told = _told(node) if not _is_list(node) else [one.value for one in node.value]
+            self._fault(node.where, f"size: {brief(told)}, expected two sides of {low:g} to {high:g} m: [3, 4.5]")
+            return None
+        return float(values[0]), float(values[1])
+
+    def _furniture(self, node: Marked | None) -> dict[str, Thing] | None:
+        if node is None or node.value is None:
+            return None
+        found: dict[str, Thing] = {}
+        for words, count, where in self._counted(node):
+            category = self._buildable(words, where)
+            if category is None:
+                continue
+            if (earlier := found.get(category)) is not None:
+                if isinstance(node.value, dict):
+                    self._fault(where, f"{category} is there twice (first at {earlier.where}); keep one line")
+                count += earlier.count
+            found[category] = Thing(count, where if earlier is None else earlier.where)
+        for category, thing in found.items():
+            if thing.count > MOST_OF_ONE:
+                self._fault(thing.where, f"{thing.count} of {category}, expected at most {MOST_OF_ONE} in a room")
+        if (n := sum(thing.count for thing in found.values())) > MOST_IN_ROOM:
+            self._fault(node.where, f"{n} things in a room, expected at most {MOST_IN_ROOM}")
+        return found
+
+    def _counted(self, node: Marked) -> Iterator[tuple[str, int, str]]:
+        """Words for furniture, how many, and where that is said."""
+        if isinstance(node.value, dict):
+            for words, count in node.value.items():
+                if type(count.value) is int and count.value >= 1:
+                    yield words, count.value, node.keys[words]
+                else:
+                    told = f"{brief(words)}: {_told(count)}, expected how many, a whole number from 1 up"
+                    self._fault(node.keys[words], told)
+        elif _is_list(node):
+            for one in node.value:
+                if isinstance(one.value, str):
+                    yield one.value, 1, one.where
+                else:
+                    self._fault(one.where, f"furniture: {_told(one)}, expected a name, such as fridge")
+        else:
+            self._fault(node.where, f"furniture: {_told(node)}, expected names, such as {{fridge: 1, top cabinet: 2}}")
+
+    def _buildable(self, words: str, where: str) -> str | None:
+        category = category_of(words)
+        if category is None:
+            self._fault(where, category_fault("furniture", words))
+        elif catalogue()[category].mount == "structure" or category == "door":
+            self._fault(where, f"{category} is part of the building; leave it out (see 'doors' for doors)")
+            return None
+        return category
+
+    # -- doors ------------------------------------------------------------------------------------------------
+
+    def _doors(self, node: Marked | None, rooms: list[str]) -> tuple[Door, ...] | None:
+        if node is None or node.value is None:
+            return None
+        if not _is_list(node):
+            self._fault(node.where, f"doors: {_told(node)}, expected pairs of rooms, such as [[kitchen, living room]]")
+            return None
+        doors = [door for one in node.value if (door := self._door(one, rooms)) is not None]
+        if len(doors) == len(node.value) and rooms:
+            self._joined(doors, rooms, node.where)
+        return tuple(doors)
+
+    def _door(self, node: Marked, rooms: list[str]) -> Door | None:
+        names = [str(one.value) for one in node.value] if _is_list(node) else []
+        if len(names) not in (2, 3):
+            self._fault(node.where, "expected two rooms that a door joins, such as [kitchen, living room]")
+            return None
+        by_key = {_key(room): room for room in rooms}
+        for one, name in zip(node.value, names[:2], strict=False):
+            if _key(name) not in by_key:
+                self._fault(one.where, unknown_name("room", name, rooms))
+                return None
+        joint = names[2].replace(" ", "_") if len(names) == 3 else None
+        if joint is not None and joint not in JOINTS:
+            self._fault(node.value[2].where, unknown_name("kind of opening", joint, JOINTS))
+            return None
+        first, second = (by_key[_key(name)] for name in names[:2])
+        return Door(first, second, joint, node.where)
+
+    def _joined(self, doors: list[Door], rooms: list[str], where: str) -> None:
+        """Doors must lead to every room in one way: no circle, nothing left out."""
+        part = {room: {room} for room in rooms}
+        for door in doors:
+            if part[door.first] is part[door.second]:
+                why = "joins it to itself" if door.first == door.second else "closes a circle: there is a way already"
+                self._fault(door.where, f"the door of {door.first} and {door.second} {why}; leave it out")
+                return
+            both = part[door.first] | part[door.second]
+            part |= dict.fromkeys(both, both)
+        if alone := [room for room in rooms if room not in part[rooms[0]]]:
+            self._fault(where, f"no door leads from {rooms[0]} to {', '.join(alone)}; add [{rooms[0]}, {alone[0]}]")
+
+    # -- requests ---------------------------------------------------------------------------------------------
+
+    def _requests(self, node: Marked | None, habits: Marked | None) -> tuple[Request, ...]:
+        asked = list(self._asked(node)) if node is not None and node.value is not None else []
+        if len(asked) > MOST_REQUESTS:
+            self._fault(asked[MOST_REQUESTS][2], f"{len(asked)} requests, expected at most {MOST_REQUESTS}")
+        sentences = read_habits(habits, self._folder, self._fault)
+        about = shared_out(sentences or [], [target for target, _, _ in asked])
+        for target, _, where in asked if sentences is not None else ():
+            if not about[target]:
+                name = target.replace("_", " ")
+                self._fault(where, f"no sentence of 'habits' is about the {name}; write one that names it")
+        return tuple(Request(target, place, tuple(about[target]), where) for target, place, where in asked)
+
+    def _asked(self, node: Marked) -> Iterator[tuple[str, Placement | None, str]]:
+        """Category, place and line of each request, without those that have a fault."""
+        seen: dict[str, str] = {}
+        for words, place, where in self._request_lines(node):
+            target = category_of(words)
+            if target is None:
+                self._fault(where, category_fault("object", words))
+                continue
+            if catalogue()[target].mount == "structure":
+                self._fault(where, f"{target} is part of the building; ask for a thing, such as mug")
+                continue
+            if target in seen:
+                self._fault(where, f"{target} is asked for twice (first at {seen[target]}); one home keeps one of it")
+                continue
+            seen[target] = where
+            found = None if place is None else self._place(target, place)
+            if place is None or found is not None:
+                yield target, found, where
+
+    def _request_lines(self, node: Marked) -> Iterator[tuple[str, Marked | None, str]]:
+        if isinstance(node.value, dict):
+            for words, place in node.value.items():
+                yield words, None if place.value is None else place, node.keys[words]
+        elif _is_list(node):
+            for one in node.value:
+                if isinstance(one.value, dict):
+                    yield from self._request_lines(one)
+                elif isinstance(one.value, str):
+                    yield one.value, None, one.where
+                else:
+                    self._fault(one.where, f"{_told(one)}, expected a thing, such as mug: on the breakfast table")
+        elif isinstance(node.value, str):
+            yield node.value, None, node.where
+        else:
+            self._fault(node.where, f"requests: {_told(node)}, expected a list, such as - mug: on the breakfast table")
+
+    def _place(self, target: str, node: Marked) -> Placement | None:
+        found = place_of(node.value) if isinstance(node.value, str) else f"{_told(node)}, expected a place in words"
+        if isinstance(found, Placement):
+            fault = placement_fault(target, [], found, book_anchors())
+            found = found if fault is None else fault
+        if isinstance(found, str):
+            self._fault(node.where, f"{target.replace('_', ' ')}: {found}")
+            return None
+        return found
+
+
+def check_known(name: str) -> None:
+    """Refuse a name that is not that of a home which is there already.
+
+    Raises:
+        UconError: with the nearest names.
+    """
+    if is_own(name):
+        own_program(name)
+    elif name.startswith("procedural:"):
+        parse_procedural(name)
+    else:
+        parse_scene(name)
+
+
+def _is_known(called: str) -> bool:
+    """Whether a name is meant as that of a home which is there already."""
+    return called.startswith("procedural:") or is_own(called) or called.partition("~")[0] in SCENES
+
+
+def _key(room: str) -> str:
+    return re.sub(r"[^a-z0-9]+", "_", room.lower()).strip("_")
+
+
+def _is_list(node: Marked) -> bool:
+    return isinstance(node.value, list)
+
+
+def _is_number(value: Any) -> bool:
+    return type(value) in (int, float) and math.isfinite(value)
+
+
+def _floats(texts: Collection[str]) -> list[float]:
+    try:
+        return [float(text) for text in texts]
+    except ValueError:
+        return []
+
+
+def _told(node: Marked) -> str:
+    """A value as messages show it."""
+    if isinstance(node.value, dict):
+        return "names with values"
+    return "a list" if isinstance(node.value, list) else f"'{brief(node.value)}'"
