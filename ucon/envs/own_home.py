@@ -15,20 +15,25 @@ from numpy.typing import NDArray
 import ucon
 from ucon.core.errors import ConfigError, DataError, UconError, brief
 from ucon.core.files import canonical_json, sha256_bytes, user_cache
+from ucon.core.output import say_once
 from ucon.envs.knowledge import HabitSource
 from ucon.habits.datafile import SUFFIX as HABITS
 from ucon.habits.datafile import load_dataset_file, save_dataset
 from ucon.habits.types import HabitDataset, Placement
 from ucon.objects.catalogue import catalogue
+from ucon.sim.cache import load_house
 from ucon.task.episode import Episode
-from ucon.task.own_home.building import build, home_name
+from ucon.task.own_home.building import build, home_name, unplaced
 from ucon.task.own_home.placing import placed_requests
 from ucon.task.own_home.reading import check_known, read_home
 from ucon.task.own_home.wish import OwnHome
 from ucon.task.rules import PAPER, task_rules
 from ucon.task.sets import SUFFIX as EPISODES
 from ucon.task.sets import load_episodes, save_episodes
+from ucon.task.spoken import target_place
 
+#: The worked example.
+EXAMPLE: Final = Path(ucon.__file__).parent / "task" / "own_home" / "data" / "example.yaml"
 #: Endings of home files.
 ENDINGS: Final = (".yaml", ".yml")
 #: What decides the episodes of a home beside its file: code, and the lists of what data there is.
@@ -109,6 +114,20 @@ def _made(wish: _Wish, task: str) -> OwnSet:
         save_dataset(made.dataset, habits)
         save_episodes(made.episodes, episodes)
     return made
+
+
+def say_made(path: Path, made: OwnSet) -> None:
+    """Say in one line what was made of a home file, and warn of furniture that found no place; once a process.
+
+    Args:
+        path: the file.
+        made: its episodes.
+    """
+    kept = dict.fromkeys(f"{e.target_category.replace('_', ' ')} {target_place(e)}" for e in made.episodes)
+    n = len(made.episodes)
+    say_once(f"{path}: {made.name}, {n} search{'es' if n > 1 else ''}: {', '.join(kept)}")
+    for one in unplaced(read_home(path.expanduser()), load_house(made.name)):
+        say_once(f"warning: {one}")
 
 
 def make_set(home: OwnHome, task: str = PAPER.name, seed: int = 0) -> OwnSet:

@@ -17,7 +17,7 @@ from ucon.configuration.known_options import EVALUATION, check_options
 from ucon.configuration.wiring import Factory
 from ucon.core.errors import ConfigError
 from ucon.core.sole_writer import sole_writer
-from ucon.envs.own_home import episodes_of, is_home_file
+from ucon.envs.own_home import episodes_of, is_home_file, own_set, say_made
 from ucon.evaluation.figures.report import run_hashes, summary, versions
 from ucon.evaluation.kept.folder import RunFolder, free_folder
 from ucon.evaluation.kept.naming import agent_label, parts_of
@@ -59,6 +59,8 @@ class Evaluation:
         self.episodes = chosen_episodes(
             config["episodes"], config["limit"], task["name"], context=task["context"], every=config["every"]
         )
+        if is_home_file(config["episodes"]):
+            say_made(Path(config["episodes"]), own_set(Path(config["episodes"]), task["name"]))
         warn_of_other_rules(self.episodes, task["name"])
         agent, detector = Factory(config["agent"])(), Factory(config["env"]["detector"])()
         self.parts, self.source = parts_of(agent, detector), Factory(config["env"]["source"])()

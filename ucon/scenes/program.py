@@ -35,6 +35,8 @@ class RoomProgram:
     """Number of small things that stand on furniture, by category."""
     fixtures: Mapping[str, int] = field(default_factory=dict)
     """Number of windows, switches and lights, by category."""
+    exact: bool = False
+    """Whether the size is kept: other rooms grow by up to 1 m where that closes a gap."""
 
 
 @dataclass(frozen=True)
@@ -117,6 +119,7 @@ def program_of(name: str, raw: Any, remedy: str = "") -> HomeProgram:
                 dict(r["furniture"]),
                 dict(r["surface"]),
                 dict(r["fixtures"]),
+                r.get("exact") is True,
             )
             for r in raw["rooms"]
         )

@@ -110,6 +110,18 @@ def home_name(wish: OwnHome) -> str:
     return wish.called if wish.known else keep_program(wish.called, program_of_home(wish)[0], wish.seed)
 
 
+def rooms_by_name(wish: OwnHome, house: House) -> dict[str, str]:
+    """What the rooms of a home are called, by their names in it.
+
+    Args:
+        wish: what is said of the home.
+        house: what was built.
+    """
+    called = {} if wish.known else program_of_home(wish)[1]
+    legs = {room.name: room.name.removesuffix("_b") for room in house.spec.rooms}  # a folded corridor has a second leg
+    return {name: called.get(leg, leg.replace("_", " ")) for name, leg in legs.items()}
+
+
 def unplaced(wish: OwnHome, house: House) -> list[Unplaced]:
     """Furniture that was said and stands nowhere, with the nearest that can be built.
 
@@ -165,16 +177,16 @@ def _edges(
 
 def _room(room: OwnRoom, name: str, wish: OwnHome, edges: Sequence[tuple[str, str, str]]) -> RoomProgram:
     drawn = drawn_room(name, room.type, wish.kind, wish.seed, edges)
-    size = room.size_m or drawn.size_m
+    size, exact = room.size_m or drawn.size_m, room.size_m is not None
     if room.furniture is None:
-        return replace(drawn, size_m=size)
+        return replace(drawn, size_m=size, exact=exact)
     counts = {category: thing.count for category, thing in room.furniture.items()}
     fixtures = {"electric_switch": 1} | ({} if counts.keys() & set(LIGHTS) else {"room_light": 1})
     if room.type not in NO_WINDOWS:
         fixtures["window"] = 1
     fixtures |= {category: n for category, n in counts.items() if category in _FIXTURES}
     furniture = {category: n for category, n in counts.items() if category not in _FIXTURES}
-    return RoomProgram(name, room.type, size, furniture, {}, fixtures)
+    return RoomProgram(name, room.type, size, furniture, {}, fixtures, exact)
 
 
 # -- what can be built instead ----------------------------------------------------------------------------------

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Final
 
-from ucon.core.errors import DataError, EpisodeError, PlacementError, brief
+from ucon.core.errors import EpisodeError, PlacementError, brief
 from ucon.core.rng import stream
-from ucon.habits.book import book_anchors
+from ucon.habits.book import Faults, book_anchors
 from ucon.habits.rules import placement_fault
 from ucon.habits.types import Entry, HabitDataset, Placement
 from ucon.objects.model import RELATIONS
@@ -75,14 +76,13 @@ def placed_requests(
         DataError: something cannot be placed; one line for each, with the nearest place that can be.
     """
     others = others_of(name, [request.target for request in wish.requests])
-    faults, found = [], []
+    faults, found = Faults(), []
     for request in wish.requests:
         try:
             found.append(_placed(request, name, house, others, read, rules, range(seed, seed + wish.starts)))
         except PlacementError as error:
-            faults.append(f"{request.where}: {error}")
-    if faults:
-        raise DataError("\n".join(faults))
+            faults.add(request.where, str(error))
+    faults.raise_if_any(Path(wish.file))
     dataset = own_household({_asked(one.request, name): one.place for one in found}, others)
     own = tuple(own_entry(one.request.target) for one in found)
     return tuple(replace(one, episodes=_of_all(one.episodes, own, dataset)) for one in found), dataset

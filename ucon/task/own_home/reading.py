@@ -85,7 +85,7 @@ class _Reader:
         rooms = tuple(self._rooms(part.get("rooms")))
         doors = self._doors(part.get("doors"), [room.called for room in rooms])
         requests = self._requests(part.get("requests"), part.get("habits"))
-        return OwnHome(called, known, kind, seed, rooms, doors, requests, starts, root.where)
+        return OwnHome(called, known, kind, seed, rooms, doors, requests, starts, root.where, self._name)
 
     # -- the home ---------------------------------------------------------------------------------------------
 

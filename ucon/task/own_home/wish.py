@@ -83,7 +83,8 @@ class OwnHome:
         doors: None: as in generated homes.
         requests: at least one where something is to be searched.
         starts: number of searches for each request, each from another place.
-        where: the file, for messages.
+        where: the file and its first line, for messages.
+        file: the file.
     """
 
     called: str
@@ -95,3 +96,4 @@ class OwnHome:
     requests: Sequence[Request] = field(default=())
     starts: int = 1
     where: str = ""
+    file: str = ""
