@@ -153,6 +153,8 @@ def longest_walk(plan: FloorPlan) -> float:
             doors[a].append(len(points))
             doors[b].append(len(points))
             points.append((wall[1], middle) if wall[0] == 0 else (middle, wall[1]))
+    if not points:  # a single room
+        return 0.0
     xy = np.array(points)  # (m, 2)
     walk = np.full((len(points), len(points)), np.inf)
     for members in doors.values():

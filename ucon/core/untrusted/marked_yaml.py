@@ -46,6 +46,13 @@ class Marked:
     where: str
     keys: Mapping[str, str]
 
+    @property
+    def told(self) -> str:
+        """The value as messages show it."""
+        if isinstance(self.value, dict):
+            return "names with values"
+        return "a list" if isinstance(self.value, list) else f"'{brief(self.value)}'"
+
 
 def read_marked(path: Path) -> Marked:
     """Read a file.

@@ -27,6 +27,7 @@ _ROOM_WORDS: Final = {
     "dressing_room": "closet", "gym": "exercise_room", "store_room": "storage_room", "storage": "storage_room",
     "yard": "garden",
 }  # fmt: skip
+_JOINED: Final = {name.replace("_", ""): name for name in ROOM_TYPES}
 _BEFORE: Final = {
     "ontop": ("on top of", "ontop", "upon", "onto", "on"),
     "inside": ("inside of", "inside", "into", "within", "in"),
@@ -82,8 +83,10 @@ def room_type_of(words: str) -> str | None:
     for start in range(len(parts)):
         name = "_".join(parts[start:])
         for one in (name, name.removesuffix("s")):
-            if one in ROOM_TYPES or one in _ROOM_WORDS:
-                return _ROOM_WORDS.get(one, one)
+            if one in _ROOM_WORDS:
+                return _ROOM_WORDS[one]
+            if (joined := one.replace("_", "")) in _JOINED:  # bed room, livingroom
+                return _JOINED[joined]
     return None
 
 

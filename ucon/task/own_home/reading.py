@@ -24,10 +24,10 @@ from ucon.task.own_home.wish import Door, OwnHome, OwnRoom, Request, Thing
 
 KEYS: Final = ("home", "kind", "seed", "rooms", "doors", "habits", "requests", "starts")
 ROOM_KEYS: Final = ("type", "size", "furniture")
-#: Shortest and longest side of a room, metres; most of one category, and of all things, in a room.
-SIDES_M: Final = (1.75, 15.0)
+#: Shortest and longest side of a room, metres; most of one category in a room, and of all things in a home.
+SIDES_M: Final = (1.75, 12.0)
 MOST_OF_ONE: Final = 30
-MOST_IN_ROOM: Final = 120
+MOST_THINGS: Final = 250
 #: Most requests of a file, most searches for each.
 MOST_REQUESTS: Final = 50
 MOST_STARTS: Final = 100
@@ -119,7 +119,7 @@ class _Reader:
         if node is None:
             return default
         if type(node.value) is not int or not least <= node.value <= most:
-            self._fault(node.where, f"{what}: {_told(node)}, expected a whole number from {least} to {most:,}")
+            self._fault(node.where, f"{what}: {node.told}, expected a whole number from {least} to {most:,}")
             return default
         return node.value
 
@@ -132,14 +132,18 @@ class _Reader:
         if len(said) > MAX_ROOMS:
             self._fault(node.where, f"{len(said)} rooms, expected at most {MAX_ROOMS}; leave some out")
         seen: dict[str, str] = {}
+        things = 0
         for called, where, content in said[:MAX_ROOMS]:
             if (key := _key(called)) in seen:
                 self._fault(where, f"room '{brief(called)}' is there twice (first at {seen[key]}); number them")
                 continue
             seen[key] = where
             if (room := self._room(called, where, content)) is not None:
+                things += sum(thing.count for thing in (room.furniture or {}).values())
                 yield room
-        if not said:
+        if things > MOST_THINGS:
+            self._fault(node.where, f"{things:,} things in all rooms, expected at most {MOST_THINGS}")
+        if not said and isinstance(node.value, dict | list):
             self._fault(node.where, "no rooms; name some, such as kitchen, or leave 'rooms' out to have them drawn")
         if len(seen) == 1 and said and room_type_of(said[0][0]) in ("corridor", "garden"):
             self._fault(node.where, f"a home of a {said[0][0]} alone; add a room")
@@ -155,9 +159,9 @@ class _Reader:
                 elif isinstance(one.value, dict) and len(one.value) == 1:
                     yield from ((name, one.keys[name], content) for name, content in one.value.items())
                 else:
-                    self._fault(one.where, f"{_told(one)}, expected the name of a room, such as kitchen")
+                    self._fault(one.where, f"{one.told}, expected the name of a room, such as kitchen")
         else:
-            self._fault(node.where, f"rooms: {_told(node)}, expected names of rooms, such as kitchen: {{size: [3, 4]}}")
+            self._fault(node.where, f"rooms: {node.told}, expected names of rooms, such as kitchen: {{size: [3, 4]}}")
 
     def _room(self, called: str, where: str, content: Marked | None) -> OwnRoom | None:
         part: dict[str, Marked] = {}
@@ -184,7 +188,7 @@ class _Reader:
         values = _floats(found.groups()) if found else [one.value for one in node.value] if _is_list(node) else []
         low, high = SIDES_M
         if len(values) != 2 or not all(_is_number(v) and low <= v <= high for v in values):
-            told = _told(node) if not _is_list(node) else [one.value for one in node.value]
+            told = node.told if not _is_list(node) else [one.value for one in node.value]
             self._fault(node.where, f"size: {brief(told)}, expected two sides of {low:g} to {high:g} m: [3, 4.5]")
             return None
         return float(values[0]), float(values[1])
@@ -205,8 +209,6 @@ class _Reader:
         for category, thing in found.items():
             if thing.count > MOST_OF_ONE:
                 self._fault(thing.where, f"{thing.count} of {category}, expected at most {MOST_OF_ONE} in a room")
-        if (n := sum(thing.count for thing in found.values())) > MOST_IN_ROOM:
-            self._fault(node.where, f"{n} things in a room, expected at most {MOST_IN_ROOM}")
         return found
 
     def _counted(self, node: Marked) -> Iterator[tuple[str, int, str]]:
@@ -216,16 +218,16 @@ class _Reader:
                 if type(count.value) is int and count.value >= 1:
                     yield words, count.value, node.keys[words]
                 else:
-                    told = f"{brief(words)}: {_told(count)}, expected how many, a whole number from 1 up"
+                    told = f"{brief(words)}: {count.told}, expected how many, a whole number from 1 up"
                     self._fault(node.keys[words], told)
         elif _is_list(node):
             for one in node.value:
                 if isinstance(one.value, str):
                     yield one.value, 1, one.where
                 else:
-                    self._fault(one.where, f"furniture: {_told(one)}, expected a name, such as fridge")
+                    self._fault(one.where, f"furniture: {one.told}, expected a name, such as fridge")
         else:
-            self._fault(node.where, f"furniture: {_told(node)}, expected names, such as {{fridge: 1, top cabinet: 2}}")
+            self._fault(node.where, f"furniture: {node.told}, expected names, such as {{fridge: 1, top cabinet: 2}}")
 
     def _buildable(self, words: str, where: str) -> str | None:
         category = category_of(words)
@@ -242,7 +244,7 @@ class _Reader:
         if node is None or node.value is None:
             return None
         if not _is_list(node):
-            self._fault(node.where, f"doors: {_told(node)}, expected pairs of rooms, such as [[kitchen, living room]]")
+            self._fault(node.where, f"doors: {node.told}, expected pairs of rooms, such as [[kitchen, living room]]")
             return None
         doors = [door for one in node.value if (door := self._door(one, rooms)) is not None]
         if len(doors) == len(node.value) and rooms:
@@ -323,14 +325,14 @@ class _Reader:
                 elif isinstance(one.value, str):
                     yield one.value, None, one.where
                 else:
-                    self._fault(one.where, f"{_told(one)}, expected a thing, such as mug: on the breakfast table")
+                    self._fault(one.where, f"{one.told}, expected a thing, such as mug: on the breakfast table")
         elif isinstance(node.value, str):
             yield node.value, None, node.where
         else:
-            self._fault(node.where, f"requests: {_told(node)}, expected a list, such as - mug: on the breakfast table")
+            self._fault(node.where, f"requests: {node.told}, expected a list, such as - mug: on the breakfast table")
 
     def _place(self, target: str, node: Marked) -> Placement | None:
-        found = place_of(node.value) if isinstance(node.value, str) else f"{_told(node)}, expected a place in words"
+        found = place_of(node.value) if isinstance(node.value, str) else f"{node.told}, expected a place in words"
         if isinstance(found, Placement):
             fault = placement_fault(target, [], found, book_anchors())
             found = found if fault is None else fault
@@ -376,10 +378,3 @@ def _floats(texts: Collection[str]) -> list[float]:
         return [float(text) for text in texts]
     except ValueError:
         return []
-
-
-def _told(node: Marked) -> str:
-    """A value as messages show it."""
-    if isinstance(node.value, dict):
-        return "names with values"
-    return "a list" if isinstance(node.value, list) else f"'{brief(node.value)}'"

@@ -34,7 +34,9 @@ def read_habits(node: Marked | None, folder: Path | None, fault: Fault) -> list[
     if node is None or node.value is None:
         return []
     if isinstance(node.value, list):
-        found = [Sentence(str(one.value), one.where) for one in node.value if _is_sentence(one, fault)]
+        found = [Sentence(one.value, one.where) for one in node.value if _is_sentence(one, fault)]
+        if len(found) < len(node.value):
+            return None
     elif isinstance(node.value, str) and folder is not None:
         lines = _of_file(node.value, node.where, folder, fault)
         if lines is None:
@@ -42,7 +44,7 @@ def read_habits(node: Marked | None, folder: Path | None, fault: Fault) -> list[
         found = lines
     else:
         expected = "a list of sentences" if folder is None else "a list of sentences, or a file beside this one"
-        fault(node.where, f"habits: '{brief(node.value)}', expected {expected}")
+        fault(node.where, f"habits: {node.told}, expected {expected}")
         return None
     if len(found) > (most := OWN_LIMITS.habits[1]):
         fault(found[most].where, f"{len(found):,} sentences, expected at most {most:,}")
@@ -86,7 +88,7 @@ def _named(text: str, targets: Sequence[str], lexicon: Lexicon) -> str | None:
 def _is_sentence(node: Marked, fault: Fault) -> bool:
     if isinstance(node.value, str):
         return True
-    fault(node.where, f"habits: '{brief(node.value)}', expected a sentence (in quotes where it holds ': ')")
+    fault(node.where, f"habits: {node.told}, expected a sentence (in quotes where it holds ': ')")
     return False
 
 
