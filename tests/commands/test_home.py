@@ -135,3 +135,36 @@ def test_faults_of_a_file_are_the_commands_error(file: Path, capsys: pytest.Capt
     told = capsys.readouterr().err.splitlines()
     assert told[0].startswith(f"error: {file}: cannot be read")
     assert told[1].startswith(f"error: {file}:1: unknown furniture 'frigde': did you mean fridge")
+
+
+def test_a_home_file_is_packed_for_machines_without_pybullet(file: Path, tmp_path: Path) -> None:
+    shutil.copy(EXAMPLE, file)
+    pack = tmp_path / "pack"
+    assert main(["pack", str(file), "--out", str(pack)]) == 0
+    assert main(["pack", str(file)]) == 2
+    (tmp_path / "pybullet.py").write_text("raise ImportError('not here')")
+    play = (
+        "import sys, gymnasium as gym, ucon\nfrom ucon.core.errors import UconError\ntry:\n"
+        "    env = gym.make('UcON-v0', episodes=sys.argv[1], observe='symbolic')\n    print(env.reset()[1]['target'])\n"
+        "except UconError as error:\n    print(error)"
+    )
+    missing = r"home 'own:my_flat:\w+': .*PyBullet.*is missing here.*\n"
+    for chosen, told in (({"UCON_PACK": str(pack)}, "mug\n"), ({}, missing)):
+        there = {"UCON_CACHE": str(tmp_path / "empty"), "PYTHONPATH": f"{tmp_path}{os.pathsep}{ROOT}"} | chosen
+        command = [sys.executable, "-c", play, str(file)]
+        done = subprocess.run(command, env=os.environ | there, capture_output=True, text=True, timeout=120)
+        assert re.fullmatch(told, done.stdout), (done.stdout, done.stderr)
+
+
+def test_other_habits_than_those_of_the_file_are_refused(file: Path) -> None:
+    from ucon.core.errors import ConfigError
+    from ucon.programs.composing import eval_config
+    from ucon.programs.evaluating import with_own_habits
+
+    config = eval_config(f"episodes={file}")
+    own = with_own_habits(config)
+    assert own["env"]["source"]["dataset"] == {"_target_": "ucon.configuration.wiring.folder_habits", "path": str(file)}
+    assert with_own_habits(own) == own
+    assert with_own_habits(eval_config("episodes=mini")) == eval_config("episodes=mini")
+    with pytest.raises(ConfigError, match="says its own habits; leave habits= out"):
+        with_own_habits(eval_config(f"episodes={file}", "habits=official", "habits.path=x.json"))

@@ -14,18 +14,19 @@ from numpy.typing import NDArray
 
 import ucon
 from ucon.core.errors import ConfigError, DataError, UconError, brief
-from ucon.core.files import canonical_json, sha256_bytes, user_cache
+from ucon.core.files import canonical_json, sha256_bytes, user_cache, user_pack
 from ucon.core.output import say_once
 from ucon.envs.knowledge import HabitSource
 from ucon.habits.datafile import SUFFIX as HABITS
 from ucon.habits.datafile import load_dataset_file, save_dataset
 from ucon.habits.types import HabitDataset, Placement
 from ucon.objects.catalogue import catalogue
+from ucon.scenes.library import check_home_name
 from ucon.sim.cache import load_house
 from ucon.task.episode import Episode
 from ucon.task.own_home.building import build, home_name, unplaced
 from ucon.task.own_home.placing import placed_requests
-from ucon.task.own_home.reading import check_known, read_home
+from ucon.task.own_home.reading import read_home
 from ucon.task.own_home.wish import OwnHome
 from ucon.task.rules import PAPER, task_rules
 from ucon.task.sets import SUFFIX as EPISODES
@@ -47,6 +48,8 @@ class OwnSet(NamedTuple):
     """Name of the home."""
     episodes: tuple[Episode, ...]
     dataset: HabitDataset
+    key: str
+    """Hash of all that decides the episodes; names the files in which they are kept."""
 
 
 def is_home_file(name: object) -> bool:
@@ -74,6 +77,8 @@ def episodes_of(name: str | Path, task: str = PAPER.name, *, context: bool = Fal
 
 def own_set(path: Path, task: str = PAPER.name) -> OwnSet:
     """Episodes and habits of a home file; made once, then kept in the user's cache for this version of the code.
+
+    They are looked for in a pack, too.
 
     Args:
         path: the file.
@@ -104,16 +109,37 @@ class _Wish:
 
 @lru_cache(maxsize=16)
 def _made(wish: _Wish, task: str) -> OwnSet:
-    name = home_name(wish.home)
-    stem = user_cache() / "own" / f"{name.replace(':', '-').replace('~', '-')}-{wish.key}"
-    episodes, habits = stem.with_name(stem.name + EPISODES), stem.with_name(stem.name + HABITS)
-    with contextlib.suppress(UconError):
-        return OwnSet(name, load_episodes(episodes, task), load_dataset_file(habits, catalogue().names))
-    made = make_set(wish.home, task)
+    name, pack = home_name(wish.home), user_pack()
+    for folder in (*(() if pack is None else (pack,)), user_cache()):
+        episodes, habits = _files(folder, wish.key)
+        with contextlib.suppress(UconError):
+            return OwnSet(name, load_episodes(episodes, task), load_dataset_file(habits, catalogue().names), wish.key)
+    house = build(wish.home)[1]
+    placed, dataset = placed_requests(wish.home, name, house, read_places, task_rules(task))
+    made = OwnSet(name, tuple(episode for one in placed for episode in one.episodes), dataset, wish.key)
     with contextlib.suppress(OSError):  # a read-only cache costs time, not correctness
-        save_dataset(made.dataset, habits)
-        save_episodes(made.episodes, episodes)
+        keep_set(made, user_cache())
     return made
+
+
+def keep_set(made: OwnSet, folder: Path) -> str:
+    """Write episodes and habits of a home file, for :func:`own_set` to find.
+
+    Args:
+        made: what was made of the file.
+        folder: the user's cache, or a pack.
+
+    Returns:
+        The name of the home.
+    """
+    episodes, habits = _files(folder, made.key)
+    save_dataset(made.dataset, habits)
+    save_episodes(made.episodes, episodes)
+    return made.name
+
+
+def _files(folder: Path, key: str) -> tuple[Path, Path]:
+    return folder / "own" / f"{key}{EPISODES}", folder / "own" / f"{key}{HABITS}"
 
 
 def say_made(path: Path, made: OwnSet) -> None:
@@ -128,22 +154,6 @@ def say_made(path: Path, made: OwnSet) -> None:
     say_once(f"{path}: {made.name}, {n} search{'es' if n > 1 else ''}: {', '.join(kept)}")
     for one in unplaced(read_home(path.expanduser()), load_house(made.name)):
         say_once(f"warning: {one}")
-
-
-def make_set(home: OwnHome, task: str = PAPER.name, seed: int = 0) -> OwnSet:
-    """Build a home and place its requests now.
-
-    Args:
-        home: what was read.
-        task: rule set.
-        seed: of the first start of each request.
-
-    Raises:
-        UconError: as :func:`own_set`.
-    """
-    name, house = build(home)
-    placed, dataset = placed_requests(home, name, house, read_places, task_rules(task), seed)
-    return OwnSet(name, tuple(episode for one in placed for episode in one.episodes), dataset)
 
 
 def read_places(target: str, habits: Sequence[str]) -> tuple[Sequence[str], NDArray[np.float64]]:
@@ -261,5 +271,5 @@ def _source(home: str | Path | Mapping[str, Any]) -> Path | Mapping[str, Any]:
         return home
     if is_home_file(home) or isinstance(home, Path):
         return Path(home).expanduser()
-    check_known(str(home))
+    check_home_name(str(home))
     return {"home": str(home)}

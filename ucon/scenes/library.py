@@ -54,6 +54,26 @@ def home_spec(name: str) -> HomeSpec:
     return built_home(name).spec
 
 
+def is_home_name(name: str) -> bool:
+    """Whether a name is meant as that of a home which is there already; see :func:`check_home_name`."""
+    return name.startswith("procedural:") or is_own(name) or name.partition("~")[0] in SCENES
+
+
+def check_home_name(name: str) -> None:
+    """Check that there is a home of a name, without building it.
+
+    Raises:
+        SceneError: no such home; the message names the nearest ones.
+        DataError: a home of one's own that is not kept here.
+    """
+    if is_own(name):
+        own_program(name)
+    elif name.startswith("procedural"):
+        parse_procedural(name)
+    else:
+        parse_scene(name)
+
+
 def scene_split(name: str) -> Literal["seen", "unseen"]:
     """Whether a home may be trained on (``seen``) or is reserved for tests (``unseen``), as homes of one's own are."""
     if is_own(name):

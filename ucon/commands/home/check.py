@@ -74,7 +74,7 @@ def _found(wish: OwnHome, name: str, house: House, placed: tuple[Placed, ...]) -
     from ucon.task.own_home.building import rooms_by_name
 
     spec, called = house.spec, rooms_by_name(wish, house)
-    rooms = [
+    rooms: list[dict[str, Any]] = [
         {
             "room": called[room.name],
             "type": room.type,

@@ -17,7 +17,7 @@ from ucon.habits.verdicts import Triple, Verdicts
 from ucon.language.near_names import unknown_category
 from ucon.objects.catalogue import catalogue
 from ucon.objects.model import RELATIONS, Relation
-from ucon.scenes.library import parse_procedural, parse_scene
+from ucon.scenes.library import check_home_name
 from ucon.sim.cache import load_house
 from ucon.task.episode import Episode
 from ucon.task.making.living import living_in
@@ -93,7 +93,7 @@ class OwnPlacement:
 def _scene_faults(scene: str) -> Iterable[str]:
     """The fault of a scene's name, if any."""
     try:
-        parse_procedural(scene) if scene.startswith("procedural") else parse_scene(scene)
+        check_home_name(scene)
     except UconError as error:
         yield f"--scene: {error}"
 

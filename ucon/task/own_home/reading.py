@@ -14,8 +14,7 @@ from ucon.habits.book import Faults, book_anchors
 from ucon.habits.rules import placement_fault
 from ucon.habits.types import Placement
 from ucon.objects.catalogue import catalogue
-from ucon.scenes.library import MAX_SEED, SCENES, parse_procedural, parse_scene
-from ucon.scenes.own import is_own, own_program
+from ucon.scenes.library import MAX_SEED, check_home_name, is_home_name
 from ucon.scenes.procedural import MAX_ROOMS
 from ucon.scenes.program import HOME_KINDS, JOINTS
 from ucon.task.own_home.names import category_fault, category_of, place_of, room_type_fault, room_type_of
@@ -76,7 +75,7 @@ class _Reader:
         self._known_keys(root, KEYS)
         part = root.value
         called = self._called(part.get("home"))
-        known = _is_known(called)
+        known = is_home_name(called)
         if known and (extra := [key for key in ("kind", "rooms", "doors", "seed") if key in part]):
             self._fault(root.keys[extra[0]], f"{called} is there already: leave this key out or rename yours")
         kind = self._choice(part.get("kind"), "kind of home", HOME_KINDS, "flat")
@@ -100,9 +99,9 @@ class _Reader:
         text = str(node.value) if isinstance(node.value, str | int) and not isinstance(node.value, bool) else ""
         if not text.strip() or len(text) > _LONGEST_NAME:
             self._fault(node.where, f"home: {brief(node.value)}, expected a name of at most {_LONGEST_NAME} letters")
-        elif _is_known(text):
+        elif is_home_name(text):
             try:
-                check_known(text)
+                check_home_name(text)
             except UconError as error:
                 self._fault(node.where, str(error))
         return text
@@ -340,25 +339,6 @@ class _Reader:
             self._fault(node.where, f"{target.replace('_', ' ')}: {found}")
             return None
         return found
-
-
-def check_known(name: str) -> None:
-    """Refuse a name that is not that of a home which is there already.
-
-    Raises:
-        UconError: with the nearest names.
-    """
-    if is_own(name):
-        own_program(name)
-    elif name.startswith("procedural:"):
-        parse_procedural(name)
-    else:
-        parse_scene(name)
-
-
-def _is_known(called: str) -> bool:
-    """Whether a name is meant as that of a home which is there already."""
-    return called.startswith("procedural:") or is_own(called) or called.partition("~")[0] in SCENES
 
 
 def _key(room: str) -> str:
