@@ -22,8 +22,6 @@ _WALL_HEIGHT_M: Final = 2.5
 _FIXTURES: Final = ("window", "electric_switch", *LIGHTS)
 #: By how much a room is enlarged to find out whether a thing fits then, metres.
 _ENLARGED_M: Final = (0.5, 1.0, 1.5, 2.0, 3.0)
-#: Seeds that are tried for a home that cannot be built with its own.
-_OTHER_SEEDS: Final = 5
 
 
 @dataclass(frozen=True)
@@ -87,7 +85,7 @@ def build(wish: OwnHome) -> tuple[str, House]:
         Its name, and the home.
 
     Raises:
-        SceneError: it cannot be built; names a seed that can.
+        SceneError: it cannot be built.
         DataError: it has to be built, and PyBullet is missing.
     """
     name = home_name(wish)
@@ -96,9 +94,7 @@ def build(wish: OwnHome) -> tuple[str, House]:
     except SceneError as error:
         if wish.known:
             raise
-        other = next((s for s in range(wish.seed + 1, wish.seed + 1 + _OTHER_SEEDS) if _builds(wish, s)), None)
-        nearest = "with fewer or smaller things it may" if other is None else f"with seed: {other} it can"
-        raise SceneError(f"{wish.where}: the home cannot be built so ({error}); {nearest}") from None
+        raise SceneError(f"{wish.where}: not to be built so ({error}); give another seed, or fewer things") from None
 
 
 def home_name(wish: OwnHome) -> str:
@@ -190,14 +186,6 @@ def _room(room: OwnRoom, name: str, wish: OwnHome, edges: Sequence[tuple[str, st
 
 
 # -- what can be built instead ----------------------------------------------------------------------------------
-
-
-def _builds(wish: OwnHome, seed: int) -> bool:
-    try:
-        load_house(home_name(replace(wish, seed=seed)))
-    except SceneError:
-        return False
-    return True
 
 
 def _nearest(wish: OwnHome, program: HomeProgram, room: str, category: str, placed: int) -> str:
