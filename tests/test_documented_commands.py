@@ -129,7 +129,7 @@ def check_evaluation(words: list[str]) -> None:
     for part in (config["env"], config["agent"]):
         get_object(part["_target_"])
         check_arguments(part)
-    assert config["episodes"] in SETS or config["episodes"].endswith(".jsonl.xz")
+    assert config["episodes"] in SETS or config["episodes"].endswith((".jsonl.xz", ".yaml"))
 
 
 @pytest.mark.parametrize("words", starting("python", "eval.py"))

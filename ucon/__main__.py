@@ -23,6 +23,7 @@ COMMANDS = {
     "bench": "measure renderer and environment speed",
     "demo": "one search without and with habits, filmed, and the sentence that makes the difference",
     "try": "search your own object by your own habits in a home, without and with them",
+    "home": "begin a home of your own as a file, and say what is built of it",
     "report": "write one HTML file with the tables of runs and every episode: map, pictures, beliefs, decisions",
     "compare": "paired differences with 95 % intervals between runs of eval.py",
     "verify": "recompute the figures of finished runs from their records, and check their checksums",

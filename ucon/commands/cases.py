@@ -39,11 +39,12 @@ def run(args: argparse.Namespace) -> int:
     from ucon.configuration.stored import checked, said_in
     from ucon.configuration.wiring import Factory
     from ucon.core.output import stdout_to_stderr
+    from ucon.envs.own_home import episodes_of
     from ucon.evaluation.figures.landmark_cases import landmark_cases
     from ucon.evaluation.kept.finished import read_config
     from ucon.evaluation.kept.record import read_records
     from ucon.evaluation.kept.seal import CONFIG
-    from ucon.task.sets import load_episodes, save_episodes
+    from ucon.task.sets import save_episodes
     from ucon.task.spoken import target_place
 
     config, said, where = read_config(args.retrieval), said_in(args), str(args.retrieval / CONFIG)
@@ -51,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
     _require_one_setting(config, read_config(args.gt))
     with stdout_to_stderr():
         task = config["task"]
-        episodes = load_episodes(args.episodes or config["episodes"], task["name"], context=task["context"])
+        episodes = episodes_of(args.episodes or config["episodes"], task["name"], context=task["context"])
         of_source = {"env": {"source": config["env"]["source"]}}
         source = Factory(checked(of_source, where, ("env",), said, "--set ")["env"]["source"])()
         source.prepare(level="retrieval")

@@ -34,14 +34,14 @@ def run(args: argparse.Namespace) -> int:
     """
     from ucon.configuration.wiring import load_dataset
     from ucon.core.output import stdout_to_stderr
+    from ucon.envs.own_home import episodes_of
     from ucon.task.rules import PAPER, task_rules
-    from ucon.task.sets import load_episodes
 
     facts: dict[str, Any] = {}
     with stdout_to_stderr():
         rules = task_rules(args.task or PAPER.name)
         if args.episode is not None:
-            episode = _chosen(args.episode, load_episodes(args.episodes, rules.name))
+            episode = _chosen(args.episode, episodes_of(args.episodes, rules.name))
             rules = task_rules(args.task or episode.task)
             facts = _episode(episode, load_dataset(args.habits))
     facts |= {"task": rules.name, "steps": rules.max_steps, "actions": rules.actions()}

@@ -106,23 +106,27 @@ def official_habits(path: str) -> HabitDataset:
     return replace(dataset, verdicts=shape_verdicts(dataset))
 
 
-def folder_habits(path: str) -> HabitDataset:
-    """Dataset of a file of ``habits build``, or of a folder in the habit book's format.
+def folder_habits(path: str, task: str = "paper") -> HabitDataset:
+    """Dataset of a file of ``habits build``, of a folder in the habit book's format, or of a home file.
 
     Placements of a folder are not validated.
 
     Args:
         path: the file or folder.
+        task: rule set of the episodes, for a home file.
 
     Raises:
         ConfigError: there is no such path.
         DataError: a category that is not in the catalogue, or a violation of the format.
     """
+    from ucon.envs.own_home import is_home_file, own_set
     from ucon.habits.book import read_book
     from ucon.habits.datafile import SUFFIX, load_dataset_file
     from ucon.objects.catalogue import catalogue
 
     found = existing(path, "habits.path")
+    if is_home_file(found):
+        return own_set(found, task).dataset
     read = load_dataset_file if found.name.endswith(SUFFIX) else read_book
     dataset = read(found, catalogue().names)
     _warn_of_language(dataset)

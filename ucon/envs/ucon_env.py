@@ -24,6 +24,7 @@ from ucon.envs.options import (
     returned_info,
     with_texts,
 )
+from ucon.envs.own_home import is_home_file, own_set
 from ucon.envs.painter import Moment, Painter
 from ucon.envs.spaces import observation_space, padded
 from ucon.envs.tour import Tour, hide
@@ -122,9 +123,9 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         """Make the environment; homes are loaded at the first reset.
 
         Args:
-            episodes: name of a set (``mini``, ``val``, ``test``), a file, or episodes.
+            episodes: name of a set (``mini``, ``val``, ``test``), a file, a home file (YAML), or episodes.
             habit_level: which habits the agent is given: none, full, gt, retrieval, context.
-            source: gives every episode its habits; the habit book by default.
+            source: gives every episode its habits; by default the habit book, or what a home file says.
             task: name of the rule set.
             observe: ``pixels`` for images in observations, ``symbolic`` without.
             width_px: of the images.
@@ -148,6 +149,9 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         check_choice("planner", planner, ("true", "observed"))
         check_choice("world", world, ("compiled", "live"))
         check_render_mode(render_mode, ("rgb_array",))
+        if is_home_file(episodes):
+            own = own_set(Path(str(episodes)), task)
+            episodes, source = own.episodes, source or HabitSource(own.dataset)
         self.episodes = load_episodes(episodes, task) if isinstance(episodes, str | Path) else tuple(episodes)
         if not self.episodes:
             raise EpisodeError("no episodes: expected at least one; name a set (mini, val, test) or give a path")

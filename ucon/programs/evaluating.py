@@ -15,7 +15,9 @@ from omegaconf import OmegaConf
 from ucon.configuration.arguments import check_arguments
 from ucon.configuration.known_options import EVALUATION, check_options
 from ucon.configuration.wiring import Factory
+from ucon.core.errors import ConfigError
 from ucon.core.sole_writer import sole_writer
+from ucon.envs.own_home import episodes_of, is_home_file, own_set, say_made
 from ucon.evaluation.figures.report import run_hashes, summary, versions
 from ucon.evaluation.kept.folder import RunFolder, free_folder
 from ucon.evaluation.kept.naming import agent_label, parts_of
@@ -28,7 +30,9 @@ from ucon.evaluation.playing.progress_bar import EvaluationProgress, embedding_p
 from ucon.evaluation.playing.runner import OnPlayed, evaluate
 from ucon.retrieval.levels import check_level
 from ucon.task.episode import Episode
-from ucon.task.sets import load_episodes
+from ucon.task.rules import PAPER
+
+_BOOK, _FOLDER = "ucon.habits.book", "ucon.configuration.wiring.folder_habits"
 
 
 class Evaluation:
@@ -47,6 +51,7 @@ class Evaluation:
 
     def __init__(self, config: dict[str, Any], out: Path, *, anew: bool = False) -> None:
         check_options(config, EVALUATION)
+        config = with_own_habits(config)
         check_arguments(config["env"])  # it is built last, in the workers
         task = config["task"]
         self.level = str(config["habit_level"]["name"])
@@ -54,6 +59,8 @@ class Evaluation:
         self.episodes = chosen_episodes(
             config["episodes"], config["limit"], task["name"], context=task["context"], every=config["every"]
         )
+        if is_home_file(config["episodes"]):
+            say_made(Path(config["episodes"]), own_set(Path(config["episodes"]), task["name"]))
         warn_of_other_rules(self.episodes, task["name"])
         agent, detector = Factory(config["agent"])(), Factory(config["env"]["detector"])()
         self.parts, self.source = parts_of(agent, detector), Factory(config["env"]["source"])()
@@ -182,14 +189,33 @@ def chosen_episodes(name: str, limit: int | None, task: str, *, context: bool, e
     """Every ``every``-th episode of a set, and of these the first ``limit``.
 
     Args:
-        name: set or file.
+        name: set, file, or home file.
         limit: number of episodes; None: all.
         task: rules under which the set was made.
         context: whether its episodes state day, season and occasion.
         every: 1 for all.
     """
     check_part(limit, every)
-    return load_episodes(name, task, context=context)[::every][:limit]
+    return episodes_of(name, task, context=context)[::every][:limit]
+
+
+def with_own_habits(config: dict[str, Any]) -> dict[str, Any]:
+    """The configuration with the habits of its home file, where ``episodes`` names one.
+
+    Args:
+        config: resolved.
+
+    Raises:
+        ConfigError: it names other habits, too.
+    """
+    if not is_home_file(config["episodes"]):
+        return config
+    env, task = config["env"], config["task"]["name"]
+    source = env["source"]
+    own = {"_target_": _FOLDER, "path": config["episodes"]} | ({} if task == PAPER.name else {"task": task})
+    if source["dataset"] not in ({"_target_": _BOOK}, own):
+        raise ConfigError(f"habits: episodes={config['episodes']} says its own habits; leave habits= out")
+    return config | {"habits": own, "env": env | {"source": source | {"dataset": own}}}
 
 
 def check_part(limit: Any, every: Any) -> None:

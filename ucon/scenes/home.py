@@ -38,14 +38,24 @@ class BuiltHome:
 
 
 def build_home(name: str, program: HomeProgram, seed: int) -> BuiltHome:
-    """Build the home of a program.
+    """Build the home of a program, with furniture that measured inventories lack.
 
     Args:
         name: of the home.
         program: its rooms and furniture.
         seed: of all random choices.
     """
-    program = enriched(program, seed)
+    return build_program(name, enriched(program, seed), seed)
+
+
+def build_program(name: str, program: HomeProgram, seed: int) -> BuiltHome:
+    """As :func:`build_home`, but with the furniture of the program and no more.
+
+    Args:
+        name: of the home.
+        program: its rooms and furniture.
+        seed: of all random choices.
+    """
     plan = lay_out(program, seed, name)
     programs = {room.name: room for room in program.rooms}
     wishes = [_wishes(room_name, programs) for room_name in plan.names]

@@ -8,7 +8,8 @@ from typing import Literal
 
 from ucon.core.errors import SceneError, unknown_name
 from ucon.core.rng import derived_seed
-from ucon.scenes.home import BuiltHome, build_home
+from ucon.scenes.home import BuiltHome, build_home, build_program
+from ucon.scenes.own import is_own, own_program
 from ucon.scenes.procedural import procedural_program
 from ucon.scenes.program import HOME_KINDS, scene_programs
 from ucon.scenes.spec import HomeSpec
@@ -25,11 +26,14 @@ def built_home(name: str) -> BuiltHome:
     """A home and the items that found no place.
 
     Args:
-        name: ``Rs_int``, ``Rs_int~3`` (variant 3) or ``procedural:house:17``.
+        name: ``Rs_int``, ``Rs_int~3`` (variant 3), ``procedural:house:17``, or that of a home of one's own.
 
     Raises:
         SceneError: no such home; the message names the nearest ones.
+        DataError: a home of one's own that is not kept here.
     """
+    if is_own(name):
+        return build_program(name, *own_program(name))
     if name.startswith("procedural"):
         kind, seed = parse_procedural(name)
         return build_home(name, procedural_program(kind, seed), derived_seed(seed, "procedural", kind))
@@ -41,16 +45,39 @@ def home_spec(name: str) -> HomeSpec:
     """The specification of a home.
 
     Args:
-        name: ``Rs_int``, ``Rs_int~3`` (variant 3) or ``procedural:house:17``.
+        name: see :func:`built_home`.
 
     Raises:
         SceneError: no such home; the message names the nearest ones.
+        DataError: a home of one's own that is not kept here.
     """
     return built_home(name).spec
 
 
+def is_home_name(name: str) -> bool:
+    """Whether a name is meant as that of a home which is there already; see :func:`check_home_name`."""
+    return name.startswith("procedural:") or is_own(name) or name.partition("~")[0] in SCENES
+
+
+def check_home_name(name: str) -> None:
+    """Check that there is a home of a name, without building it.
+
+    Raises:
+        SceneError: no such home; the message names the nearest ones.
+        DataError: a home of one's own that is not kept here.
+    """
+    if is_own(name):
+        own_program(name)
+    elif name.startswith("procedural"):
+        parse_procedural(name)
+    else:
+        parse_scene(name)
+
+
 def scene_split(name: str) -> Literal["seen", "unseen"]:
-    """Whether a home may be trained on (``seen``) or is reserved for tests (``unseen``)."""
+    """Whether a home may be trained on (``seen``) or is reserved for tests (``unseen``), as homes of one's own are."""
+    if is_own(name):
+        return "unseen"
     if name.startswith("procedural"):
         return "unseen" if parse_procedural(name)[1] >= UNSEEN_SEED else "seen"
     return "unseen" if parse_scene(name)[0] in UNSEEN_SCENES else "seen"

@@ -6,6 +6,8 @@ necessary things added by room type; sizes grow with the content.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ucon.core.rng import stream
@@ -35,15 +37,16 @@ def procedural_program(kind: str, seed: int) -> HomeProgram:
         types.append(pool[int(index)])
     garden = kind == "house" and n < MAX_ROOMS and rng.random() < 0.2
     types += ["garden"] * garden + ["corridor"] * corridor
-    names = _names(types)
+    names = numbered(types)
     hub = "corridor_0" if corridor else f"{always[0]}_0"
-    edges = _edges(names, types, hub, kind)
-    rooms = tuple(_room(name, room_type, kind, seed, edges) for name, room_type in zip(names, types, strict=True))
+    edges = joined(names, types, hub, kind)
+    rooms = tuple(drawn_room(name, room_type, kind, seed, edges) for name, room_type in zip(names, types, strict=True))
     height = 2.7 if kind in ("office", "shop", "restaurant") else float(rng.choice([2.4, 2.5, 2.7]))
     return HomeProgram(kind, height, hub, rooms, tuple(edges))
 
 
-def _names(types: list[str]) -> list[str]:
+def numbered(types: list[str]) -> list[str]:
+    """Names of rooms by their types: ``bedroom_0``, ``bedroom_1``."""
     seen: dict[str, int] = {}
     names = []
     for room_type in types:
@@ -63,8 +66,18 @@ _JOINTS = {
 }
 
 
-def _edges(names: list[str], types: list[str], hub: str, kind: str) -> list[tuple[str, str, str]]:
-    """Edges of the plan: kitchen to dining to living room, bathrooms and closets to bedrooms, the rest to the hub."""
+def joined(names: list[str], types: list[str], hub: str, kind: str) -> list[tuple[str, str, str]]:
+    """Edges of the plan: kitchen to dining to living room, bathrooms and closets to bedrooms, the rest to the hub.
+
+    Args:
+        names: of the rooms, ``<type>_<number>``.
+        types: of the rooms.
+        hub: name of the room that all others are reached from.
+        kind: of the home.
+
+    Returns:
+        (room nearer the hub, room, kind of opening), parents before children.
+    """
     by_type: dict[str, list[str]] = {}
     for name, room_type in zip(names, types, strict=True):
         by_type.setdefault(room_type, []).append(name)
@@ -74,7 +87,7 @@ def _edges(names: list[str], types: list[str], hub: str, kind: str) -> list[tupl
             continue
         parent = _parent(room_type, int(name.rsplit("_", 1)[1]), hub, by_type, kind)
         wide = room_type == "dining_room" and parent != hub
-        edges.append((parent, name, "opening_2.0" if wide else _JOINTS.get(room_type, "doorway")))
+        edges.append((parent, name, "opening_2.0" if wide else usual_joint(room_type)))
     reached = {hub}
     done: list[tuple[str, str, str]] = []
     while len(done) < len(edges):  # parents before children
@@ -83,6 +96,11 @@ def _edges(names: list[str], types: list[str], hub: str, kind: str) -> list[tupl
                 reached.add(edge[1])
                 done.append(edge)
     return done
+
+
+def usual_joint(room_type: str) -> str:
+    """The kind of opening between a room and the one it is reached from."""
+    return _JOINTS.get(room_type, "doorway")
 
 
 def _parent(room_type: str, number: int, hub: str, by_type: dict[str, list[str]], kind: str) -> str:
@@ -103,7 +121,16 @@ def _parent(room_type: str, number: int, hub: str, by_type: dict[str, list[str]]
     return living if room_type == "garden" else hub
 
 
-def _room(name: str, room_type: str, kind: str, seed: int, edges: list[tuple[str, str, str]]) -> RoomProgram:
+def drawn_room(name: str, room_type: str, kind: str, seed: int, edges: Sequence[tuple[str, str, str]]) -> RoomProgram:
+    """A room with a size and content drawn for its type.
+
+    Args:
+        name: of the room.
+        room_type: its type, of :data:`ucon.scenes.room_types.SIZES_M`, or ``corridor``.
+        kind: of the home.
+        seed: of the home.
+        edges: of the home; a corridor is longer the more rooms it leads to.
+    """
     rng = stream(seed, "program", kind, name)
     public = kind in ("restaurant", "shop") and room_type in BIG and not (kind == "shop" and room_type != "bathroom")
     if room_type == "corridor":

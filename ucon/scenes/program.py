@@ -18,6 +18,7 @@ from ucon.core.errors import DataError
 JOINTS = ("doorway", "opening_1.2", "opening_1.5", "opening_2.0", "open")
 HOME_KINDS = ("house", "flat", "office", "restaurant", "shop")
 _SOURCE = "ucon/scenes/data/programs.json"
+_REINSTALL = f" in {_SOURCE}; reinstall the package"
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,8 @@ class RoomProgram:
     """Number of small things that stand on furniture, by category."""
     fixtures: Mapping[str, int] = field(default_factory=dict)
     """Number of windows, switches and lights, by category."""
+    exact: bool = False
+    """Whether the size is kept: other rooms grow by up to 1 m where that closes a gap."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +69,7 @@ def scene_programs() -> dict[str, HomeProgram]:
         DataError: the shipped file cannot be read.
     """
     scenes = _section("scenes")
-    return {name: _program(name, scenes[name]) for name in sorted(scenes)}
+    return {name: program_of(name, scenes[name], _REINSTALL) for name in sorted(scenes)}
 
 
 @lru_cache(maxsize=1)
@@ -96,7 +99,17 @@ def _section(key: str) -> dict[str, Any]:
         raise DataError(f"{_SOURCE}: cannot be read ({error}); reinstall the package") from None
 
 
-def _program(name: str, raw: Any) -> HomeProgram:
+def program_of(name: str, raw: Any, remedy: str = "") -> HomeProgram:
+    """A program from JSON data.
+
+    Args:
+        name: of the home, for errors.
+        raw: the data.
+        remedy: added to the error about malformed data.
+
+    Raises:
+        DataError: it is malformed, or :func:`check_program` refuses it.
+    """
     try:
         rooms = tuple(
             RoomProgram(
@@ -106,13 +119,14 @@ def _program(name: str, raw: Any) -> HomeProgram:
                 dict(r["furniture"]),
                 dict(r["surface"]),
                 dict(r["fixtures"]),
+                r.get("exact") is True,
             )
             for r in raw["rooms"]
         )
         edges = tuple((str(a), str(b), str(k)) for a, b, k in raw["edges"])
         program = HomeProgram(str(raw["kind"]), float(raw["wall_height_m"]), str(raw["hub"]), rooms, edges)
     except (KeyError, TypeError, ValueError, IndexError) as error:
-        raise DataError(f"{_SOURCE}: scene '{name}' is malformed ({error}); reinstall the package") from None
+        raise DataError(f"scene '{name}' is malformed ({error}){remedy}") from None
     check_program(name, program)
     return program
 

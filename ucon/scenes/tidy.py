@@ -93,10 +93,11 @@ def trim_corridors(plan: FloorPlan, program: HomeProgram) -> None:
 def pad(plan: FloorPlan, program: HomeProgram) -> None:
     """Move walls out by up to 1 m where that closes a gap to another room or to the outline."""
     types = {room.name: room.type for room in program.rooms}
+    kept = {room.name for room in program.rooms if room.exact}
     for reach in (2, 4):
         for index in sorted(range(len(plan.names)), key=lambda i: _area(plan.rects[i])):
             kind = types.get(plan.names[index].removesuffix("_b"), "")
-            if kind in ("garden", "corridor"):
+            if kind in ("garden", "corridor") or plan.names[index] in kept:
                 continue
             for side in range(4):
                 _push(plan, index, side, reach)
@@ -152,6 +153,8 @@ def longest_walk(plan: FloorPlan) -> float:
             doors[a].append(len(points))
             doors[b].append(len(points))
             points.append((wall[1], middle) if wall[0] == 0 else (middle, wall[1]))
+    if not points:  # a single room
+        return 0.0
     xy = np.array(points)  # (m, 2)
     walk = np.full((len(points), len(points)), np.inf)
     for members in doors.values():

@@ -40,11 +40,11 @@ def run(args: argparse.Namespace) -> int:
     from ucon.configuration.wiring import load_dataset
     from ucon.core.errors import ConfigError, unknown_name
     from ucon.core.output import stdout_to_stderr
-    from ucon.scenes import SCENES
+    from ucon.scenes.library import SCENES, is_home_name
 
     with stdout_to_stderr():
         dataset = load_dataset(args.habits)
-        is_scene = args.name.partition("~")[0] in SCENES or args.name.startswith("procedural:")
+        is_scene = is_home_name(args.name)
         if not is_scene and args.name not in dataset.categories:
             raise ConfigError(unknown_name("category or scene", args.name, [*dataset.categories, *SCENES]))
         if args.category and not is_scene:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, cast
 
@@ -17,7 +17,7 @@ from ucon.habits.verdicts import Triple, Verdicts
 from ucon.language.near_names import unknown_category
 from ucon.objects.catalogue import catalogue
 from ucon.objects.model import RELATIONS, Relation
-from ucon.scenes.library import parse_procedural, parse_scene
+from ucon.scenes.library import check_home_name
 from ucon.sim.cache import load_house
 from ucon.task.episode import Episode
 from ucon.task.making.living import living_in
@@ -93,7 +93,7 @@ class OwnPlacement:
 def _scene_faults(scene: str) -> Iterable[str]:
     """The fault of a scene's name, if any."""
     try:
-        parse_procedural(scene) if scene.startswith("procedural") else parse_scene(scene)
+        check_home_name(scene)
     except UconError as error:
         yield f"--scene: {error}"
 
@@ -106,28 +106,44 @@ def _placement(text: str) -> Placement | str:
     return Placement(cast(Relation, relation), anchor)
 
 
-def others_of(wish: OwnPlacement) -> list[Entry]:
-    """The habit book's entries of the home's household for all other categories, in the order of the book."""
-    living = living_in(load_house(wish.scene), book())
-    found = {host.entry for name, hosts in living.items() if name != wish.target for host in hosts}
+def others_of(scene: str, targets: Collection[str]) -> list[Entry]:
+    """The habit book's entries of a home's household for all other categories, in the order of the book.
+
+    Args:
+        scene: name of the home.
+        targets: categories that the user's own entries are about.
+    """
+    living = living_in(load_house(scene), book())
+    found = {host.entry for name, hosts in living.items() if name not in targets for host in hosts}
     return sorted(found, key=lambda entry: book().entry_number[entry.id])
 
 
-def own_household(wish: OwnPlacement, place: Placement, others: Sequence[Entry]) -> HabitDataset:
-    """The request as an entry of a dataset, with the household's other entries.
+def own_household(wishes: Mapping[OwnPlacement, Placement], others: Sequence[Entry]) -> HabitDataset:
+    """Requests as entries of a dataset, with the household's other entries.
 
     Args:
-        wish: the request.
-        place: where the object is kept.
+        wishes: the requests, and where each object is kept.
         others: entries of :func:`others_of`.
     """
-    habits = tuple(Habit(text, (0,)) for text in wish.habits)
-    own = Entry(f"{wish.target}/own", wish.target, HOUSEHOLD, (place,), habits)
-    entries = (own, *others)
+    own = tuple(
+        Entry(own_entry(wish.target), wish.target, HOUSEHOLD, (place,), _telling(wish.habits))
+        for wish, place in wishes.items()
+    )
+    entries = (*own, *others)
     triples: set[Triple] = {(e.category, p.relation, p.anchor) for e in entries for p in e.placements}
     known = {triple: verdict for triple, verdict in book().verdicts.of.items() if triple in triples}
-    known.pop((wish.target, place.relation, place.anchor), None)  # it is tried here
+    for wish, place in wishes.items():
+        known.pop((wish.target, place.relation, place.anchor), None)  # it is tried here
     return HabitDataset(NAME, entries, verdicts=Verdicts(known))
+
+
+def _telling(habits: Iterable[str]) -> tuple[Habit, ...]:
+    return tuple(Habit(text, (0,)) for text in habits)
+
+
+def own_entry(target: str) -> str:
+    """Id of the user's own entry about a category."""
+    return f"{target}/own"
 
 
 def likely_places(wish: OwnPlacement, read: ReadPlaces) -> list[tuple[Placement, float]]:
@@ -171,16 +187,15 @@ def own_episode(
     Raises:
         ConfigError: the object can be put in no place, or not be found there.
     """
-    reasons, others = [], others_of(wish)
+    reasons, others = [], others_of(wish.scene, [wish.target])
     for place, chance in likely_places(wish, read):
-        dataset = own_household(wish, place, others)
+        dataset = own_household({wish: place}, others)
         try:
             episode = EpisodeSampler(dataset, rules=rules).sample(wish.scene, seed, targets=[wish.target])
         except EpisodeError as error:
             reasons.append(str(error))
             continue
-        target = episode.placed_by[episode.target]
-        if target[0] == f"{wish.target}/own":
+        if episode.placed_by[episode.target][0] == own_entry(wish.target):
             return replace(episode, id=f"{wish.scene}/{wish.target}/own"), dataset, place, chance
     where = spoken_place(wish.place.relation, wish.place.anchor) if wish.place else f"any of {len(reasons)} places"
     raise ConfigError(

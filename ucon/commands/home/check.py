@@ -1,0 +1,141 @@
+"""``python -m ucon home check FILE.yaml``: says what is built of a home file, what is not, and where things are."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ucon.sim.house import House
+    from ucon.task.own_home.placing import Placed
+    from ucon.task.own_home.wish import OwnHome
+
+#: Left out where a room is described in words.
+_OF_EVERY_ROOM = ("window", "electric_switch", "room_light", "door")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the action's options to its parser."""
+    parser.add_argument("file", type=Path, metavar="FILE.yaml", help="the home; `home new FILE.yaml` writes one")
+    parser.add_argument("--plan", type=Path, metavar="FILE.png", help="draw the floor plan into a picture")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Build the home, place its requests, and print both.
+
+    Args:
+        args: parsed options.
+
+    Returns:
+        Exit code 0.
+
+    Raises:
+        UconError: with every fault of the file, each with its line.
+    """
+    from ucon.core.files import require_writable
+    from ucon.core.output import stdout_to_stderr
+    from ucon.envs.own_home import read_places
+    from ucon.task.own_home.building import build, unplaced
+    from ucon.task.own_home.placing import placed_requests
+    from ucon.task.own_home.reading import read_home
+    from ucon.task.rules import PAPER
+
+    if args.plan is not None:
+        require_writable(args.plan)
+    with stdout_to_stderr():
+        wish = read_home(args.file.expanduser())
+        name, house = build(wish)
+        missing = unplaced(wish, house)
+        if args.plan is not None:
+            _draw(house, args.plan)
+        placed = placed_requests(wish, name, house, read_places, PAPER)[0] if wish.requests else ()
+    found = _found(wish, name, house, placed) | {"not placed": [str(one) for one in missing]}
+    if args.json:
+        print(json.dumps(found, indent=1))
+        return 0
+    for line in _lines(found):
+        print(line)
+    sys.stdout.flush()
+    for one in missing:
+        print(f"warning: {one}", file=sys.stderr)
+    if placed:
+        print(f"\nSearch it: python eval.py agent=belief habit_level=retrieval episodes={args.file}")
+    return 0
+
+
+def _found(wish: OwnHome, name: str, house: House, placed: tuple[Placed, ...]) -> dict[str, Any]:
+    """What is there, as plain values."""
+    from ucon.task.own_home.building import rooms_by_name
+
+    spec, called = house.spec, rooms_by_name(wish, house)
+    rooms: list[dict[str, Any]] = [
+        {
+            "room": called[room.name],
+            "type": room.type,
+            "size_m": [round(room.rect[2] - room.rect[0], 2), round(room.rect[3] - room.rect[1], 2)],
+            "furniture": dict(sorted(Counter(item.category for item in spec.items if item.room == k).items())),
+        }
+        for k, room in enumerate(spec.rooms)
+    ]
+    doors = [[called[spec.rooms[o.room_a].name], called[spec.rooms[o.room_b].name]] for o in spec.openings]
+    return {
+        "home": wish.called,
+        "name": name,
+        "kind": spec.kind,
+        "area_m2": round(spec.area_m2, 1),
+        "rooms": rooms,
+        "doors": doors,
+        "requests": [_request(one, [room["room"] for room in rooms]) for one in placed],
+    }
+
+
+def _request(one: Placed, rooms: list[str]) -> dict[str, Any]:
+    from ucon.task.spoken import spoken_place
+
+    return {
+        "target": one.request.target,
+        "place": spoken_place(one.place.relation, one.place.anchor),
+        "room": rooms[one.episodes[0].target_object.room],
+        "chance_by_habits": None if one.chance is None else round(one.chance, 3),
+        "shortest_path_m": [episode.shortest_path_m for episode in one.episodes],
+        "habits": [habit.text for habit in one.request.habits],
+    }
+
+
+def _lines(found: dict[str, Any]) -> Iterator[str]:
+    """The same in words."""
+    yield f"{found['home']}: a {found['kind']} of {found['area_m2']:g} m2, by name {found['name']}"
+    for room in found["rooms"]:
+        things = ", ".join(_counted(one, n) for one, n in room["furniture"].items() if one not in _OF_EVERY_ROOM)
+        width, length = room["size_m"]
+        yield f"  {room['room']}, {width:g} x {length:g} m: {things}"
+    if found["doors"]:
+        yield "  doors: " + ", ".join(" - ".join(door) for door in found["doors"])
+    for one in found["requests"]:
+        chance = one["chance_by_habits"]
+        read = "" if chance is None else f", as your habits are read ({100 * chance:.0f} %)"
+        ways = ", ".join(f"{length:g}" for length in one["shortest_path_m"])
+        yield f"{one['target'].replace('_', ' ')}: {one['place']} in the {one['room']}{read}; shortest way {ways} m"
+        yield from (f'  "{text}"' for text in one["habits"])
+
+
+def _counted(category: str, n: int) -> str:
+    name = category.replace("_", " ")
+    return name if n == 1 else f"{n} x {name}"
+
+
+def _draw(house: House, path: Path) -> None:
+    from PIL import Image
+
+    from ucon.core.output import say_written
+    from ucon.scenes.plan import draw_plan
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    Image.fromarray(draw_plan(house.spec)).save(path, format="png")
+    say_written(path, "the floor plan")

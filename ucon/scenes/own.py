@@ -1,0 +1,108 @@
+"""Homes of one's own by name: ``own:my_flat:3fa9b2c4d5e6``, a short form of what they are called and a hash.
+
+The hash is of the program and the seed, so a name stands for one home for ever. The program is kept in the user's
+cache, where other processes and later replays find it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from dataclasses import asdict
+from typing import Any, Final
+
+from ucon.core.errors import DataError, brief
+from ucon.core.files import canonical_json, sha256_bytes, user_cache, write_atomic
+from ucon.core.untrusted.plain_file import read_bounded
+from ucon.core.untrusted.strict_json import parse_json
+from ucon.scenes.program import HomeProgram, program_of
+
+PREFIX: Final = "own:"
+#: Version of the kept form.
+_FORMAT: Final = 1
+_NAME: Final = re.compile(r"own:([a-z0-9_]{1,40}):([0-9a-f]{12})")
+_MOST_BYTES: Final = 1 << 20
+#: Programs of this process, for when the cache cannot be written.
+_KNOWN: dict[str, str] = {}
+
+
+def is_own(name: str) -> bool:
+    """Whether a name is that of a home of one's own."""
+    return name.startswith(PREFIX)
+
+
+def own_name(called: str, program: HomeProgram, seed: int) -> str:
+    """The name of a home of one's own.
+
+    Args:
+        called: what its owner calls it.
+        program: its rooms and furniture.
+        seed: of its plan and furnishing.
+    """
+    return _named(called, _text(program, seed))
+
+
+def keep_program(called: str, program: HomeProgram, seed: int) -> str:
+    """Keep a program for this process and, where the cache can be written, for others.
+
+    Args:
+        called: what the home's owner calls it.
+        program: its rooms and furniture.
+        seed: of its plan and furnishing.
+
+    Returns:
+        The home's name.
+    """
+    text = _text(program, seed)
+    name = _named(called, text)
+    if name not in _KNOWN:
+        with contextlib.suppress(OSError):
+            write_atomic(_path(name), text)
+    _KNOWN[name] = text
+    return name
+
+
+def own_program(name: str) -> tuple[HomeProgram, int]:
+    """Program and seed of a home of one's own.
+
+    Raises:
+        DataError: no such name, or it is not kept on this machine, or what is kept was altered.
+    """
+    if not _NAME.fullmatch(name):
+        raise DataError(f"home '{brief(name)}': expected own:<name>:<12 digits and letters>, as `home check` says")
+    text = _KNOWN.get(name) or _kept(name)
+    try:
+        data = parse_json(text)
+        return program_of(name, data["program"]), int(data["seed"])
+    except (ValueError, LookupError, TypeError):
+        raise DataError(f"home '{name}': what is kept of it is not usable; {_AGAIN}") from None
+
+
+_AGAIN: Final = "give its file again (python -m ucon home check FILE.yaml)"
+
+
+def _kept(name: str) -> str:
+    try:
+        text = read_bounded(_path(name), _MOST_BYTES).decode(errors="replace")
+    except OSError:
+        raise DataError(f"home '{name}': one of somebody's own, not kept on this machine; {_AGAIN}") from None
+    if _digest(text) != name.rpartition(":")[2]:
+        raise DataError(f"home '{name}': what is kept of it was altered; {_AGAIN}")
+    return text
+
+
+def _path(name: str) -> Any:
+    return user_cache() / "own" / f"{name.removeprefix(PREFIX).replace(':', '-')}.json"
+
+
+def _named(called: str, text: str) -> str:
+    short = re.sub(r"[^a-z0-9]+", "_", called.lower()).strip("_")[:40].strip("_") or "home"
+    return f"{PREFIX}{short}:{_digest(text)}"
+
+
+def _digest(text: str) -> str:
+    return sha256_bytes(text.encode())[:12]
+
+
+def _text(program: HomeProgram, seed: int) -> str:
+    return canonical_json({"format": _FORMAT, "program": asdict(program), "seed": seed})

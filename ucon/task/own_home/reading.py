@@ -1,0 +1,168 @@
+"""Reads a home file: every value is checked, and all faults are told at once, each with its line and what is near."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from ucon.core.errors import UconError, brief, unknown_name
+from ucon.core.untrusted.marked_yaml import Marked, marked, read_marked
+from ucon.habits.book import Faults, book_anchors
+from ucon.habits.rules import placement_fault
+from ucon.habits.types import Placement
+from ucon.objects.catalogue import catalogue
+from ucon.scenes.library import MAX_SEED, check_home_name, is_home_name
+from ucon.scenes.program import HOME_KINDS
+from ucon.task.own_home.names import category_fault, category_of, place_of
+from ucon.task.own_home.reading_rooms import RoomReader, is_list
+from ucon.task.own_home.sentences import read_habits, shared_out
+from ucon.task.own_home.wish import OwnHome, Request
+
+KEYS: Final = ("home", "kind", "seed", "rooms", "doors", "habits", "requests", "starts")
+#: Most requests of a file, most searches for each.
+MOST_REQUESTS: Final = 50
+MOST_STARTS: Final = 100
+_LONGEST_NAME: Final = 60
+
+
+def read_home(source: Path | Mapping[str, Any], instead: Mapping[str, Any] | None = None) -> OwnHome:
+    """Read a home file, or the same content as a dict.
+
+    Args:
+        source: the file, or the dict.
+        instead: keys of the top level with values that take the place of the file's.
+
+    Raises:
+        DataError: with all faults, each with its line.
+    """
+    if isinstance(source, Path):
+        name, root, folder = str(source), read_marked(source), source.parent
+    else:
+        name, root, folder = "home", marked(source, "home"), None
+    if instead and isinstance(root.value, dict):
+        content = {key: marked(value, key) for key, value in instead.items()}
+        root = Marked(root.value | content, root.where, {**root.keys, **{key: key for key in content}})
+    faults = Faults()
+    found = _Reader(faults, name, folder).home(root)
+    faults.raise_if_any(Path(name))
+    assert found is not None, "without a fault there is a home"
+    return found
+
+
+class _Reader(RoomReader):
+    """Turns marked values into a home; faults are collected, and what is wrong is left out."""
+
+    def __init__(self, faults: Faults, name: str, folder: Path | None) -> None:
+        super().__init__(faults)
+        self._name, self._folder = name, folder
+
+    def home(self, root: Marked) -> OwnHome | None:
+        """The home of a document; None where a fault was found."""
+        if not isinstance(root.value, dict):
+            self._fault(root.where, "expected a home, as `python -m ucon home new FILE.yaml` writes one")
+            return None
+        self._known_keys(root, KEYS)
+        part = root.value
+        called = self._called(part.get("home"))
+        known = is_home_name(called)
+        if known and (extra := [key for key in ("kind", "rooms", "doors", "seed") if key in part]):
+            self._fault(root.keys[extra[0]], f"{called} is there already: leave this key out or rename yours")
+        kind = self._choice(part.get("kind"), "kind of home", HOME_KINDS, "flat")
+        seed = self._whole(part.get("seed"), "seed", 0, MAX_SEED, 0)
+        starts = self._whole(part.get("starts"), "starts", 1, MOST_STARTS, 1)
+        rooms = tuple(self._rooms(part.get("rooms")))
+        doors = self._doors(part.get("doors"), [room.called for room in rooms])
+        requests = self._requests(part.get("requests"), part.get("habits"))
+        return OwnHome(called, known, kind, seed, rooms, doors, requests, starts, root.where, self._name)
+
+    # -- the home ---------------------------------------------------------------------------------------------
+
+    def _called(self, node: Marked | None) -> str:
+        if node is None or node.value is None:
+            return Path(self._name).stem
+        text = str(node.value) if isinstance(node.value, str | int) and not isinstance(node.value, bool) else ""
+        if not text.strip() or len(text) > _LONGEST_NAME:
+            self._fault(node.where, f"home: {brief(node.value)}, expected a name of at most {_LONGEST_NAME} letters")
+        elif is_home_name(text):
+            try:
+                check_home_name(text)
+            except UconError as error:
+                self._fault(node.where, str(error))
+        return text
+
+    def _choice(self, node: Marked | None, what: str, known: Collection[str], default: str) -> str:
+        if node is None:
+            return default
+        if node.value not in known:
+            self._fault(node.where, unknown_name(what, str(node.value), known))
+            return default
+        return str(node.value)
+
+    def _whole(self, node: Marked | None, what: str, least: int, most: int, default: int) -> int:
+        if node is None:
+            return default
+        if type(node.value) is not int or not least <= node.value <= most:
+            self._fault(node.where, f"{what}: {node.told}, expected a whole number from {least} to {most:,}")
+            return default
+        return node.value
+
+    # -- requests ---------------------------------------------------------------------------------------------
+
+    def _requests(self, node: Marked | None, habits: Marked | None) -> tuple[Request, ...]:
+        asked = list(self._asked(node)) if node is not None and node.value is not None else []
+        if len(asked) > MOST_REQUESTS:
+            self._fault(asked[MOST_REQUESTS][2], f"{len(asked)} requests, expected at most {MOST_REQUESTS}")
+        sentences = read_habits(habits, self._folder, self._fault)
+        about = shared_out(sentences or [], [target for target, _, _ in asked])
+        for target, _, where in asked if sentences is not None else ():
+            if not about[target]:
+                name = target.replace("_", " ")
+                self._fault(where, f"no sentence of 'habits' is about the {name}; write one that names it")
+        return tuple(Request(target, place, tuple(about[target]), where) for target, place, where in asked)
+
+    def _asked(self, node: Marked) -> Iterator[tuple[str, Placement | None, str]]:
+        """Category, place and line of each request, without those that have a fault."""
+        seen: dict[str, str] = {}
+        for words, place, where in self._request_lines(node):
+            target = category_of(words)
+            if target is None:
+                self._fault(where, category_fault("object", words))
+                continue
+            if catalogue()[target].mount == "structure":
+                self._fault(where, f"{target} is part of the building; ask for a thing, such as mug")
+                continue
+            if target in seen:
+                self._fault(where, f"{target} is asked for twice (first at {seen[target]}); one home keeps one of it")
+                continue
+            seen[target] = where
+            found = None if place is None else self._place(target, place)
+            if place is None or found is not None:
+                yield target, found, where
+
+    def _request_lines(self, node: Marked) -> Iterator[tuple[str, Marked | None, str]]:
+        if isinstance(node.value, dict):
+            for words, place in node.value.items():
+                yield words, None if place.value is None else place, node.keys[words]
+        elif is_list(node):
+            for one in node.value:
+                if isinstance(one.value, dict):
+                    yield from self._request_lines(one)
+                elif isinstance(one.value, str):
+                    yield one.value, None, one.where
+                else:
+                    self._fault(one.where, f"{one.told}, expected a thing, such as mug: on the breakfast table")
+        elif isinstance(node.value, str):
+            yield node.value, None, node.where
+        else:
+            self._fault(node.where, f"requests: {node.told}, expected a list, such as - mug: on the breakfast table")
+
+    def _place(self, target: str, node: Marked) -> Placement | None:
+        found = place_of(node.value) if isinstance(node.value, str) else f"{node.told}, expected a place in words"
+        if isinstance(found, Placement):
+            fault = placement_fault(target, [], found, book_anchors())
+            found = found if fault is None else fault
+        if isinstance(found, str):
+            self._fault(node.where, f"{target.replace('_', ' ')}: {found}")
+            return None
+        return found
