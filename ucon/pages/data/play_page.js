@@ -28,7 +28,7 @@ document.addEventListener('keydown', event => {
 /** The first view: choose a run, or go on with one. */
 async function start() {
   view = null;
-  const {levels, sets, pictures, left} = await ask('play/choices');
+  const {levels, sets, pictures, left, rules} = await ask('play/choices');
   const name = el('input', {required: true, maxlength: 40, pattern: '[A-Za-z0-9][A-Za-z0-9_\\-]*', autocomplete: 'nickname', id: 'player'});
   const level = choiceOf(levels, 'retrieval', LEVEL_NAMES);
   const set = choiceOf(sets, 'mini');
@@ -47,8 +47,13 @@ async function start() {
     el('p', {}, 'You stand in a home that you do not know, and look for one thing. You get what an agent gets: the '
       + 'picture from where you stand, the names of what is in view, the sentences of the household, and 300 steps. '
       + 'You are done when the thing is in view, within 1 m, and you say so.'),
-    form, ...(left.length ? [el('h2', {}, 'Begun before'), leftList(left)] : []));
+    form, left.length ? [el('h2', {}, 'Begun before'), leftList(left)] : null, el('h2', {}, 'Keys'), keyTable(rules));
   name.focus();
+}
+
+function keyTable(rules) {
+  return el('div', {class: 'wide'}, el('table', {class: 'keys'}, el('tbody', {}, ACTIONS.map(one => el('tr', {},
+    el('td', {}, el('kbd', {}, one.key)), el('td', {class: 'left'}, one.name), el('td', {class: 'left faint'}, rules[one.action].effect))))));
 }
 
 function leftList(left) {
@@ -114,7 +119,7 @@ function searching(rules) {
     const words = wordsOf(search.value);
     const found = sentences.filter(text => words.every(word => text.toLowerCase().includes(word)));
     count.textContent = words.length ? `${found.length} of ${sentences.length}` : `${sentences.length}`;
-    refill(list, ...found.map(text => el('li', {}, marked(text, words))));
+    refill(list, ...found.map(text => el('li', {}, marked(clipped(text, 2000), words))));
     if (!found.length) list.append(el('li', {class: 'faint'}, sentences.length ? 'none with these words' : 'none are given at this level'));
   };
   search.addEventListener('input', listed);
