@@ -79,8 +79,13 @@ def _require_folder(out: Path) -> None:
 
 
 def _open(address: str) -> None:
-    """Open the address in the user's browser, once the server answers."""
+    """Open the address in the user's browser, once the server answers; where there is a screen."""
+    import os
+    import sys
     import threading
     import webbrowser
+
+    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return  # a browser within the terminal would take its place
 
     threading.Timer(0.7, webbrowser.open, (address,)).start()

@@ -13,10 +13,12 @@ import pytest
 from tests.pages.conftest import contrast, wider_than_the_window
 from tests.pages.serve.conftest import Listening, Served, seen
 from ucon.__main__ import main
+from ucon.core.errors import ConfigError
 from ucon.evaluation.datasets.survey import read_key, read_sheet
 from ucon.evaluation.kept.finished import FinishedRun
 from ucon.habits import Habit, HabitDataset, book
 from ucon.pages.serve.shell import PAGES
+from ucon.pages.serve.studies import Studies
 from ucon.task.sets import load_episodes
 
 KEYS = {0: "ArrowUp", 1: "ArrowRight", 2: "ArrowLeft", 3: "w", 4: "s", 5: "o", 6: "f"}
@@ -43,6 +45,15 @@ def hostile_book() -> HabitDataset:
         habits = (Habit(text, (0,)), *entry.habits[1:])
         entries[number] = replace(entry, habits=habits, household=f"who? {text[:300]}")
     return replace(book(), name="<b>hostile</b>", entries=tuple(entries))
+
+
+def all_hostile(texts: list[str]) -> HabitDataset:
+    """The habit book with hostile sentences alone."""
+    entries = [
+        replace(entry, habits=tuple(Habit(texts[(k + j) % len(texts)], (0,)) for j in range(3)))
+        for k, entry in enumerate(book().entries)
+    ]
+    return replace(book(), name="hostile", entries=tuple(entries))
 
 
 def begin(page: Any, served: Served, n: int = 1, level: str = "retrieval") -> None:
@@ -85,7 +96,9 @@ def test_a_search_by_keys_is_a_run_like_any_other(browser_page: Any, served: Ser
     assert seen(page, "#ending") == "Found the blackboard eraser"
     assert page.locator("svg.plan .path").count() == 2
     page.keyboard.press("Enter")  # the button to go on has the focus
-    assert "All 1 searches are done" in seen(page, "#finished")
+    assert seen(page, "#finished") == "The search is done"
+    page.click("text=Map")
+    assert seen(page, "#ending") == "Found the blackboard eraser"
     folder = served.out / "play" / "ann" / "mini-retrieval-1"
     run = FinishedRun.read(folder)
     assert run.records is not None
@@ -152,6 +165,7 @@ def test_a_study_to_its_export(browser_page: Any, served: Served, capsys: Any) -
     assert f"{figures['alpha_look']['mean']:.3f}" == alpha
 
 
+@pytest.mark.timed
 def test_a_walk_is_fluent(browser_page: Any, served: Served) -> None:
     page = browser_page
     page.goto(f"{served.address}homes")
@@ -186,8 +200,7 @@ def test_things_have_cards(browser_page: Any, served: Served) -> None:
     assert "opens\nyes" in card
     assert "inside: " in card
     page.click("text=Go there")
-    frames = page.get_attribute("#walk", "data-frames")
-    page.wait_for_function("n => document.getElementById('walk').dataset.frames > n", arg=frames)
+    page.wait_for_function("() => !dirty && !asking")
     closed = page.evaluate("canvas.toDataURL()")
     page.click("text=Open it")
     page.wait_for_function("was => canvas.toDataURL() !== was", arg=closed)
@@ -238,12 +251,35 @@ def test_hostile_text_is_text(browser_page: Any, listener: Listening, tmp_path: 
     page.click("#where button")
     assert len(seen(page, "#where .whole-text")) >= 2**20
     assert page.locator("main img, main script, #sentences svg").count() == 0
+    assert page.title() == "Habits · UcON"
+
+
+def test_hostile_text_in_a_study(browser_page: Any, listener: Listening, tmp_path: Path) -> None:
+    """As items, in the sheet and in the figures; a sentence that nobody would read is refused."""
+    texts, page = [text for text in HOSTILE if len(text) < 1000], browser_page
+    served = listener.start(tmp_path / "out", (tmp_path,), all_hostile(texts))
     page.goto(f"{served.address}study")
-    page.fill("#study-name", "hostile")
-    page.fill("#study-n", str(460))
+    page.fill("#study-name", "one")
+    page.fill("#study-n", "9")
     page.click("text=Draw it")
-    page.wait_for_selector("#rater, .message:not(:empty)")
-    assert page.title().startswith("Study")
+    page.fill("#rater", "ann")
+    page.click("[aria-label='Answer one']")
+    shown = set()
+    for _ in range(9):
+        shown.add(seen(page, "#habit"))
+        page.keyboard.press("3")
+        page.keyboard.press("n")
+        page.keyboard.press("Enter")
+    assert "All is answered" in seen(page, "#thanks")
+    assert any("<script>" in text for text in shown)
+    assert any("\u2407" in text for text in shown)
+    assert page.locator("main img, main script").count() == 0
+    page.wait_for_selector("text=Your sheet")
+    folder = served.out / "studies" / "one"
+    assert len(read_sheet(folder / "sheets" / "ann.csv", read_key(folder / "key.csv"))) == 9
+    assert page.title() == "Study · UcON"
+    with pytest.raises(ConfigError, match="a sentence of 1048581 characters"):
+        Studies(tmp_path, all_hostile([HOSTILE[5]])).make("long", 4, 0)
 
 
 def test_runs_are_shown_while_they_grow(browser_page: Any, listener: Listening, tmp_path: Path) -> None:
@@ -270,26 +306,37 @@ def test_runs_are_shown_while_they_grow(browser_page: Any, listener: Listening, 
     assert report.evaluate("self.origin") == "null"
 
 
-@pytest.mark.parametrize("colours", ["light", "dark"])
-def test_pages_fit_and_can_be_read(browser_page: Any, served: Served, colours: str) -> None:
-    """At 375 and 1440 pixels nobody scrolls sideways; all text has contrast; every field has a name."""
-    page = browser_page
-    page.emulate_media(color_scheme=colours)
-    for name in ("", *PAGES):
-        page.goto(f"{served.address}{name}")
-        page.wait_for_load_state("networkidle")
-        for width in (375, 1440):
-            page.set_viewport_size({"width": width, "height": 800})
-            assert wider_than_the_window(page) == 0, (name, width)
-        texts = "main :is(p, h1, h2, h3, td, th, li, label, button, span, b, dt, dd, legend), header :is(a, button)"
-        assert contrast(page, texts) >= CONTRAST, (name, colours)
-        nameless = "e => !(e.labels?.length || e.getAttribute('aria-label'))"
-        assert page.evaluate(f"[...document.querySelectorAll('input, select')].filter({nameless}).length") == 0, name
-    begin(page, served, level="none")
+#: What each page shows once it is there.
+READY = {
+    "": ".cards", "runs": "#detail p", "homes": "#walk[data-frames]", "habits": ".sentence", "play": "#player",
+    "study": "#study-name",
+}  # fmt: skip
+TEXTS = "main :is(p, h1, h2, h3, td, th, li, label, button, span, b, dt, dd, legend), header :is(a, button)"
+
+
+def check_looks(page: Any, where: str) -> None:
+    """At 375 and 1440 pixels nobody scrolls sideways; in light and dark all text has contrast."""
     for width in (375, 1440):
         page.set_viewport_size({"width": width, "height": 800})
-        assert wider_than_the_window(page) == 0
-    assert contrast(page, "main :is(p, h2, li, button, span, b)") >= CONTRAST
+        assert wider_than_the_window(page) == 0, (where, width)
+    for colours in ("light", "dark"):
+        page.emulate_media(color_scheme=colours)
+        assert contrast(page, TEXTS) >= CONTRAST, (where, colours)
+
+
+def test_pages_fit_and_can_be_read(browser_page: Any, served: Served) -> None:
+    page = browser_page
+    nameless = "e => !(e.labels?.length || e.getAttribute('aria-label'))"
+    for name in ("", *PAGES):
+        page.goto(f"{served.address}{name}")
+        page.wait_for_selector(READY[name])
+        check_looks(page, name)
+        assert page.evaluate(f"[...document.querySelectorAll('input, select')].filter({nameless}).length") == 0, name
+    begin(page, served, level="none")
+    check_looks(page, "a search")
+    page.keyboard.press("f")
+    page.wait_for_selector("#ending")
+    check_looks(page, "its end")
 
 
 def test_colours_are_chosen_and_the_keyboard_is_enough(browser_page: Any, served: Served) -> None:

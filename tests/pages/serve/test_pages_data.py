@@ -113,6 +113,14 @@ def test_a_training_is_read(tmp_path: Path) -> None:
     assert detail["curves"][0]["points"][-1] == [1000, pytest.approx(5 - 1000 / 300)]
 
 
+def test_all_that_is_recorded_is_shown() -> None:
+    with fresh(Path(__file__).parents[3] / "results") as client:
+        found = runs(client)
+    assert len(found) > 50
+    assert not [name for name, run in found.items() if "problem" in run]
+    assert (found["results/learned-frontier"]["done"], found["results/trained-equal-zson"]["kind"]) == (1000, "train")
+
+
 def test_folders_that_are_damaged_or_point_elsewhere(tmp_path: Path) -> None:
     top, outside = tmp_path / "top", tmp_path / "outside"
     for folder in (top / "bad", top / "linked", outside):

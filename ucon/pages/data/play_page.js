@@ -28,7 +28,7 @@ document.addEventListener('keydown', event => {
 /** The first view: choose a run, or go on with one. */
 async function start() {
   view = null;
-  const {levels, sets, pictures, left} = await ask('play/choices');
+  const {levels, sets, pictures, left, rules} = await ask('play/choices');
   const name = el('input', {required: true, maxlength: 40, pattern: '[A-Za-z0-9][A-Za-z0-9_\\-]*', autocomplete: 'nickname', id: 'player'});
   const level = choiceOf(levels, 'retrieval', LEVEL_NAMES);
   const set = choiceOf(sets, 'mini');
@@ -47,8 +47,13 @@ async function start() {
     el('p', {}, 'You stand in a home that you do not know, and look for one thing. You get what an agent gets: the '
       + 'picture from where you stand, the names of what is in view, the sentences of the household, and 300 steps. '
       + 'You are done when the thing is in view, within 1 m, and you say so.'),
-    form, ...(left.length ? [el('h2', {}, 'Begun before'), leftList(left)] : []));
+    form, left.length ? [el('h2', {}, 'Begun before'), leftList(left)] : null, el('h2', {}, 'Keys'), keyTable(rules));
   name.focus();
+}
+
+function keyTable(rules) {
+  return el('div', {class: 'wide'}, el('table', {class: 'keys'}, el('tbody', {}, ACTIONS.map(one => el('tr', {},
+    el('td', {}, el('kbd', {}, one.key)), el('td', {class: 'left'}, one.name), el('td', {class: 'left faint'}, rules[one.action].effect))))));
 }
 
 function leftList(left) {
@@ -114,7 +119,7 @@ function searching(rules) {
     const words = wordsOf(search.value);
     const found = sentences.filter(text => words.every(word => text.toLowerCase().includes(word)));
     count.textContent = words.length ? `${found.length} of ${sentences.length}` : `${sentences.length}`;
-    refill(list, ...found.map(text => el('li', {}, marked(text, words))));
+    refill(list, ...found.map(text => el('li', {}, marked(clipped(text, 2000), words))));
     if (!found.length) list.append(el('li', {class: 'faint'}, sentences.length ? 'none with these words' : 'none are given at this level'));
   };
   search.addEventListener('input', listed);
@@ -152,11 +157,11 @@ function searching(rules) {
 }
 
 /** The end of one search. */
-async function result(state, rules) {
-  const end = await ask('play/result', {game, episode: state.last});
+async function result(state, rules, episode = state.last) {
+  const end = await ask('play/result', {game, episode});
   const drawing = new Plan.Drawing(end.plan, `Plan of ${end.home} with your way and the shortest one`);
   drawEnd(drawing, end);
-  const next = el('button', {type: 'button', class: 'main big', onclick: () => show(state, rules)}, state.view ? 'Next search' : 'To the figures');
+  const next = el('button', {type: 'button', class: 'main big', onclick: () => shownIn(line, () => show(state, rules))}, state.view ? 'Next search' : 'To the figures');
   const row = (name, own, best) => el('tr', {}, el('td', {}, name), el('td', {}, own), el('td', {}, best));
   refill(body, el('div', {class: 'result'},
     el('section', {'aria-label': 'The home'}, drawing.svg),
@@ -174,8 +179,8 @@ async function result(state, rules) {
 function drawEnd(drawing, end) {
   for (const k of end.placed.removed) drawing.things[k]?.remove();
   for (const box of end.opened) drawing.box('things', box, {class: 'thing opened'}, 'opened');
-  drawing.line('path', end.shortest, {class: 'path shortest'});
   drawing.line('path', end.path, {class: 'path'});
+  drawing.line('path', end.shortest, {class: 'path shortest'});
   drawing.circle('marks', end.path[0], 12, {class: 'start'}, 'start');
   const [x0, y0, x1, y1] = end.target_box;
   drawing.star('marks', [(x0 + x1) / 2, (y0 + y1) / 2], 26, end.target);
@@ -185,10 +190,15 @@ function drawEnd(drawing, end) {
 /** After the last search. */
 function finished(state) {
   const f = state.figures;
-  refill(body, el('h2', {id: 'finished'}, `All ${state.n} searches are done`),
+  refill(body, el('h2', {id: 'finished'}, state.n === 1 ? 'The search is done' : `All ${state.n} searches are done`),
     f ? el('table', {}, el('thead', {}, el('tr', {}, ['agent', 'habits', 'n', 'SR % [95 %]', 'SPL [95 %]', 'steps'].map((t, k) => el('th', {class: k < 2 ? 'left' : ''}, t)))),
       el('tbody', {}, el('tr', {}, el('td', {}, 'human'), el('td', {class: 'left'}, state.level), el('td', {}, f.n),
         el('td', {}, interval(f.success_rate, f.success_rate_ci95)), el('td', {}, interval(f.spl, f.spl_ci95, 1, 3)), el('td', {}, f.steps.toFixed(0))))) : null,
+    el('h2', {}, 'The searches'),
+    el('div', {class: 'wide'}, el('table', {}, el('tbody', {}, state.ended.map(one => el('tr', {},
+      el('td', {}, one.target), el('td', {class: `left ${one.success ? 'good' : 'bad'}`}, one.success ? 'found' : one.why), el('td', {}, `${one.steps} steps`),
+      el('td', {}, `SPL ${one.spl.toFixed(3)}`), el('td', {}, el('button', {type: 'button', 'aria-label': `Map of the search for the ${one.target}`,
+        onclick: () => shownIn(line, () => result(state, [], one.episode))}, 'Map'))))))),
     el('p', {}, 'Your run stands beside those of agents: ', el('code', {class: 'plain'}, `python -m ucon compare ${state.run} RUN`)),
     el('button', {type: 'button', class: 'main', onclick: () => shownIn(line, start)}, 'Play more'));
 }

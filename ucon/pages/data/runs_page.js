@@ -16,7 +16,7 @@ let runs = [], total = 0, lastList = '', lastOne = '', chosen = decodeURICompone
 
 const ago = seconds => seconds < 90 ? `${seconds} s` : seconds < 5400 ? `${Math.round(seconds / 60)} min` : seconds < 129600 ? `${Math.round(seconds / 3600)} h` : `${Math.round(seconds / 86400)} d`;
 const state = run => run.finished ? 'finished' : run.age_s < 180 ? 'running' : 'not finished';
-const done = run => run.done === undefined ? '' : run.total ? `${run.done} of ${run.total}` : String(run.done);
+const done = run => run.done === undefined ? '' : run.total && run.total !== run.done ? `${run.done} of ${run.total}` : String(run.done);
 
 function fill() {
   const words = wordsOf(search.value);
@@ -29,14 +29,14 @@ function fill() {
   }
   const kept = document.activeElement?.dataset?.run;
   refill(table, el('table', {}, el('thead', {}, el('tr', {},
-    ['run', 'what', 'habits', 'state', 'done', 'SR % [95 %]', 'SPL', 'written'].map((text, k) => el('th', {class: k < 4 ? 'left' : ''}, text)))),
+    ['run', 'what', 'habits', 'state', 'done', 'SR % [95 %]', 'SPL', 'age'].map((text, k) => el('th', {class: k < 4 ? 'left' : ''}, text)))),
   el('tbody', {}, found.map(run => el('tr', {class: run.id === chosen ? 'chosen' : ''},
     el('td', {class: 'run-name'}, el('button', {type: 'button', class: 'link', 'data-run': run.id, 'aria-pressed': run.id === chosen, onclick: () => choose(run.id)}, plain(run.name))),
-    el('td', {class: 'left'}, plain(run.label || '')), el('td', {class: 'left'}, plain(run.level || '')),
+    el('td', {class: 'left what', title: run.problem || ''}, plain(run.label || '')), el('td', {class: 'left'}, plain(run.level || '')),
     el('td', {class: `left ${run.finished ? '' : state(run) === 'running' ? 'good' : 'warm'}`}, state(run)),
     el('td', {}, done(run)),
-    el('td', {}, run.success_rate_ci95 ? interval(run.success_rate, run.success_rate_ci95) : run.score != null ? `best score ${run.score.toPrecision(3)}` : ''),
-    el('td', {}, run.spl === undefined ? '' : run.spl.toFixed(3)), el('td', {}, `${ago(run.age_s)} ago`))))));
+    el('td', {}, run.success_rate_ci95 ? interval(run.success_rate, run.success_rate_ci95) : run.score != null ? `best score ${Number(run.score.toPrecision(2))}` : ''),
+    el('td', {}, run.spl === undefined ? '' : run.spl.toFixed(3)), el('td', {}, ago(run.age_s)))))));
   if (kept) table.querySelector(`[data-run="${kept}"]`)?.focus();
 }
 

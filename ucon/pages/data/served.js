@@ -20,7 +20,8 @@ async function answered(request) {
     if (error.name === 'AbortError') throw error;
     throw new Error('The server does not answer. Start it again: python -m ucon serve');
   }
-  const value = await response.json().catch(() => ({error: `answer ${response.status}`}));
+  const value = await response.json().catch(() => ({error: response.status === 404
+    ? 'The server was started anew: open the address that it printed' : `answer ${response.status}`}));
   if (!response.ok) throw new Error(value.error || `answer ${response.status}`);
   return value;
 }

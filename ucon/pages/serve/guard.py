@@ -10,7 +10,6 @@ from __future__ import annotations
 import secrets
 from collections.abc import Mapping
 from typing import Final
-from urllib.parse import unquote
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import PlainTextResponse
@@ -79,7 +78,7 @@ class Guard:
         headers = Headers(scope=scope)
         if headers.get("host") not in self._hosts:
             return PlainTextResponse("this server answers to 127.0.0.1 and localhost alone\n", 421)
-        first = unquote(scope["path"]).split("/")[1] if "/" in scope["path"] else ""
+        first = scope["path"].split("/")[1] if "/" in scope["path"] else ""
         if not secrets.compare_digest(first.encode(), self._token.encode()):
             return PlainTextResponse("not here: take the whole address that `python -m ucon serve` printed\n", 404)
         if not self._from_here(headers):

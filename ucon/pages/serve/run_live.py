@@ -99,6 +99,8 @@ class LiveFigures:
         row = self.row(run)
         if "problem" in row:
             raise DataError(row["problem"])
+        if row.get("kind") == "train":
+            return {**row, "curves": []}
         if run.kind == "train":
             return {**row, "curves": _curves(self._metrics.lines(run.path / METRICS))}
         records = list(FinishedRun.read(run.path).records or ()) if run.finished else self._records(run.path)[1]
@@ -126,6 +128,8 @@ class LiveFigures:
     def _evaluated(self, run: FoundRun) -> dict[str, Any]:
         if run.finished:
             said = read_json(run.path / SUMMARY, "evaluate again", max_bytes=_MOST_SUMMARY)
+            if isinstance(said, dict) and isinstance(said.get("best"), dict):
+                return _trained_once(run.path, said)
             check_summary(said if isinstance(said, dict) else {}, run.path / SUMMARY)
             return _row(agent_label(said), level(said), said, said["n"])
         total, records = self._records(run.path)
@@ -154,6 +158,19 @@ class LiveFigures:
 def _row(label: str, habits: str, figures: Mapping[str, Any], total: int | None) -> dict[str, Any]:
     return {"label": label, "level": habits, "done": figures["n"], "total": total} | {
         name: figures[name] for name in _SHOWN if name in figures
+    }
+
+
+def _trained_once(folder: Path, said: Mapping[str, Any]) -> dict[str, Any]:
+    """The row of a training of which the summary alone is kept, as in ``results/``."""
+    steps, score = said.get("steps"), said["best"].get("score")
+    return {
+        "kind": "train",
+        "label": _said(folder).get("label", ""),
+        "level": "",
+        "done": steps if type(steps) is int else None,
+        "total": None,
+        "score": score if _is_number(score) else None,
     }
 
 

@@ -27,8 +27,8 @@ from ucon.habits import HabitDataset
 from ucon.pages.serve.desk import checked_name
 
 _KEY: Final = "key.csv"
-#: Most studies and raters that are listed.
-_MOST: Final = 200
+#: Most studies and raters that are listed, and the longest sentence: Python's CSV reader takes no longer cell.
+_MOST, _LONGEST = 200, 100_000
 
 
 class Studies:
@@ -71,6 +71,10 @@ class Studies:
         """
         path = self._folder / checked_name(name, "study") / _KEY
         items = draw_items(self._dataset, n, seed)
+        if (longest := max(len(one.habit) for one in items)) > _LONGEST:
+            raise ConfigError(
+                f"a sentence of {longest} characters: nobody reads that; give another seed, or other habits"
+            )
         with self._lock:
             if path.exists():
                 raise ConfigError(f"there is a study '{name}' already; open it, or give another name")

@@ -149,7 +149,7 @@ class Game:
 
         Returns:
             ``over``; ``done`` and ``n`` episodes and the figures so far; ``view`` of the current episode, None after
-            the last; ``last``, the id of the episode that was over last.
+            the last; ``last``, the id of the episode that was over last; ``ended``, all of them after the last.
 
         Raises:
             ConfigError: the run cannot go on; says why.
@@ -178,6 +178,7 @@ class Game:
                 }
             records = list(self._known().values())
         found["figures"] = _figures(records)
+        found["ended"] = [_told(record) for record in records] if found["over"] else []
         return found
 
     def habits(self) -> list[str]:
@@ -227,6 +228,14 @@ class Game:
             raise ConfigError("the home is not there yet; try again in a moment")
         if self._problem:
             raise ConfigError(self._problem)
+
+
+def _told(record: EpisodeRecord) -> dict[str, Any]:
+    """A line about an episode that is over."""
+    why = record.failure_cause.replace("_", " ")
+    target = record.target.replace("_", " ")
+    found = {"episode": record.episode, "target": target, "success": record.success, "why": why}
+    return found | {"steps": record.steps, "spl": record.spl}
 
 
 def _figures(records: list[EpisodeRecord]) -> dict[str, Any] | None:

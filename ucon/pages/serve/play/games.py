@@ -15,7 +15,7 @@ from ucon.pages.serve.play.game import Game
 from ucon.pages.serve.play.journal import Journal
 from ucon.programs.composing import eval_config
 from ucon.programs.evaluating import Evaluation
-from ucon.task.sets import episode_sets
+from ucon.task.sets import episode_sets, load_episodes
 
 #: Levels that can be played; ``context`` ranks habits anew in every step, which nobody could follow.
 LEVELS: Final = ("none", "retrieval", "gt", "full")
@@ -52,7 +52,7 @@ class Games:
             player: who plays.
             level: habit level.
             episodes: name of a set.
-            n: number of its episodes, from the first.
+            n: number of its episodes, from the first; at most all.
             picture_px: side of the picture.
 
         Returns:
@@ -64,6 +64,7 @@ class Games:
         checked_name(player, "name")
         if level not in LEVELS or episodes not in sets() or picture_px not in PICTURES or not 1 <= n <= _MOST_EPISODES:
             raise ConfigError(f"no such run: {brief(level)}, {brief(episodes)}, {n} episodes, {picture_px} pixels")
+        n = min(n, len(load_episodes(episodes)))
         sharp = "" if picture_px == PICTURES[0] else f"-{picture_px}px"
         wanted = self._folder / player / f"{episodes}-{level}-{n}{sharp}"
         with self._lock:

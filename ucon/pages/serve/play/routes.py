@@ -9,6 +9,7 @@ from starlette.routing import Route
 
 from ucon.pages.serve.answers import asked, choice, text, told, whole
 from ucon.pages.serve.play.games import LEVELS, PICTURES, Games, sets
+from ucon.task.rules import PAPER
 
 _Words = Mapping[str, Any]
 
@@ -21,7 +22,7 @@ def play_routes(games: Games) -> list[Route]:
     """
 
     def choices(_: _Words) -> dict[str, Any]:
-        return {"levels": LEVELS, "sets": sets(), "pictures": PICTURES, "left": games.left()}
+        return {"levels": LEVELS, "sets": sets(), "pictures": PICTURES, "left": games.left(), "rules": PAPER.actions()}
 
     def begin(words: _Words) -> dict[str, Any]:
         name = games.open(
