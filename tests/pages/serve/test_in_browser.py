@@ -297,7 +297,7 @@ def test_runs_are_shown_while_they_grow(browser_page: Any, listener: Listening, 
     with metrics.open("a") as file:
         file.write('{"loss":1.5,"step":3}\n{"loss":1.25,')
     page.wait_for_function("() => document.getElementById('progress').textContent === '3 steps'")
-    assert "loss: 1.5 at step 3" in (page.get_attribute("svg.curve", "aria-label") or "")
+    assert "loss: 1.5 at step 3" in (page.get_attribute("svg.chart", "aria-label") or "")
     with page.context.expect_page() as opening:
         page.click("text=Its report")
     report = opening.value

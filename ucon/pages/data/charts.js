@@ -1,4 +1,4 @@
-// Line charts as SVG.
+// Charts as SVG: lines with bands, and means on a scale.
 'use strict';
 
 const Charts = (() => {
@@ -52,5 +52,26 @@ const Charts = (() => {
     return svg;
   }
 
-  return {lines};
+  const short = value => (Math.abs(value) >= 1e4 || (value && Math.abs(value) < 1e-3) ? value.toExponential(0) : String(Number(value.toPrecision(3))));
+
+  /** A curve under its name: points are x, y, and perhaps low and high, which become a band. */
+  function curve({name, x, points}) {
+    const last = points.at(-1), band = last.length === 4 ? points.map(p => [p[0], p[2], p[3]]) : null;
+    const drawn = lines([{points: points.map(p => p.slice(0, 2)), color: 'var(--accent)', band}],
+      {x, y: '', label: `${name}: ${short(last[1])} at ${x} ${last[0]}`, format: short, ...(band ? {low: Math.min(...band.map(p => p[1])), high: Math.max(...band.map(p => p[2]))} : {})});
+    return el('figure', {}, el('figcaption', {class: 'plain'}, name), drawn);
+  }
+
+  /** A mean with its interval as a bar on a scale; an empty scale where it is not defined. */
+  function bar(found, low, high) {
+    const label = found ? `${found.mean.toFixed(3)}, ${found.low.toFixed(3)} to ${found.high.toFixed(3)}` : 'not defined';
+    const svg = node('svg', {viewBox: '0 0 200 16', class: 'bar', role: 'img', 'aria-label': label});
+    const at = value => 4 + Math.max(0, Math.min(1, (value - low) / (high - low))) * 192;
+    svg.append(node('line', {x1: 4, x2: 196, y1: 8, y2: 8, class: 'grid'}));
+    if (low < 0) svg.append(node('line', {x1: at(0), x2: at(0), y1: 1, y2: 15, class: 'grid'}));
+    if (found) svg.append(node('line', {x1: at(found.low), x2: at(found.high), y1: 8, y2: 8, class: 'spread-line'}), node('circle', {cx: at(found.mean), cy: 8, r: 4.5, class: 'curve-end'}));
+    return svg;
+  }
+
+  return {lines, curve, bar, short};
 })();

@@ -64,10 +64,19 @@ async function one() {
     run.success_rate_ci95 ? el('dl', {class: 'facts'}, ...[['SR %', interval(run.success_rate, run.success_rate_ci95)], ['SPL', interval(run.spl, run.spl_ci95, 1, 3)],
       ['steps', run.steps.toFixed(0)], ['failures', Object.entries(run.failure_causes).map(([why, n]) => `${spaced(why)} ${n}`).join(', ') || 'none']]
       .flatMap(([name, value]) => [el('dt', {}, name), el('dd', {class: 'figure'}, value)])) : null,
-    run.report ? el('p', {}, el('a', {href: `report/${run.id}`, target: '_blank', rel: 'noopener noreferrer'}, 'Its report'), ' (opens in a tab of its own)') : null,
-    el('div', {class: 'curves'}, run.curves.map(Figures.curve)),
+    reportLine(run),
+    el('div', {class: 'curves'}, run.curves.map(Charts.curve)),
     run.episodes?.length ? el('details', {}, el('summary', {}, 'The last episodes'), el('div', {class: 'wide'}, el('table', {}, el('tbody', {}, run.episodes.map(episode =>
       el('tr', {}, el('td', {}, plain(episode.episode)), el('td', {class: 'left'}, plain(spaced(episode.target))), el('td', {class: `left ${episode.success ? 'good' : 'bad'}`}, episode.success ? 'found' : plain(episode.why)), el('td', {}, episode.steps))))))) : null);
+}
+
+/** The link to a run's report, and the button that makes it. */
+function reportLine(run) {
+  const link = run.report ? el('a', {href: `report/${run.id}`, target: '_blank', rel: 'noopener noreferrer', id: 'report'}, 'Its report') : null;
+  const make = el('button', {type: 'button', id: 'make-report', disabled: run.making, onclick: () => shownIn(line, async () => { await tell('runs/report', {run: run.id}); await one(); })},
+    run.making ? 'The report is being made' : run.report ? 'Make it anew' : 'Make its report');
+  const can = run.kind === 'train' || run.finished;
+  return can || link ? el('p', {class: 'row'}, link, link ? el('span', {class: 'faint'}, 'opens in a tab of its own') : null, can ? make : null, run.fault ? el('span', {class: 'bad plain'}, run.fault) : null) : null;
 }
 
 async function list() {

@@ -122,7 +122,7 @@ async function figures(name) {
   keys = () => {};
   const {figures: f} = await ask('study/figures', {study: name});
   const row = (text, found, low, high) => el('tr', {}, el('td', {}, text), el('td', {}, found ? found.mean.toFixed(3) : '–'),
-    el('td', {}, found ? `${found.low.toFixed(3)} to ${found.high.toFixed(3)}` : 'not defined'), el('td', {}, found ? found.n : '–'), el('td', {}, Figures.bar(found, low, high)));
+    el('td', {}, found ? `${found.low.toFixed(3)} to ${found.high.toFixed(3)}` : 'not defined'), el('td', {}, found ? found.n : '–'), el('td', {}, Charts.bar(found, low, high)));
   const back = el('button', {type: 'button', onclick: () => shownIn(line, start)}, 'To the studies');
   if (!f) { refill(body, el('h2', {}, plain(name)), el('p', {class: 'faint'}, 'Nobody has answered yet.'), back); return; }
   const share = value => value === null ? '–' : value.toFixed(2);

@@ -8,7 +8,7 @@ function curvesOf(curves) {
   const names = Object.keys(curves).filter(name => curves[name].length > 1 && name !== 'val/score').sort((a, b) => rank(a) - rank(b) || a.localeCompare(b));
   const panel = name => el('div', {class: 'panel'}, el('h3', {}, plain(name.replace('val/', '').replaceAll('_', ' ')), name.startsWith('val/') ? el('span', {class: 'faint'}, ' on validation episodes') : null),
     Charts.lines([{points: curves[name], color: name.startsWith('val/') ? 'var(--warm)' : 'var(--accent)'}],
-      {x: 'step', y: '', low: SHARES.includes(name) ? 0 : undefined, label: `${name} over training steps`, format: v => (Math.abs(v) >= 1e4 || (v && Math.abs(v) < 1e-3) ? v.toExponential(0) : String(+v.toPrecision(3)))}));
+      {x: 'step', y: '', low: SHARES.includes(name) ? 0 : undefined, label: `${name} over training steps`, format: Charts.short}));
   const main = names.filter(name => rank(name) < 2), rest = names.filter(name => rank(name) === 2);
   const more = el('details', {}, el('summary', {}, `${rest.length} more curves`));
   more.addEventListener('toggle', () => { if (more.children.length === 1) more.append(el('div', {class: 'cards'}, rest.map(panel))); });

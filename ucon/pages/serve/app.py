@@ -19,6 +19,7 @@ from ucon.pages.serve.home_cards import Cards
 from ucon.pages.serve.homes import home_routes
 from ucon.pages.serve.play.games import Games
 from ucon.pages.serve.play.routes import play_routes
+from ucon.pages.serve.report_maker import ReportMaker
 from ucon.pages.serve.run_list import RunList
 from ucon.pages.serve.runs import run_routes
 from ucon.pages.serve.shell import PAGES, asset, page
@@ -34,12 +35,13 @@ def make_app(desk: Desk, token: str, port: int) -> ASGIApp:
         token: of the address.
         port: that it is served at.
     """
-    games = Games(desk.out / "play")
+    games, maker = Games(desk.out / "play"), ReportMaker()
 
     @asynccontextmanager
     async def lifespan(_: Any) -> AsyncIterator[None]:
         yield
         games.close()
+        maker.close()
 
     async def shown(request: Request) -> Response:
         return page(request.path_params.get("page", "start"))
@@ -51,7 +53,7 @@ def make_app(desk: Desk, token: str, port: int) -> ASGIApp:
         Route("/", shown),
         *(Route(f"/{name}", _page_of(name)) for name in PAGES),
         Route("/assets/{name}", file),
-        *run_routes(RunList(desk.folders)),
+        *run_routes(RunList(desk.folders), maker),
         *habit_routes(desk.dataset),
         *home_routes(Cards(desk.dataset)),
         *play_routes(games),

@@ -11,8 +11,9 @@ from starlette.routing import Route
 
 from ucon.core.errors import ConfigError
 from ucon.core.untrusted.plain_file import read_plain
-from ucon.pages.serve.answers import asked, text
+from ucon.pages.serve.answers import asked, text, told
 from ucon.pages.serve.guard import REPORT_POLICY
+from ucon.pages.serve.report_maker import ReportMaker
 from ucon.pages.serve.run_list import REPORT, FoundRun, RunList
 from ucon.pages.serve.run_live import LiveFigures
 
@@ -21,11 +22,12 @@ _LISTED, _MOST_REPORT = 300, 1 << 28
 _Words = Mapping[str, Any]
 
 
-def run_routes(runs: RunList) -> list[Route]:
+def run_routes(runs: RunList, maker: ReportMaker) -> list[Route]:
     """Routes of the page.
 
     Args:
         runs: that are shown.
+        maker: makes their reports.
     """
     figures = LiveFigures()
 
@@ -35,7 +37,12 @@ def run_routes(runs: RunList) -> list[Route]:
 
     def one(words: _Words) -> dict[str, Any]:
         run = runs.get(text(words, "run", 16))
-        return _named(run) | figures.detail(run)
+        return _named(run) | maker.state(run) | figures.detail(run)
+
+    def make(words: _Words) -> dict[str, Any]:
+        run = runs.get(text(words, "run", 16))
+        maker.make(run)
+        return maker.state(run)
 
     def report(words: _Words) -> Response:
         run = runs.get(text(words, "run", 16))
@@ -46,7 +53,12 @@ def run_routes(runs: RunList) -> list[Route]:
             read_plain(path, _MOST_REPORT), media_type="text/html", headers={"Content-Security-Policy": REPORT_POLICY}
         )
 
-    return [asked("/api/runs/list", listed), asked("/api/runs/one", one), asked("/report/{run}", report)]
+    return [
+        asked("/api/runs/list", listed),
+        asked("/api/runs/one", one),
+        told("/api/runs/report", make),
+        asked("/report/{run}", report),
+    ]
 
 
 def _named(run: FoundRun) -> dict[str, Any]:

@@ -17,11 +17,11 @@ _TYPES: Final[Mapping[str, str]] = {".js": "text/javascript", ".css": "text/css"
 
 #: Pages by name: title, what is done there, and the scripts beside those of all pages.
 PAGES: Final[Mapping[str, tuple[str, str, Sequence[str]]]] = {
-    "runs": ("Runs", "Evaluations and trainings, also while they run, and their reports.", ("figures.js",)),
+    "runs": ("Runs", "Evaluations and trainings, also while they run, and their reports.", ("charts.js",)),
     "homes": ("Homes", "Plans of the homes, a walk through them, and what can be kept where.", ("plan.js",)),
     "habits": ("Habits", "Who lives in a home, what they say, and where it can come true.", ("plan.js",)),
     "play": ("Play", "Search yourself, with what an agent is given.", ("plan.js",)),
-    "study": ("Study", "Judge habits and places, as people did for the paper.", ("figures.js",)),
+    "study": ("Study", "Judge habits and places, as people did for the paper.", ("charts.js",)),
 }
 _SHARED: Final = ("page.js", "served.js")
 

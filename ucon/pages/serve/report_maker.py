@@ -1,0 +1,69 @@
+"""Makes reports of runs, one at a time, each by a process of its own."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import threading
+from typing import Final
+
+from ucon.core.errors import ConfigError
+from ucon.pages.serve.run_list import FoundRun
+
+#: Longest time for a report, seconds: a thousand episodes with beliefs take some minutes.
+_PATIENCE_S: Final = 3600.0
+
+
+class ReportMaker:
+    """Runs ``python -m ucon report`` for runs of the page."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._process: subprocess.Popen[str] | None = None
+        self._making = ""
+        self._faults: dict[str, str] = {}
+
+    def state(self, run: FoundRun) -> dict[str, bool | str]:
+        """``making``: whether its report is being made; ``fault``: why the last one could not be made, or ""."""
+        return {"making": self._making == run.id, "fault": self._faults.get(run.id, "")}
+
+    def make(self, run: FoundRun) -> None:
+        """Begin to make the report of a run, beside it.
+
+        Args:
+            run: the run.
+
+        Raises:
+            ConfigError: an evaluation that is not finished, or another report is being made.
+        """
+        if run.kind == "eval" and not run.finished:
+            raise ConfigError("the run is not finished; its report can be made when it is")
+        with self._lock:
+            if self._making:
+                raise ConfigError("another report is being made; ask again when it is done")
+            self._making = run.id
+            self._faults.pop(run.id, None)
+        threading.Thread(target=self._work, args=(run,), daemon=True).start()
+
+    def close(self) -> None:
+        """End what is being made."""
+        if self._process is not None:
+            self._process.terminate()
+
+    def _work(self, run: FoundRun) -> None:
+        try:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "ucon", "report", str(run.path)],
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+                text=True,
+            )
+            _, said = self._process.communicate(timeout=_PATIENCE_S)
+            if self._process.returncode:
+                last = (said.strip().splitlines() or ["it ended early"])[-1].removeprefix("error: ")
+                self._faults[run.id] = last.replace(str(run.path), run.name)
+        except (OSError, subprocess.TimeoutExpired) as error:
+            self.close()
+            self._faults[run.id] = str(error).replace(str(run.path), run.name)
+        finally:
+            self._process, self._making = None, ""
