@@ -20,6 +20,7 @@ _RESAMPLES: Final = 2_000
 _STEPS: Final = 300
 #: Subsets with fewer common episodes are not drawn.
 _LEAST: Final = 10
+_MOST_PAIRS: Final = 6
 #: Ways to tell episodes apart, by title.
 SUBSETS: Final[Mapping[str, Callable[[EpisodeRecord], str]]] = {
     "all": lambda r: "all episodes",
@@ -35,7 +36,7 @@ def plot_runs(runs: Sequence[Run], pairs: Sequence[tuple[Run, Run]], folder: Pat
 
     Args:
         runs: at least one.
-        pairs: first and second run of each paired difference.
+        pairs: first and second run of each paired difference; more than six are not drawn.
         folder: is created if missing.
 
     Returns:
@@ -48,7 +49,7 @@ def plot_runs(runs: Sequence[Run], pairs: Sequence[tuple[Run, Run]], folder: Pat
     import matplotlib
 
     drawn = {"sr_over_steps.png": lambda: _sr_over_steps(runs), "ladder.png": lambda: _ladder(runs)}
-    if pairs:
+    if 0 < len(pairs) <= _MOST_PAIRS:
         drawn["differences.png"] = lambda: _differences(pairs)
     folder.mkdir(parents=True, exist_ok=True)
     with matplotlib.rc_context(STYLE):
