@@ -78,6 +78,17 @@ def own_program(name: str) -> tuple[HomeProgram, int]:
         raise DataError(f"home '{name}': what is kept of it is not usable; {_AGAIN}") from None
 
 
+def kept_names() -> tuple[str, ...]:
+    """Names of the homes of one's own that are kept on this machine, those kept last first."""
+    folder = user_cache() / "own"
+    try:
+        files = sorted(folder.glob("*.json"), key=lambda path: -path.stat().st_mtime)
+    except OSError:  # removed in between
+        return ()
+    names = (PREFIX + ":".join(path.stem.rpartition("-")[::2]) for path in files)
+    return tuple(name for name in names if _NAME.fullmatch(name))
+
+
 _AGAIN: Final = "give its file again (python -m ucon home check FILE.yaml)"
 
 

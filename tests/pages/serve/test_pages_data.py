@@ -312,3 +312,16 @@ def test_a_damaged_key_is_told(client: TestClient, tmp_path: Path) -> None:
     answer = client.get("/api/study/items", params={"study": "s", "rater": "ann"})
     assert answer.status_code == 400
     assert "key.csv" in answer.json()["error"]
+
+
+def test_homes_of_ones_own_are_listed_and_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("UCON_CACHE", str(tmp_path / "cache"))
+    monkeypatch.chdir(tmp_path)
+    assert main(["home", "new", "my_home.yaml"]) == 0
+    assert main(["home", "check", "my_home.yaml"]) == 0
+    client = fresh(tmp_path)
+    name = asked(client, "homes/names")[0]
+    assert name.startswith("own:my_flat:")
+    assert {room["type"] for room in asked(client, "homes/plan", home=name)["rooms"]} == {"kitchen", "bedroom"}
+    for wrong in ("own:../../etc:0123456789ab", "own:my_flat:0123456789ab"):
+        assert client.get("/api/homes/plan", params={"home": wrong}).status_code == 400

@@ -16,13 +16,18 @@ from ucon.pages.serve.answers import asked, number, text, whole
 from ucon.pages.serve.home_cards import Cards
 from ucon.pages.serve.walk import Camera, Walks
 from ucon.scenes import SCENES
+from ucon.scenes.own import kept_names
 from ucon.sim.cache import load_house
 from ucon.sim.house import House
 from ucon.sim.state import SceneState
 
 _Words = Mapping[str, Any]
-#: Names of homes: scenes, their variants, and generated ones. Nothing that could be a path.
-_NAME: Final = re.compile(r"[A-Za-z0-9_]{1,60}(~[0-9]{1,9})?|procedural:[a-z_]{1,30}:[0-9]{1,9}")
+#: Names of homes: scenes, their variants, generated ones and people's own. Nothing that could be a path.
+_NAME: Final = re.compile(
+    r"[A-Za-z0-9_]{1,60}(~[0-9]{1,9})?|procedural:[a-z_]{1,30}:[0-9]{1,9}|own:[a-z0-9_]{1,40}:[0-9a-f]{12}"
+)
+#: Most homes of people's own that are listed.
+_MOST_OWN: Final = 50
 #: Things that are open at once in a walk.
 _MOST_OPEN: Final = 200
 
@@ -52,7 +57,7 @@ def home_routes(cards: Cards) -> list[Route]:
     walks = Walks()
 
     def names(_: _Words) -> tuple[str, ...]:
-        return SCENES
+        return (*kept_names()[:_MOST_OWN], *SCENES)
 
     def plan(words: _Words) -> dict[str, Any]:
         return _plan(home_of(words))
