@@ -164,7 +164,7 @@ class PolicyAgent:
 
     def thoughts(self, slot: int) -> Thoughts | None:
         """For reports: what the policy thinks after its last step in a slot; None where it keeps no belief."""
-        return self._of_last_step(slot, "thoughts")
+        return self._of_last_step(slot, "thoughts") if hasattr(self.policy, "thoughts") else None
 
     def picture(self, slot: int) -> NDArray[np.uint8] | None:
         """For videos: a picture of the policy's last step in a slot.

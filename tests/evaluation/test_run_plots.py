@@ -34,6 +34,7 @@ def test_differences_by_subset_are_paired_and_add_up() -> None:
     assert whole.n == sum(row.n for row in splits) == 1000
     assert whole.mean == pytest.approx(sum(row.mean * row.n for row in splits) / 1000)
     sizes = [int(name.split("-")[0]) for name in rows if " m2 " in name and "-" in name]
+    assert len(sizes) > 3
     assert sizes == sorted(sizes)
 
 
@@ -52,6 +53,8 @@ def test_learning_curves_are_drawn_or_refused(tmp_path: Path, capsys: pytest.Cap
         runs.append(str(folder))
     assert main(["compare", *runs, "--plot", str(tmp_path)]) == 0
     assert cv2.imread(str(tmp_path / "learning_curves.png")).shape[1] > 1000
+    assert main(["compare", runs[0], str(FIRST), "--plot", str(tmp_path)]) == 2
+    assert "a run of train.py" in capsys.readouterr().err
     assert main(["compare", *runs]) == 2
     assert "--plot" in capsys.readouterr().err
     (tmp_path / "b" / "metrics.jsonl").write_text('{"step":1,"loss":1.0}\n')

@@ -69,14 +69,19 @@ def run(args: argparse.Namespace) -> int:
     from ucon.core.output import wide_console
     from ucon.evaluation.figures.markdown import kind_of_home, markdown_page, read_runs
     from ucon.evaluation.figures.paired import compare_records, comparison_table
+    from ucon.evaluation.figures.plotting import require_matplotlib
     from ucon.evaluation.figures.run_plots import plot_runs
     from ucon.learning.run.run_folder import METRICS
 
     if args.closed and not (args.json or args.markdown):
         raise ConfigError("--closed is shown by --markdown and --json; give one of them")
     folders = list(dict.fromkeys([*args.runs, *args.against, *(args.closed or ())]))
-    if any((folder / METRICS).is_file() for folder in folders):
+    if trained := [folder for folder in folders if (folder / METRICS).is_file()]:
+        if len(trained) < len(folders):
+            raise ConfigError(f"{trained[0]}: a run of train.py; compare such runs among themselves")
         return _compare_training(folders, args.plot)
+    if args.plot is not None:
+        require_matplotlib()
     if len(folders) < 2:
         raise ConfigError(f"compare needs at least two run folders, got {len(folders)}")
     runs = read_runs(folders)

@@ -101,6 +101,7 @@ def _film(args: argparse.Namespace, kept: FinishedRun, number: int) -> int:
     from ucon.configuration.stored import said_in
     from ucon.core.errors import DataError
     from ucon.core.output import stdout_to_stderr
+    from ucon.evaluation.figures.report import episodes_hash
     from ucon.evaluation.kept.endings import why_lost
     from ucon.evaluation.playing.runner import evaluate
     from ucon.programs.evaluating import Evaluation
@@ -113,8 +114,8 @@ def _film(args: argparse.Namespace, kept: FinishedRun, number: int) -> int:
         if args.actions:  # the recorded actions need neither networks nor a language model
             config["agent"] = {"_target_": "ucon.evaluation.playing.recorded.RecordedAgent", "actions": record.actions}
         run = Evaluation(config, args.out / "run", anew=True)
-        if [episode.id for episode in run.episodes] != [r.episode for r in kept.records]:
-            raise DataError(f"{args.run}: other episodes are kept than its configuration names now")
+        if episodes_hash(run.episodes) != kept.summary["hashes"].get("episodes"):
+            raise DataError(f"{args.run}: other episodes were played than its configuration names now; evaluate again")
         others = [k for k in range(len(kept.records)) if k != number]
         (played,) = evaluate(replace(run.spec, films=args.out), run.episodes, workers=0, skip=others)
         habits = [*_habit_lines(run, config["agent"], number, reads=kept.summary.get("uses_habits", True))]

@@ -162,3 +162,21 @@ def test_prompts_and_answers_of_a_language_agent_are_told(tmp_path: Path) -> Non
         assert answer in [name for name, _ in decision["options"]]
         assert decision["options"][decision["chosen"]][0] == decision["words"]
         assert "habits" in system.lower()
+
+
+def test_a_home_that_was_changed_since_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Ids of the episodes stay the same; what they are does not."""
+    monkeypatch.setenv("UCON_CACHE", str(tmp_path / "cache"))
+    monkeypatch.chdir(tmp_path)
+    assert main(["home", "new", "my_home.yaml"]) == 0
+    words = ("agent=frontier", "episodes=my_home.yaml")
+    folder = search_twice(words, tmp_path / "runs", ["none"], films=False)[0].folder
+    assert main(["report", str(folder), "--actions"]) == 0
+    assert values_of(folder / "report.html", "index")["kinds"][0][0] == "own homes"
+    home = Path("my_home.yaml").read_text()
+    Path("my_home.yaml").write_text(home.replace("- mug", "- mug: on the desk"))
+    assert Path("my_home.yaml").read_text() != home
+    assert main(["report", str(folder), "--actions"]) == 2
+    assert "other episodes were played" in capsys.readouterr().err

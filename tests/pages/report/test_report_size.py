@@ -11,7 +11,7 @@ import pytest
 from ucon.__main__ import main
 from ucon.programs.two_searches import search_twice
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.timed]
 ROOT = Path(__file__).resolve().parents[3]
 
 

@@ -68,3 +68,11 @@ def test_a_run_without_a_step_and_two_runs_are_refused(
     assert "give it alone" in said[0]
     assert "nothing was learned yet" in said[1]
     assert ":1: not a line of metrics" in said[2]
+
+
+def test_a_diverged_run_can_be_read(browser_page: Any, trained: Path) -> None:
+    (trained / "metrics.jsonl").write_text('{"loss":2.0,"step":1}\n{"loss":1.0,"step":2}\n{"loss":NaN,"step":3}\n')
+    assert main(["report", str(trained)]) == 0
+    assert values_of(trained / "report.html", "index")["curves"]["loss"] == [[1, 2.0], [2, 1.0]]
+    browser_page.goto((trained / "report.html").as_uri())
+    browser_page.wait_for_selector("html[data-ready] .chart", state="attached")

@@ -19,6 +19,7 @@ from ucon.evaluation.kept.finished import FinishedRun, figures_only
 from ucon.evaluation.kept.naming import agent_label, level
 from ucon.evaluation.kept.record import EpisodeRecord, read_records
 from ucon.evaluation.kept.seal import has_summary
+from ucon.scenes.own import is_own
 from ucon.task.outcome import FailureCause
 
 #: Limits of the classes of home sizes in square metres, around the sizes of the calibration study.
@@ -90,7 +91,9 @@ def named_apart(runs: Sequence[Run]) -> None:
 
 
 def kind_of_home(scene: str) -> str:
-    """``generated flats``, ``generated houses``, ...; ``scenes`` for the homes that are copied from BEHAVIOR."""
+    """``generated flats``, ``generated houses``, ...; ``own homes``; ``scenes``, which are copied from BEHAVIOR."""
+    if is_own(scene):
+        return "own homes"
     generated, _, kind = scene.partition(":")
     return f"generated {kind.partition(':')[0]}s" if generated == GENERATED else "scenes"
 

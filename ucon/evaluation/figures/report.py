@@ -45,10 +45,15 @@ def run_hashes(config: dict[str, Any], episodes: Sequence[Episode], weights: Seq
     habits = sorted({episode.habits_hash for episode in episodes})
     return {
         "config": sha256_bytes(canonical_json(measured).encode()),
-        "episodes": sha256_bytes("".join(episode.hash for episode in episodes).encode()),
+        "episodes": episodes_hash(episodes),
         "habits": habits[0] if len(habits) == 1 else sha256_bytes("".join(habits).encode()),
         "code": code_hash(),
     } | ({} if weights is None else {"weights": sha256_bytes(canonical_json(list(weights)).encode())})
+
+
+def episodes_hash(episodes: Sequence[Episode]) -> str:
+    """SHA-256 of episodes in their order, as ``summary.json`` names it."""
+    return sha256_bytes("".join(episode.hash for episode in episodes).encode())
 
 
 @lru_cache(maxsize=1)

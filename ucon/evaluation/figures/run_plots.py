@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
+from ucon.evaluation.figures.groups import GROUPS
 from ucon.evaluation.figures.intervals import Interval, mean_interval, paired_difference, rate_interval
-from ucon.evaluation.figures.markdown import Run, area_m2, kind_of_home, size_class
+from ucon.evaluation.figures.markdown import Run
 from ucon.evaluation.figures.plotting import ABOVE, INK, STYLE, new_figure, percent_axis, require_matplotlib, save_png
 from ucon.evaluation.kept.record import EpisodeRecord
 
@@ -21,14 +22,8 @@ _STEPS: Final = 300
 #: Subsets with fewer common episodes are not drawn.
 _LEAST: Final = 10
 _MOST_PAIRS: Final = 6
-#: Ways to tell episodes apart, by title.
-SUBSETS: Final[Mapping[str, Callable[[EpisodeRecord], str]]] = {
-    "all": lambda r: "all episodes",
-    "split": lambda r: r.split.replace("/", ", ").replace("_", " "),
-    "kept": lambda r: f"{r.relation}{', behind a door' if r.contained else ''}",
-    "home": lambda r: kind_of_home(r.scene),
-    "size": lambda r: size_class(area_m2(r.scene)),
-}
+#: Groups within which differences are drawn; within each target or home there are few episodes.
+_SUBSETS: Final = ("split", "relation", "kind of home", "size of home")
 
 
 def plot_runs(runs: Sequence[Run], pairs: Sequence[tuple[Run, Run]], folder: Path) -> list[Path]:
@@ -121,14 +116,19 @@ def _by_subset(first: Run, second: Run) -> dict[str, Interval]:
     others = {r.episode: r for r in second.records}
     common = [r for r in first.records if r.episode in others]
     found = {}
-    for of in SUBSETS.values():
+
+    def compare(name: str, part: Sequence[EpisodeRecord]) -> None:
+        values = [r.spl for r in part], [others[r.episode].spl for r in part]
+        found[f"{name} ({len(part)})"] = paired_difference(*values, resamples=_RESAMPLES)
+
+    compare("all episodes", common)
+    for title in _SUBSETS:
         parts: dict[str, list[EpisodeRecord]] = {}
         for record in common:
-            parts.setdefault(of(record), []).append(record)
-        for name, part in sorted(parts.items(), key=lambda named: _in_order(named[0])):
-            if (len(part) >= _LEAST and len(part) < len(common)) or name == "all episodes":
-                values = [r.spl for r in part], [others[r.episode].spl for r in part]
-                found[f"{name} ({len(part)})"] = paired_difference(*values, resamples=_RESAMPLES)
+            parts.setdefault(GROUPS[title](record), []).append(record)
+        for name in sorted(parts, key=_in_order):
+            if _LEAST <= len(parts[name]) < len(common):
+                compare(name, parts[name])
     return found
 
 

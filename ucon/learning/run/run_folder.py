@@ -90,9 +90,7 @@ def read_metrics(folder: Path) -> list[dict[str, Any]]:
     path = folder / METRICS
     text = read_plain(path, _MOST_METRICS).decode("utf-8", errors="replace")
     lines = text[: text.rfind("\n") + 1].split("\n")[:-1]
-    for number, line in enumerate(lines, 1):
-        _step_of(line, f"{path}:{number}")
-    return [json.loads(line) for line in lines]
+    return [_row_of(line, f"{path}:{number}") for number, line in enumerate(lines, 1)]
 
 
 def read_text(path: Path) -> str:
@@ -131,17 +129,18 @@ def cut_metrics(folder: Path, step: int) -> None:
         text = ""
     kept = []
     for number, line in enumerate(text[: text.rfind("\n") + 1].split("\n")[:-1], 1):
-        if _step_of(line, f"{path}:{number}") <= step:
+        if _row_of(line, f"{path}:{number}")["step"] <= step:
             kept.append(line + "\n")
     write_atomic(path, "".join(kept))
 
 
-def _step_of(line: str, where: str) -> int:
-    """Step of a line. Its figures are not checked: those of a diverged run may be NaN."""
+def _row_of(line: str, where: str) -> dict[str, Any]:
+    """Values of a line, ``step`` among them. Its figures are not checked: those of a diverged run may be NaN."""
     try:
-        step = json.loads(line)["step"]
+        row = json.loads(line)
+        step = row["step"]
     except (ValueError, LookupError, TypeError, RecursionError):
-        step = None
+        row, step = {}, None
     if type(step) is not int or step < 0:
         raise DataError(f"{where}: not a line of metrics; restore it, or start the run anew")
-    return step
+    return dict(row)

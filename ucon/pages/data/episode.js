@@ -169,7 +169,7 @@ async function showEpisode(view, index, episode, step, beside) {
   const button = (text, label, action) => el('button', {type: 'button', 'aria-label': label, title: label, onclick: action}, text);
   const [kind, area] = index.kinds[index.scenes.indexOf(common.scene)];
   view.replaceChildren(
-    el('div', {class: 'spread'}, el('h2', {}, 'Find the ', plain(words(common.target)), ' in ', plain(common.scene)), el('span', {class: 'faint'}, `${kind === 'scenes' ? 'a scene' : `among ${kind}`}, ${area.toFixed(0)} m\u00b2 \u00b7 ${common.split} \u00b7 `, plain(episode.id))),
+    el('div', {class: 'spread'}, el('h2', {}, 'Find the ', plain(words(common.target)), ' in ', plain(common.scene)), el('span', {class: 'faint'}, `${{scenes: 'a scene', 'own homes': 'somebody\u2019s own home'}[kind] ?? `among ${kind}`}, ${area.toFixed(0)} m\u00b2 \u00b7 ${common.split ? `${common.split} \u00b7 ` : ''}`, plain(episode.id))),
     el('div', {class: 'controls row'}, button('\u00ab', 'Previous episode ( [ )', () => beside(-1)), button('\u2039', 'One step back (left arrow)', () => go(at - 1)), play,
       button('\u203a', 'One step on (right arrow)', () => go(at + 1)), button('\u00bb', 'Next episode ( ] )', () => beside(1)), slider, said, speed),
     el('p', {class: 'faint'}, 'Keys: ', el('kbd', {}, '\u2190'), ' ', el('kbd', {}, '\u2192'), ' step, ', el('kbd', {}, 'space'), ' play, ', el('kbd', {}, '['), ' ', el('kbd', {}, ']'), ' other episodes.'),

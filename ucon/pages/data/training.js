@@ -21,11 +21,17 @@ function trainingPage({folder, steps, curves, card, config}) {
     el('section', {}, el('h2', {}, 'Configuration'), el('details', {}, el('summary', {}, 'config.yaml'), plain(config, 'pre')))].filter(Boolean);
 }
 
-document.addEventListener('DOMContentLoaded', async () => {
-  const page = document.getElementById('page');
-  if (!document.getElementById('index')) return;
+async function showTraining(page) {
   const run = await unpack('index');
   page.replaceChildren(el('header', {class: 'spread'}, el('h1', {}, 'UcON: training run'), themeButton()), ...trainingPage(run));
   for (const block of page.querySelectorAll('pre')) block.classList.add('said');
   document.documentElement.dataset.ready = 'true';
+}
+
+document.addEventListener('DOMContentLoaded', () => {
+  const page = document.getElementById('page');
+  showTraining(page).catch(error => {
+    page.replaceChildren(el('p', {class: 'bad'}, `This report cannot be shown: ${error.message}`));
+    throw error;
+  });
 });

@@ -13,6 +13,7 @@ from ucon.configuration.wiring import Factory
 from ucon.core.errors import DataError
 from ucon.core.progress import Progress
 from ucon.evaluation.figures.markdown import Run, area_m2, kind_of_home, read_runs
+from ucon.evaluation.figures.report import episodes_hash
 from ucon.evaluation.kept.finished import FinishedRun
 from ucon.evaluation.kept.naming import level
 from ucon.pages.document import document, joined, packed
@@ -103,8 +104,8 @@ def _part(folder: Path, run: Run, places: Mapping[str, str], said: Mapping[str, 
     episodes = chosen_episodes(
         config["episodes"], config["limit"], task["name"], context=task["context"], every=config["every"]
     )
-    if [episode.id for episode in episodes] != [record.episode for record in run.records]:
-        raise DataError(f"{folder}: other episodes are kept than its configuration names now")
+    if episodes_hash(episodes) != kept.summary["hashes"].get("episodes"):
+        raise DataError(f"{folder}: other episodes were played than its configuration names now; evaluate again")
     return _Part(run, kept, config, episodes)
 
 

@@ -2,25 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, Final
 
+from ucon.evaluation.figures.groups import GROUPS
 from ucon.evaluation.figures.intervals import Interval, mean_interval, rate_interval
-from ucon.evaluation.figures.markdown import Run, area_m2, kind_of_home, size_class
+from ucon.evaluation.figures.markdown import Run
 from ucon.evaluation.figures.paired import compare_records
 from ucon.evaluation.kept.record import EpisodeRecord
 
 #: Resamples of the intervals within groups, of which there are hundreds.
 _RESAMPLES: Final = 2_000
-#: Groups by which episodes are told apart: title, and the name of an episode's group.
-GROUPS: Final[Mapping[str, Callable[[EpisodeRecord], str]]] = {
-    "target": lambda r: r.target.replace("_", " "),
-    "relation": lambda r: f"{r.relation}{', behind a door' if r.contained else ''}",
-    "home": lambda r: r.scene,
-    "kind of home": lambda r: kind_of_home(r.scene),
-    "size of home": lambda r: size_class(area_m2(r.scene)),
-    "split": lambda r: r.split,
-}
 
 
 def figures_of(records: Sequence[EpisodeRecord], resamples: int = 10_000) -> dict[str, Any]:
@@ -47,8 +39,9 @@ def groups_of(runs: Sequence[Run]) -> dict[str, list[dict[str, Any]]]:
         runs: of the report.
 
     Returns:
-        By title of :data:`GROUPS`, the groups from the largest to the smallest: ``name``, and ``runs``, the figures of
-        each run, None where it has no such episode. Titles with one group are left out.
+        By title of :data:`ucon.evaluation.figures.groups.GROUPS`, the groups from the largest to the smallest:
+        ``name``, and ``runs``, the figures of each run, None where it has no such episode. Titles with one group are
+        left out.
     """
     found = {}
     for title, of in GROUPS.items():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from typing import Final, Literal, get_args
+from typing import Final, Literal
 
 import numpy as np
 from PIL import Image
@@ -12,7 +12,6 @@ from ucon.sim.render import RasterRenderer
 from ucon.task.search import Search
 
 Pictures = Literal["none", "key", "all"]
-CHOICES: Final = get_args(Pictures)
 #: Side of a picture, pixels, and quality of its WebP: half a kilobyte each.
 SIDE_PX: Final = 112
 _FOV_DEG, _QUALITY = 90.0, 25

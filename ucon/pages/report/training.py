@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from pathlib import Path
 from typing import Any, Final
 
@@ -51,7 +52,7 @@ def training_of(folder: Path) -> dict[str, Any]:
     curves: dict[str, list[list[float]]] = {}
     for row in rows:
         for name, value in row.items():
-            if name != "step" and type(value) in (int, float):
+            if name != "step" and type(value) in (int, float) and isfinite(value):
                 curves.setdefault(name, []).append([row["step"], value])
     return {
         "folder": folder.resolve().name,
@@ -63,5 +64,6 @@ def training_of(folder: Path) -> dict[str, Any]:
 
 
 def _thinned(points: list[list[float]]) -> list[list[float]]:
+    """At most so many points, evenly spaced, the last one among them."""
     every = -(-len(points) // _MOST_POINTS)
-    return points if every == 1 else [*points[::every], points[-1]]
+    return points[::-1][::every][::-1]
