@@ -1,4 +1,4 @@
-"""Ways to tell the episodes of a run apart: by target, by where it is kept, by home, its kind and its size, by split."""
+"""Ways to tell episodes apart: by target, where it is kept, home, kind of home, size of home, and split."""
 
 from __future__ import annotations
 
