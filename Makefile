@@ -33,7 +33,7 @@ $(PY):
 	@$(PYTHON) -m venv $(VENV)
 
 $(CORE): pyproject.toml constraints.txt | $(PY)
-	$(INSTALL) --editable .
+	$(INSTALL) --editable '.[serve]'
 	@$(PY) -c 'import sys; sys.version_info >= (3, 12) and print("PyBullet has no wheels for this Python: homes and sets are not made here; those that are shipped are played and learned from")'
 	@touch $@
 

@@ -58,8 +58,9 @@ def evaluate_and_report(cfg: DictConfig, out: Path, *, sweep: bool) -> None:
     wide = is_wide()
     (wide_console() if wide else Console()).print(results_table([figures], wide=wide))
     print(f"{failure_line(figures)}\n{precision_line(figures)}")
-    print(f"{run.seconds:.1f} s for {run.n_new} episodes; results in {out}")
-    print(f"see every episode: python -m ucon report {out}")
+    print(f"{run.seconds:.1f} s for {run.n_new} episode{'s' * (run.n_new != 1)}; results in {out}")
+    if not sweep:
+        print(f"see every episode: python -m ucon report {out}")
 
 
 if __name__ == "__main__":

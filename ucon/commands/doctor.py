@@ -57,6 +57,7 @@ def run(args: argparse.Namespace) -> int:
     if args.warm:
         from ucon.programs.warming import compile_kernels
 
+        sys.stderr.write("compiling the kernels, once: one to two minutes\n")
         with stdout_to_stderr():
             seconds = compile_kernels()
         print(f"kernels compiled and one episode started in {seconds:.1f} s")

@@ -19,7 +19,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "map, path, pictures, beliefs, habits and decisions. Several runs are compared, episode by episode. The file "
         "needs no network."
     )
-    parser.add_argument("runs", nargs="+", metavar="RUN", type=Path, help="folders of eval.py, or one of train.py")
+    parser.add_argument(
+        "runs", nargs="+", metavar="RUN", type=Path, help="folders of eval.py (also of a sweep), or one of train.py"
+    )
     parser.add_argument("--out", type=Path, help="the file (report.html beside the only run, or runs/report.html)")
     parser.add_argument(
         "--pictures",
@@ -55,14 +57,15 @@ def run(args: argparse.Namespace) -> int:
     from ucon.pages.report.training import build_training_report, is_training_run
 
     out = args.out or (args.runs[0] / NAME if len(args.runs) == 1 else Path("runs") / NAME)
-    trained = [folder for folder in args.runs if is_training_run(folder)]
-    if trained and len(args.runs) > 1:
+    folders = [run for folder in args.runs for run in _runs_in(folder)]
+    trained = [folder for folder in folders if is_training_run(folder)]
+    if trained and len(folders) > 1:
         raise ConfigError(f"{trained[0]}: a run of train.py, which has a report of its own; give it alone")
     with stdout_to_stderr():
         text = (
-            build_training_report(args.runs[0])
+            build_training_report(folders[0])
             if trained
-            else build_report(args.runs, args.pictures, places_in(args), said_in(args), actions_only=args.actions)
+            else build_report(folders, args.pictures, places_in(args), said_in(args), actions_only=args.actions)
         )
     try:
         write_atomic(out, text.encode())
@@ -70,3 +73,12 @@ def run(args: argparse.Namespace) -> int:
         raise ConfigError(f"{out}: cannot be written ({error.strerror}); give another file by --out") from None
     sys.stdout.write(f"{out}: {len(text) / 1e6:.1f} MB, open it in a browser\n")
     return 0
+
+
+def _runs_in(folder: Path) -> list[Path]:
+    """The finished runs of a sweep's folder; else the folder itself."""
+    from ucon.evaluation.kept.seal import SUMMARY
+
+    if (folder / SUMMARY).is_file():
+        return [folder]
+    return sorted(path.parent for path in folder.glob(f"*/{SUMMARY}")) or [folder]

@@ -50,6 +50,7 @@ def print_sweep(folder: Path) -> None:
     ]
     if pairs:
         console.print(comparison_table(pairs, ("success_rate", "spl")))
+    print(f"see all of them, episode by episode: python -m ucon report {folder}")
 
 
 _LEVEL_ORDER = {"none": 0, "full": 1, "gt": 2, "retrieval": 3, "context": 4}

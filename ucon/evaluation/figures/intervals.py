@@ -38,8 +38,8 @@ class Interval:
 
     @property
     def excludes_zero(self) -> bool:
-        """Whether both limits are on one side of zero."""
-        return self.low > 0 or self.high < 0
+        """Whether both limits are on one side of zero; never for a single value, which says nothing of others."""
+        return self.n > 1 and (self.low > 0 or self.high < 0)
 
 
 def mean_interval(

@@ -88,7 +88,7 @@ def comparison_table(
                 name,
                 str(comparison.n) if i == 0 else "",
                 f"{d.mean:+.3f}",
-                f"[{d.low:+.3f}, {d.high:+.3f}]",
+                f"[{d.low:+.3f}, {d.high:+.3f}]" if d.n > 1 else "-",
                 "*" if d.excludes_zero else "",
             )
     return table

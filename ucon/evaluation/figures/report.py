@@ -155,7 +155,7 @@ def _figures(s: dict[str, Any]) -> dict[str, str]:
     return {
         "n": str(s["n"]),
         "SR % [95 %]": f"{100 * s['success_rate']:.1f} [{_range(s['success_rate_ci95'], 100, 1)}]",
-        "SPL [95 %]": f"{s['spl']:.3f} [{_range(s['spl_ci95'], 1, 3)}]",
+        "SPL [95 %]": f"{s['spl']:.3f}" + (f" [{_range(s['spl_ci95'], 1, 3)}]" if s["n"] > 1 else ""),
         "SR 75": f"{100 * s['success_75']:.1f}",
         "SR 150": f"{100 * s['success_150']:.1f}",
         "SoftSPL": f"{s['soft_spl']:.3f}",

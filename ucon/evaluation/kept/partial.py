@@ -18,10 +18,9 @@ from ucon.core.untrusted.typed import parse_line, read_as
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.evaluation.kept.finished import as_played
 from ucon.evaluation.kept.record import EpisodeRecord, EpisodeTiming
-from ucon.evaluation.kept.seal import RECORDS
+from ucon.evaluation.kept.seal import PARTIAL
 from ucon.evaluation.playing.play import PlayedEpisode
 
-PARTIAL: Final = f"{RECORDS}.partial"
 #: Longest first line in bytes.
 _LONGEST: Final = 1 << 16
 #: Largest file in bytes: some hundred thousand episodes, at 9 kB of decisions each.

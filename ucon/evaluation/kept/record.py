@@ -13,7 +13,7 @@ from typing import Any, Final, get_args
 from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json
 from ucon.core.untrusted.typed import parse_line, read_as
-from ucon.evaluation.kept.seal import RECORDS, has_summary, read_bytes, read_file, read_files
+from ucon.evaluation.kept.seal import RECORDS, has_summary, read_bytes, read_file, read_files, refuse_unfinished
 from ucon.retrieval.levels import LEVELS
 from ucon.task.outcome import FailureCause
 
@@ -138,6 +138,7 @@ def read_records(path: Path) -> list[EpisodeRecord]:
     else:
         raw = read_file(folder, name) if path.is_dir() else read_bytes(path) if path.is_file() else None
     if raw is None:
+        refuse_unfinished(folder)
         raise DataError(f"{folder / name}: no such file; expected a run folder of eval.py (with {RECORDS})")
     return parse_records(raw, folder / name)
 

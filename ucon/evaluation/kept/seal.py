@@ -21,6 +21,8 @@ from ucon.core.untrusted.typed import parse_line
 from ucon.core.untrusted.unpack import UnpackError, unpack_xz
 
 RECORDS, DECISIONS, SUMMARY = "episodes.jsonl", "decisions.jsonl", "summary.json"
+#: Records of a run that is not finished.
+PARTIAL: Final = f"{RECORDS}.partial"
 TIMING, CONFIG, SECONDS = "timing.jsonl", "config.yaml", "seconds.json"
 #: Files whose checksums are in ``summary.json`` and in ``seconds.json``.
 SEALED: Final[Mapping[str, tuple[str, ...]]] = {SUMMARY: (RECORDS, DECISIONS), SECONDS: (TIMING, CONFIG)}
@@ -120,6 +122,15 @@ def read_bytes(path: Path) -> bytes:
         raise DataError(f"{path}: not whole ({error}); {_RESTORE}") from None
 
 
+def refuse_unfinished(folder: Path) -> None:
+    """Raise :class:`DataError` where a folder holds a run of ``eval.py`` that is not finished."""
+    if (folder / PARTIAL).is_file():
+        done = max(0, read_plain(folder / PARTIAL, _MAX_BYTES).count(b"\n") - 1)
+        raise DataError(
+            f"{folder}: not finished, {done} episodes so far; the same command with out={folder} goes on with it"
+        )
+
+
 def read_object(path: Path) -> dict[str, Any]:
     """The JSON object in a file, with or without a checksum.
 
@@ -127,6 +138,7 @@ def read_object(path: Path) -> dict[str, Any]:
         DataError: there is no file, or no object in it.
     """
     if not path.is_file():
+        refuse_unfinished(path.parent)
         raise DataError(
             f"{path}: no such file; give the folder of a finished run of eval.py{_runs_inside(path.parent)}"
         )

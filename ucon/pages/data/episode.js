@@ -75,7 +75,7 @@ class Side {
     const about = new Set(habits.about), given = habits.given.map((text, rank) => ({text, rank, weight: relevance[rank]}));
     const read = given.some(one => one.weight > 0);
     const first = read ? [...given].sort((a, b) => b.weight - a.weight) : given;
-    const line = one => el('li', {class: about.has(one.text) ? 'about' : '', value: one.rank + 1}, one.weight === undefined ? null : el('span', {class: 'weight', title: 'how much the agent reads from it'}, `${(100 * one.weight).toFixed(0)} %`),
+    const line = one => el('li', {class: about.has(one.text) ? 'about' : '', value: one.rank + 1}, one.weight === undefined ? null : el('span', {class: 'weight', title: 'how much this sentence alone says about the place, 0 to 100 %'}, `${(100 * one.weight).toFixed(0)} %`),
       plain(texts[one.text]));
     const list = (items, make) => {
       const made = el('details', {}, el('summary', {}, items.title));
@@ -83,7 +83,7 @@ class Side {
       return made;
     };
     const known = new Set(habits.given), rest = habits.household.filter(text => !known.has(text));
-    return el('div', {}, el('p', {class: 'faint'}, `${given.length} given${read ? '; those that the agent reads most from come first' : ''}. Marked: those about the ${words(this.row.target)}. The number is the place in the agent\u2019s list.`),
+    return el('div', {}, el('p', {class: 'faint'}, `${given.length} given${read ? '; first those that the agent reads most from, with how much each alone says about the place' : ''}. Marked: those about the ${words(this.row.target)}. The number is the place in the agent\u2019s list.`),
       el('ol', {class: 'habits'}, first.slice(0, 5).map(line)),
       first.length > 5 ? list({title: `${first.length - 5} more that were given`, all: first.slice(5)}, line) : null,
       rest.length ? list({title: `${rest.length} that were not given`, all: rest}, text => el('li', {class: about.has(text) ? 'about' : '', value: 0, style: 'list-style: none'}, plain(texts[text]))) : null);

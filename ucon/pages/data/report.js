@@ -7,7 +7,7 @@ const swatch = number => el('span', {class: 'swatch', style: `background: ${colo
 const words = name => name.replaceAll('_', ' ');
 const interval = ([mean, low, high], factor, digits, sign = '') => {
   const said = v => `${sign && v >= 0 ? '+' : ''}${(factor * v).toFixed(digits)}`;
-  return `${said(mean)} [${said(low)}, ${said(high)}]`;
+  return low === high ? said(mean) : `${said(mean)} [${said(low)}, ${said(high)}]`;
 };
 
 function table(head, rows, attributes = {}) {
@@ -30,9 +30,9 @@ function runsSection(index) {
     interval(run.figures.spl, 1, 3), run.figures.steps.toFixed(0), percent(run.figures.seen, 1), plain(run.set), plain(run.folder),
   ]);
   const section = el('section', {id: 'runs'}, el('h2', {}, runs.length > 1 ? 'Runs' : 'Run'),
-    el('div', {class: 'wide panel'}, table(['agent, habits', 'episodes', 'SR % [95 %]', 'SPL [95 %]', 'steps', 'seen %', 'set', 'folder'], rows)));
+    el('div', {class: 'wide panel'}, table(['agent, habits', 'episodes', 'SR % [95 %]', 'SPL [95 %]', 'steps', 'target seen %', 'set', 'folder'], rows)));
   if (index.differences.length) {
-    const clear = ([, low, high]) => (low > 0 || high < 0);
+    const clear = ([, low, high]) => low !== high && (low > 0 || high < 0);
     const cell = (pair, factor, digits) => el('span', {class: clear(pair) ? '' : 'faint'}, interval(pair, factor, digits, '+') + (clear(pair) ? ' *' : ''));
     section.append(el('h3', {}, 'Paired differences on the same episodes'), el('div', {class: 'wide panel'}, table(
       ['first minus second', 'episodes', 'SR, points', 'SPL', 'steps'],
@@ -124,12 +124,12 @@ function listSection(index, episodes, onopen) {
     shown = episodes.filter(fits).sort(SORTS[wanted.sort][1]);
     body.replaceChildren(...shown.slice(0, wanted.most).map(e => el('tr', {onclick: () => onopen(e)},
       el('td', {}, el('button', {type: 'button', class: 'open', onclick: event => { event.stopPropagation(); onopen(e); }}, plain(words(e.common.target)))),
-      el('td', {class: 'left'}, plain(e.common.scene)), el('td', {class: 'left'}, e.common.relation + (e.common.contained ? ' *' : '')),
       index.runs.map((run, k) => {
         const row = e.runs.find(r => r.run === k)?.row;
-        return row ? [el('td', {class: row.found ? 'good' : 'bad'}, row.found ? 'found' : words(row.cause)), el('td', {}, String(row.steps)), el('td', {}, row.spl.toFixed(2))]
+        return row ? [el('td', {class: `left ${row.found ? 'good' : 'bad'}`}, row.found ? 'found' : words(row.cause)), el('td', {}, String(row.steps)), el('td', {}, row.spl.toFixed(2))]
           : [el('td'), el('td'), el('td')];
-      }).flat())));
+      }).flat(),
+      el('td', {class: 'left'}, e.common.relation + (e.common.contained ? ' *' : '')), el('td', {class: 'left'}, plain(e.common.scene)))));
     count.textContent = `${shown.length} of ${episodes.length} episodes${wanted.most < shown.length ? `, the first ${wanted.most} shown` : ''}. * behind a door.`;
     more.hidden = wanted.most >= shown.length;
   };
@@ -142,8 +142,9 @@ function listSection(index, episodes, onopen) {
     beside: (episode, way) => shown[shown.indexOf(episode) + way],
     section: el('section', {id: 'list'}, el('h2', {}, 'Episodes'), el('div', {class: 'row'}, search, select('Ending', endings, set('ending')),
       select('Relation', relations, set('relation')), el('label', {}, 'sort: ', select('Sort', Object.entries(SORTS).filter(([name]) => name !== 'gap' || index.runs.length > 1).map(([name, [text]]) => [name, text]), set('sort')))),
-    count, el('div', {class: 'panel scroll'}, el('table', {}, el('thead', {}, el('tr', {}, ['target', 'home', 'kept'].map((t, k) => el('th', {scope: 'col', class: k ? 'left' : ''}, t)),
-      index.runs.map((run, k) => [el('th', {scope: 'col'}, swatch(k), 'ending'), el('th', {scope: 'col'}, 'steps'), el('th', {scope: 'col'}, 'SPL')]).flat())), body)), more),
+    count, el('div', {class: 'panel scroll'}, el('table', {}, el('thead', {}, el('tr', {}, el('th', {scope: 'col'}, 'target'),
+      index.runs.map((run, k) => [el('th', {scope: 'col', class: 'left'}, swatch(k), 'ending'), el('th', {scope: 'col'}, 'steps'), el('th', {scope: 'col'}, 'SPL')]).flat(),
+      ['kept', 'home'].map(text => el('th', {scope: 'col', class: 'left'}, text)))), body)), more),
   };
 }
 
