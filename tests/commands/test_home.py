@@ -79,6 +79,12 @@ def test_runs_are_played_again_and_watched(played: tuple[Path, str]) -> None:
     assert lost.returncode == 1
     (line,) = [line for line in lost.stderr.splitlines() if "not played" in line]
     assert "my_home.yaml: cannot be read (No such file or directory)" in line
+    text = (folder / "my_home.yaml").read_text()
+    (folder / "my_home.yaml").write_text(text.replace("  - mug\n", "  - mug: in the fridge\n"))
+    for command in (["watch", str(kept), "0"], ["replay", str(kept)]):
+        changed = run("-m", "ucon", *command, "--out", str(folder / "changed"), cache=cache)
+        assert "other episodes are kept than its configuration names now" in changed.stdout + changed.stderr
+    (folder / "my_home.yaml").write_text(text)
 
 
 def test_the_page_prints_the_example() -> None:

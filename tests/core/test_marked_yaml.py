@@ -84,6 +84,11 @@ def test_data_of_programs_has_the_same_limits() -> None:
     around.append(around)
     for wrong in (
         {1: 2},
+        {0: {}},
+        {None: 1},
+        {False: 1},
+        {"": 1},
+        {"a": {" ": 1}},
         {"a": object()},
         {"a": float("nan")},
         {"a": 10**20},

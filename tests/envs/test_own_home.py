@@ -12,10 +12,11 @@ import pytest
 import ucon
 from ucon.core.errors import ConfigError, DataError, UconError
 from ucon.envs import own_home
-from ucon.envs.own_home import EXAMPLE, episodes_of, own_set
+from ucon.envs.own_home import EXAMPLE, episodes_of, own_set, say_made
 from ucon.habits.types import Placement
 from ucon.sim.cache import load_house
 from ucon.task.check import check_home
+from ucon.task.own_home import building
 
 FLAT = {"rooms": {"kitchen": [3.5, 4], "bedroom": None}}
 SAID = "My sister hides her mug in the top cabinet."
@@ -85,6 +86,7 @@ def test_what_was_made_is_saved_for_eval(tmp_path: Path) -> None:
             {"home": {"rooms": {"kitchen": {"size": [10**30, 1]}}}, "habits": [SAID], "target": "mug"},
             "at most 15 digits",
         ),
+        ({"home": {"rooms": {0: {}}}, "habits": [SAID], "target": "mug"}, "home.rooms: key 0; expected texts"),
         ({"home": "own:my_flat:0123456789ab", "habits": [SAID], "target": "mug"}, "not kept on this machine"),
     ],
 )
@@ -127,6 +129,29 @@ def test_a_file_is_a_set_that_is_made_once(tmp_path: Path, cache: Path, monkeypa
     env = gym.make("UcON-v0", episodes=file, habit_level="gt", observe="symbolic")
     _, info = env.reset(options={"episode": 2})
     assert info["habits"] == ("The first aid kit is on the shelf.",)
+
+
+def test_another_place_is_another_search(tmp_path: Path) -> None:
+    file, ids = tmp_path / "home.yaml", []
+    for place in ("in the fridge", "in the top cabinet", "in the fridge"):
+        file.write_text(f"home: Rs_int\nhabits: [{SAID}]\nrequests: [mug: {place}]\n")
+        ids.append(own_set(file).episodes[0].id)
+    assert ids[0] == ids[2] != ids[1]
+    assert all(one.startswith("Rs_int/mug/0/") for one in ids)
+
+
+def test_a_run_warns_of_what_found_no_place_without_searching_for_what_fits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "home.yaml"
+    rooms = "{kitchen: [3.5, 4], bath: {size: [1.75, 1.75], furniture: {bed: 5}}}"
+    file.write_text(f"rooms: {rooms}\nhabits: [The mug is in the fridge.]\nrequests: [mug: in the fridge]\n")
+    made = own_set(file)
+    monkeypatch.setattr(building, "build_program", None)
+    say_made(file, made)
+    told = capsys.readouterr().err
+    assert f"warning: {file}:1: bath: bed: " in told
+    assert f"found a place; `python -m ucon home check {file}` says what fits instead" in told
 
 
 def test_a_file_states_no_context() -> None:

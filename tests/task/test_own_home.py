@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,8 @@ from ucon.envs.own_home import EXAMPLE
 from ucon.habits.types import Placement
 from ucon.scenes.home import build_program
 from ucon.sim.cache import load_house
-from ucon.task.own_home.building import build, program_of_home, rooms_by_name, unplaced
+from ucon.task.own_home import building
+from ucon.task.own_home.building import Unplaced, build, program_of_home, rooms_by_name, unplaced
 from ucon.task.own_home.names import category_of, place_of, room_type_of
 from ucon.task.own_home.reading import read_home
 from ucon.task.own_home.sentences import shared_out
@@ -142,6 +144,11 @@ def test_sentences_go_to_what_they_name_or_with_the_one_before() -> None:
         ),
         ("rooms: [kitchen, bedroom]\ndoors:\n- [kitchen, kitchen]\n" + SAID, 3, "joins it to itself; leave it out"),
         ("rooms: [kitchen, bedroom]\ndoors:\n- [kitchen, bedroom, gate]\n" + SAID, 3, "unknown kind of opening 'gate'"),
+        ("kind: [a]\n" + SAID, 1, "kind of home: a list, expected a name"),
+        ("home: [a]\n" + SAID, 1, "home: a list, expected a name"),
+        ("rooms:\n  kitchen: {type: [a]}\n" + SAID, 2, "type: a list, expected a name"),
+        ("rooms:\n  kitchen: [[a], 3]\n" + SAID, 2, "size: ['a list', 3], expected two sides"),
+        ("rooms: [kitchen, bath]\ndoors: [[[a], bath]]\n" + SAID, 2, "door: a list, expected a name"),
         ("kind: castle\n" + SAID, 1, "unknown kind of home 'castle': expected one of flat"),
         ("seed: -1\n" + SAID, 1, "seed: '-1', expected a whole number from 0"),
         ("starts: 1.0\n" + SAID, 1, "starts: '1.0', expected a whole number from 1 to 100"),
@@ -170,6 +177,12 @@ def test_a_fault_is_one_line_with_its_place(text: str, line: int, part: str, tmp
     assert told.startswith(f"x.yaml:{line}: "), told
     assert part in told
     assert "\n" not in told
+    assert "Marked(" not in told
+
+
+def test_blank_rooms_are_drawn(tmp_path: Path) -> None:
+    wish = read("rooms:\ndoors:\n" + SAID, tmp_path)
+    assert (wish.rooms, wish.doors) == ((), None)
 
 
 def test_all_faults_are_told_at_once(tmp_path: Path) -> None:
@@ -280,7 +293,36 @@ def test_what_finds_no_place_says_where_it_would(tmp_path: Path) -> None:
     )
     _, house = build(wish)
     told = {one.category: str(one).replace(f"{tmp_path}/", "") for one in unplaced(wish, house)}
-    assert told["piano"].startswith("x.yaml:4: bath: piano: it found no place; in a room of size: [")
+    assert told["piano"].startswith("x.yaml:4: bath: piano: it found no place; there is room for it at size: [")
     assert "toilet" not in told
     for line in told.values():
         assert "\n" not in line
+
+
+@pytest.mark.parametrize(
+    ("wanted", "placed", "told"),
+    [(1, 0, "it found no place"), (3, 0, "none of the 3 found a place"), (3, 2, "2 of 3 found a place")],
+)
+def test_how_many_found_a_place(wanted: int, placed: int, told: str) -> None:
+    assert str(Unplaced("bath", "wall_clock", wanted, placed, "x:1", "")) == f"x:1: bath: wall clock: {told}"
+
+
+def test_what_is_said_to_fit_fits(tmp_path: Path) -> None:
+    text = "rooms:\n  bath:\n    size: [3, 3]\n    furniture: {toilet: 1, bed: 3}\n  hall:\n" + SAID
+    wish = read(text, tmp_path)
+    (missing,) = unplaced(wish, build(wish)[1])
+    placed = missing.placed
+    assert 0 < placed < 3
+    found = re.fullmatch(rf"there is room for all 3 at size: (\[.*\]); else write {placed}", missing.nearest)
+    assert found
+    for other in (text.replace("[3, 3]", found[1]), text.replace("bed: 3", f"bed: {placed}")):
+        wish = read(other, tmp_path)
+        assert unplaced(wish, build(wish)[1]) == []
+
+
+def test_without_what_fits_nothing_is_built_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    wish = read("rooms: {bath: {size: [1.75, 1.75], furniture: {bed: 5}}, hall: }\n" + SAID, tmp_path)
+    _, house = build(wish)
+    monkeypatch.setattr(building, "build_program", None)
+    (missing,) = unplaced(wish, house, nearest=False)
+    assert str(missing).endswith(" found a place")

@@ -152,8 +152,8 @@ def say_made(path: Path, made: OwnSet) -> None:
     kept = dict.fromkeys(f"{e.target_category.replace('_', ' ')} {target_place(e)}" for e in made.episodes)
     n = len(made.episodes)
     say_once(f"{path}: {made.name}, {n} search{'es' if n > 1 else ''}: {', '.join(kept)}")
-    for one in unplaced(read_home(path.expanduser()), load_house(made.name)):
-        say_once(f"warning: {one}")
+    for one in unplaced(read_home(path.expanduser()), load_house(made.name), nearest=False):
+        say_once(f"warning: {one}; `python -m ucon home check {path}` says what fits instead")
 
 
 def read_places(target: str, habits: Sequence[str]) -> tuple[Sequence[str], NDArray[np.float64]]:

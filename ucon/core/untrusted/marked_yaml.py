@@ -105,7 +105,7 @@ def marked(value: Any, where: str) -> Marked:
         where: what it is, such as ``home``; keys are added to it.
 
     Raises:
-        DataError: too deep or too much, a key that is no text, or an object of another kind.
+        DataError: too deep or too much, a key that is no text or blank, or an object of another kind.
     """
     return _of_data(value, where, 0, iter(range(MOST_VALUES)))
 
@@ -114,8 +114,8 @@ def _of_data(value: Any, where: str, depth: int, left: Iterator[int]) -> Marked:
     if depth > MOST_DEPTH or next(left, None) is None:
         raise DataError(f"{where}: nested too deeply or too long; expected a short description")
     if isinstance(value, Mapping):
-        if odd := next((key for key in value if not isinstance(key, str) or not is_shown(key)), None):
-            raise DataError(f"{where}: key {brief(repr(odd))}; expected texts of one line as keys")
+        if odd := [key for key in value if not isinstance(key, str) or not key.strip() or not is_shown(key)]:
+            raise DataError(f"{where}: key {brief(repr(odd[0]))}; expected texts of one line as keys")
         inner = {key: _of_data(one, f"{where}.{key}", depth + 1, left) for key, one in value.items()}
         return Marked(inner, where, {key: f"{where}.{key}" for key in inner})
     if isinstance(value, Sequence) and not isinstance(value, str | bytes | bytearray):

@@ -16,7 +16,7 @@ from ucon.scenes.program import HomeProgram, RoomProgram, check_program
 from ucon.scenes.room_types import NO_WINDOWS
 from ucon.sim.cache import load_house
 from ucon.sim.house import House
-from ucon.task.own_home.wish import Door, OwnHome, OwnRoom
+from ucon.task.own_home.wish import Door, OwnHome, OwnRoom, Thing
 
 _WALL_HEIGHT_M: Final = 2.5
 _FIXTURES: Final = ("window", "electric_switch", *LIGHTS)
@@ -34,7 +34,7 @@ class Unplaced:
         wanted: their number.
         placed: how many of them stand there.
         where: file and line.
-        nearest: what can be built instead, in words; "" where nothing was found.
+        nearest: what can be built instead, in words; "" where it was not asked for.
     """
 
     room: str
@@ -46,8 +46,10 @@ class Unplaced:
 
     def __str__(self) -> str:
         name = self.category.replace("_", " ")
-        found = f"{self.placed} of {self.wanted}" if self.wanted > 1 else "it"
-        told = f"{found} found {'a ' if self.placed else 'no '}place" if self.wanted > 1 else "it found no place"
+        if self.wanted == 1:
+            told = "it found no place"
+        else:
+            told = f"{self.placed or 'none'} of {'' if self.placed else 'the '}{self.wanted} found a place"
         return f"{self.where}: {self.room}: {name}: {told}{f'; {self.nearest}' if self.nearest else ''}"
 
 
@@ -118,12 +120,13 @@ def rooms_by_name(wish: OwnHome, house: House) -> dict[str, str]:
     return {name: called.get(leg, leg.replace("_", " ")) for name, leg in legs.items()}
 
 
-def unplaced(wish: OwnHome, house: House) -> list[Unplaced]:
+def unplaced(wish: OwnHome, house: House, *, nearest: bool = True) -> list[Unplaced]:
     """Furniture that was said and stands nowhere, with the nearest that can be built.
 
     Args:
         wish: what is said of the home.
         house: what was built.
+        nearest: False: leave out what can be built instead, for which the home is built up to five times a category.
     """
     if wish.known or not wish.rooms:
         return []
@@ -137,8 +140,8 @@ def unplaced(wish: OwnHome, house: House) -> list[Unplaced]:
         for category, thing in (room.furniture or {}).items():
             placed = standing.count(category)
             if placed < thing.count:
-                nearest = _nearest(wish, program, by_call[room.called], category, placed)
-                found.append(Unplaced(room.called, category, thing.count, placed, thing.where, nearest))
+                instead = _nearest(wish, program, by_call[room.called], category, thing, placed) if nearest else ""
+                found.append(Unplaced(room.called, category, thing.count, placed, thing.where, instead))
     return found
 
 
@@ -188,15 +191,17 @@ def _room(room: OwnRoom, name: str, wish: OwnHome, edges: Sequence[tuple[str, st
 # -- what can be built instead ----------------------------------------------------------------------------------
 
 
-def _nearest(wish: OwnHome, program: HomeProgram, room: str, category: str, placed: int) -> str:
+def _nearest(wish: OwnHome, program: HomeProgram, room: str, category: str, thing: Thing, placed: int) -> str:
     """What can be built in place of furniture that found no place: a larger room, or fewer things."""
     for size in _larger(next(one.size_m for one in program.rooms if one.name == room)):
         rooms = tuple(replace(one, size_m=size) if one.name == room else one for one in program.rooms)
         larger = replace(program, rooms=rooms)
         if category not in _dropped(wish, larger).get(room, {}):
             sides = ", ".join(f"{side:g}" for side in size)
-            return f"in a room of size: [{sides}] there is one" + (f", here write {placed}" if placed else "")
-    return f"write {placed}" if placed else "leave it out, or put it into another room"
+            what = "it" if thing.count == 1 else f"all {thing.count}"
+            return f"there is room for {what} at size: [{sides}]" + (f"; else write {placed}" if placed else "")
+    them = "it" if thing.count == 1 else "them"
+    return f"write {placed}" if placed else f"leave {them} out, or put {them} into another room"
 
 
 def _larger(size: tuple[float, float]) -> Iterator[tuple[float, float]]:

@@ -93,10 +93,14 @@ def _asked(request: Request, name: str) -> OwnPlacement:
 
 
 def _of_all(episodes: Sequence[Episode], own: Sequence[str], dataset: HabitDataset) -> tuple[Episode, ...]:
-    """Episodes that belong to the habits of all requests: every sentence of the owner is known in each."""
-    return tuple(
+    """Episodes that belong to the habits of all requests: every sentence of the owner is known in each.
+
+    Their ids end in a hash of what they are, so that a changed file is seen to have other episodes.
+    """
+    whole = [
         replace(one, entries=tuple(dict.fromkeys((*own, *one.entries))), habits_hash=dataset.sha256) for one in episodes
-    )
+    ]
+    return tuple(replace(one, id=f"{one.id}/{one.hash[:8]}") for one in whole)
 
 
 def _placed(

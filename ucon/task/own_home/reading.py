@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from ucon.core.errors import UconError, brief, unknown_name
+from ucon.core.errors import UconError, unknown_name
 from ucon.core.untrusted.marked_yaml import Marked, marked, read_marked
 from ucon.habits.book import Faults, book_anchors
 from ucon.habits.rules import placement_fault
@@ -83,7 +83,7 @@ class _Reader(RoomReader):
             return Path(self._name).stem
         text = str(node.value) if isinstance(node.value, str | int) and not isinstance(node.value, bool) else ""
         if not text.strip() or len(text) > _LONGEST_NAME:
-            self._fault(node.where, f"home: {brief(node.value)}, expected a name of at most {_LONGEST_NAME} letters")
+            self._fault(node.where, f"home: {node.told}, expected a name of at most {_LONGEST_NAME} letters")
         elif is_home_name(text):
             try:
                 check_home_name(text)
@@ -94,10 +94,11 @@ class _Reader(RoomReader):
     def _choice(self, node: Marked | None, what: str, known: Collection[str], default: str) -> str:
         if node is None:
             return default
-        if node.value not in known:
-            self._fault(node.where, unknown_name(what, str(node.value), known))
+        name = self._word(node, what)
+        if name is not None and name not in known:
+            self._fault(node.where, unknown_name(what, name, known))
             return default
-        return str(node.value)
+        return default if name is None else name
 
     def _whole(self, node: Marked | None, what: str, least: int, most: int, default: int) -> int:
         if node is None:

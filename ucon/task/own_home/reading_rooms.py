@@ -13,7 +13,7 @@ from ucon.habits.book import Faults
 from ucon.objects.catalogue import catalogue
 from ucon.scenes.procedural import MAX_ROOMS
 from ucon.scenes.program import JOINTS
-from ucon.task.own_home.names import category_fault, category_of, room_type_fault, room_type_of
+from ucon.task.own_home.names import category_fault, category_of, room_type_fault, room_type_of, snake
 from ucon.task.own_home.wish import Door, OwnRoom, Thing
 
 ROOM_KEYS: Final = ("type", "size", "furniture")
@@ -38,10 +38,17 @@ class RoomReader:
             if key not in known:
                 self._fault(where, unknown_name("key", key, known))
 
+    def _word(self, node: Marked, what: str) -> str | None:
+        """The value as a name; a list, or names with values, is a fault."""
+        if isinstance(node.value, list | dict):
+            self._fault(node.where, f"{what}: {node.told}, expected a name")
+            return None
+        return str(node.value)
+
     # -- rooms ------------------------------------------------------------------------------------------------
 
     def _rooms(self, node: Marked | None) -> Iterator[OwnRoom]:
-        if node is None:
+        if node is None or node.value is None:
             return
         said = list(self._named_rooms(node))
         if len(said) > MAX_ROOMS:
@@ -49,7 +56,7 @@ class RoomReader:
         seen: dict[str, str] = {}
         things = 0
         for called, where, content in said[:MAX_ROOMS]:
-            if (key := _key(called)) in seen:
+            if (key := snake(called)) in seen:
                 self._fault(where, f"room '{brief(called)}' is there twice (first at {seen[key]}); number them")
                 continue
             seen[key] = where
@@ -88,9 +95,12 @@ class RoomReader:
         size = self._size(part.get("size"))
         furniture = self._furniture(part.get("furniture"))
         said = part.get("type")
-        room_type = room_type_of(called if said is None else str(said.value))
+        words = called if said is None else self._word(said, "type")
+        if words is None:
+            return None
+        room_type = room_type_of(words)
         if room_type is None:
-            words, at = (called, where) if said is None else (str(said.value), said.where)
+            at = where if said is None else said.where
             hint = "" if said is not None else "; say its type: " + f"{brief(called)}: {{type: bedroom}}"
             self._fault(at, room_type_fault(words) + hint)
             return None
@@ -103,7 +113,7 @@ class RoomReader:
         values = _floats(found.groups()) if found else [one.value for one in node.value] if is_list(node) else []
         low, high = SIDES_M
         if len(values) != 2 or not all(_is_number(v) and low <= v <= high for v in values):
-            told = node.told if not is_list(node) else [one.value for one in node.value]
+            told = [_short(one) for one in node.value] if is_list(node) else node.told
             self._fault(node.where, f"size: {brief(told)}, expected two sides of {low:g} to {high:g} m: [3, 4.5]")
             return None
         return float(values[0]), float(values[1])
@@ -167,20 +177,22 @@ class RoomReader:
         return tuple(doors)
 
     def _door(self, node: Marked, rooms: list[str]) -> Door | None:
-        names = [str(one.value) for one in node.value] if is_list(node) else []
-        if len(names) not in (2, 3):
+        if not is_list(node) or len(node.value) not in (2, 3):
             self._fault(node.where, "expected two rooms that a door joins, such as [kitchen, living room]")
             return None
-        by_key = {_key(room): room for room in rooms}
+        names = [name for one in node.value if (name := self._word(one, "door")) is not None]
+        if len(names) < len(node.value):
+            return None
+        by_key = {snake(room): room for room in rooms}
         for one, name in zip(node.value, names[:2], strict=False):
-            if _key(name) not in by_key:
+            if snake(name) not in by_key:
                 self._fault(one.where, unknown_name("room", name, rooms))
                 return None
         joint = names[2].replace(" ", "_") if len(names) == 3 else None
         if joint is not None and joint not in JOINTS:
             self._fault(node.value[2].where, unknown_name("kind of opening", joint, JOINTS))
             return None
-        first, second = (by_key[_key(name)] for name in names[:2])
+        first, second = (by_key[snake(name)] for name in names[:2])
         return Door(first, second, joint, node.where)
 
     def _joined(self, doors: list[Door], rooms: list[str], where: str) -> None:
@@ -197,8 +209,8 @@ class RoomReader:
             self._fault(where, f"no door leads from {rooms[0]} to {', '.join(alone)}; add [{rooms[0]}, {alone[0]}]")
 
 
-def _key(room: str) -> str:
-    return re.sub(r"[^a-z0-9]+", "_", room.lower()).strip("_")
+def _short(node: Marked) -> Any:
+    return node.told if isinstance(node.value, list | dict) else node.value
 
 
 def is_list(node: Marked) -> bool:
