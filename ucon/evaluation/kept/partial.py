@@ -18,7 +18,6 @@ from ucon.core.untrusted.typed import parse_line, read_as
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.evaluation.kept.finished import as_played
 from ucon.evaluation.kept.record import EpisodeRecord, EpisodeTiming
-from ucon.evaluation.kept.seal import PARTIAL
 from ucon.evaluation.playing.play import PlayedEpisode
 
 #: Longest first line in bytes.

@@ -47,9 +47,19 @@ class Side {
     return el('div', {class: 'panel side'}, el('h3', {}, swatch(this.run), plain(run.label)),
       el('p', {}, ending, ` \u00b7 ${row.metres.toFixed(2)} m, shortest ${row.shortest.toFixed(2)} m, SPL ${row.spl.toFixed(2)} \u00b7 `,
         row.seen < 0 ? 'target never seen' : `target first seen at step ${row.seen}`),
+      el('p', {}, `It is kept ${facts.place} (${words(facts.room)}). `, this._belief()),
       el('div', {class: 'scene'}, el('div', {}, this.drawing.svg, legend),
         el('div', {}, this.pictures.length ? this.image : null, this.said, el('h3', {}, 'Decisions'), decisions)),
       el('h3', {}, 'Habits'), this._habits(texts));
+  }
+
+  /** What the agent believed of the thing that keeps the target, in words. */
+  _belief() {
+    const {believed, beliefs} = this.facts;
+    if (!beliefs.length) return '';
+    if (!believed) return 'The agent never had that thing among those that it believed in.';
+    const [first, at, share] = believed;
+    return `The agent believed in that very thing from step ${first}, most at step ${at}: ${(100 * share).toFixed(1)} % of its belief.`;
   }
 
   _decisionLine(decision) {

@@ -60,10 +60,11 @@ def tell(
         pictures: ``key``: at the start, the end, decisions, openings, and where the target is seen first.
 
     Returns:
-        The story; ``facts`` has ``place`` (the target's, in words), ``lost`` (why, in words), ``placed``, ``target``,
-        ``poses`` (x, y, heading, pitch a step, from the start), ``frames`` (number of the picture a step, -1 for none),
-        ``opened`` (step, instance), ``blocked`` (steps), ``decisions``, ``beliefs`` (step, things, goal) and
-        ``relevance`` (by given habit).
+        The story; ``facts`` has ``place`` (the target's, in words), ``room``, ``believed`` (in the thing that keeps
+        it: first step, step of the largest share, that share; or None), ``lost`` (why, in words), ``placed``,
+        ``target``, ``poses`` (x, y, heading, pitch a step, from the start), ``frames`` (number of the picture a step,
+        -1 for none), ``opened`` (step, instance), ``blocked`` (steps), ``decisions``, ``beliefs`` (step, things, goal)
+        and ``relevance`` (by given habit).
     """
     observation, info = env.reset(options={"episode": episode})
     search = env.search
@@ -88,6 +89,8 @@ def tell(
     world: Any = search.world
     facts = {
         "place": target_place(episode),
+        "room": world.house.spec.rooms[episode.target_object.room].type,
+        "believed": _believed(minds, world, episode),
         "lost": why_lost(record, decisions),
         "placed": placed_in(episode.arrangement, world.boxes, world.house.n_instances),
         "instances": world.house.n_instances,
@@ -101,6 +104,29 @@ def tell(
         "relevance": minds.relevance,
     }
     return Story(facts, [] if album is None else album.pictures, minds.same)
+
+
+def _believed(minds: Minds, world: Any, episode: Episode) -> list[float] | None:
+    """When the agent first believed in the thing that keeps the target, when most, and how much of its belief then.
+
+    None where it never did, told nothing, or that thing is no item of the home.
+    """
+    placed = episode.target_object
+    keeper = placed.holder if placed.holder >= 0 else placed.anchor
+    if keeper >= world.house.n_items:
+        return None
+    x0, y0, x1, y1 = (float(world.boxes[keeper][k]) for k in (0, 1, 3, 4))
+    category = world.categories[keeper]
+    found = [
+        (share, step)
+        for step, things, _ in minds.beliefs
+        for name, box, share in things
+        if name == category and x0 <= (box[0] + box[2]) / 2 <= x1 and y0 <= (box[1] + box[3]) / 2 <= y1
+    ]
+    if not found:
+        return None
+    most, at = max(found, key=lambda one: one[0])
+    return [found[0][1], at, most]
 
 
 def _decision(decision: DecisionRecord, minds: Minds) -> dict[str, Any]:
