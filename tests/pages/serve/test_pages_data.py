@@ -25,6 +25,7 @@ from ucon.pages.serve.desk import Desk
 from ucon.pages.serve.guard import REPORT_POLICY
 from ucon.pages.serve.tails import Tails
 from ucon.pages.serve.walk import HEIGHT, WIDTH
+from ucon.pages.thinning import thinned
 from ucon.programs.composing import eval_config
 from ucon.programs.evaluating import Evaluation
 from ucon.sim.cache import load_house
@@ -114,6 +115,14 @@ def test_a_training_is_read(tmp_path: Path) -> None:
     assert [curve["name"] for curve in detail["curves"]] == ["loss", "loss (validation)", "score (validation)"]
     assert len(detail["curves"][0]["points"]) <= 400
     assert detail["curves"][0]["points"][-1] == [1000, pytest.approx(5 - 1000 / 300)]
+
+
+def test_curves_are_thinned_to_their_end() -> None:
+    assert thinned([], 3) == []
+    assert thinned([1, 2, 3], 3) == [1, 2, 3]
+    assert thinned([1, 2, 3, 4], 3) == [2, 4]
+    assert thinned(range(1000), 400)[-1] == 999
+    assert max(len(thinned(range(n), 7)) for n in range(100)) == 7
 
 
 def test_all_that_is_recorded_is_shown() -> None:

@@ -83,6 +83,6 @@ class ReportMaker:
             process.terminate()
             process.communicate()
             return str(error)
-        return (
-            (said.strip().splitlines() or ["it ended early"])[-1].removeprefix("error: ") if process.returncode else ""
-        )
+        if not process.returncode:
+            return ""
+        return (said.strip().splitlines() or ["it ended early"])[-1].removeprefix("error: ")

@@ -209,9 +209,9 @@ def _success_curve(records: Sequence[EpisodeRecord]) -> list[dict[str, Any]]:
         found += record.success
         low, high = _wilson(found, n)
         points.append([n, 100 * found / n, 100 * low, 100 * high])
-    return (
-        [{"name": "SR % so far, with its 95 %", "x": "episodes", "points": thinned(points, _POINTS)}] if points else []
-    )
+    if not points:
+        return []
+    return [{"name": "SR % so far, with its 95 %", "x": "episodes", "points": thinned(points, _POINTS)}]
 
 
 def _wilson(found: int, n: int) -> tuple[float, float]:

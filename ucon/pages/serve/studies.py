@@ -50,13 +50,8 @@ class Studies:
         found: list[dict[str, Any]] = []
         for path in sorted(keys, key=_written_s, reverse=True)[:_MOST]:
             try:
-                found.append(
-                    {
-                        "name": path.parent.name,
-                        "items": len(read_key(path)),
-                        "raters": self._raters(path.parent)[:_MOST],
-                    }
-                )
+                raters = self._raters(path.parent)[:_MOST]
+                found.append({"name": path.parent.name, "items": len(read_key(path)), "raters": raters})
             except UconError:  # a damaged key is told where the study is opened
                 found.append({"name": path.parent.name, "items": None, "raters": []})
         return found
