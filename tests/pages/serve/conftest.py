@@ -55,7 +55,10 @@ class Listening:
         )
         thread = threading.Thread(target=server.run, kwargs={"sockets": [opened]}, daemon=True)
         thread.start()
+        until = time.monotonic() + 30
         while not server.started:
+            assert thread.is_alive(), "the server did not start"
+            assert time.monotonic() < until, "the server takes too long to start"
             time.sleep(0.01)
         self._running.append((server, thread))
         return Served(f"http://127.0.0.1:{port}/{TOKEN}/", out)

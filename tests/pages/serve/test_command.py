@@ -23,13 +23,17 @@ from ucon.task.sets import load_episodes
 ROOT = Path(__file__).parents[3]
 
 
+def command(out: Path) -> list[str]:
+    """A server of a folder."""
+    return [sys.executable, "-m", "ucon", "serve", "--port", "0", "--no-browser", "--out", str(out)]
+
+
 @contextlib.contextmanager
 def running(out: Path) -> Iterator[tuple[subprocess.Popen[str], httpx.Client]]:
     """The command, and who asks it; it is killed at the end where it still runs."""
-    command = [sys.executable, "-m", "ucon", "serve", "--port", "0", "--no-browser", "--out", str(out)]
     environment = os.environ | {"OMP_NUM_THREADS": "1"}
     process = subprocess.Popen(
-        command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        command(out), cwd=ROOT, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
     assert process.stdout is not None
     address = process.stdout.readline().strip()
@@ -59,7 +63,8 @@ def test_what_was_done_survives_a_kill_and_ctrl_c_ends_it(tmp_path: Path) -> Non
         act(client, state, episode.solution[:5])
         client.post("api/study/make", json={"study": "s", "n": 4, "seed": 0}).raise_for_status()
         client.post("api/study/answer", json=said).raise_for_status()
-        assert main(["serve", "--port", "0", "--no-browser", "--out", str(out)]) == 2  # one server a folder
+        second = subprocess.run(command(out), cwd=ROOT, capture_output=True, timeout=60)
+        assert second.returncode == 2  # one server a folder
         process.send_signal(signal.SIGKILL)
         process.wait(20)
     with running(out) as (process, client):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import threading
+import time
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -23,9 +25,11 @@ from ucon.pages.serve.desk import Desk
 from ucon.pages.serve.guard import REPORT_POLICY
 from ucon.pages.serve.tails import Tails
 from ucon.pages.serve.walk import HEIGHT, WIDTH
+from ucon.pages.thinning import thinned
 from ucon.programs.composing import eval_config
 from ucon.programs.evaluating import Evaluation
 from ucon.sim.cache import load_house
+from ucon.sim.house import House
 from ucon.task.making.residents import residents
 
 QUICK = ("agent=random", "episodes=mini", "limit=6", "workers=0", "pictures=0", "progress=false")
@@ -113,12 +117,33 @@ def test_a_training_is_read(tmp_path: Path) -> None:
     assert detail["curves"][0]["points"][-1] == [1000, pytest.approx(5 - 1000 / 300)]
 
 
+def test_curves_are_thinned_to_their_end() -> None:
+    assert thinned([], 3) == []
+    assert thinned([1, 2, 3], 3) == [1, 2, 3]
+    assert thinned([1, 2, 3, 4], 3) == [2, 4]
+    assert thinned(range(1000), 400)[-1] == 999
+    assert max(len(thinned(range(n), 7)) for n in range(100)) == 7
+
+
 def test_all_that_is_recorded_is_shown() -> None:
     with fresh(Path(__file__).parents[3] / "results") as client:
         found = runs(client)
     assert len(found) > 50
     assert not [name for name, run in found.items() if "problem" in run]
     assert (found["results/learned-frontier"]["done"], found["results/trained-equal-zson"]["kind"]) == (1000, "train")
+    can = {name: found[f"results/{name}"]["can_report"] for name in ("learned-frontier", "large-belief-gt")}
+    assert can == {"learned-frontier": True, "large-belief-gt": False}  # records are kept of the first alone
+    assert not found["results/trained-equal-zson"]["can_report"]
+
+
+def test_a_training_of_figures_alone_has_no_report() -> None:
+    with fresh(Path(__file__).parents[3] / "results") as client:
+        number = runs(client)["results/trained-equal-zson"]["id"]
+        detail = asked(client, "runs/one", run=number)
+        refused = client.post("/api/runs/report", json={"run": number})
+    assert (detail["kind"], detail["done"], detail["curves"]) == ("train", 40, [])
+    assert refused.status_code == 400
+    assert "only the figures" in refused.json()["error"]
 
 
 def test_folders_that_are_damaged_or_point_elsewhere(tmp_path: Path) -> None:
@@ -312,6 +337,38 @@ def test_a_damaged_key_is_told(client: TestClient, tmp_path: Path) -> None:
     answer = client.get("/api/study/items", params={"study": "s", "rater": "ann"})
     assert answer.status_code == 400
     assert "key.csv" in answer.json()["error"]
+
+
+def test_files_beside_the_sheets_are_left_out(client: TestClient, tmp_path: Path) -> None:
+    client.post("/api/study/make", json={"study": "s", "n": 2, "seed": 0})
+    sheets = tmp_path / "out" / "studies" / "s" / "sheets"
+    for rater in ("ann", "bob"):
+        sent = {"study": "s", "rater": rater, "item": 1, "real": 3, "look": "yes"}
+        client.post("/api/study/answer", json=sent).raise_for_status()
+    (sheets / "ann copy.csv").write_bytes((sheets / "ann.csv").read_bytes())
+    for number in range(200):
+        (sheets / f"r{number}.csv").write_bytes((sheets / "ann.csv").read_bytes())
+    assert len(asked(client, "study/list")[0]["raters"]) == 200
+    assert asked(client, "study/figures", study="s")["figures"]["raters"] == 202
+
+
+def test_a_home_is_built_once(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Several requests for it at once wait for each other."""
+    house, built = load_house("Rs_int"), []
+
+    @lru_cache
+    def slow(name: str) -> House:
+        built.append(name)
+        time.sleep(0.3)
+        return house
+
+    monkeypatch.setattr("ucon.pages.serve.house_by_name.load_house", slow)
+    threads = [threading.Thread(target=asked, args=(client, "homes/plan"), kwargs={"home": "Rs_int"}) for _ in "123"]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert built == ["Rs_int"]
 
 
 def test_homes_of_ones_own_are_listed_and_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

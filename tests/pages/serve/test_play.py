@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +13,13 @@ from starlette.testclient import TestClient
 
 from tests.pages.serve.conftest import PORT, TOKEN
 from ucon.__main__ import main
-from ucon.core.errors import ConfigError
+from ucon.core.errors import ConfigError, DataError
 from ucon.evaluation.kept.finished import FinishedRun
 from ucon.evaluation.playing.human import HumanAgent
 from ucon.habits import book
 from ucon.pages.serve.app import make_app
 from ucon.pages.serve.desk import Desk
+from ucon.pages.serve.play.games import Games
 from ucon.pages.serve.play.journal import Journal
 from ucon.programs.composing import eval_config
 from ucon.programs.evaluating import Evaluation
@@ -169,3 +172,47 @@ def test_a_journal_is_read_as_far_as_it_is_whole(tmp_path: Path) -> None:
     assert Journal(path).of("e") == (1,)
     path.write_bytes(b'{"episode":["e"],"step":0,"action":1}\n')
     assert Journal(path).of("e") == ()
+
+
+def test_a_part_of_a_line_is_taken_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where the disk is full: the action does not count, and later ones are read."""
+    path, write = tmp_path / "journal.jsonl", os.write
+    journal = Journal(path)
+    journal.add("e", 1)
+    with monkeypatch.context() as full:
+        full.setattr(os, "write", lambda handle, data: write(handle, data[: len(data) // 2]))
+        with pytest.raises(DataError, match="no room left"):
+            journal.add("e", 2)
+    journal.add("e", 3)
+    assert Journal(path).of("e") == journal.of("e") == (1, 3)
+
+
+def test_games_are_had_while_another_is_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And none is opened any more once all are left."""
+    games, begun, may, said = Games(tmp_path), threading.Event(), threading.Event(), []
+    name = games.open("ann", "none", "mini", 1, 128)
+
+    def slow(*given: Any, **more: Any) -> Evaluation:
+        begun.set()
+        assert may.wait(60)
+        return Evaluation(*given, **more)
+
+    def open_another() -> None:
+        with pytest.raises(ConfigError) as error:
+            games.open("bob", "none", "mini", 1, 128)
+        said.append(str(error.value))
+
+    monkeypatch.setattr("ucon.pages.serve.play.games.Evaluation", slow)
+    opening = threading.Thread(target=open_another, daemon=True)
+    opening.start()
+    assert begun.wait(60)
+    closing = threading.Thread(target=lambda: said.append(games.get(name)) or games.close(), daemon=True)
+    closing.start()
+    closing.join(30)
+    assert not closing.is_alive()
+    may.set()
+    opening.join(60)
+    game, error = said
+    assert error == "the server ends; start it again and go on"
+    with pytest.raises(ConfigError, match="was left"):  # not: all searches are done
+        game.state()

@@ -1,9 +1,10 @@
 // Runs: what eval.py and train.py have written, also while they write.
 'use strict';
 
-const LIST_MS = 4000, ONE_MS = 2000;
-const line = messageLine(), body = el('div', {});
-main.append(el('h1', {}, 'Runs'), line, body);
+const EVERY_MS = 2000;
+// Polls have a line of their own, else they would clear what a click is answered.
+const line = messageLine(), polls = messageLine(), body = el('div', {});
+main.append(el('h1', {}, 'Runs'), line, polls, body);
 const search = el('input', {type: 'search', placeholder: 'search', 'aria-label': 'Search the runs', id: 'run-search'});
 const kind = choiceOf(['all', 'eval', 'train'], 'all', {all: 'all', eval: 'evaluations', train: 'trainings'});
 kind.setAttribute('aria-label', 'Kind');
@@ -44,7 +45,8 @@ async function choose(id) {
   chosen = id;
   history.replaceState(null, '', `#${encodeURIComponent(id)}`);
   fill();
-  await shownIn(line, one);
+  line.textContent = '';
+  await shownIn(polls, one);
 }
 
 async function one() {
@@ -75,8 +77,7 @@ function reportLine(run) {
   const link = run.report ? el('a', {href: `report/${run.id}`, target: '_blank', rel: 'noopener noreferrer', id: 'report'}, 'Its report') : null;
   const make = el('button', {type: 'button', id: 'make-report', disabled: run.making, onclick: () => shownIn(line, async () => { await tell('runs/report', {run: run.id}); await one(); })},
     run.making ? 'The report is being made' : run.report ? 'Make it anew' : 'Make its report');
-  const can = run.kind === 'train' || run.finished;
-  return can || link ? el('p', {class: 'row'}, link, link ? el('span', {class: 'faint'}, 'opens in a tab of its own') : null, can ? make : null, run.fault ? el('span', {class: 'bad plain'}, run.fault) : null) : null;
+  return run.can_report || link ? el('p', {class: 'row'}, link, link ? el('span', {class: 'faint'}, 'opens in a tab of its own') : null, run.can_report ? make : null, run.fault ? el('span', {class: 'bad plain'}, run.fault) : null) : null;
 }
 
 async function list() {
@@ -89,15 +90,14 @@ async function list() {
 
 const sameBut = (found, rest) => JSON.stringify(found.runs ? found.runs.map(rest) : rest(found));
 
-/** Ask again and again while the page is looked at; an open list of episodes stays open. */
-async function again() {
+/** Ask again and again while the page is looked at, every second time for the list, too; an open list of episodes stays open. */
+async function again(round) {
   if (!document.hidden) {
     const open = detail.querySelector('details')?.open;
-    await shownIn(line, one);
+    await shownIn(polls, async () => { if (round % 2) await list(); await one(); });
     if (open) detail.querySelector('details')?.setAttribute('open', '');
   }
-  setTimeout(again, ONE_MS);
+  setTimeout(again, EVERY_MS, round + 1);
 }
 
-shownIn(line, list).then(() => again());
-setInterval(() => { if (!document.hidden) shownIn(line, list); }, LIST_MS);
+shownIn(polls, list).then(() => again(0));

@@ -105,10 +105,10 @@ function save(one, which, value) {
   show();
   const whole = isWhole(one);
   (whole ? document.getElementById('next') : focused && document.querySelector(focused))?.focus();
-  const owner = data;
+  const owner = data, sent = {study, rater, item: one.item, ...next};  // what the page shows may be another one's by then
   pending += 1;
   note.textContent = 'saving …';
-  saving = saving.then(() => shownIn(line, () => tell('study/answer', {study, rater, item: one.item, ...next}))).then(done => {
+  saving = saving.then(() => shownIn(line, () => tell('study/answer', sent))).then(done => {
     pending -= 1;
     if (!done) note.textContent = 'not saved';
     else if (!pending) note.textContent = 'saved';

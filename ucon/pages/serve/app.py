@@ -43,14 +43,11 @@ def make_app(desk: Desk, token: str, port: int) -> ASGIApp:
         games.close()
         maker.close()
 
-    async def shown(request: Request) -> Response:
-        return page(request.path_params.get("page", "start"))
-
     async def file(request: Request) -> Response:
         return asset(request.path_params["name"])
 
     routes = [
-        Route("/", shown),
+        Route("/", _page_of("start")),
         *(Route(f"/{name}", _page_of(name)) for name in PAGES),
         Route("/assets/{name}", file),
         *run_routes(RunList(desk.folders), maker),

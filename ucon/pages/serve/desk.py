@@ -25,6 +25,15 @@ class Desk:
     """The habits of the pages Habits, Homes and Study; played are those of the episodes."""
 
 
+def is_name(value: object) -> bool:
+    """Whether something can be a name that becomes part of a path.
+
+    Args:
+        value: as it was given.
+    """
+    return isinstance(value, str) and _NAME.fullmatch(value) is not None
+
+
 def checked_name(value: object, what: str) -> str:
     """A name that becomes part of a path.
 
@@ -35,7 +44,7 @@ def checked_name(value: object, what: str) -> str:
     Raises:
         ConfigError: anything but letters, digits, hyphens and underscores.
     """
-    if not isinstance(value, str) or not _NAME.fullmatch(value):
+    if not isinstance(value, str) or not is_name(value):
         raise ConfigError(
             f"{what} '{brief(value)}': expected 1 to 40 of the letters a to z, digits, - and _, such as initials"
         )

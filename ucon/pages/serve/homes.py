@@ -14,10 +14,10 @@ from ucon.core.errors import ConfigError, brief
 from ucon.pages.home_plan import plan_of
 from ucon.pages.serve.answers import asked, number, text, whole
 from ucon.pages.serve.home_cards import Cards
+from ucon.pages.serve.house_by_name import house_by_name
 from ucon.pages.serve.walk import Camera, Walks
 from ucon.scenes import SCENES
 from ucon.scenes.own import kept_names
-from ucon.sim.cache import load_house
 from ucon.sim.house import House
 from ucon.sim.state import SceneState
 
@@ -45,7 +45,7 @@ def home_of(words: _Words) -> House:
     name = text(words, "home", 100)
     if not _NAME.fullmatch(name):
         raise ConfigError(f"home '{brief(name)}': expected a name such as Rs_int, Rs_int~3 or procedural:house:17")
-    return load_house(name)
+    return house_by_name(name)
 
 
 def home_routes(cards: Cards) -> list[Route]:

@@ -20,7 +20,7 @@ class ReportMaker:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._process: subprocess.Popen[str] | None = None
-        self._making = ""
+        self._making, self._closed = "", False
         self._faults: dict[str, str] = {}
 
     def state(self, run: FoundRun) -> dict[str, bool | str]:
@@ -34,10 +34,12 @@ class ReportMaker:
             run: the run.
 
         Raises:
-            ConfigError: an evaluation that is not finished, or another report is being made.
+            ConfigError: an evaluation that is not finished, figures alone, or another report is being made.
         """
         if run.kind == "eval" and not run.finished:
             raise ConfigError("the run is not finished; its report can be made when it is")
+        if not run.can_report:
+            raise ConfigError("only the figures of this run are here, nothing that a report shows")
         with self._lock:
             if self._making:
                 raise ConfigError("another report is being made; ask again when it is done")
@@ -46,24 +48,41 @@ class ReportMaker:
         threading.Thread(target=self._work, args=(run,), daemon=True).start()
 
     def close(self) -> None:
-        """End what is being made."""
-        if self._process is not None:
-            self._process.terminate()
+        """End what is being made; nothing more is begun."""
+        with self._lock:
+            self._closed = True
+            if self._process is not None:
+                self._process.terminate()
 
     def _work(self, run: FoundRun) -> None:
         try:
-            self._process = subprocess.Popen(
-                [sys.executable, "-m", "ucon", "report", str(run.path)],
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.PIPE,
-                text=True,
-            )
-            _, said = self._process.communicate(timeout=_PATIENCE_S)
-            if self._process.returncode:
-                last = (said.strip().splitlines() or ["it ended early"])[-1].removeprefix("error: ")
-                self._faults[run.id] = last.replace(str(run.path), run.name)
-        except (OSError, subprocess.TimeoutExpired) as error:
-            self.close()
-            self._faults[run.id] = str(error).replace(str(run.path), run.name)
+            if fault := self._fault(run):
+                self._faults[run.id] = fault.replace(str(run.path), run.name)
         finally:
-            self._process, self._making = None, ""
+            with self._lock:
+                self._process, self._making = None, ""
+
+    def _fault(self, run: FoundRun) -> str:
+        """Make a report; why it could not be made, or ""."""
+        try:
+            with self._lock:
+                if self._closed:
+                    return "the server has ended"
+                process = self._process = subprocess.Popen(
+                    [sys.executable, "-m", "ucon", "report", str(run.path)],
+                    stdout=subprocess.DEVNULL,
+                    stderr=subprocess.PIPE,
+                    text=True,
+                    errors="replace",
+                )
+        except OSError as error:
+            return str(error)
+        try:
+            _, said = process.communicate(timeout=_PATIENCE_S)
+        except subprocess.TimeoutExpired as error:
+            process.terminate()
+            process.communicate()
+            return str(error)
+        if not process.returncode:
+            return ""
+        return (said.strip().splitlines() or ["it ended early"])[-1].removeprefix("error: ")

@@ -10,13 +10,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from ucon.core.errors import ConfigError, brief
+from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import sha256_bytes
+from ucon.core.untrusted.strict_json import read_json
 from ucon.evaluation.kept.partial import PARTIAL
-from ucon.evaluation.kept.seal import RECORDS, SUMMARY
+from ucon.evaluation.kept.seal import RECORDS, SECONDS, SUMMARY
 from ucon.learning.run.run_folder import METRICS
 
 REPORT: Final = "report.html"
+#: Largest summary in bytes.
+MOST_SUMMARY: Final = 1 << 24
 #: How deep below a folder runs are looked for, in how many folders at most, and which are none.
 _DEEPEST, _MOST_FOLDERS = 4, 4000
 _NO_RUNS: Final = frozenset({"checkpoints", "model", "pictures", "tensorboard", "wandb", "__pycache__"})
@@ -39,6 +42,8 @@ class FoundRun:
     """When something was last written, seconds since 1970."""
     report: bool
     """Whether there is a report of it."""
+    can_report: bool
+    """Whether one can be made: its metrics or, of a finished evaluation, its records are here."""
 
 
 class RunList:
@@ -92,9 +97,8 @@ def _runs_below(top: Path) -> Iterator[FoundRun]:
 
 
 def _run(path: Path, top: Path, files: frozenset[str]) -> FoundRun | None:
-    trained, finished = METRICS in files, SUMMARY in files
-    evaluated = PARTIAL in files or (finished and not trained)
-    if not trained and not evaluated:
+    measured, finished = METRICS in files, SUMMARY in files
+    if not measured and not finished and PARTIAL not in files:
         return None
     names = [name for name in (SUMMARY, PARTIAL, METRICS, RECORDS) if name in files]
     try:
@@ -102,7 +106,18 @@ def _run(path: Path, top: Path, files: frozenset[str]) -> FoundRun | None:
     except OSError:  # removed in between
         return None
     name = str(Path(top.name, path.relative_to(top)))
-    kind = "train" if trained else "eval"
+    trained = measured or (finished and SECONDS not in files and _is_of_training(path / SUMMARY))
+    recorded = finished and not trained and not files.isdisjoint((RECORDS, f"{RECORDS}.xz"))
     return FoundRun(
-        sha256_bytes(str(path).encode())[:16], name, path, kind, finished, written_s, REPORT in files
+        sha256_bytes(str(path).encode())[:16], name, path, "train" if trained else "eval", finished, written_s,
+        REPORT in files, measured or recorded,
     )  # fmt: skip
+
+
+def _is_of_training(path: Path) -> bool:
+    """Whether a summary is of ``train.py``; of some trainings nothing else is kept, as in ``results/``."""
+    try:
+        said = read_json(path, "train again", max_bytes=MOST_SUMMARY)
+    except DataError:
+        return False
+    return isinstance(said, dict) and isinstance(said.get("best"), dict)

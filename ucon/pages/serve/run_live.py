@@ -21,8 +21,9 @@ from ucon.evaluation.kept.partial import PARTIAL
 from ucon.evaluation.kept.record import EpisodeRecord
 from ucon.evaluation.kept.seal import CONFIG, SUMMARY
 from ucon.learning.run.run_folder import METRICS
-from ucon.pages.serve.run_list import FoundRun
+from ucon.pages.serve.run_list import MOST_SUMMARY, FoundRun
 from ucon.pages.serve.tails import Tails
+from ucon.pages.thinning import thinned
 
 #: Figures of a summary that the page shows.
 _SHOWN: Final = ("n", "success_rate", "success_rate_ci95", "spl", "spl_ci95", "steps", "failure_causes")
@@ -30,7 +31,6 @@ _SHOWN: Final = ("n", "success_rate", "success_rate_ci95", "spl", "spl_ci95", "s
 _POINTS, _LISTED = 400, 12
 #: Most finished runs whose figures are kept.
 _KEPT: Final = 1000
-_MOST_SUMMARY: Final = 1 << 24
 
 
 def _line_of_partial(line: bytes) -> Any:
@@ -77,7 +77,7 @@ class LiveFigures:
 
     def _row(self, run: FoundRun) -> dict[str, Any]:
         try:
-            return self._trained(run.path) if run.kind == "train" else self._evaluated(run)
+            return self._trained(run) if run.kind == "train" else self._evaluated(run)
         except (OSError, DataError) as error:
             return {"label": "cannot be read", "problem": " ".join(str(error).split())}
 
@@ -99,10 +99,9 @@ class LiveFigures:
         row = self.row(run)
         if "problem" in row:
             raise DataError(row["problem"])
-        if row.get("kind") == "train":
-            return {**row, "curves": []}
         if run.kind == "train":
-            return {**row, "curves": _curves(self._metrics.lines(run.path / METRICS))}
+            metrics = run.path / METRICS
+            return {**row, "curves": _curves(self._metrics.lines(metrics)) if metrics.is_file() else []}
         records = list(FinishedRun.read(run.path).records or ()) if run.finished else self._records(run.path)[1]
         listed = [
             {
@@ -127,9 +126,7 @@ class LiveFigures:
 
     def _evaluated(self, run: FoundRun) -> dict[str, Any]:
         if run.finished:
-            said = read_json(run.path / SUMMARY, "evaluate again", max_bytes=_MOST_SUMMARY)
-            if isinstance(said, dict) and isinstance(said.get("best"), dict):
-                return _trained_once(run.path, said)
+            said = read_json(run.path / SUMMARY, "evaluate again", max_bytes=MOST_SUMMARY)
             check_summary(said if isinstance(said, dict) else {}, run.path / SUMMARY)
             return _row(agent_label(said), level(said), said, said["n"])
         total, records = self._records(run.path)
@@ -143,8 +140,10 @@ class LiveFigures:
         total = next((line for line in lines if isinstance(line, int) and line > 0), None)
         return total, list({line.episode: line for line in lines if isinstance(line, EpisodeRecord)}.values())
 
-    def _trained(self, folder: Path) -> dict[str, Any]:
-        lines, said = self._metrics.lines(folder / METRICS), _said(folder)
+    def _trained(self, run: FoundRun) -> dict[str, Any]:
+        if not (run.path / METRICS).is_file():
+            return _trained_once(run.path)
+        lines, said = self._metrics.lines(run.path / METRICS), _said(run.path)
         scores = [line["val/score"] for line in lines if _is_number(line.get("val/score"))]
         return {
             "label": said.get("label", ""),
@@ -161,11 +160,11 @@ def _row(label: str, habits: str, figures: Mapping[str, Any], total: int | None)
     }
 
 
-def _trained_once(folder: Path, said: Mapping[str, Any]) -> dict[str, Any]:
+def _trained_once(folder: Path) -> dict[str, Any]:
     """The row of a training of which the summary alone is kept, as in ``results/``."""
+    said = read_json(folder / SUMMARY, "train again", max_bytes=MOST_SUMMARY)
     steps, score = said.get("steps"), said["best"].get("score")
     return {
-        "kind": "train",
         "label": _said(folder).get("label", ""),
         "level": "",
         "done": steps if type(steps) is int else None,
@@ -199,7 +198,7 @@ def _curves(lines: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
         points = [[line["step"], line[name]] for line in lines if _is_number(line.get(name))]
         if points:
             label = f"{name.removeprefix('val/').replace('_', ' ')}{'' if name == 'loss' else ' (validation)'}"
-            found.append({"name": label[:80], "x": "step", "points": _thinned(points)})
+            found.append({"name": label[:80], "x": "step", "points": thinned(points, _POINTS)})
     return found[:12]
 
 
@@ -210,7 +209,9 @@ def _success_curve(records: Sequence[EpisodeRecord]) -> list[dict[str, Any]]:
         found += record.success
         low, high = _wilson(found, n)
         points.append([n, 100 * found / n, 100 * low, 100 * high])
-    return [{"name": "SR % so far, with its 95 %", "x": "episodes", "points": _thinned(points)}] if points else []
+    if not points:
+        return []
+    return [{"name": "SR % so far, with its 95 %", "x": "episodes", "points": thinned(points, _POINTS)}]
 
 
 def _wilson(found: int, n: int) -> tuple[float, float]:
@@ -218,9 +219,3 @@ def _wilson(found: int, n: int) -> tuple[float, float]:
     centre = (rate + z2 / (2 * n)) / (1 + z2 / n)
     half = math.sqrt(z2) / (1 + z2 / n) * math.sqrt(rate * (1 - rate) / n + z2 / (4 * n * n))
     return max(0.0, centre - half), min(1.0, centre + half)
-
-
-def _thinned(points: list[Any]) -> list[Any]:
-    """At most some hundred points, evenly, the last among them."""
-    every = -(-len(points) // _POINTS)
-    return points[::-1][::every][::-1]

@@ -69,4 +69,5 @@ def _named(run: FoundRun) -> dict[str, Any]:
         "finished": run.finished,
         "age_s": max(0, round(time.time() - run.written_s)),
         "report": run.report,
+        "can_report": run.can_report,
     }

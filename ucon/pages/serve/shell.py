@@ -15,13 +15,13 @@ import ucon.pages
 _DATA: Final = Path(ucon.pages.__file__).parent / "data"
 _TYPES: Final[Mapping[str, str]] = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 
-#: Pages by name: title, what is done there, and the scripts beside those of all pages.
-PAGES: Final[Mapping[str, tuple[str, str, Sequence[str]]]] = {
-    "runs": ("Runs", "Evaluations and trainings, also while they run, and their reports.", ("charts.js",)),
-    "homes": ("Homes", "Plans of the homes, a walk through them, and what can be kept where.", ("plan.js",)),
-    "habits": ("Habits", "Who lives in a home, what they say, and where it can come true.", ("plan.js",)),
-    "play": ("Play", "Search yourself, with what an agent is given.", ("plan.js",)),
-    "study": ("Study", "Judge habits and places, as people did for the paper.", ("charts.js",)),
+#: Pages by name: title, and the scripts beside those of all pages.
+PAGES: Final[Mapping[str, tuple[str, Sequence[str]]]] = {
+    "runs": ("Runs", ("charts.js",)),
+    "homes": ("Homes", ("plan.js",)),
+    "habits": ("Habits", ("plan.js",)),
+    "play": ("Play", ("plan.js",)),
+    "study": ("Study", ("charts.js",)),
 }
 _SHARED: Final = ("page.js", "served.js")
 
@@ -37,7 +37,7 @@ def page(name: str) -> Response:
         f'<a href="{other}"{" aria-current=page" if other == name else ""}>{escape(PAGES[other][0])}</a>'
         for other in PAGES
     )
-    scripts = (*_SHARED, *(PAGES[name][2] if name in PAGES else ()), f"{name}_page.js")
+    scripts = (*_SHARED, *(PAGES[name][1] if name in PAGES else ()), f"{name}_page.js")
     tags = "".join(f'<script src="assets/{script}" defer></script>' for script in scripts)
     return HTMLResponse(
         f"""<!doctype html>

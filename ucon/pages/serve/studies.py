@@ -24,7 +24,7 @@ from ucon.evaluation.datasets.survey import (
 )
 from ucon.evaluation.datasets.survey_score import score_survey
 from ucon.habits import HabitDataset
-from ucon.pages.serve.desk import checked_name
+from ucon.pages.serve.desk import checked_name, is_name
 
 _KEY: Final = "key.csv"
 #: Most studies and raters that are listed, and the longest sentence: Python's CSV reader takes no longer cell.
@@ -46,13 +46,12 @@ class Studies:
 
     def all(self) -> list[dict[str, Any]]:
         """Name, number of items and raters of every study, newest first."""
-        keys = sorted(self._folder.glob(f"*/{_KEY}"), key=lambda path: -path.stat().st_mtime)[:_MOST]
+        keys = [path for path in self._folder.glob(f"*/{_KEY}") if is_name(path.parent.name)]
         found: list[dict[str, Any]] = []
-        for path in keys:
+        for path in sorted(keys, key=_written_s, reverse=True)[:_MOST]:
             try:
-                found.append(
-                    {"name": path.parent.name, "items": len(read_key(path)), "raters": self._raters(path.parent)}
-                )
+                raters = self._raters(path.parent)[:_MOST]
+                found.append({"name": path.parent.name, "items": len(read_key(path)), "raters": raters})
             except UconError:  # a damaged key is told where the study is opened
                 found.append({"name": path.parent.name, "items": None, "raters": []})
         return found
@@ -178,4 +177,13 @@ class Studies:
         return self._folder / checked_name(name, "study") / _KEY
 
     def _raters(self, folder: Path) -> list[str]:
-        return sorted(path.stem for path in (folder / "sheets").glob("[A-Za-z0-9]*.csv"))[:_MOST]
+        """All who have a sheet; other files, such as ``ann copy.csv``, are none."""
+        return sorted(path.stem for path in (folder / "sheets").glob("*.csv") if is_name(path.stem))
+
+
+def _written_s(path: Path) -> float:
+    """When a file was last written; 0 where it was removed in between."""
+    try:
+        return path.stat().st_mtime
+    except OSError:
+        return 0.0

@@ -11,7 +11,7 @@ from ucon.envs.ucon_env import UcONEnv
 from ucon.evaluation.kept.endings import why_lost
 from ucon.evaluation.kept.record import EpisodeRecord
 from ucon.pages.home_plan import footprint, placed_in, plan_of
-from ucon.sim.cache import load_house
+from ucon.pages.serve.house_by_name import house_by_name
 from ucon.task.episode import Episode
 from ucon.task.spoken import target_place
 
@@ -27,7 +27,7 @@ def ended(episode: Episode, record: EpisodeRecord, source: HabitSource) -> dict[
     Returns:
         Figures, words, ``plan`` and ``placed`` as ``data/plan.js`` draws them, and the ways as points in metres.
     """
-    house = load_house(episode.scene)
+    house = house_by_name(episode.scene)
     own, env = _walked(episode, record.actions, source)
     boxes = env.search.world.boxes
     opened = [footprint(boxes[k]) for k in np.flatnonzero(env.search.opened).tolist()]

@@ -50,7 +50,8 @@ class Game:
         self._sights: Sights | None = None
         self._recorded: Iterator[int] = iter(())
         self._view: dict[str, Any] | None = None
-        self._step, self._given = 0, None  # type: tuple[int, int | None]
+        self._step = 0
+        self._given: int | None = None
         self._records: dict[str, EpisodeRecord] = {}
         self._last: EpisodeRecord | None = None
         self._problem, self._over, self._stopping = "", False, False
@@ -63,13 +64,17 @@ class Game:
         """Begin, or go on where an earlier server stopped."""
         self._thread.start()
 
-    def stop(self) -> None:
-        """Leave the game; it goes on later where it was."""
+    def stop(self, patience_s: float = _PATIENCE_S) -> None:
+        """Leave the game; it goes on later where it was.
+
+        Args:
+            patience_s: longest time to wait until its thread has ended.
+        """
         with self._changed:
             self._stopping = True
             self._changed.notify_all()
         if self._thread.is_alive():
-            self._thread.join(_PATIENCE_S)
+            self._thread.join(patience_s)
 
     @property
     def alive(self) -> bool:
@@ -158,7 +163,7 @@ class Game:
             self._wait()
             found: dict[str, Any] = {
                 "over": self._over,
-                "done": len(self._known()),
+                "done": len(self._records),
                 "n": len(self.evaluation.episodes),
                 "level": self.evaluation.level,
                 "run": str(self.evaluation.out),
@@ -176,7 +181,7 @@ class Game:
                     "step": self._step,
                     "max_steps": self._rules.max_steps,
                 }
-            records = list(self._known().values())
+            records = list(self._records.values())
         found["figures"] = _figures(records)
         found["ended"] = [_told(record) for record in records] if found["over"] else []
         return found
@@ -197,7 +202,7 @@ class Game:
             ConfigError: it is not over, or not of this run.
         """
         with self._changed:
-            record = self._known().get(episode)
+            record = self._records.get(episode)
         if record is None or episode not in self._index:
             raise ConfigError("this episode is not over yet; its end is shown when it is")
         return ended(self.evaluation.episodes[self._index[episode]], record, self.evaluation.source)
@@ -215,19 +220,18 @@ class Game:
         with self._changed:
             self._records |= {record.episode: record for record in records}
 
-    def _known(self) -> dict[str, EpisodeRecord]:
-        return self._records
-
     def _wait(self) -> None:
         """Wait until the person can act, or nothing more comes; the lock is held.
 
         Raises:
-            ConfigError: the run failed, or takes too long.
+            ConfigError: the run failed, was left, or takes too long.
         """
         if not self._changed.wait_for(lambda: self._view is not None or self._over or self._stopping, _PATIENCE_S):
             raise ConfigError("the home is not there yet; try again in a moment")
         if self._problem:
             raise ConfigError(self._problem)
+        if self._stopping:
+            raise ConfigError("this search was left; go on with it from the page Play")
 
 
 def _told(record: EpisodeRecord) -> dict[str, Any]:

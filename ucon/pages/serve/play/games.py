@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from pathlib import Path
 from typing import Any, Final
 
@@ -24,6 +25,8 @@ PICTURES: Final = (128, 384)
 _MOST_EPISODES: Final = 2000
 #: Games that are open at once: each keeps a home in memory.
 _MOST_OPEN: Final = 8
+#: Seconds that the end of the server waits for all games; what was done is in their journals by then.
+_CLOSING_S: Final = 2.0
 
 
 def sets() -> tuple[str, ...]:
@@ -43,7 +46,11 @@ class Games:
         """
         self._folder = folder
         self._open: dict[str, Game] = {}
+        self._closed = False
         self._lock = threading.Lock()
+        """Of the open games; held for moments alone, since every request needs it."""
+        self._opening = threading.Lock()
+        """Held while a game is opened, which may take long."""
 
     def open(self, player: str, level: str, episodes: str, n: int, picture_px: int) -> str:
         """Begin a run, or go on with the one that was left.
@@ -59,7 +66,7 @@ class Games:
             Name of the game.
 
         Raises:
-            ConfigError: a wrong option, or the run is open in another command.
+            ConfigError: a wrong option, the run is open in another command, or the server ends.
         """
         checked_name(player, "name")
         if level not in LEVELS or episodes not in sets() or picture_px not in PICTURES or not 1 <= n <= _MOST_EPISODES:
@@ -67,16 +74,22 @@ class Games:
         n = min(n, len(load_episodes(episodes)))
         sharp = "" if picture_px == PICTURES[0] else f"-{picture_px}px"
         wanted = self._folder / player / f"{episodes}-{level}-{n}{sharp}"
-        with self._lock:
+        with self._opening:
             evaluation = Evaluation(_config(player, level, episodes, n, picture_px, wanted), wanted, anew=True)
             name = f"{player}/{evaluation.out.name}"
-            if (there := self._open.get(name)) is not None and there.alive:
-                return name
-            self._close_one_of_many()
+            with self._lock:
+                if (there := self._open.get(name)) is not None and there.alive:
+                    return name
+                many = self._taken_of_many()
+            for game in many:
+                game.stop()
             game = Game(evaluation, Journal(_journal_of(evaluation.out)))
             game.know(_records_of(evaluation))
-            self._open[name] = game
-            game.start()
+            with self._lock:
+                if self._closed:
+                    raise ConfigError("the server ends; start it again and go on")
+                self._open[name] = game
+                game.start()
         return name
 
     def get(self, name: str) -> Game:
@@ -106,17 +119,24 @@ class Games:
         return [one for _, one in sorted(found, key=lambda pair: -pair[0])][:100]
 
     def close(self) -> None:
-        """Leave all games."""
+        """Leave all games; no more are opened. A game that builds a home is not waited for until it is built."""
         with self._lock:
-            for game in self._open.values():
-                game.stop()
+            self._closed = True
+            games = list(self._open.values())
             self._open.clear()
+        for game in games:
+            game.stop(0)
+        until = time.monotonic() + _CLOSING_S
+        for game in games:
+            game.stop(max(0.0, until - time.monotonic()))
 
-    def _close_one_of_many(self) -> None:
-        """Leave the game that was opened first, where there are many; over ones before others."""
+    def _taken_of_many(self) -> list[Game]:
+        """Take out the games that were opened first, where there are many; over ones before others."""
+        taken = []
         while len(self._open) >= _MOST_OPEN:
             name = next((name for name, game in self._open.items() if not game.alive), next(iter(self._open)))
-            self._open.pop(name).stop()
+            taken.append(self._open.pop(name))
+        return taken
 
 
 def _config(player: str, level: str, episodes: str, n: int, picture_px: int, out: Path) -> dict[str, Any]:

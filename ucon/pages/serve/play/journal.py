@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 from typing import Final
@@ -77,15 +78,25 @@ class Journal:
             DataError: it cannot be written; the action does not count then.
         """
         known = self._actions.setdefault(episode, [])
-        line = canonical_json({"episode": episode, "step": len(known), "action": action}) + "\n"
+        line = (canonical_json({"episode": episode, "step": len(known), "action": action}) + "\n").encode()
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             handle = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
             try:
-                if os.write(handle, line.encode()) != len(line.encode()):
-                    raise OSError(28, "no room left")
+                _append(handle, line)
             finally:
                 os.close(handle)
         except OSError as error:
             raise DataError(f"{self._path}: {error.strerror}; make room or mend permissions, then go on") from None
         known.append(action)
+
+
+def _append(handle: int, line: bytes) -> None:
+    """Write a line at the end of a file, or nothing: behind a part of a line, no later one could be read."""
+    size = os.fstat(handle).st_size
+    try:
+        if os.write(handle, line) != len(line):
+            raise OSError(errno.ENOSPC, "no room left")
+    except OSError:
+        os.ftruncate(handle, size)
+        raise
