@@ -83,7 +83,7 @@ def test_runs_are_played_again_and_watched(played: tuple[Path, str]) -> None:
     (folder / "my_home.yaml").write_text(text.replace("  - mug\n", "  - mug: in the fridge\n"))
     for command in (["watch", str(kept), "0"], ["replay", str(kept)]):
         changed = run("-m", "ucon", *command, "--out", str(folder / "changed"), cache=cache)
-        assert "other episodes are kept than its configuration names now" in changed.stdout + changed.stderr
+        assert re.search("other episodes (are kept|were played) than", changed.stdout + changed.stderr)
     (folder / "my_home.yaml").write_text(text)
 
 
@@ -171,6 +171,7 @@ def test_other_habits_than_those_of_the_file_are_refused(file: Path) -> None:
     own = with_own_habits(config)
     assert own["env"]["source"]["dataset"] == {"_target_": "ucon.configuration.wiring.folder_habits", "path": str(file)}
     assert with_own_habits(own) == own
-    assert with_own_habits(eval_config("episodes=mini")) == eval_config("episodes=mini")
+    other = eval_config("episodes=mini")
+    assert with_own_habits(other) == other
     with pytest.raises(ConfigError, match="says its own habits; leave habits= out"):
         with_own_habits(eval_config(f"episodes={file}", "habits=official", "habits.path=x.json"))

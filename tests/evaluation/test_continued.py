@@ -6,8 +6,7 @@ import pytest
 
 from tests.models.playing import config_of
 from ucon.evaluation.kept.folder import RunFolder
-from ucon.evaluation.kept.partial import PARTIAL
-from ucon.evaluation.kept.seal import CONFIG, DECISIONS, RECORDS, SECONDS, SUMMARY, TIMING
+from ucon.evaluation.kept.seal import CONFIG, DECISIONS, PARTIAL, RECORDS, SECONDS, SUMMARY, TIMING
 from ucon.programs.evaluating import Evaluation
 
 EQUAL = (RECORDS, DECISIONS, SUMMARY)

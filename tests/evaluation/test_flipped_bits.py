@@ -16,9 +16,8 @@ from ucon.core.errors import UconError
 from ucon.core.rng import stream
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.evaluation.kept.folder import RunFolder
-from ucon.evaluation.kept.partial import PARTIAL
 from ucon.evaluation.kept.record import read_records
-from ucon.evaluation.kept.seal import RECORDS, SEALED, SUMMARY
+from ucon.evaluation.kept.seal import PARTIAL, RECORDS, SEALED, SUMMARY
 
 HASHES = {"config": "c", "episodes": "e"}
 CONFIG = "env: {planner: 'true'}\ntask: {name: paper, context: false}\nepisodes: mini\n"

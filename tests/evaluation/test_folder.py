@@ -8,8 +8,8 @@ from ucon.core.files import sha256_bytes
 from ucon.evaluation.figures.report import summary
 from ucon.evaluation.kept import folder as folder_module
 from ucon.evaluation.kept.folder import RunFolder, free_folder
-from ucon.evaluation.kept.partial import PARTIAL, line_of, line_of_played
-from ucon.evaluation.kept.seal import RECORDS, SUMMARY
+from ucon.evaluation.kept.partial import line_of, line_of_played
+from ucon.evaluation.kept.seal import PARTIAL, RECORDS, SUMMARY
 
 IDS = [f"e{number}" for number in range(3)]
 HASHES = {"config": "c", "episodes": "e", "habits": "h", "code": "v"}

@@ -18,7 +18,7 @@ from tests.pages.serve.conftest import PORT, TOKEN
 from ucon.__main__ import main
 from ucon.evaluation.datasets.survey import LOOK, read_key
 from ucon.evaluation.figures.intervals import rate_interval
-from ucon.evaluation.kept.partial import PARTIAL
+from ucon.evaluation.kept.seal import PARTIAL
 from ucon.habits import book
 from ucon.pages.serve.app import make_app
 from ucon.pages.serve.desk import Desk

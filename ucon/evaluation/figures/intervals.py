@@ -82,7 +82,16 @@ def rate_interval(
     data = _checked(successes)
     if 0.0 < data.mean() < 1.0:
         return mean_interval(data, clusters=clusters, seed=seed, resamples=resamples)
-    n, rate = len(data), float(data.mean())
+    return wilson_interval(float(data.mean()), len(data))
+
+
+def wilson_interval(rate: float, n: int) -> Interval:
+    """Wilson's 95 % interval of a share; needs no resampling.
+
+    Args:
+        rate: the share, 0 to 1.
+        n: number of values, at least 1.
+    """
     centre = (rate + _Z95**2 / (2 * n)) / (1 + _Z95**2 / n)
     half = _Z95 / (1 + _Z95**2 / n) * np.sqrt(rate * (1 - rate) / n + _Z95**2 / (4 * n * n))
     return Interval(rate, float(max(0.0, centre - half)), float(min(1.0, centre + half)), n)

@@ -17,9 +17,20 @@ from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import write_atomic
 from ucon.evaluation.figures.report import seconds_of
 from ucon.evaluation.kept.finished import FinishedRun
-from ucon.evaluation.kept.partial import PARTIAL, line_of, line_of_played, read_header, read_partial
+from ucon.evaluation.kept.partial import line_of, line_of_played, read_header, read_partial
 from ucon.evaluation.kept.record import to_lines
-from ucon.evaluation.kept.seal import CONFIG, DECISIONS, RECORDS, SEALED, SECONDS, SUMMARY, TIMING, has_summary, sealed
+from ucon.evaluation.kept.seal import (
+    CONFIG,
+    DECISIONS,
+    PARTIAL,
+    RECORDS,
+    SEALED,
+    SECONDS,
+    SUMMARY,
+    TIMING,
+    has_summary,
+    sealed,
+)
 from ucon.evaluation.playing.play import PlayedEpisode
 
 

@@ -9,6 +9,7 @@ from typing import Any, Final
 from ucon.core.errors import DataError
 from ucon.learning.run.run_folder import CARD, METRICS, check_run_folder, read_config, read_metrics, read_text
 from ucon.pages.document import document, packed
+from ucon.pages.thinning import thinned
 
 #: Most points of a curve; longer ones are thinned evenly.
 _MOST_POINTS: Final = 600
@@ -57,13 +58,7 @@ def training_of(folder: Path) -> dict[str, Any]:
     return {
         "folder": folder.resolve().name,
         "steps": max(row["step"] for row in rows),
-        "curves": {name: _thinned(points) for name, points in sorted(curves.items())},
+        "curves": {name: thinned(points, _MOST_POINTS) for name, points in sorted(curves.items())},
         "config": read_config(folder).decode(errors="replace"),
         "card": read_text(folder / CARD) if (folder / CARD).is_file() else "",
     }
-
-
-def _thinned(points: list[list[float]]) -> list[list[float]]:
-    """At most so many points, evenly spaced, the last one among them."""
-    every = -(-len(points) // _MOST_POINTS)
-    return points[::-1][::every][::-1]

@@ -13,8 +13,7 @@ from typing import Final
 from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import sha256_bytes
 from ucon.core.untrusted.strict_json import read_json
-from ucon.evaluation.kept.partial import PARTIAL
-from ucon.evaluation.kept.seal import RECORDS, SECONDS, SUMMARY
+from ucon.evaluation.kept.seal import PARTIAL, RECORDS, SECONDS, SUMMARY
 from ucon.learning.run.run_folder import METRICS
 
 REPORT: Final = "report.html"

@@ -14,12 +14,12 @@ from ucon.core.errors import DataError
 from ucon.core.untrusted.plain_file import read_plain
 from ucon.core.untrusted.strict_json import JsonError, parse_json, read_json
 from ucon.core.untrusted.yaml_text import MOST_BYTES, without_aliases
+from ucon.evaluation.figures.intervals import wilson_interval
 from ucon.evaluation.figures.metrics import summarise
 from ucon.evaluation.kept.finished import FinishedRun, check_summary
 from ucon.evaluation.kept.naming import agent_label, level
-from ucon.evaluation.kept.partial import PARTIAL
 from ucon.evaluation.kept.record import EpisodeRecord
-from ucon.evaluation.kept.seal import CONFIG, SUMMARY
+from ucon.evaluation.kept.seal import CONFIG, PARTIAL, SUMMARY
 from ucon.learning.run.run_folder import METRICS
 from ucon.pages.serve.run_list import MOST_SUMMARY, FoundRun
 from ucon.pages.serve.tails import Tails
@@ -207,15 +207,8 @@ def _success_curve(records: Sequence[EpisodeRecord]) -> list[dict[str, Any]]:
     points, found = [], 0
     for n, record in enumerate(records, 1):
         found += record.success
-        low, high = _wilson(found, n)
+        low, high = wilson_interval(found / n, n).ci95
         points.append([n, 100 * found / n, 100 * low, 100 * high])
     if not points:
         return []
     return [{"name": "SR % so far, with its 95 %", "x": "episodes", "points": thinned(points, _POINTS)}]
-
-
-def _wilson(found: int, n: int) -> tuple[float, float]:
-    z2, rate = 1.959963984540054**2, found / n
-    centre = (rate + z2 / (2 * n)) / (1 + z2 / n)
-    half = math.sqrt(z2) / (1 + z2 / n) * math.sqrt(rate * (1 - rate) / n + z2 / (4 * n * n))
-    return max(0.0, centre - half), min(1.0, centre + half)

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from ucon.core.errors import ConfigError, DataError, brief
-from ucon.evaluation.kept.partial import PARTIAL, read_partial
+from ucon.evaluation.kept.partial import read_partial
 from ucon.evaluation.kept.record import EpisodeRecord, read_records
-from ucon.evaluation.kept.seal import has_summary
+from ucon.evaluation.kept.seal import PARTIAL, has_summary
 from ucon.pages.serve.desk import checked_name
 from ucon.pages.serve.play.game import Game
 from ucon.pages.serve.play.journal import Journal
