@@ -28,6 +28,7 @@ from ucon.pages.serve.walk import HEIGHT, WIDTH
 from ucon.pages.thinning import thinned
 from ucon.programs.composing import eval_config
 from ucon.programs.evaluating import Evaluation
+from ucon.scenes import own
 from ucon.sim.cache import load_house
 from ucon.sim.house import House
 from ucon.task.making.residents import residents
@@ -373,6 +374,7 @@ def test_a_home_is_built_once(client: TestClient, monkeypatch: pytest.MonkeyPatc
 
 def test_homes_of_ones_own_are_listed_and_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("UCON_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(own, "_KNOWN", {})  # as in a process of its own
     monkeypatch.chdir(tmp_path)
     assert main(["home", "new", "my_home.yaml"]) == 0
     assert main(["home", "check", "my_home.yaml"]) == 0

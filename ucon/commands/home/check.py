@@ -119,9 +119,12 @@ def _lines(found: dict[str, Any]) -> Iterator[str]:
         yield "  doors: " + ", ".join(" - ".join(door) for door in found["doors"])
     for one in found["requests"]:
         chance = one["chance_by_habits"]
-        read = "" if chance is None else f", as your habits are read ({100 * chance:.0f} %)"
+        name = one["target"].replace("_", " ")
+        read = (
+            "" if chance is None else f", as your habits are read ({100 * chance:.0f} %; if not, say `{name}: PLACE`)"
+        )
         ways = ", ".join(f"{length:g}" for length in one["shortest_path_m"])
-        yield f"{one['target'].replace('_', ' ')}: {one['place']} in the {one['room']}{read}; shortest way {ways} m"
+        yield f"{name}: {one['place']} in the {one['room']}{read}; shortest way {ways} m"
         yield from (f'  "{text}"' for text in one["habits"])
 
 

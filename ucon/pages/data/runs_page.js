@@ -47,6 +47,7 @@ async function choose(id) {
   fill();
   line.textContent = '';
   await shownIn(polls, one);
+  if (detail.getBoundingClientRect().top > innerHeight) detail.scrollIntoView();  // below the list, where the window is narrow
 }
 
 async function one() {
