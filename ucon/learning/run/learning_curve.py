@@ -99,6 +99,7 @@ def draw_curves(folders: Sequence[Path], path: Path) -> None:
         DataError: a run without validation figures, or without learned frames.
     """
     import matplotlib
+    from matplotlib.ticker import EngFormatter, MaxNLocator
 
     from ucon.evaluation.figures.plotting import STYLE, new_figure, save_png
 
@@ -123,6 +124,8 @@ def draw_curves(folders: Sequence[Path], path: Path) -> None:
                             label=folder.resolve().name,
                         )
                 ax.set_xlabel({"frames": "learned frames", "minutes": "minutes"}[unit])
+                ax.xaxis.set_major_locator(MaxNLocator(5))
+                ax.xaxis.set_major_formatter(EngFormatter(sep=""))
                 ax.set_ylim(bottom=0)
                 ax.grid(axis="y")
             row[0].set_title(name.removeprefix(_VALIDATED).replace("_", " "))
