@@ -31,7 +31,7 @@ async function start() {
   const {levels, sets, pictures, left, rules} = await ask('play/choices');
   const name = el('input', {required: true, maxlength: 40, pattern: '[A-Za-z0-9][A-Za-z0-9_\\-]*', autocomplete: 'nickname', id: 'player'});
   const level = choiceOf(levels, 'retrieval', LEVEL_NAMES);
-  const set = choiceOf(sets, 'mini');
+  const set = choiceOf(sets, sets[0]);
   const n = el('input', {type: 'number', min: 1, max: 2000, value: 5, required: true});
   const picture = choiceOf(pictures, 128, PICTURE_NAMES);
   try { name.value = localStorage.getItem('ucon-name') || ''; } catch { /* no storage */ }
