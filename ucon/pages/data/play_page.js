@@ -29,14 +29,14 @@ document.addEventListener('keydown', event => {
 async function start() {
   view = null;
   const {levels, sets, pictures, left, rules} = await ask('play/choices');
-  const name = el('input', {required: true, maxlength: 40, pattern: '[A-Za-z0-9][A-Za-z0-9_\\-]*', autocomplete: 'nickname', id: 'player'});
+  const name = el('input', {required: true, maxlength: 40, pattern: '[A-Za-z0-9][A-Za-z0-9_\\-]*', autocomplete: 'nickname', id: 'player', title: 'Letters a to z, digits, _ and -'});
   const level = choiceOf(levels, 'retrieval', LEVEL_NAMES);
   const set = choiceOf(sets, sets[0]);
   const n = el('input', {type: 'number', min: 1, max: 2000, value: 5, required: true});
   const picture = choiceOf(pictures, 128, PICTURE_NAMES);
   try { name.value = localStorage.getItem('ucon-name') || ''; } catch { /* no storage */ }
   const form = el('form', {class: 'panel'},
-    el('div', {class: 'fields'}, field('Your name or initials', name), field('Habits', level), field('Episodes', set),
+    el('div', {class: 'fields'}, field('Your name or initials (letters a to z, digits, _ and -)', name), field('Habits', level), field('Episodes', set),
       field('How many', n), field('Picture', picture), el('button', {class: 'main', type: 'submit'}, 'Begin')));
   form.addEventListener('submit', event => {
     event.preventDefault();
