@@ -119,7 +119,7 @@ def test_a_search_by_buttons_is_left_and_gone_on_with(browser_page: Any, served:
     assert steps_left(page) == 299
     page.click("[data-action='6']")
     assert seen(page, "#ending").startswith("Not found")
-    assert "Done was said elsewhere" in page.inner_text(".result")
+    assert "You said Found it at step 2, but the" in page.inner_text(".result")
     page.click("text=Next search")
     page.wait_for_selector(".pad")
     assert "search 2 of 2, found 0 of 1" in page.inner_text(".status")

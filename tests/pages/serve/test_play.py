@@ -130,7 +130,9 @@ def test_a_run_goes_on_in_another_server_and_is_compared(tmp_path: Path, capsys:
         assert state["over"]
         lost = client.get("/api/play/result", params={"game": game, "episode": episodes[1].id}).json()
         assert not lost["success"]
-        assert lost["why"].startswith("Done was said elsewhere at step 2")
+        assert lost["why"].startswith(
+            f"You said Found it at step 2, but the {lost['target']} was not in view and near."
+        )
         again, _ = begin(client)
         assert again == f"{game}-2"  # a finished run stays as it is
     folder = out / "play" / "ann" / "mini-retrieval-2"
@@ -244,7 +246,7 @@ def test_a_home_of_ones_own_is_played_with_its_habits(tmp_path: Path, monkeypatc
         assert state["view"]["step"] == 1
         state = act(client, game, state, "6")
         end = client.get("/api/play/result", params={"game": game, "episode": state["last"]}).json()
-        assert end["place"] == "in the fridge"
+        assert end["place"] == "in the fridge in the kitchen"
     with server({}) as client:
         answer = client.post("/api/play/begin", json=ANN | {"episodes": "my-home_no_1"})
         assert answer.status_code == 400

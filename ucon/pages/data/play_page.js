@@ -167,7 +167,7 @@ async function result(state, rules, episode = state.last) {
     el('section', {'aria-label': 'The home'}, drawing.svg),
     el('section', {},
       el('h2', {class: end.success ? 'good' : 'bad', id: 'ending'}, end.success ? `Found the ${end.target}` : `Not found: the ${end.target}`),
-      el('p', {}, `It was ${end.place}.`), end.why ? el('p', {}, `Why: ${end.why}.`) : null,
+      end.why ? el('p', {}, end.why) : null, el('p', {}, `It was ${end.place}.`),
       el('table', {}, el('thead', {}, el('tr', {}, ['', 'you', 'shortest'].map(text => el('th', {}, text)))),
         el('tbody', {}, row('way, m', end.path_m.toFixed(2), end.shortest_m.toFixed(2)), row('steps', end.steps, ''),
           row('blocked moves', end.collisions, ''), row('times opened', end.opens, ''), row('SPL', end.spl.toFixed(3), '1'))),
