@@ -126,6 +126,7 @@ def test_a_run_goes_on_in_another_server_and_is_compared(tmp_path: Path, capsys:
         end = client.get("/api/play/result", params={"game": game, "episode": episodes[0].id}).json()
         assert end["success"]
         assert end["path"] == end["shortest"]
+        assert end["turn"] == episodes[0].start.heading
         state = act(client, game, state, "6")
         assert state["over"]
         lost = client.get("/api/play/result", params={"game": game, "episode": episodes[1].id}).json()

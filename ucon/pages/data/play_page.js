@@ -159,7 +159,7 @@ function searching(rules) {
 /** The end of one search. */
 async function result(state, rules, episode = state.last) {
   const end = await ask('play/result', {game, episode});
-  const drawing = new Plan.Drawing(end.plan, `Plan of ${end.home} with your way and the shortest one`);
+  const drawing = new Plan.Drawing(end.plan, `Plan of ${end.home} with your way and the shortest one`, end.turn);
   drawEnd(drawing, end);
   const next = el('button', {type: 'button', class: 'main big', onclick: () => shownIn(line, () => show(state, rules))}, state.view ? 'Next search' : 'To the figures');
   const row = (name, own, best) => el('tr', {}, el('td', {}, name), el('td', {}, own), el('td', {}, best));
@@ -171,7 +171,7 @@ async function result(state, rules, episode = state.last) {
       el('table', {}, el('thead', {}, el('tr', {}, ['', 'you', 'shortest'].map(text => el('th', {}, text)))),
         el('tbody', {}, row('way, m', end.path_m.toFixed(2), end.shortest_m.toFixed(2)), row('steps', end.steps, ''),
           row('blocked moves', end.collisions, ''), row('times opened', end.opens, ''), row('SPL', end.spl.toFixed(3), '1'))),
-      el('p', {class: 'faint'}, el('span', {class: 'key-line'}), 'your way ', el('span', {class: 'key-line shortest'}), 'the shortest; ★ the target'),
+      el('p', {class: 'faint'}, el('span', {class: 'key-line'}), 'your way ', el('span', {class: 'key-line shortest'}), 'the shortest; ★ the target; turned as the map of what you had seen'),
       next)));
   next.focus();
 }

@@ -24,7 +24,8 @@ def ended(episode: Episode, record: EpisodeRecord, source: HabitSource) -> dict[
         source: the habits it was played with.
 
     Returns:
-        Figures, words, ``plan`` and ``placed`` as ``data/plan.js`` draws them, and the ways as points in metres.
+        Figures, words, ``plan`` and ``placed`` as ``data/plan.js`` draws them, the ways as points in metres, and
+        ``turn``, quarter turns clockwise after which the plan lies as the map of what was seen.
     """
     house = house_by_name(episode.scene)
     own, env = _walked(episode, record.actions, source)
@@ -49,6 +50,7 @@ def ended(episode: Episode, record: EpisodeRecord, source: HabitSource) -> dict[
         "opened": [box for box in opened if box is not None],
         "path": own,
         "heading": env.search.pose.heading,
+        "turn": episode.start.heading % 4,
     }
     env.close()
     shortest, again = _walked(episode, episode.solution, source)
