@@ -350,6 +350,19 @@ def check_looks(page: Any, where: str) -> None:
         assert contrast(page, TEXTS) >= CONTRAST, (where, colours)
 
 
+def test_who_plays_under_anothers_name_is_told(browser_page: Any, served: Served) -> None:
+    first = browser_page
+    begin(first, served, level="none")
+    second = first.context.new_page()
+    begin(second, served, level="none")
+    for page in (first, second):
+        page.click("[data-action='1']")
+        page.wait_for_function("() => document.querySelector('.status b.figure').textContent === '299'")
+    second.wait_for_function("() => document.querySelector('.message').textContent.includes('somebody else plays')")
+    assert first.inner_text(".message") == ""
+    second.close()
+
+
 def test_pages_fit_and_can_be_read(browser_page: Any, served: Served) -> None:
     page = browser_page
     nameless = "e => !(e.labels?.length || e.getAttribute('aria-label'))"

@@ -89,6 +89,7 @@ def test_an_action_that_comes_twice_counts_once(client: TestClient) -> None:
     sent = {"game": game, "episode": state["view"]["episode"], "step": 0, "action": 1}
     first, again = (client.post("/api/play/act", json=sent).json() for _ in range(2))
     assert first["view"]["step"] == again["view"]["step"] == 1
+    assert (first["dropped"], again["dropped"]) == (False, True)  # the page says so
     other = client.post("/api/play/act", json=sent | {"episode": "another", "step": 1}).json()
     assert other["view"]["step"] == 1
 

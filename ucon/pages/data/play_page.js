@@ -100,7 +100,11 @@ async function show(state, rules) {
     if (busy || !view) return;
     busy = true;
     const sent = {game, episode: view.episode, step: view.step, action};
-    await shownIn(line, async () => update(await tell('play/act', sent)));
+    await shownIn(line, async () => {
+      const next = await tell('play/act', sent);
+      await update(next);
+      if (next.dropped) line.textContent = 'That key did nothing: somebody else plays under this name, or you do in another tab.';
+    });
     busy = false;
   };
   await update(state);
