@@ -175,3 +175,23 @@ def test_other_habits_than_those_of_the_file_are_refused(file: Path) -> None:
     assert with_own_habits(other) == other
     with pytest.raises(ConfigError, match="says its own habits; leave habits= out"):
         with_own_habits(eval_config(f"episodes={file}", "habits=official", "habits.path=x.json"))
+
+
+def test_all_faults_are_told_at_once_by_line(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Also what only the built home can tell, and the furniture that found no place."""
+    file.write_text(
+        "rooms:\n  bedroom:\n    size: [2, 2]\n    furniture: {bed: 3, piano: 1}\n"
+        "  kitchen:\n    size: [3.5, 4]\n    furniture: {microwave: 1, countertop: 2, fridge: 1}\n"
+        "habits: [The bicycle is kept in the microwave., The mug is on the moon.]\n"
+        "requests:\n  - mug: on the moon\n  - bicycle: in the microwave\n  - teapot: in the bed\n"
+    )
+    assert main(["home", "check", str(file)]) == 2
+    warning, head, *faults = capsys.readouterr().err.replace(f"{file}:", "").splitlines()
+    assert warning.startswith("warning: 4: bedroom: bed: none of the 3 found a place; ")
+    assert head == "error:  4 faults:"
+    assert [re.split("[;(?]", fault)[0].strip() for fault in faults] == [
+        "10: mug: unknown thing 'moon': did you mean money, lemon, salmon",
+        "11: the bicycle cannot be kept in the microwave",
+        "12: teapot: nothing is inside a bed",
+        "12: no sentence of 'habits' is about the teapot",
+    ]

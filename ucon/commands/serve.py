@@ -21,6 +21,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out", type=Path, default=Path("runs/serve"), help="folder of what is played and answered (runs/serve)"
     )
     parser.add_argument("--habits", metavar="PATH", help="dataset file, task file or book folder; default: the book")
+    parser.add_argument(
+        "--home", metavar="FILE.yaml", type=Path, action="append", default=[], dest="homes",
+        help="a home of your own, to search in on the page Play; may be given again",
+    )  # fmt: skip
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
 
 
@@ -35,7 +39,7 @@ def run(args: argparse.Namespace) -> int:
 
     Raises:
         ConfigError: a wrong option, a port that is taken, or the extra ``serve`` is not installed.
-        DataError: a damaged habit dataset.
+        DataError: a damaged habit dataset, or faults of a home file.
     """
     from ucon.configuration.wiring import load_dataset
     from ucon.core.errors import ConfigError
@@ -46,13 +50,19 @@ def run(args: argparse.Namespace) -> int:
         raise ConfigError(f"{' and '.join(missing)} not installed; pip install 'ucon-nav[serve]'")
     if lost := next((folder for folder in args.folders if not folder.is_dir()), None):
         raise ConfigError(f"{lost}: no such folder; name folders with runs of eval.py or train.py in them")
+    from ucon.envs.own_home import own_set, say_made
     from ucon.pages.serve.desk import Desk
+    from ucon.pages.serve.play.games import named_homes
     from ucon.pages.serve.server import serve
 
     out = args.out.expanduser()
     _require_folder(out)
     folders = args.folders or [path for path in (Path("runs"), Path("results")) if path.is_dir()]
-    desk = Desk(out.resolve(), tuple(folder.resolve() for folder in [*folders, out]), load_dataset(args.habits))
+    homes = named_homes(args.homes)
+    for file in args.homes:
+        say_made(file, own_set(file))
+    shown = tuple(folder.resolve() for folder in [*folders, out])
+    desk = Desk(out.resolve(), shown, load_dataset(args.habits), homes)
 
     def ready(address: str) -> None:
         print(

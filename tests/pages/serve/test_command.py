@@ -101,6 +101,9 @@ def test_errors_are_one_line(capsys: Any, tmp_path: Path, monkeypatch: pytest.Mo
     assert "--out file: a file, expected a folder" in told(capsys, "--out", "file")
     assert "nowhere: no such folder" in told(capsys, "nowhere")
     assert "no-habits" in told(capsys, "--habits", "no-habits")
+    (tmp_path / "home.yaml").write_text("rooms:\n  kitchen: {furniture: {frigde: 1}}\n")
+    assert "home.yaml:2: unknown furniture 'frigde'" in told(capsys, "--home", "home.yaml")
+    assert "gone.yaml: cannot be read" in told(capsys, "--home", "gone.yaml")
     there = importlib.util.find_spec
     monkeypatch.setattr(
         "ucon.commands.serve.find_spec", lambda name: None if name in ("starlette", "uvicorn") else there(name)

@@ -119,7 +119,7 @@ def test_a_search_by_buttons_is_left_and_gone_on_with(browser_page: Any, served:
     assert steps_left(page) == 299
     page.click("[data-action='6']")
     assert seen(page, "#ending").startswith("Not found")
-    assert "Done was said elsewhere" in page.inner_text(".result")
+    assert "You said Found it at step 2, but the" in page.inner_text(".result")
     page.click("text=Next search")
     page.wait_for_selector(".pad")
     assert "search 2 of 2, found 0 of 1" in page.inner_text(".status")
@@ -348,6 +348,19 @@ def check_looks(page: Any, where: str) -> None:
     for colours in ("light", "dark"):
         page.emulate_media(color_scheme=colours)
         assert contrast(page, TEXTS) >= CONTRAST, (where, colours)
+
+
+def test_who_plays_under_anothers_name_is_told(browser_page: Any, served: Served) -> None:
+    first = browser_page
+    begin(first, served, level="none")
+    second = first.context.new_page()
+    begin(second, served, level="none")
+    for page in (first, second):
+        page.click("[data-action='1']")
+        page.wait_for_function("() => document.querySelector('.status b.figure').textContent === '299'")
+    second.wait_for_function("() => document.querySelector('.message').textContent.includes('somebody else plays')")
+    assert first.inner_text(".message") == ""
+    second.close()
 
 
 def test_pages_fit_and_can_be_read(browser_page: Any, served: Served) -> None:

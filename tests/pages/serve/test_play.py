@@ -19,7 +19,7 @@ from ucon.evaluation.playing.human import HumanAgent
 from ucon.habits import book
 from ucon.pages.serve.app import make_app
 from ucon.pages.serve.desk import Desk
-from ucon.pages.serve.play.games import Games
+from ucon.pages.serve.play.games import Games, named_homes
 from ucon.pages.serve.play.journal import Journal
 from ucon.programs.composing import eval_config
 from ucon.programs.evaluating import Evaluation
@@ -89,6 +89,7 @@ def test_an_action_that_comes_twice_counts_once(client: TestClient) -> None:
     sent = {"game": game, "episode": state["view"]["episode"], "step": 0, "action": 1}
     first, again = (client.post("/api/play/act", json=sent).json() for _ in range(2))
     assert first["view"]["step"] == again["view"]["step"] == 1
+    assert (first["dropped"], again["dropped"]) == (False, True)  # the page says so
     other = client.post("/api/play/act", json=sent | {"episode": "another", "step": 1}).json()
     assert other["view"]["step"] == 1
 
@@ -126,11 +127,14 @@ def test_a_run_goes_on_in_another_server_and_is_compared(tmp_path: Path, capsys:
         end = client.get("/api/play/result", params={"game": game, "episode": episodes[0].id}).json()
         assert end["success"]
         assert end["path"] == end["shortest"]
+        assert end["turn"] == episodes[0].start.heading
         state = act(client, game, state, "6")
         assert state["over"]
         lost = client.get("/api/play/result", params={"game": game, "episode": episodes[1].id}).json()
         assert not lost["success"]
-        assert lost["why"].startswith("Done was said elsewhere at step 2")
+        assert lost["why"].startswith(
+            f"You said Found it at step 2, but the {lost['target']} was not in view and near."
+        )
         again, _ = begin(client)
         assert again == f"{game}-2"  # a finished run stays as it is
     folder = out / "play" / "ann" / "mini-retrieval-2"
@@ -216,3 +220,40 @@ def test_games_are_had_while_another_is_opened(tmp_path: Path, monkeypatch: pyte
     assert error == "the server ends; start it again and go on"
     with pytest.raises(ConfigError, match="was left"):  # not: all searches are done
         game.state()
+
+
+def test_a_home_of_ones_own_is_played_with_its_habits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("UCON_CACHE", str(tmp_path / "cache"))
+    file = tmp_path / "my-home no 1.yaml"
+    file.write_text(
+        "rooms: {kitchen: [3.5, 4]}\nhabits: [My sister hides her mug in the fridge.]\nrequests: [mug: in the fridge]\n"
+    )
+    out, homes = tmp_path / "out", named_homes([file, file])
+
+    def server(homes: dict[str, Path]) -> TestClient:
+        app = make_app(Desk(out, (tmp_path,), book(), homes), TOKEN, PORT)
+        return TestClient(app, base_url=f"http://127.0.0.1:{PORT}/{TOKEN}")
+
+    with server(homes) as client:
+        assert client.get("/api/play/choices").json()["sets"][:2] == ["my-home_no_1", "mini"]
+        game, state = begin(client, episodes="my-home_no_1", level="gt")
+        assert (game, state["n"], state["view"]["target"]) == ("ann/my-home_no_1-gt-1", 1, "mug")
+        habits = client.get("/api/play/habits", params={"game": game}).json()
+        assert habits == ["My sister hides her mug in the fridge."]
+        act(client, game, state, "1")
+    with server(homes) as client:
+        (left,) = client.get("/api/play/choices").json()["left"]
+        assert (left["episodes"], left["level"], left["n"]) == ("my-home_no_1", "gt", 1)
+        game, state = begin(client, **{key: left[key] for key in ("episodes", "level", "n")})
+        assert state["view"]["step"] == 1
+        state = act(client, game, state, "6")
+        end = client.get("/api/play/result", params={"game": game, "episode": state["last"]}).json()
+        assert end["place"] == "in the fridge in the kitchen"
+    with server({}) as client:
+        answer = client.post("/api/play/begin", json=ANN | {"episodes": "my-home_no_1"})
+        assert answer.status_code == 400
+        assert "serve --home FILE.yaml" in answer.json()["error"]
+    with pytest.raises(ConfigError, match="another set is called mini"):
+        named_homes([tmp_path / "mini.yaml"])
+    with pytest.raises(ConfigError, match="expected a home file"):
+        named_homes([tmp_path / "home.txt"])

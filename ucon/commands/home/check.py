@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ucon.sim.house import House
+    from ucon.task.own_home.building import Unplaced
     from ucon.task.own_home.placing import Placed
     from ucon.task.own_home.wish import OwnHome
 
@@ -38,23 +39,35 @@ def run(args: argparse.Namespace) -> int:
     Raises:
         UconError: with every fault of the file, each with its line.
     """
+    from ucon.core.errors import DataError, UconError
     from ucon.core.files import require_writable
     from ucon.core.output import stdout_to_stderr
     from ucon.envs.own_home import read_places
     from ucon.task.own_home.building import build, unplaced
     from ucon.task.own_home.placing import placed_requests
-    from ucon.task.own_home.reading import read_home
+    from ucon.task.own_home.reading import raise_in_order, read_as_far
     from ucon.task.rules import PAPER
 
     if args.plan is not None:
         require_writable(args.plan)
     with stdout_to_stderr():
-        wish = read_home(args.file.expanduser())
-        name, house = build(wish)
+        wish, faults = read_as_far(args.file.expanduser())
+        try:
+            name, house = build(wish)
+        except UconError as error:
+            if faults.found:
+                faults.found.append(str(error))
+                raise_in_order(faults, args.file.expanduser())
+            raise
         missing = unplaced(wish, house)
         if args.plan is not None:
             _draw(house, args.plan)
-        placed = placed_requests(wish, name, house, read_places, PAPER)[0] if wish.requests else ()
+        try:
+            asked = wish.requests or faults.found
+            placed = placed_requests(wish, name, house, read_places, PAPER, faults=faults)[0] if asked else ()
+        except DataError:
+            _warn(missing)
+            raise
     found = _found(wish, name, house, placed) | {"not placed": [str(one) for one in missing]}
     if args.json:
         print(json.dumps(found, indent=1))
@@ -62,11 +75,15 @@ def run(args: argparse.Namespace) -> int:
     for line in _lines(found):
         print(line)
     sys.stdout.flush()
-    for one in missing:
-        print(f"warning: {one}", file=sys.stderr)
+    _warn(missing)
     if placed:
         print(f"\nSearch it: python eval.py agent=belief habit_level=retrieval episodes={args.file}")
     return 0
+
+
+def _warn(missing: list[Unplaced]) -> None:
+    for one in missing:
+        print(f"warning: {one}", file=sys.stderr)
 
 
 def _found(wish: OwnHome, name: str, house: House, placed: tuple[Placed, ...]) -> dict[str, Any]:

@@ -16,10 +16,11 @@ const Plan = (() => {
   }
 
   class Drawing {
-    /** Draw a plan into a new `svg`, 100 units a metre. */
-    constructor(plan, label) {
-      const [x0, y0, x1, y1] = plan.bounds;
+    /** Draw a plan into a new `svg`, 100 units a metre; turned clockwise by quarter turns. */
+    constructor(plan, label, turn = 0) {
       this.plan = plan;
+      this.turn = turn;
+      const [x0, y0, x1, y1] = this._turnedBox(plan.bounds);
       this.low = [x0, y1];
       const size = [(x1 - x0) * 100 + 20, (y1 - y0) * 100 + 20];
       this.svg = shape('svg', {viewBox: `-10 -10 ${size[0]} ${size[1]}`, class: 'plan', role: 'img', 'aria-label': label});
@@ -30,12 +31,22 @@ const Plan = (() => {
     }
 
     /** Units of the picture for a point in metres. */
-    at(x, y) { return [Math.round((x - this.low[0]) * 100), Math.round((this.low[1] - y) * 100)]; }
+    at(x, y) {
+      const [right, up] = this._turned(x, y);
+      return [Math.round((right - this.low[0]) * 100), Math.round((this.low[1] - up) * 100)];
+    }
+
+    _turned(x, y) { return [[x, y], [y, -x], [-x, -y], [-y, x]][this.turn]; }
+
+    _turnedBox([x0, y0, x1, y1]) {
+      const [a, b] = this._turned(x0, y0), [c, d] = this._turned(x1, y1);
+      return [Math.min(a, c), Math.min(b, d), Math.max(a, c), Math.max(b, d)];
+    }
 
     /** A rectangle for a box x0, y0, x1, y1 in metres. */
     box(layer, [x0, y0, x1, y1], attributes, title) {
-      const [u, v] = this.at(x0, y1);
-      const [right, bottom] = this.at(x1, y0);
+      const [a, b] = this.at(x0, y1), [c, d] = this.at(x1, y0);
+      const [u, v, right, bottom] = [Math.min(a, c), Math.min(b, d), Math.max(a, c), Math.max(b, d)];
       const size = {x: u, y: v, width: Math.max(2, right - u), height: Math.max(2, bottom - v)};
       return this.layers[layer].appendChild(shape('rect', {...size, ...attributes}, title));
     }
@@ -66,7 +77,7 @@ const Plan = (() => {
         this._agent = this.layers.agent.appendChild(shape('path', {d: 'M24 0 L-15 16 L-7 0 L-15 -16 Z', class: 'agent'}));
       }
       const [u, v] = this.at(x, y);
-      this._agent.setAttribute('transform', `translate(${u} ${v}) rotate(${-90 * heading})`);
+      this._agent.setAttribute('transform', `translate(${u} ${v}) rotate(${-90 * (heading - this.turn)})`);
     }
 
     clear(...layers) { for (const layer of layers) this.layers[layer].replaceChildren(); }
@@ -82,7 +93,8 @@ const Plan = (() => {
       }
       for (const room of rooms) {
         const [x0, y0, x1, y1] = room.rect, name = words(room.type);
-        if (name.length * 12 > Math.abs(x1 - x0) * 100) continue;
+        const width = this.turn % 2 ? y1 - y0 : x1 - x0;
+        if (name.length * 12 > Math.abs(width) * 100) continue;
         const [u, v] = this.at((x0 + x1) / 2, (y0 + y1) / 2);
         this.layers.names.appendChild(shape('text', {x: u, y: v, class: 'name'})).append(name);
       }

@@ -29,14 +29,14 @@ document.addEventListener('keydown', event => {
 async function start() {
   view = null;
   const {levels, sets, pictures, left, rules} = await ask('play/choices');
-  const name = el('input', {required: true, maxlength: 40, pattern: '[A-Za-z0-9][A-Za-z0-9_\\-]*', autocomplete: 'nickname', id: 'player'});
+  const name = el('input', {required: true, maxlength: 40, pattern: '[A-Za-z0-9][A-Za-z0-9_\\-]*', autocomplete: 'nickname', id: 'player', title: 'Letters a to z, digits, _ and -'});
   const level = choiceOf(levels, 'retrieval', LEVEL_NAMES);
-  const set = choiceOf(sets, 'mini');
+  const set = choiceOf(sets, sets[0]);
   const n = el('input', {type: 'number', min: 1, max: 2000, value: 5, required: true});
   const picture = choiceOf(pictures, 128, PICTURE_NAMES);
   try { name.value = localStorage.getItem('ucon-name') || ''; } catch { /* no storage */ }
   const form = el('form', {class: 'panel'},
-    el('div', {class: 'fields'}, field('Your name or initials', name), field('Habits', level), field('Episodes', set),
+    el('div', {class: 'fields'}, field('Your name or initials (letters a to z, digits, _ and -)', name), field('Habits', level), field('Episodes', set),
       field('How many', n), field('Picture', picture), el('button', {class: 'main', type: 'submit'}, 'Begin')));
   form.addEventListener('submit', event => {
     event.preventDefault();
@@ -100,7 +100,11 @@ async function show(state, rules) {
     if (busy || !view) return;
     busy = true;
     const sent = {game, episode: view.episode, step: view.step, action};
-    await shownIn(line, async () => update(await tell('play/act', sent)));
+    await shownIn(line, async () => {
+      const next = await tell('play/act', sent);
+      await update(next);
+      if (next.dropped) line.textContent = 'That key did nothing: somebody else plays under this name, or you do in another tab.';
+    });
     busy = false;
   };
   await update(state);
@@ -159,7 +163,7 @@ function searching(rules) {
 /** The end of one search. */
 async function result(state, rules, episode = state.last) {
   const end = await ask('play/result', {game, episode});
-  const drawing = new Plan.Drawing(end.plan, `Plan of ${end.home} with your way and the shortest one`);
+  const drawing = new Plan.Drawing(end.plan, `Plan of ${end.home} with your way and the shortest one`, end.turn);
   drawEnd(drawing, end);
   const next = el('button', {type: 'button', class: 'main big', onclick: () => shownIn(line, () => show(state, rules))}, state.view ? 'Next search' : 'To the figures');
   const row = (name, own, best) => el('tr', {}, el('td', {}, name), el('td', {}, own), el('td', {}, best));
@@ -167,11 +171,11 @@ async function result(state, rules, episode = state.last) {
     el('section', {'aria-label': 'The home'}, drawing.svg),
     el('section', {},
       el('h2', {class: end.success ? 'good' : 'bad', id: 'ending'}, end.success ? `Found the ${end.target}` : `Not found: the ${end.target}`),
-      el('p', {}, `It was ${end.place}.`), end.why ? el('p', {}, `Why: ${end.why}.`) : null,
+      end.why ? el('p', {}, end.why) : null, el('p', {}, `It was ${end.place}.`),
       el('table', {}, el('thead', {}, el('tr', {}, ['', 'you', 'shortest'].map(text => el('th', {}, text)))),
         el('tbody', {}, row('way, m', end.path_m.toFixed(2), end.shortest_m.toFixed(2)), row('steps', end.steps, ''),
           row('blocked moves', end.collisions, ''), row('times opened', end.opens, ''), row('SPL', end.spl.toFixed(3), '1'))),
-      el('p', {class: 'faint'}, el('span', {class: 'key-line'}), 'your way ', el('span', {class: 'key-line shortest'}), 'the shortest; ★ the target'),
+      el('p', {class: 'faint'}, el('span', {class: 'key-line'}), 'your way ', el('span', {class: 'key-line shortest'}), 'the shortest; ★ the target; turned as the map of what you had seen'),
       next)));
   next.focus();
 }

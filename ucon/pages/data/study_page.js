@@ -24,14 +24,14 @@ async function start() {
   const name = el('input', {id: 'study-name', required: true, maxlength: 40, pattern: '[A-Za-z0-9][A-Za-z0-9_\\-]*', value: studies.length ? '' : 'habits'});
   const n = el('input', {type: 'number', min: 2, max: 5000, value: 20, required: true, id: 'study-n'});
   const seed = el('input', {type: 'number', min: 0, max: 1000000, value: 0, required: true});
-  const form = el('form', {class: 'fields'}, field('Name', name), field('Items', n), field('Seed', seed), el('button', {type: 'submit', class: studies.length ? '' : 'main'}, 'Draw it'));
+  const form = el('form', {class: 'fields'}, field('Name (letters a to z, digits, _ and -)', name), field('Items', n), field('Seed', seed), el('button', {type: 'submit', class: studies.length ? '' : 'main'}, 'Draw it'));
   form.addEventListener('submit', event => {
     event.preventDefault();
     shownIn(line, async () => { await tell('study/make', {study: name.value, n: Number(n.value), seed: Number(seed.value)}); await start(); });
   });
   refill(body,
     el('p', {}, 'Each item is a sentence about somebody’s habits, an OBJECT and a PLACE. Two questions: could a real person have this habit, and would you look for the object there after reading it? Leave out what you cannot answer; nobody is tested.'),
-    studies.length ? [el('div', {class: 'fields'}, field('Your name or initials', who)), el('div', {class: 'cards'}, studies.map(one => el('div', {class: 'panel'},
+    studies.length ? [el('div', {class: 'fields'}, field('Your name or initials (letters a to z, digits, _ and -)', who)), el('div', {class: 'cards'}, studies.map(one => el('div', {class: 'panel'},
       el('h2', {}, plain(one.name)), el('p', {class: 'faint'}, one.items === null ? 'its key is damaged' : `${one.items} items; raters: `, one.items === null ? null : plain(one.raters.join(', ') || 'none yet')),
       el('div', {class: 'row'}, el('button', {type: 'button', class: 'main', 'aria-label': `Answer ${one.name}`, onclick: () => open(one.name)}, 'Answer'),
         el('button', {type: 'button', 'aria-label': `Figures of ${one.name}`, onclick: () => shownIn(line, () => figures(one.name))}, 'Figures')))))] : null,

@@ -35,7 +35,7 @@ def make_app(desk: Desk, token: str, port: int) -> ASGIApp:
         token: of the address.
         port: that it is served at.
     """
-    games, maker = Games(desk.out / "play"), ReportMaker()
+    games, maker = Games(desk.out / "play", desk.homes), ReportMaker()
 
     @asynccontextmanager
     async def lifespan(_: Any) -> AsyncIterator[None]:

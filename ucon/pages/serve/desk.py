@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
@@ -23,6 +24,8 @@ class Desk:
     """Where runs are looked for."""
     dataset: HabitDataset
     """The habits of the pages Habits, Homes and Study; played are those of the episodes."""
+    homes: Mapping[str, Path] = field(default_factory=dict)
+    """Home files whose searches can be played, by the names of their sets."""
 
 
 def is_name(value: object) -> bool:

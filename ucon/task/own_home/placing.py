@@ -27,6 +27,7 @@ from ucon.task.making.own_household import (
     own_household,
 )
 from ucon.task.making.sampler import EpisodeSampler
+from ucon.task.own_home.reading import raise_in_order
 from ucon.task.own_home.wish import OwnHome, Request
 from ucon.task.rules import TaskRules
 from ucon.task.spoken import spoken_place
@@ -55,7 +56,13 @@ class Placed:
 
 
 def placed_requests(
-    wish: OwnHome, name: str, house: House, read: ReadPlaces, rules: TaskRules, seed: int = 0
+    wish: OwnHome,
+    name: str,
+    house: House,
+    read: ReadPlaces,
+    rules: TaskRules,
+    seed: int = 0,
+    faults: Faults | None = None,
 ) -> tuple[tuple[Placed, ...], HabitDataset]:
     """Place the requests of a home.
 
@@ -68,6 +75,7 @@ def placed_requests(
         read: reads the habits.
         rules: rule set under which the episodes must be solvable.
         seed: of the first start of each request.
+        faults: that were found before; they are told, too.
 
     Returns:
         The requests in their order, and the habits that all their episodes belong to.
@@ -76,13 +84,13 @@ def placed_requests(
         DataError: something cannot be placed; one line for each, with the nearest place that can be.
     """
     others = others_of(name, [request.target for request in wish.requests])
-    faults, found = Faults(), []
+    faults, found = faults or Faults(), []
     for request in wish.requests:
         try:
             found.append(_placed(request, name, house, others, read, rules, range(seed, seed + wish.starts)))
         except PlacementError as error:
             faults.add(request.where, str(error))
-    faults.raise_if_any(Path(wish.file))
+    raise_in_order(faults, Path(wish.file))
     dataset = own_household({_asked(one.request, name): one.place for one in found}, others)
     own = tuple(own_entry(one.request.target) for one in found)
     return tuple(replace(one, episodes=_of_all(one.episodes, own, dataset)) for one in found), dataset

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from ucon.core.errors import UconError, unknown_name
 from ucon.core.untrusted.marked_yaml import Marked, marked, read_marked
@@ -36,6 +37,45 @@ def read_home(source: Path | Mapping[str, Any], instead: Mapping[str, Any] | Non
     Raises:
         DataError: with all faults, each with its line.
     """
+    found, faults = read_as_far(source, instead)
+    raise_in_order(faults, Path(source) if isinstance(source, Path) else Path("home"))
+    assert found is not None, "without a fault there is a home"
+    return found
+
+
+def raise_in_order(faults: Faults, file: Path) -> None:
+    """Raise an error if there are faults; those of the file come by line, others last.
+
+    Args:
+        faults: that were found.
+        file: that was read.
+
+    Raises:
+        DataError: as of :meth:`ucon.habits.book.Faults.raise_if_any`.
+    """
+    line = re.compile(rf"{re.escape(str(file))}:([0-9]+)")
+
+    def order(fault: str) -> tuple[bool, int]:
+        found = line.match(fault)
+        return (found is None, 0 if found is None else int(found[1]))
+
+    faults.found.sort(key=order)
+    faults.raise_if_any(file)
+
+
+def read_as_far(source: Path | Mapping[str, Any], instead: Mapping[str, Any] | None = None) -> tuple[OwnHome, Faults]:
+    """Read a home file as far as it goes, so that what its faults leave can be tried, too.
+
+    Args:
+        source: the file, or the dict.
+        instead: keys of the top level with values that take the place of the file's.
+
+    Returns:
+        The home with the requests that have no fault, and the faults.
+
+    Raises:
+        DataError: there is a fault of the home itself, so that no home is left; with all faults in their order.
+    """
     if isinstance(source, Path):
         name, root, folder = str(source), read_marked(source), source.parent
     else:
@@ -45,9 +85,19 @@ def read_home(source: Path | Mapping[str, Any], instead: Mapping[str, Any] | Non
         root = Marked(root.value | content, root.where, {**root.keys, **{key: key for key in content}})
     faults = Faults()
     found = _Reader(faults, name, folder).home(root)
-    faults.raise_if_any(Path(name))
+    if found is None:
+        raise_in_order(faults, Path(name))
     assert found is not None, "without a fault there is a home"
-    return found
+    return found, faults
+
+
+class _Asked(NamedTuple):
+    """A request of a known thing; ``possible``: its place, if one is said, can be."""
+
+    target: str
+    place: Placement | None
+    where: str
+    possible: bool
 
 
 class _Reader(RoomReader):
@@ -58,7 +108,7 @@ class _Reader(RoomReader):
         self._name, self._folder = name, folder
 
     def home(self, root: Marked) -> OwnHome | None:
-        """The home of a document; None where a fault was found."""
+        """The home of a document; None where it has a fault beside its requests and habits."""
         if not isinstance(root.value, dict):
             self._fault(root.where, "expected a home, as `python -m ucon home new FILE.yaml` writes one")
             return None
@@ -73,7 +123,10 @@ class _Reader(RoomReader):
         starts = self._whole(part.get("starts"), "starts", 1, MOST_STARTS, 1)
         rooms = tuple(self._rooms(part.get("rooms")))
         doors = self._doors(part.get("doors"), [room.called for room in rooms])
+        whole = not self._faults.found
         requests = self._requests(part.get("requests"), part.get("habits"))
+        if not whole:
+            return None
         return OwnHome(called, known, kind, seed, rooms, doors, requests, starts, root.where, self._name)
 
     # -- the home ---------------------------------------------------------------------------------------------
@@ -113,17 +166,23 @@ class _Reader(RoomReader):
     def _requests(self, node: Marked | None, habits: Marked | None) -> tuple[Request, ...]:
         asked = list(self._asked(node)) if node is not None and node.value is not None else []
         if len(asked) > MOST_REQUESTS:
-            self._fault(asked[MOST_REQUESTS][2], f"{len(asked)} requests, expected at most {MOST_REQUESTS}")
+            self._fault(asked[MOST_REQUESTS].where, f"{len(asked)} requests, expected at most {MOST_REQUESTS}")
+        before = len(self._faults.found)
         sentences = read_habits(habits, self._folder, self._fault)
-        about = shared_out(sentences or [], [target for target, _, _ in asked])
-        for target, _, where in asked if sentences is not None else ():
-            if not about[target]:
-                name = target.replace("_", " ")
-                self._fault(where, f"no sentence of 'habits' is about the {name}; write one that names it")
-        return tuple(Request(target, place, tuple(about[target]), where) for target, place, where in asked)
+        sound = len(self._faults.found) == before
+        about = shared_out(sentences or [], [one.target for one in asked])
+        for one in asked if sentences is not None else ():
+            if not about[one.target]:
+                name = one.target.replace("_", " ")
+                self._fault(one.where, f"no sentence of 'habits' is about the {name}; write one that names it")
+        return tuple(
+            Request(one.target, one.place, tuple(about[one.target]), one.where)
+            for one in asked[:MOST_REQUESTS]
+            if sound and one.possible and about[one.target]
+        )
 
-    def _asked(self, node: Marked) -> Iterator[tuple[str, Placement | None, str]]:
-        """Category, place and line of each request, without those that have a fault."""
+    def _asked(self, node: Marked) -> Iterator[_Asked]:
+        """Each request of a known thing."""
         seen: dict[str, str] = {}
         for words, place, where in self._request_lines(node):
             target = category_of(words)
@@ -138,8 +197,7 @@ class _Reader(RoomReader):
                 continue
             seen[target] = where
             found = None if place is None else self._place(target, place)
-            if place is None or found is not None:
-                yield target, found, where
+            yield _Asked(target, found, where, place is None or found is not None)
 
     def _request_lines(self, node: Marked) -> Iterator[tuple[str, Marked | None, str]]:
         if isinstance(node.value, dict):

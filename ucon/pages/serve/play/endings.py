@@ -8,7 +8,6 @@ import numpy as np
 
 from ucon.envs.knowledge import HabitSource
 from ucon.envs.ucon_env import UcONEnv
-from ucon.evaluation.kept.endings import why_lost
 from ucon.evaluation.kept.record import EpisodeRecord
 from ucon.pages.home_plan import footprint, placed_in, plan_of
 from ucon.pages.serve.house_by_name import house_by_name
@@ -25,19 +24,20 @@ def ended(episode: Episode, record: EpisodeRecord, source: HabitSource) -> dict[
         source: the habits it was played with.
 
     Returns:
-        Figures, words, ``plan`` and ``placed`` as ``data/plan.js`` draws them, and the ways as points in metres.
+        Figures, words, ``plan`` and ``placed`` as ``data/plan.js`` draws them, the ways as points in metres, and
+        ``turn``, quarter turns clockwise after which the plan lies as the map of what was seen.
     """
     house = house_by_name(episode.scene)
     own, env = _walked(episode, record.actions, source)
-    boxes = env.search.world.boxes
+    boxes, room = env.search.world.boxes, house.spec.rooms[episode.target_object.room].type
     opened = [footprint(boxes[k]) for k in np.flatnonzero(env.search.opened).tolist()]
     shown = {
         "episode": episode.id,
         "home": episode.scene,
         "target": record.target.replace("_", " "),
         "success": record.success,
-        "why": why_lost(record, ()),
-        "place": target_place(episode),
+        "why": _why_lost(record),
+        "place": f"{target_place(episode)} in the {room.replace('_', ' ')}",
         "steps": record.steps,
         "path_m": record.path_length_m,
         "shortest_m": record.shortest_path_m,
@@ -50,11 +50,27 @@ def ended(episode: Episode, record: EpisodeRecord, source: HabitSource) -> dict[
         "opened": [box for box in opened if box is not None],
         "path": own,
         "heading": env.search.pose.heading,
+        "turn": episode.start.heading % 4,
     }
     env.close()
     shortest, again = _walked(episode, episode.solution, source)
     again.close()
     return shown | {"shortest": shortest}
+
+
+def _why_lost(record: EpisodeRecord) -> str:
+    """Why a search was lost, said to the person who searched; "" where it was not."""
+    target, steps, seen = record.target.replace("_", " "), record.steps, record.first_seen_step
+    in_view = f"The {target} was first in view at step {seen}"
+    return {
+        "none": "",
+        "never_seen": f"The {target} was never in view, and your {steps} steps ran out.",
+        "seen_not_reached": f"{in_view}, but you did not come near it, and your {steps} steps ran out.",
+        "container_never_opened": f"You never opened what the {target} is in, and your {steps} steps ran out.",
+        "stopped_early": f"You said Found it at step {steps}, but the {target} was not in view and near."
+        + (f" {in_view}." if seen >= 0 else ""),
+        "out_of_steps": f"The {target} was in view and near, but you did not say so, and your {steps} steps ran out.",
+    }[record.failure_cause]
 
 
 def _walked(episode: Episode, actions: str, source: HabitSource) -> tuple[list[list[float]], UcONEnv]:

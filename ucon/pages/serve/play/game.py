@@ -135,7 +135,7 @@ class Game:
             action: 0 to 6.
 
         Returns:
-            The state after it.
+            The state after it; ``dropped``: whether the action did nothing.
 
         Raises:
             DataError: it could not be written down, so it was not carried out.
@@ -143,11 +143,12 @@ class Game:
         with self._changed:
             self._wait()
             sights = self._sights
-            if self._view is not None and sights is not None and (sights.episode, self._step) == (episode, step):
+            shown = self._view is not None and sights is not None and (sights.episode, self._step) == (episode, step)
+            if shown:
                 self._journal.add(episode, action)
                 self._given, self._view = action, None
                 self._changed.notify_all()
-        return self.state()
+        return self.state() | {"dropped": not shown}
 
     def state(self) -> dict[str, Any]:
         """What the page shows now.

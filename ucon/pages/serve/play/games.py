@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 import threading
 import time
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
 from ucon.core.errors import ConfigError, DataError, brief
+from ucon.envs.own_home import ENDINGS, episodes_of, is_home_file
 from ucon.evaluation.kept.partial import read_partial
 from ucon.evaluation.kept.record import EpisodeRecord, read_records
 from ucon.evaluation.kept.seal import PARTIAL, has_summary
@@ -16,13 +19,15 @@ from ucon.pages.serve.play.game import Game
 from ucon.pages.serve.play.journal import Journal
 from ucon.programs.composing import eval_config
 from ucon.programs.evaluating import Evaluation
-from ucon.task.sets import episode_sets, load_episodes
+from ucon.task.sets import episode_sets
 
 #: Levels that can be played; ``context`` ranks habits anew in every step, which nobody could follow.
 LEVELS: Final = ("none", "retrieval", "gt", "full")
 #: Side of the picture in pixels: what agents get, and a sharper one.
 PICTURES: Final = (128, 384)
 _MOST_EPISODES: Final = 2000
+#: Folder of a run: its set, level and number of searches.
+_RUN: Final = re.compile(rf"(.+)-({'|'.join(LEVELS)})-([0-9]{{1,4}})(?:-.*)?")
 #: Games that are open at once: each keeps a home in memory.
 _MOST_OPEN: Final = 8
 #: Seconds that the end of the server waits for all games; what was done is in their journals by then.
@@ -35,22 +40,48 @@ def sets() -> tuple[str, ...]:
     return tuple(sorted(names, key=lambda name: (name != "mini", name)))
 
 
+def named_homes(files: Iterable[Path]) -> dict[str, Path]:
+    """Home files by the names of their sets, which are part of paths.
+
+    Args:
+        files: in their order.
+
+    Raises:
+        ConfigError: no home file, or a name that another set has.
+    """
+    found: dict[str, Path] = {}
+    for file in files:
+        if not is_home_file(file):
+            raise ConfigError(f"--home {file}: expected a home file, which ends in {' or '.join(ENDINGS)}")
+        name, whole = re.sub("[^A-Za-z0-9_-]", "_", file.stem)[:40], file.expanduser().resolve()
+        if name in sets() or found.get(name, whole) != whole:
+            raise ConfigError(f"--home {file}: another set is called {name}; give the file another name")
+        found[name] = whole
+    return found
+
+
 class Games:
     """The open games of a server, by name: ``ann/mini-retrieval-5``."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, homes: Mapping[str, Path] | None = None) -> None:
         """Games below a folder.
 
         Args:
             folder: of all runs of people.
+            homes: home files by the names of their sets.
         """
-        self._folder = folder
+        self._folder, self._homes = folder, homes or {}
         self._open: dict[str, Game] = {}
         self._closed = False
         self._lock = threading.Lock()
         """Of the open games; held for moments alone, since every request needs it."""
         self._opening = threading.Lock()
         """Held while a game is opened, which may take long."""
+
+    @property
+    def sets(self) -> tuple[str, ...]:
+        """What can be played: homes of one's own first."""
+        return (*self._homes, *sets())
 
     def open(self, player: str, level: str, episodes: str, n: int, picture_px: int) -> str:
         """Begin a run, or go on with the one that was left.
@@ -69,13 +100,16 @@ class Games:
             ConfigError: a wrong option, the run is open in another command, or the server ends.
         """
         checked_name(player, "name")
-        if level not in LEVELS or episodes not in sets() or picture_px not in PICTURES or not 1 <= n <= _MOST_EPISODES:
+        if episodes not in self.sets:
+            raise ConfigError(f"no set {brief(episodes)} here; for a home file, start with `serve --home FILE.yaml`")
+        if level not in LEVELS or picture_px not in PICTURES or not 1 <= n <= _MOST_EPISODES:
             raise ConfigError(f"no such run: {brief(level)}, {brief(episodes)}, {n} episodes, {picture_px} pixels")
-        n = min(n, len(load_episodes(episodes)))
+        source = str(self._homes.get(episodes, episodes))
+        n = min(n, len(episodes_of(source)))
         sharp = "" if picture_px == PICTURES[0] else f"-{picture_px}px"
         wanted = self._folder / player / f"{episodes}-{level}-{n}{sharp}"
         with self._opening:
-            evaluation = Evaluation(_config(player, level, episodes, n, picture_px, wanted), wanted, anew=True)
+            evaluation = Evaluation(_config(player, level, source, n, picture_px, wanted), wanted, anew=True)
             name = f"{player}/{evaluation.out.name}"
             with self._lock:
                 if (there := self._open.get(name)) is not None and there.alive:
@@ -170,11 +204,10 @@ def _options_of(path: Path) -> dict[str, Any] | None:
     for px in PICTURES[1:]:
         if f"-{px}px" in name:
             name, picture_px = name.partition(f"-{px}px")[0], px
-    words = name.split("-")
-    if len(words) < 3 or words[1] not in LEVELS or not words[2].isdecimal() or len(words[2]) > 4:
+    if (found := _RUN.fullmatch(name)) is None:
         return None
-    n = int(words[2])
-    return {"player": path.parent.name, "episodes": words[0], "level": words[1], "n": n, "picture_px": picture_px}
+    episodes, level, n = found.groups()
+    return {"player": path.parent.name, "episodes": episodes, "level": level, "n": int(n), "picture_px": picture_px}
 
 
 def _lines(path: Path) -> int:

@@ -8,7 +8,7 @@ from typing import Any
 from starlette.routing import Route
 
 from ucon.pages.serve.answers import asked, choice, text, told, whole
-from ucon.pages.serve.play.games import LEVELS, PICTURES, Games, sets
+from ucon.pages.serve.play.games import LEVELS, PICTURES, Games
 from ucon.task.rules import PAPER
 
 _Words = Mapping[str, Any]
@@ -22,13 +22,19 @@ def play_routes(games: Games) -> list[Route]:
     """
 
     def choices(_: _Words) -> dict[str, Any]:
-        return {"levels": LEVELS, "sets": sets(), "pictures": PICTURES, "left": games.left(), "rules": PAPER.actions()}
+        return {
+            "levels": LEVELS,
+            "sets": games.sets,
+            "pictures": PICTURES,
+            "left": games.left(),
+            "rules": PAPER.actions(),
+        }
 
     def begin(words: _Words) -> dict[str, Any]:
         name = games.open(
             text(words, "player", 40),
             choice(words, "level", LEVELS),
-            choice(words, "episodes", sets()),
+            text(words, "episodes"),
             whole(words, "n", 1, 2000),
             whole(words, "picture_px", PICTURES[0], PICTURES[-1]),
         )
