@@ -152,6 +152,12 @@ def test_where_there_is_nothing_it_says_how_to_get_it(tmp_path: Path) -> None:
     assert "\n" not in str(caught.value)
 
 
+def test_weights_of_a_training_that_has_not_ended_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "checkpoints").mkdir()
+    with pytest.raises(DataError, match=r"its training has not ended; go on with `python train\.py resume="):
+        load_network(str(tmp_path), Net(), how="train it")
+
+
 def test_what_is_no_number_is_not_saved() -> None:
     net = Net()
     with torch.no_grad():

@@ -20,6 +20,7 @@ from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json, read_verified, sha256_bytes
 from ucon.core.tensor_files import read_fitting
 from ucon.core.untrusted.strict_json import parse_json
+from ucon.learning.run.run_folder import CHECKPOINTS
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -124,6 +125,8 @@ def load_network(path: str, network: Network, *, how: str = "") -> str:
     folder = model_folder(path)
     if folder is None:
         missing = f"{path}: no trained weights there (no {CONFIG} and {WEIGHTS})"
+        if (Path(path).expanduser() / CHECKPOINTS).is_dir():
+            missing, how = f"{path}: its training has not ended", f"go on with `python train.py resume={path}`"
         raise DataError(f"{missing}; {how}" if how else missing)
     most = _check_config(folder / CONFIG, network)
     tensors, raw = read_fitting(folder / WEIGHTS, network.state_dict())
