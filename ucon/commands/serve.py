@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -72,10 +73,9 @@ def run(args: argparse.Namespace) -> int:
         if not args.no_browser:
             _open(address)
 
-    try:
+    with suppress(KeyboardInterrupt):  # not raised in a job of a shell script, which ignores Ctrl-C
         serve(desk, args.port, ready)
-    except KeyboardInterrupt:
-        print("\nended; the same command goes on", flush=True)
+    print("\nended; the same command goes on", flush=True)
     return 0
 
 
