@@ -49,7 +49,7 @@ class _Search:
     chosen: tuple[Tokens, int] | None = None
     """Tokens of the network's last choice, and the row that it chose."""
     decided: SearchDecision | None = None
-    """What it chose from in its last step; None where there was nothing to choose."""
+    """The views of its last step; None where no choice was due."""
 
     def go(self, choice: Choice | None, also: str = "") -> Action:
         """Set out for ``choice`` and record why; the first action."""

@@ -175,7 +175,7 @@ class PolicyAgent:
         return self._of_last_step(slot, "picture")
 
     def _of_last_step(self, slot: int, name: str) -> Any:
-        """What a method of the policy says of the last step in a slot; None before the first."""
+        """Result of the policy's ``picture`` or ``thoughts`` for the last step in a slot; None before the first."""
         import torch
 
         episode = self._episodes[slot]

@@ -55,6 +55,8 @@ def test_learning_curves_are_drawn_or_refused(tmp_path: Path, capsys: pytest.Cap
     assert cv2.imread(str(tmp_path / "learning_curves.png")).shape[1] > 1000
     assert main(["compare", runs[0], str(FIRST), "--plot", str(tmp_path)]) == 2
     assert "a run of train.py" in capsys.readouterr().err
+    assert main(["compare", *runs, "--plot", str(tmp_path), "--json"]) == 2
+    assert "--plot FOLDER alone" in capsys.readouterr().err
     assert main(["compare", *runs]) == 2
     assert "--plot" in capsys.readouterr().err
     (tmp_path / "b" / "metrics.jsonl").write_text('{"step":1,"loss":1.0}\n')

@@ -46,7 +46,7 @@ def _is_foreign(url: str) -> bool:
 
 
 def wider_than_the_window(page: Any) -> float:
-    """By how many pixels a page is wider than its window; 0 where nobody has to scroll sideways."""
+    """Pixels that a page is wider than its window; 0 where nobody has to scroll sideways."""
     return float(page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth"))
 
 

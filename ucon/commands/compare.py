@@ -71,15 +71,12 @@ def run(args: argparse.Namespace) -> int:
     from ucon.evaluation.figures.paired import compare_records, comparison_table
     from ucon.evaluation.figures.plotting import require_matplotlib
     from ucon.evaluation.figures.run_plots import plot_runs
-    from ucon.learning.run.run_folder import METRICS
 
     if args.closed and not (args.json or args.markdown):
         raise ConfigError("--closed is shown by --markdown and --json; give one of them")
     folders = list(dict.fromkeys([*args.runs, *args.against, *(args.closed or ())]))
-    if trained := [folder for folder in folders if (folder / METRICS).is_file()]:
-        if len(trained) < len(folders):
-            raise ConfigError(f"{trained[0]}: a run of train.py; compare such runs among themselves")
-        return _compare_training(folders, args.plot)
+    if _are_trained(folders, args):
+        return _plot_training(folders, args.plot)
     if args.plot is not None:
         require_matplotlib()
     if len(folders) < 2:
@@ -118,14 +115,24 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _compare_training(folders: list[Path], plot: Path | None) -> int:
-    """Draw the learning curves of runs of ``train.py``."""
+def _are_trained(folders: list[Path], args: argparse.Namespace) -> bool:
+    """Whether the folders are runs of ``train.py``, which have learning curves alone to be compared."""
     from ucon.core.errors import ConfigError
+    from ucon.learning.run.run_folder import METRICS
+
+    trained = [folder for folder in folders if (folder / METRICS).is_file()]
+    if 0 < len(trained) < len(folders):
+        raise ConfigError(f"{trained[0]}: a run of train.py; compare such runs among themselves")
+    if trained and (args.plot is None or args.json or args.markdown or args.closed or args.by_kind):
+        raise ConfigError("runs of train.py are compared by their learning curves; give --plot FOLDER alone")
+    return bool(trained)
+
+
+def _plot_training(folders: list[Path], plot: Path) -> int:
+    """Draw the learning curves of runs of ``train.py``."""
     from ucon.evaluation.figures.plotting import require_matplotlib
     from ucon.learning.run.learning_curve import draw_curves
 
-    if plot is None:
-        raise ConfigError("runs of train.py are compared by their learning curves; give --plot FOLDER")
     require_matplotlib()
     plot.mkdir(parents=True, exist_ok=True)
     draw_curves(folders, plot / "learning_curves.png")

@@ -266,7 +266,7 @@ def make_episode(
 
 
 def _source(home: str | Path | Mapping[str, Any]) -> Path | Mapping[str, Any]:
-    """What is read: the file, or the dict; of a name a dict that holds it."""
+    """The home as it is read: a file, or a dict; the name of a home becomes a dict."""
     if isinstance(home, Mapping):
         return home
     if is_home_file(home) or isinstance(home, Path):

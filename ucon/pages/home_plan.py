@@ -55,7 +55,7 @@ def footprint(box: NDArray[np.float64]) -> list[float] | None:
 
 
 def placed_in(arrangement: Arrangement, boxes: NDArray[np.float64], n_instances: int) -> dict[str, Any]:
-    """What an episode changes in a home.
+    """The things that an episode removes from a home and places in it.
 
     Args:
         arrangement: what was removed and placed.

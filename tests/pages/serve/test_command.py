@@ -82,7 +82,7 @@ def test_what_was_done_survives_a_kill_and_ctrl_c_ends_it(tmp_path: Path) -> Non
 
 
 def told(capsys: Any, *words: str) -> str:
-    """What the command says before it ends with 2."""
+    """The error line of a command that ends with 2."""
     assert main(["serve", "--no-browser", *words]) == 2
     said = str(capsys.readouterr().err)
     assert said.count("\n") == 1

@@ -1,4 +1,4 @@
-"""What the pages Runs, Homes, Habits and Study are answered, without a browser."""
+"""The server's answers to the pages Runs, Homes, Habits and Study, without a browser."""
 
 from __future__ import annotations
 

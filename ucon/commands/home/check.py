@@ -87,7 +87,7 @@ def _warn(missing: list[Unplaced]) -> None:
 
 
 def _found(wish: OwnHome, name: str, house: House, placed: tuple[Placed, ...]) -> dict[str, Any]:
-    """What is there, as plain values."""
+    """Rooms, furniture, doors and placed requests of the built home, as plain values."""
     from ucon.task.own_home.building import rooms_by_name
 
     spec, called = house.spec, rooms_by_name(wish, house)
