@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -167,10 +167,10 @@ def read_places(target: str, habits: Sequence[str]) -> tuple[Sequence[str], NDAr
 def _content(home: OwnHome, task: str) -> str:
     """Hash of all that decides the episodes of a home."""
     asked = [
-        (one.target, one.place and (one.place.relation, one.place.anchor), [habit.text for habit in one.habits])
-        for one in home.requests
+        [(one.target, [asdict(place) for place in one.places], [habit.text for habit in one.habits]) for one in group]
+        for group in (home.requests, home.things)
     ]
-    what = [home_name(home), asked, home.starts, task, _code_version()]
+    what = [home_name(home), asked, home.others, home.starts, task, _code_version()]
     return sha256_bytes(canonical_json(what).encode())[:16]
 
 

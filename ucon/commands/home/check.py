@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from ucon.sim.house import House
     from ucon.task.own_home.building import Unplaced
-    from ucon.task.own_home.placing import Placed
+    from ucon.task.own_home.placed import Placed
     from ucon.task.own_home.wish import OwnHome
 
 #: Left out where a room is described in words.
@@ -113,11 +113,13 @@ def _found(wish: OwnHome, name: str, house: House, placed: tuple[Placed, ...]) -
 
 
 def _request(one: Placed, rooms: list[str]) -> dict[str, Any]:
+    from ucon.task.own_home.places import spoken
     from ucon.task.spoken import spoken_place
 
+    said = " or ".join(spoken(place) for place in one.request.places)
     return {
         "target": one.request.target,
-        "place": spoken_place(one.place.relation, one.place.anchor),
+        "place": said or spoken_place(one.place.relation, one.place.anchor),
         "room": rooms[one.episodes[0].target_object.room],
         "chance_by_habits": None if one.chance is None else round(one.chance, 3),
         "shortest_path_m": [episode.shortest_path_m for episode in one.episodes],
