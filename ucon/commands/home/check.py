@@ -22,7 +22,12 @@ _OF_EVERY_ROOM = ("window", "electric_switch", "room_light", "door")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the action's options to its parser."""
-    parser.add_argument("file", type=Path, metavar="FILE.yaml", help="the home; `home new FILE.yaml` writes one")
+    parser.add_argument(
+        "file",
+        type=Path,
+        metavar="FILE.yaml",
+        help="the home; `home new FILE.yaml` writes one, and robot_flat is shipped",
+    )
     parser.add_argument("--plan", type=Path, metavar="FILE.png", help="draw the floor plan into a picture")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
@@ -46,18 +51,20 @@ def run(args: argparse.Namespace) -> int:
     from ucon.task.own_home.building import build, unplaced
     from ucon.task.own_home.placing import placed_requests
     from ucon.task.own_home.reading import raise_in_order, read_as_far
+    from ucon.task.own_home.shipped import home_path
     from ucon.task.rules import PAPER
 
     if args.plan is not None:
         require_writable(args.plan)
+    file = home_path(args.file)
     with stdout_to_stderr():
-        wish, faults = read_as_far(args.file.expanduser())
+        wish, faults = read_as_far(file)
         try:
             name, house = build(wish)
         except UconError as error:
             if faults.found:
                 faults.found.append(str(error))
-                raise_in_order(faults, args.file.expanduser())
+                raise_in_order(faults, file)
             raise
         missing = unplaced(wish, house)
         if args.plan is not None:
