@@ -89,7 +89,7 @@ class Searcher(PartlyShared):
         book = catalogue()
         height_m = book[self.target].size[2] if self.target in book else 0.1
         self.map = SemanticMap.of(info)
-        self.planner = Planner(info.get("nav"))
+        self.planner = Planner(info.get("nav"), self.map.body)
         errors = info.get("detector_errors")
         self.places = Places(height_m, None if errors is None else Sight.of(errors, self.target))
         self.viewpoints = Viewpoints(sight_range_m(self.target), costs)

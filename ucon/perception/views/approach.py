@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.compass import heading_to
 from ucon.core.sharing import PartlyShared
 from ucon.objects.catalogue import catalogue
 from ucon.perception.mapping.body import Body
@@ -107,7 +108,7 @@ class Approach(PartlyShared):
             away[(nodes[:, 0] == view.i) & (nodes[:, 1] == view.j)] += times
         k = int(np.lexsort((steps, np.round(away, 3)))[0])
         dx, dy = (_center(box)[:2] - xy[k]).tolist()
-        heading = (0 if dx > 0 else 2) if abs(dx) >= abs(dy) else (1 if dy > 0 else 3)
+        heading = heading_to(dx, dy, known.body.headings)
         return View(int(nodes[k, 0]), int(nodes[k, 1]), heading)
 
     def _sights(self, known: SemanticMap, tracks: NDArray[np.int64]) -> NDArray[np.float64]:
