@@ -26,6 +26,7 @@ from ucon.envs.options import (
 )
 from ucon.envs.own_home import is_home_file, own_set
 from ucon.envs.painter import Moment, Painter
+from ucon.envs.robot import begun_search, checked_planner, new_ledger, rigged_rules
 from ucon.envs.spaces import observation_space, padded
 from ucon.envs.tour import Tour, hide
 from ucon.perception.detectors import Detector, Frame
@@ -37,13 +38,12 @@ from ucon.task.check import check_home
 from ucon.task.episode import Episode
 from ucon.task.ledger import Ledger
 from ucon.task.reward import Reward
-from ucon.task.rules import task_rules
-from ucon.task.search import Pose, Search
+from ucon.task.robot.rig import RobotRig
+from ucon.task.robot.search import RobotSearch
 from ucon.task.sets import load_episodes
 
-#: The canonical view, in which the rules count pixels.
+#: Side of the canonical view, in which the rules count pixels at their angle.
 CANONICAL_PX = 128
-CANONICAL_FOV_DEG = 90.0
 
 Obs = dict[str, Any]
 
@@ -109,11 +109,12 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         observe: Literal["pixels", "symbolic"] = "pixels",
         width_px: int = CANONICAL_PX,
         height_px: int = CANONICAL_PX,
-        fov_deg: float = CANONICAL_FOV_DEG,
+        fov_deg: float | None = None,
         detector: bool | Detector | None = False,
-        planner: Literal["true", "observed"] = "true",
+        planner: Literal["true", "observed"] | None = None,
         renderer: Literal["raster", "tiny"] = "raster",
         world: Literal["compiled", "live"] = "compiled",
+        rig: RobotRig | None = None,
         reward: Reward | None = None,
         max_habits: int = 1024,
         privileged: bool = False,
@@ -130,11 +131,13 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
             observe: ``pixels`` for images in observations, ``symbolic`` without.
             width_px: of the images.
             height_px: of the images.
-            fov_deg: horizontal angle of view.
+            fov_deg: horizontal angle of view; None: the rules', 90 in the paper's.
             detector: False for none, True for ``gt``, or a detector.
-            planner: ``true`` puts the true free grid into info, ``observed`` does not.
+            planner: ``true`` puts the true free grid into info, ``observed`` does not; None: true, where there is a
+                grid.
             renderer: ``raster``, or ``tiny`` (PyBullet's).
             world: ``compiled`` arrays, or ``live`` PyBullet.
+            rig: of ``task="real_robot"``; None: its default there.
             reward: weights of a step's reward.
             max_habits: rows of habits in observations.
             privileged: put privileged facts into info.
@@ -146,7 +149,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
             EpisodeError: there are no such episodes.
         """
         check_choice("observe", observe, ("pixels", "symbolic"))
-        check_choice("planner", planner, ("true", "observed"))
+        check_choice("planner", planner, ("true", "observed", None))
         check_choice("world", world, ("compiled", "live"))
         check_render_mode(render_mode, ("rgb_array",))
         if is_home_file(episodes):
@@ -155,15 +158,16 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         self.episodes = load_episodes(episodes, task) if isinstance(episodes, str | Path) else tuple(episodes)
         if not self.episodes:
             raise EpisodeError("no episodes: expected at least one; name a set (mini, val, test) or give a path")
-        self.rules = task_rules(task)
+        self.rules, self._rig = rigged_rules(task, rig)
+        planner, fov_deg = checked_planner(planner, self.rules), self.rules.fov_deg if fov_deg is None else fov_deg
         self.source = source or HabitSource()
         self.habit_level = self.source.check_level(habit_level)
         self.render_mode = render_mode
         self._observe, self._planner, self._detector = observe, planner, make_detector(detector)
         self._world_kind, self._reward, self._privileged = world, reward or Reward(), privileged
         self._max_habits, self._texts = max_habits, with_texts(texts)
-        self._renderer = make_renderer(renderer, width_px, height_px, fov_deg)
-        self._canonical = (width_px, height_px, fov_deg) == (CANONICAL_PX, CANONICAL_PX, CANONICAL_FOV_DEG)
+        self._renderer = make_renderer(renderer, width_px, height_px, fov_deg, self.rules.fov_deg)
+        self._canonical = (width_px, height_px, fov_deg) == (CANONICAL_PX, CANONICAL_PX, self.rules.fov_deg)
         self._fov_deg = fov_deg
         self._painter: Painter | None = None
         self._world: Any = None
@@ -226,11 +230,8 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         house = load_house(self.episode.scene)
         check_home(self.episode, house)
         self._enter(house)
-        start = self.episode.start
-        pose = Pose(start.i, start.j, start.heading, self.rules.start_height, 0)
-        target = house.n_instances + self.episode.target
-        self.search = Search(self._world, self._renderer, target, pose, self.rules)
-        self._frame = StartFrame(start)
+        self.search = begun_search(self.episode, self._world, self._renderer, self.rules, self._rig)
+        self._frame = StartFrame(self.episode.start)
         self._knowledge = self.source.knowledge(self.episode, level)
         self._give_habits()
         self._target_embedding = self._knowledge.target_embedding.astype(np.float32)
@@ -242,7 +243,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         self._locations = self.source.locations(self.episode, house) if self._privileged else ()
         self._tour = Tour(self.search, self._renderer, self._detector, self._frame, self._fov_deg)
         obs, info = self._look(opened=())
-        self._ledger = Ledger(self.episode, self.search)
+        self._ledger = new_ledger(self.episode, self.search)
         info |= {
             "episode": self.episode.id,
             "task": self.rules.name,
@@ -355,9 +356,15 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
             self._world = SceneState(house, arrangement)
         self._renderer.load(house, arrangement)
 
+    def _pose(self) -> NDArray[np.float32]:
+        """The pose of observations, (4,): the true one of a node, or what a robot's odometry says."""
+        if isinstance(self.search, RobotSearch):
+            return self.search.odometry
+        return self._frame.pose(self.search.pose)
+
     def _look(self, opened: tuple[int, ...]) -> tuple[Obs, dict[str, Any]]:
         """Observation and info of the current pose; one rendering gives image, depth, instances and pixel counts."""
-        pose, camera_m = self._frame.pose(self.search.pose), self.search.camera[2]
+        pose, camera_m = self._pose(), self.search.camera[2]
         info: dict[str, Any] = {"target": self.episode.target_category, "camera_m": camera_m, "fov_deg": self._fov_deg}
         obs: Obs = {"pose": pose}
         depth, rgb = self._draw()

@@ -43,7 +43,7 @@ class Eyes(Protocol):
     def set_open(self, instance: int, fraction: float) -> None:
         """Show an instance opened by a fraction from 0 to 1."""
 
-    def visible(self, x: float, y: float, z: float, heading: int, pitch_deg: int) -> NDArray[np.int32]:
+    def visible(self, x: float, y: float, z: float, heading: float, pitch_deg: int) -> NDArray[np.int32]:
         """Pixels of every instance in the canonical view.
 
         Args:
@@ -122,8 +122,8 @@ class Search(PartlyShared):
         self._near_boxes = world.boxes
 
     @property
-    def camera(self) -> tuple[float, float, float, int, int]:
-        """x, y, z (metres, world frame), heading, pitch in degrees: the renderer's arguments."""
+    def camera(self) -> tuple[float, float, float, float, int]:
+        """x, y, z (metres, world frame), heading in quarter turns, pitch in degrees: the renderer's arguments."""
         x, y = self.xy
         return x, y, self.rules.camera_heights_m[self.pose.height], self.pose.heading, self.pose.pitch_deg
 
@@ -154,8 +154,7 @@ class Search(PartlyShared):
         if action == Action.MOVE_AHEAD:
             outcome.collision = not self._move()
         elif action in (Action.ROTATE_LEFT, Action.ROTATE_RIGHT):
-            turn = 1 if action == Action.ROTATE_LEFT else 3
-            self._set_pose(heading=(self.pose.heading + turn) % 4)
+            self._turn(1 if action == Action.ROTATE_LEFT else -1)
         elif action in (Action.LOOK_UP, Action.LOOK_DOWN):
             self._look(1 if action == Action.LOOK_UP else -1)
         elif action == Action.OPEN:
@@ -204,6 +203,10 @@ class Search(PartlyShared):
             return False
         self._set_pose(i=i, j=j)
         return True
+
+    def _turn(self, direction: int) -> None:
+        """Turn to the left (1) or to the right (-1)."""
+        self._set_pose(heading=(self.pose.heading + direction) % 4)
 
     def _look(self, direction: int) -> None:
         """Raise (1) or lower (-1) the camera's pitch or height."""

@@ -1,0 +1,84 @@
+"""What an environment does otherwise under ``task=real_robot``: its options, and the search of a robot."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, Literal
+
+from ucon.core.errors import ConfigError
+from ucon.sim.robot.floor import Floor
+from ucon.task.episode import Episode
+from ucon.task.ledger import Ledger
+from ucon.task.robot.ledger import RobotLedger
+from ucon.task.robot.pose import start_pose
+from ucon.task.robot.rig import STEP_OVER_M, RobotRig
+from ucon.task.robot.search import RobotSearch
+from ucon.task.rules import TaskRules, task_rules
+from ucon.task.search import Eyes, Pose, SceneWorld, Search
+
+
+def rigged_rules(task: str, rig: RobotRig | None) -> tuple[TaskRules, RobotRig | None]:
+    """The rules of a task, with the camera of the rig, and the rig.
+
+    Args:
+        task: name of the rule set.
+        rig: as given; None: the default, where the rules have a robot.
+
+    Returns:
+        The rig is None under rules without a robot.
+
+    Raises:
+        ConfigError: an unknown task, or a rig where there is no robot.
+    """
+    rules = task_rules(task)
+    if not rules.continuous:
+        if rig is not None:
+            raise ConfigError(f"env.rig: only task=real_robot has one, this is task={task}; leave it out")
+        return rules, None
+    rig = rig or RobotRig()
+    return replace(rules, camera_heights_m=(rig.camera_m,)), rig
+
+
+def checked_planner(planner: str | None, rules: TaskRules) -> Literal["true", "observed"]:
+    """The value of ``planner``.
+
+    Args:
+        planner: as given; None: ``true`` where there is a grid to give.
+        rules: of the task.
+
+    Raises:
+        ConfigError: ``true`` under rules without a grid.
+    """
+    if rules.continuous and planner == "true":
+        raise ConfigError(
+            f"env.planner=true: a robot of task={rules.name} moves continuously and no true grid of nodes is given; "
+            "leave it at observed"
+        )
+    return "observed" if rules.continuous or planner == "observed" else "true"
+
+
+def begun_search(episode: Episode, world: Any, eyes: Eyes, rules: TaskRules, rig: RobotRig | None) -> Search:
+    """The search of an episode, at its start.
+
+    Args:
+        episode: the episode.
+        world: its home with its arrangement.
+        eyes: a renderer, loaded with it.
+        rules: the rule set.
+        rig: of the robot; None: an agent on the grid.
+    """
+    start, target = episode.start, world.house.n_instances + episode.target
+    if rig is None:
+        return Search(world, eyes, target, Pose(start.i, start.j, start.heading, rules.start_height, 0), rules)
+    pose = start_pose(world.house, start)
+    return RobotSearch(world, eyes, target, pose, rules, floor_of(world, rig))
+
+
+def floor_of(world: SceneWorld, rig: RobotRig) -> Floor:
+    """The floor of a world for a robot of this rig."""
+    return Floor(world.house, world.arrangement, rig.radius_m, STEP_OVER_M, rig.top_m)
+
+
+def new_ledger(episode: Episode, search: Search) -> Ledger:
+    """The metrics of a search that begins."""
+    return RobotLedger(episode, search) if isinstance(search, RobotSearch) else Ledger(episode, search)
