@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -53,7 +53,10 @@ class Body(Shared):
     @classmethod
     def of(cls, info: Mapping[str, Any]) -> Body:
         """The body in the episode whose info at the reset is given; without ``task`` in it, under the paper's rules."""
-        return cls.under(task_rules(str(info.get("task", PAPER.name))))
+        rules = task_rules(str(info.get("task", PAPER.name)))
+        if rules.continuous and "camera_m" in info:  # an option of the robot's rig
+            rules = replace(rules, camera_heights_m=(float(info["camera_m"]),))
+        return cls.under(rules)
 
     @property
     def fov_deg(self) -> float:

@@ -7,6 +7,7 @@ ignored.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
@@ -64,7 +65,12 @@ class View(Shared):
     @property
     def xy(self) -> tuple[float, float]:
         """Position (x, y) in metres in the start frame."""
-        return ((self.i - HALF) * CELL_M, (self.j - HALF) * CELL_M) if self.at is None else self.at[:2]
+        return self.node_xy if self.at is None else self.at[:2]
+
+    @property
+    def node_xy(self) -> tuple[float, float]:
+        """Position (x, y) of the node in metres in the start frame; views are valued from there."""
+        return (self.i - HALF) * CELL_M, (self.j - HALF) * CELL_M
 
     @property
     def direction(self) -> tuple[float, float]:
@@ -403,5 +409,8 @@ def view_of_pose(
     x, y, yaw, pitch = pose.tolist()
     heading = round(yaw * body.headings / (2.0 * np.pi)) % body.headings
     look = body.look(camera_m, round(np.rad2deg(pitch) / 30) * 30)
-    at = None if body.exact else (x, y, yaw)
-    return View(round(x / CELL_M) + HALF, round(y / CELL_M) + HALF, heading, look, at)
+    if body.exact:
+        return View(round(x / CELL_M) + HALF, round(y / CELL_M) + HALF, heading, look)
+    # As the kernels do: a robot's moves of 0.125 m to the side end on the edges of cells.
+    i, j = (math.floor(v / CELL_M + 0.5) + HALF for v in (x, y))
+    return View(i, j, heading, look, (x, y, yaw))

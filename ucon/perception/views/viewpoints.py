@@ -323,7 +323,7 @@ class Viewpoints(PartlyShared):
             factor: multiplies both.
         """
         view = known.view
-        x, y = view.xy
+        x, y = view.node_xy  # what was expected was expected from there
         cells = (known.explored, known.height, known.near, self.stale, self._even)
         looks, reach = (view.heading, known.body.headings), (self.costs.space_cells, self.reach_m)
         fade_space(view.i, view.j, looks, cells, reach, factor)
