@@ -96,8 +96,7 @@ def read_depth(search: RobotSearch, depth: NDArray[np.float32], fov_deg: float) 
         fov_deg: horizontal angle of view.
     """
     if search.errors.rig.depth == "stereo":
-        normals = search.errors.depth_normals(search.steps, depth.shape)
-        stereo(depth, normals, 0.5 * depth.shape[1] / tan_half(fov_deg))
+        stereo(depth, search.errors.depth_key(search.steps), 0.5 * depth.shape[1] / tan_half(fov_deg))
 
 
 def floor_of(world: SceneWorld, rig: RobotRig) -> Floor:

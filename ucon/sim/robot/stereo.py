@@ -9,11 +9,12 @@ see: a shadow to the left of whatever stands in front. Readings are whole millim
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import numpy as np
 
-from ucon.core.jit import F32, jit
+from ucon.core.jit import F32, jit, merged
 
 NEAREST_M: Final = 0.3
 FARTHEST_M: Final = 6.0
@@ -22,13 +23,30 @@ BASELINE_M: Final = 0.05
 ERROR_AT_1_M: Final = 0.08 / (424.0 * BASELINE_M)
 
 
+#: Standard deviation of the sum of four uniform 16 bit numbers, and its mean.
+_SPREAD: Final = math.sqrt((2.0**32 - 1.0) / 3.0)
+_MIDDLE: Final = 2.0 * (2.0**16 - 1.0)
+
+
+@merged
+def _normal(key: int, pixel: int) -> float:
+    """A draw for a pixel, nearly of the standard normal distribution: the sum of four uniform ones."""
+    bits = np.uint64(key) + np.uint64(pixel + 1) * np.uint64(0x9E3779B97F4A7C15)
+    bits = (bits ^ (bits >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    bits = (bits ^ (bits >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    bits ^= bits >> np.uint64(31)
+    low, half = np.uint64(0xFFFF), np.uint64(16)
+    total = (bits & low) + ((bits >> half) & low) + ((bits >> np.uint64(32)) & low) + (bits >> np.uint64(48))
+    return (float(total) - _MIDDLE) / _SPREAD
+
+
 @jit
-def stereo(depth: F32, normal: F32, focal_px: float) -> None:
+def stereo(depth: F32, key: int, focal_px: float) -> None:
     """Turn true depth into readings.
 
     Args:
         depth: (H, W) float32, metres along the optical axis; overwritten, 0 where there is no reading.
-        normal: (H, W) float32, standard normal draws.
+        key: of the random draws, a whole number from 0 up to 2 ** 63.
         focal_px: focal length of the image, pixels.
     """
     rows, columns = depth.shape
@@ -37,8 +55,10 @@ def stereo(depth: F32, normal: F32, focal_px: float) -> None:
         for u in range(columns - 1, -1, -1):
             z = float(depth[v, u])
             column = u - focal_px * BASELINE_M / z if z > 0.0 else np.inf
-            shadow = column >= covered
+            seen = column < covered
             covered = min(covered, column)
-            read = z + ERROR_AT_1_M * z * z * normal[v, u]
-            right = NEAREST_M <= z <= FARTHEST_M and NEAREST_M <= read and not shadow
-            depth[v, u] = np.float32(round(read * 1000.0) / 1000.0) if right else np.float32(0.0)
+            reading = 0.0
+            if seen and NEAREST_M <= z <= FARTHEST_M:
+                reading = z + ERROR_AT_1_M * z * z * _normal(key, v * columns + u)
+                reading = math.floor(reading * 1000.0 + 0.5) / 1000.0
+            depth[v, u] = np.float32(reading)

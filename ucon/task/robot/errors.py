@@ -18,7 +18,7 @@ from typing import Final
 
 import numpy as np
 
-from ucon.core.rng import stream
+from ucon.core.rng import derived_seed, stream
 from ucon.core.sharing import Shared
 from ucon.task.robot.rig import RobotRig
 
@@ -75,9 +75,9 @@ class RobotErrors(Shared):
             return 1.0
         return float(1.0 + SCALE * stream(self.rig.seed, "scale", self.episode).standard_normal())
 
-    def depth_normals(self, step: int, shape: tuple[int, int]) -> np.ndarray:
-        """Standard normal draws for the depth image of a step, (H, W) float32."""
-        return stream(self.rig.seed, "depth", self.episode, step).standard_normal(shape, np.float32)
+    def depth_key(self, step: int) -> int:
+        """The key of the errors of a step's depth image."""
+        return derived_seed(self.rig.seed, "depth", self.episode, step)
 
     def _slip(
         self, step: int, ahead: tuple[float, float], aside: tuple[float, float], yaw: tuple[float, float]
