@@ -253,7 +253,7 @@ class Searcher(PartlyShared):
         """On arrival at a view that was chosen for opening: count the containers within reach as failed."""
         if self.choice is not None and self.choice.opens:
             for track in self.closed():
-                if self.map.gap_m(int(track), self.map.view.xy) <= open_reach_m(self.map):
+                if self.map.gap_m(int(track), self.map.view.node_xy) <= open_reach_m(self.map):
                     self.refused[int(track)] = self.refused.get(int(track), 0) + 1
 
     def openable_now(self) -> NDArray[np.int64]:

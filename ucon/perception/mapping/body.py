@@ -15,6 +15,8 @@ from ucon.task.rules import PAPER, TaskRules, task_rules
 #: Twice the standard error of a stereo camera's depth of 1 m: .08 pixels of disparity, 50 mm between the lenses, a
 #: focal length of 424 pixels (Intel RealSense D435).
 _BLUR: Final = 2.0 * 0.08 / (0.05 * 424.0)
+#: Four in five points of a cell of 0.25 m are nearer to its middle than this.
+_OFF_NODE_M: Final = 0.125
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +59,11 @@ class Body(Shared):
         if rules.continuous and "camera_m" in info:  # an option of the robot's rig
             rules = replace(rules, camera_heights_m=(float(info["camera_m"]),))
         return cls.under(rules)
+
+    @property
+    def off_node_m(self) -> float:
+        """How far from the middle of a node it stands as a rule, metres: 0 on the grid."""
+        return 0.0 if self.exact else _OFF_NODE_M
 
     @property
     def fov_deg(self) -> float:

@@ -84,8 +84,8 @@ class Approach(PartlyShared):
         failed = np.array([(v.i, v.j, v.heading, v.pitch_deg, n) for v, n in self._failed.items()], np.int32)
         poses, costs = np.zeros((len(tracks), 4), np.int32), np.full(len(tracks), UNREACHED, np.int32)
         best_views(
-            known.box[tracks], _reach_m(known, tracks), cells, known.explored, eyes, look, seen, failed.reshape(-1, 5),
-            poses, costs,
+            known.box[tracks], _reach_m(known, tracks) - known.body.off_node_m, cells, known.explored, eyes, look, seen,
+            failed.reshape(-1, 5), poses, costs,
         )  # fmt: skip
         poses[:, 3] = eyes[poses[:, 3], 3]
         return poses, costs
