@@ -5,11 +5,18 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, Literal
 
-from ucon.core.errors import ConfigError
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.errors import ConfigError, EpisodeError
+from ucon.sim.render.base import tan_half
 from ucon.sim.robot.floor import Floor
+from ucon.sim.robot.floor_kernels import TOUCH_M
+from ucon.sim.robot.stereo import stereo
 from ucon.task.episode import Episode
 from ucon.task.ledger import Ledger
 from ucon.task.robot.ledger import RobotLedger
+from ucon.task.robot.errors import RobotErrors
 from ucon.task.robot.pose import start_pose
 from ucon.task.robot.rig import STEP_OVER_M, RobotRig
 from ucon.task.robot.search import RobotSearch
@@ -70,8 +77,26 @@ def begun_search(episode: Episode, world: Any, eyes: Eyes, rules: TaskRules, rig
     start, target = episode.start, world.house.n_instances + episode.target
     if rig is None:
         return Search(world, eyes, target, Pose(start.i, start.j, start.heading, rules.start_height, 0), rules)
-    pose = start_pose(world.house, start)
-    return RobotSearch(world, eyes, target, pose, rules, floor_of(world, rig))
+    pose, errors = start_pose(world.house, start), RobotErrors(rig, episode.id)
+    floor = floor_of(world, rig)
+    if floor.clearance(pose.x, pose.y) < rig.radius_m - TOUCH_M:
+        raise EpisodeError(
+            f"episode {episode.id}: a body of radius {rig.radius_m:g} m touches something at the start; give the rig a "
+            "smaller rig.radius_m, or make episodes for it"
+        )
+    return RobotSearch(world, eyes, target, pose, rules, floor, errors)
+
+
+def read_depth(search: RobotSearch, depth: NDArray[np.float32], fov_deg: float) -> None:
+    """Turn true depth into what the robot's camera reads at this step.
+
+    Args:
+        search: of the robot.
+        depth: (H, W) metres, overwritten; 0 where there is no reading.
+        fov_deg: horizontal angle of view.
+    """
+    if search.errors.rig.depth == "stereo":
+        stereo(depth, search.errors.depth_key(search.steps), 0.5 * depth.shape[1] / tan_half(fov_deg))
 
 
 def floor_of(world: SceneWorld, rig: RobotRig) -> Floor:

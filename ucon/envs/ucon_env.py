@@ -26,7 +26,7 @@ from ucon.envs.options import (
 )
 from ucon.envs.own_home import is_home_file, own_set
 from ucon.envs.painter import Moment, Painter
-from ucon.envs.robot import begun_search, checked_planner, new_ledger, rigged_rules
+from ucon.envs.robot import begun_search, checked_planner, new_ledger, read_depth, rigged_rules
 from ucon.envs.spaces import observation_space, padded
 from ucon.envs.tour import Tour, hide
 from ucon.perception.detectors import Detector, Frame
@@ -407,6 +407,8 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
             hide(self.search.target, instance, counts)
         if counts is not None:
             self.search.saw(counts)
+        if isinstance(self.search, RobotSearch):
+            read_depth(self.search, depth, self._fov_deg)
         return depth, rgb
 
     def _give_habits(self) -> None:

@@ -37,6 +37,8 @@ class RobotRig(Shared):
     """Whether the pose is the robot's own estimate, which drifts, or the true one."""
     depth: Literal["stereo", "true"] = "stereo"
     """Whether depth has range, noise and shadows of a stereo camera, or is the true one."""
+    seed: int = 0
+    """Of all errors; they also depend on the episode and the step."""
 
     def __post_init__(self) -> None:
         low, high = STEP_OVER_M + ABOVE_CAMERA_M, _HIGHEST_M - ABOVE_CAMERA_M
@@ -44,6 +46,8 @@ class RobotRig(Shared):
         least = 0.01
         _check("radius_m", self.radius_m, least, min(WIDEST_M, HORIZON_M / 2), "metres; doors are hardly wider")
         _check("motion_noise", self.motion_noise, 0.0, 10.0, "times the published errors")
+        if type(self.seed) is not int or self.seed < 0:
+            raise ConfigError(f"rig.seed={brief(self.seed)}: expected a whole number from 0 up")
         for name, known in (("odometry", ("drift", "true")), ("depth", ("stereo", "true"))):
             if getattr(self, name) not in known:
                 raise ConfigError(f"rig.{name}={brief(getattr(self, name))}: expected {' or '.join(known)}")
