@@ -36,7 +36,7 @@ HOMES: Final = {name: _DATA / f"{name}.yaml" for name in ("robot_flat", "robot_h
 #: Cases by name.
 CASES: Final = {
     "case_book": Case(
-        "robot_flat",
+        "robot_house",
         "paperback_book",
         0,
         "goes to the bed and looks at its foot, although books are usually on the shelf",
