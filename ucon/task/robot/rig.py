@@ -8,7 +8,9 @@ from typing import Any, Final, Literal
 
 from ucon.core.errors import ConfigError, brief
 from ucon.core.sharing import Shared
+from ucon.sim.robot.floor import Floor
 from ucon.sim.robot.floor_kernels import HORIZON_M
+from ucon.task.search import SceneWorld
 
 #: What the robot steps over, metres: as on the navigation grid.
 STEP_OVER_M: Final = 0.05
@@ -72,3 +74,8 @@ def _check(name: str, value: Any, least: float, most: float, unit: str) -> None:
     number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
     if not number or not least <= value <= most:
         raise ConfigError(f"rig.{name}={brief(value)}: expected {least:g} to {most:g} {unit}")
+
+
+def floor_of(world: SceneWorld, rig: RobotRig) -> Floor:
+    """The floor of a world for a robot of this rig."""
+    return Floor(world.house, world.arrangement, rig.radius_m, STEP_OVER_M, rig.top_m)
