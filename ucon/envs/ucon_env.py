@@ -185,6 +185,11 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         return self._detector
 
     @property
+    def rig(self) -> RobotRig | None:
+        """How the robot is built and errs; None under rules of the grid."""
+        return self._rig
+
+    @property
     def max_habits(self) -> int:
         """Rows of habits in observations: the longest list of habits that can be given."""
         return self._max_habits
