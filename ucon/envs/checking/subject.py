@@ -140,7 +140,7 @@ def subject_of(word: str, around: str = "UcON-v0") -> Subject:
 
 def _require_exact(word: str, rig: RobotRig | None) -> None:
     """Refuse a robot whose moves err: the checks carry out stored solutions without looking."""
-    if rig is not None and (rig.motion_noise or rig.odometry != "true"):
+    if rig is not None and (rig.motion_noise or rig.odometry != "exact"):
         raise ConfigError(f"{word}: a robot that moves with errors cannot be checked; give it rig=RobotRig.exact()")
 
 
