@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from ucon.evaluation.figures.case_strip import Strip, Waypoint, chosen_steps, draw_case
+from ucon.evaluation.figures.floor_drawing import Floor
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.evaluation.kept.finished import FinishedRun
 from ucon.evaluation.kept.record import EpisodeRecord
@@ -18,6 +19,7 @@ from ucon.programs.evaluating import Evaluation
 from ucon.sim.cache import load_house
 from ucon.sim.state import SceneState
 from ucon.task.episode import Episode
+from ucon.task.own_home.building import rooms_by_name
 from ucon.task.own_home.places import spoken
 from ucon.task.own_home.reading import read_home
 from ucon.task.own_home.shipped import CASES, home_path
@@ -67,13 +69,13 @@ def _draw_one(name: str, words: Sequence[str], out: Path) -> list[CaseSearch]:
     found = [_search(name, level, words, out, told) for level in LEVELS]
     episode, searches = found[0][0], [search for _, search in found]
     house = load_house(episode.scene)
-    boxes = SceneState(house, episode.arrangement).boxes
+    floor = Floor(house, SceneState(house, episode.arrangement).boxes, tuple(rooms_by_name(wish, house).values()))
     target = request.target.replace("_", " ")
     title = f"{wish.called}: find the {target}, which is {' or '.join(spoken(place) for place in request.places)}"
     caption = " ".join(f"“{text}”" for text in told)
     path = out / f"{name}.png"
     strips = [search.strip for search in searches]
-    draw_case(title, caption, strips, house, boxes, house.n_instances + episode.target, path)
+    draw_case(title, caption, strips, floor, house.n_instances + episode.target, path)
     return searches
 
 

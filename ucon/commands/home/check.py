@@ -6,7 +6,7 @@ import argparse
 import json
 import sys
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +29,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="the home; `home new FILE.yaml` writes one, and robot_flat is shipped",
     )
     parser.add_argument("--plan", type=Path, metavar="FILE.png", help="draw the floor plan into a picture")
+    parser.add_argument(
+        "--picture", type=Path, metavar="FILE.png", help="draw the home, and what a camera sees of each room"
+    )
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
@@ -54,8 +57,9 @@ def run(args: argparse.Namespace) -> int:
     from ucon.task.own_home.shipped import home_path
     from ucon.task.rules import PAPER
 
-    if args.plan is not None:
-        require_writable(args.plan)
+    for picture in (args.plan, args.picture):
+        if picture is not None:
+            require_writable(picture)
     file = home_path(args.file)
     with stdout_to_stderr():
         wish, faults = read_as_far(file)
@@ -75,6 +79,8 @@ def run(args: argparse.Namespace) -> int:
         except DataError:
             _warn(missing)
             raise
+    if args.picture is not None:
+        _picture(wish, house, placed, args.picture)
     found = _found(wish, name, house, placed) | {"not placed": [str(one) for one in missing]}
     if args.json:
         print(json.dumps(found, indent=1))
@@ -168,3 +174,15 @@ def _draw(house: House, path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     Image.fromarray(draw_plan(house.spec)).save(path, format="png")
     say_written(path, "the floor plan")
+
+
+def _picture(wish: OwnHome, house: House, placed: Sequence[Placed], path: Path) -> None:
+    from ucon.core.output import say_written
+    from ucon.evaluation.figures.home_picture import draw_home
+    from ucon.sim.arrangement import Arrangement
+    from ucon.task.own_home.building import rooms_by_name
+
+    arrangement = placed[0].episodes[0].arrangement if placed else Arrangement()
+    names = tuple(rooms_by_name(wish, house).values())
+    draw_home(house, arrangement, names, f"{wish.called}, {house.spec.area_m2:.0f} m2", path)
+    say_written(path, "the home")

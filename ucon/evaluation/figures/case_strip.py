@@ -14,13 +14,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.evaluation.figures.plotting import COLORS, GREY, INK, STYLE, require_matplotlib, save_png
-from ucon.sim.house import House
+from ucon.evaluation.figures.floor_drawing import Floor, draw_floor
+from ucon.evaluation.figures.plotting import COLORS, INK, STYLE, require_matplotlib, save_png
 
 #: Most waypoints of a strip.
 MOST_WAYPOINTS: Final = 6
-_FLOOR, _THING, _THING_EDGE, _WALL, _STAR = "#f4f1ea", "#ddd6c8", "#b8ad9a", "#4b4a48", "#d63c30"
-_UNSEEN: Final = ("door", "room_light", "carpet")
+_STAR: Final = "#d63c30"
 _WIDTH_IN: Final = 13.0
 _LINE: Final = 150
 
@@ -76,8 +75,7 @@ def draw_case(
     title: str,
     caption: str,
     strips: Sequence[Strip],
-    house: House,
-    boxes: NDArray[np.float64],
+    floor: Floor,
     target: int,
     path: Path,
 ) -> None:
@@ -87,9 +85,8 @@ def draw_case(
         title: what is searched, and where it is.
         caption: the habits that say so.
         strips: at most two searches.
-        house: the home.
-        boxes: (n, 6) boxes of its things and of those placed in it, metres.
-        target: number of the target among them.
+        floor: the home.
+        target: number of the target among its things.
         path: the file.
 
     Raises:
@@ -100,10 +97,10 @@ def draw_case(
     from matplotlib.figure import Figure
 
     frame_in = _WIDTH_IN / MOST_WAYPOINTS
-    spans = np.ptp(np.array([room.rect for room in house.spec.rooms]).reshape(-1, 2), axis=0)
+    spans = np.ptp(np.array([room.rect for room in floor.house.spec.rooms]).reshape(-1, 2), axis=0)
     map_in = min(_WIDTH_IN / len(strips) * float(spans[1] / spans[0]), 4.6)
     words = textwrap.wrap(caption, _LINE)
-    heights = [*[frame_in + 0.4] * len(strips), map_in]
+    heights = [*[frame_in + 0.5] * len(strips), map_in]
     with rc_context(STYLE):
         figure = Figure(figsize=(_WIDTH_IN, sum(heights) + 0.7 + 0.24 * len(words)), layout="constrained")
         figure.suptitle(title, x=0.01, ha="left", weight="bold", color=INK)
@@ -113,7 +110,7 @@ def draw_case(
             _draw_strip(part, strip, color)
         maps = parts[-1].subplots(1, len(strips), squeeze=False)[0]
         for strip, color, axes in zip(strips, COLORS, maps, strict=False):
-            _draw_map(axes, strip, color, house, boxes, target)
+            _draw_map(axes, strip, color, floor, target)
         path.parent.mkdir(parents=True, exist_ok=True)
         save_png(figure, path)
 
@@ -133,25 +130,11 @@ def _draw_strip(part: Any, strip: Strip, color: str) -> None:
         axes.text(0.0, -0.03, below, transform=axes.transAxes, va="top", size=8, color=INK)
 
 
-def _draw_map(axes: Any, strip: Strip, color: str, house: House, boxes: NDArray[np.float64], target: int) -> None:
-    from matplotlib.patches import Rectangle
-
-    for room in house.spec.rooms:
-        x0, y0, x1, y1 = room.rect
-        axes.add_patch(Rectangle((x0, y0), x1 - x0, y1 - y0, facecolor=_FLOOR, edgecolor=_WALL, linewidth=2.5))
-        axes.text(x0 + 0.12, y1 - 0.12, room.type.replace("_", " "), va="top", size=7, color=GREY)
-    for hole in house.spec.openings:
-        ends = np.array([(hole.coord, at) if hole.axis == 0 else (at, hole.coord) for at in (hole.lo, hole.hi)])
-        axes.plot(*ends.T, color=_FLOOR, linewidth=3.5, solid_capstyle="butt")
-    for item, box in zip(house.spec.items, boxes, strict=False):
-        if item.category not in _UNSEEN and np.isfinite(box).all() and box[2] < 1.2:
-            size = (box[3] - box[0], box[4] - box[1])
-            axes.add_patch(Rectangle((box[0], box[1]), *size, facecolor=_THING, edgecolor=_THING_EDGE, linewidth=0.6))
+def _draw_map(axes: Any, strip: Strip, color: str, floor: Floor, target: int) -> None:
+    draw_floor(axes, floor)
     axes.plot(*strip.path_xy.T, color=color, linewidth=1.8, solid_joinstyle="round")
-    middle = (boxes[target, :2] + boxes[target, 3:5]) / 2
+    middle = (floor.boxes[target, :2] + floor.boxes[target, 3:5]) / 2
     axes.plot(*middle, marker="*", markersize=15, color=_STAR, markeredgecolor="white", linestyle="none", zorder=5)
     for number, point in enumerate(strip.waypoints, 1):
         axes.plot(*point.xy, marker="o", markersize=11, color=color, markeredgecolor="white", zorder=6)
         axes.text(*point.xy, str(number), ha="center", va="center_baseline", size=7, color="white", zorder=7)
-    axes.set_aspect("equal")
-    axes.set_axis_off()

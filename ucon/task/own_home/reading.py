@@ -128,7 +128,8 @@ class _Reader(RoomReader):
         rooms = tuple(self._rooms(part.get("rooms")))
         doors = self._doors(part.get("doors"), [room.called for room in rooms])
         whole = not self._faults.found
-        others = self._choice(part.get("others"), "keeper of the other things", OTHERS, OTHERS[0]) == "book"
+        usual = OTHERS["others" in part]  # of an unknown word no more faults should follow
+        others = self._choice(part.get("others"), "keeper of the other things", OTHERS, usual) == "book"
         asked = [self._asked(part.get(key), key, [room.called for room in rooms]) for key in ("requests", "things")]
         self._check_once(*asked, others=others)
         about = self._about([one for group in asked for one in group], part.get("habits"))
