@@ -58,7 +58,7 @@ def test_a_home_is_drawn_with_its_rooms(tmp_path: Path) -> None:
 
 
 def test_without_runs_the_command_says_what_it_takes(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["cases"]) == 1
+    assert main(["cases"]) == 2
     assert "or --figure" in capsys.readouterr().err
 
 

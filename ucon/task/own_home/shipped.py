@@ -38,13 +38,13 @@ CASES: Final = {
     "case_book": Case(
         "robot_house",
         "paperback_book",
-        0,
+        5,
         "goes to the bed and looks at its foot, although books are usually on the shelf",
     ),
     "case_newspaper": Case(
         "robot_house",
         "newspaper",
-        0,
+        5,
         "goes through the hall into the study and round the desk, since the screen hides what lies behind it",
     ),
 }
