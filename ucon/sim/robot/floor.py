@@ -40,9 +40,7 @@ class Floor(Shared):
         tables: the footprints, sorted by place.
     """
 
-    def __init__(
-        self, house: House, arrangement: Arrangement, radius_m: float, bottom_m: float, top_m: float
-    ) -> None:
+    def __init__(self, house: House, arrangement: Arrangement, radius_m: float, bottom_m: float, top_m: float) -> None:
         """Collect what can be touched.
 
         Args:
