@@ -83,7 +83,8 @@ class TaskRules(Shared):
         done = f"end; a success if {target} is {near} and shows at least {self.done_min_pixels} pixels"
         effects = (
             "0.25 m ahead, or a collision that costs the step", f"{self.turn_deg} degrees clockwise",
-            f"{self.turn_deg} degrees counter-clockwise", f"up: {look}", f"down: {look}", f"open every closed thing that is {near}{seen}", done,
+            f"{self.turn_deg} degrees counter-clockwise", f"up: {look}", f"down: {look}",
+            f"open every closed thing that is {near}{seen}", done,
         )  # fmt: skip
         names = (action.name.lower().replace("_", " ") for action in Action)
         return [{"name": name, "effect": effect} for name, effect in zip(names, effects, strict=True)]

@@ -66,7 +66,8 @@ class Sightings:
         Returns:
             In order of heading, beginning with the current one and turning left.
         """
-        order = [(known.view.heading + turn) % 4 for turn in range(4)]
+        n = known.body.headings
+        order = [(known.view.heading + turn) % n for turn in range(n)]
         return [self._sighting(known, self._frames[heading]) for heading in order if heading in self._frames]
 
     def _sighting(self, known: SemanticMap, frame: _Frame) -> Sighting:
