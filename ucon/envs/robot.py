@@ -1,27 +1,23 @@
-"""What an environment does otherwise under ``task=real_robot``: its options, and the search of a robot."""
+"""What an environment does otherwise under ``task=real_robot``."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.core.errors import ConfigError, EpisodeError
+from ucon.core.errors import ConfigError
 from ucon.sim.render.base import tan_half
-from ucon.sim.robot.floor import Floor
-from ucon.sim.robot.floor_kernels import TOUCH_M
 from ucon.sim.robot.stereo import stereo
 from ucon.task.episode import Episode
 from ucon.task.ledger import Ledger
 from ucon.task.robot.ledger import RobotLedger
-from ucon.task.robot.errors import RobotErrors
-from ucon.task.robot.pose import start_pose
-from ucon.task.robot.rig import STEP_OVER_M, RobotRig
+from ucon.task.robot.rig import RobotRig
 from ucon.task.robot.search import RobotSearch
 from ucon.task.rules import TaskRules, task_rules
-from ucon.task.search import Eyes, Pose, SceneWorld, Search
+from ucon.task.search import Search
 
 
 def rigged_rules(task: str, rig: RobotRig | None) -> tuple[TaskRules, RobotRig | None]:
@@ -64,29 +60,6 @@ def checked_planner(planner: str | None, rules: TaskRules) -> Literal["true", "o
     return "observed" if rules.continuous or planner == "observed" else "true"
 
 
-def begun_search(episode: Episode, world: Any, eyes: Eyes, rules: TaskRules, rig: RobotRig | None) -> Search:
-    """The search of an episode, at its start.
-
-    Args:
-        episode: the episode.
-        world: its home with its arrangement.
-        eyes: a renderer, loaded with it.
-        rules: the rule set.
-        rig: of the robot; None: an agent on the grid.
-    """
-    start, target = episode.start, world.house.n_instances + episode.target
-    if rig is None:
-        return Search(world, eyes, target, Pose(start.i, start.j, start.heading, rules.start_height, 0), rules)
-    pose, errors = start_pose(world.house, start), RobotErrors(rig, episode.id)
-    floor = floor_of(world, rig)
-    if floor.clearance(pose.x, pose.y) < rig.radius_m - TOUCH_M:
-        raise EpisodeError(
-            f"episode {episode.id}: a body of radius {rig.radius_m:g} m touches something at the start; give the rig a "
-            "smaller rig.radius_m, or make episodes for it"
-        )
-    return RobotSearch(world, eyes, target, pose, rules, floor, errors)
-
-
 def read_depth(search: RobotSearch, depth: NDArray[np.float32], fov_deg: float) -> None:
     """Turn true depth into what the robot's camera reads at this step.
 
@@ -97,11 +70,6 @@ def read_depth(search: RobotSearch, depth: NDArray[np.float32], fov_deg: float) 
     """
     if search.errors.rig.depth == "stereo":
         stereo(depth, search.errors.depth_key(search.steps), 0.5 * depth.shape[1] / tan_half(fov_deg))
-
-
-def floor_of(world: SceneWorld, rig: RobotRig) -> Floor:
-    """The floor of a world for a robot of this rig."""
-    return Floor(world.house, world.arrangement, rig.radius_m, STEP_OVER_M, rig.top_m)
 
 
 def new_ledger(episode: Episode, search: Search) -> Ledger:

@@ -26,7 +26,7 @@ from ucon.envs.options import (
 )
 from ucon.envs.own_home import is_home_file, own_set
 from ucon.envs.painter import Moment, Painter
-from ucon.envs.robot import begun_search, checked_planner, new_ledger, read_depth, rigged_rules
+from ucon.envs.robot import checked_planner, new_ledger, read_depth, rigged_rules
 from ucon.envs.spaces import observation_space, padded
 from ucon.envs.tour import Tour, hide
 from ucon.perception.detectors import Detector, Frame
@@ -34,6 +34,7 @@ from ucon.perception.mapping.nav import Nav
 from ucon.sim.cache import load_house
 from ucon.sim.state import SceneState
 from ucon.task.actions import NO_ACTION, Action, encoded_action
+from ucon.task.begin import begun_search
 from ucon.task.check import check_home
 from ucon.task.episode import Episode
 from ucon.task.ledger import Ledger
@@ -182,6 +183,11 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
     def detector(self) -> Detector | None:
         """The detector whose output is in ``info``; None without one."""
         return self._detector
+
+    @property
+    def rig(self) -> RobotRig | None:
+        """How the robot is built and errs; None under rules of the grid."""
+        return self._rig
 
     @property
     def max_habits(self) -> int:
@@ -373,7 +379,8 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         elif depth is not None:
             info["depth"] = depth
         if self._detector is not None and depth is not None:
-            frame = Frame(depth, rgb, pose, camera_m, self._fov_deg, self._instance, self.search.counts)
+            counts, counts_fov_deg = self.search.counts, self.rules.fov_deg
+            frame = Frame(depth, rgb, pose, camera_m, self._fov_deg, self._instance, counts, counts_fov_deg)
             info["detections"] = found = self._detector.detect(frame)
             info["tracks"] = found.image
             info["opened"] = self._detector.tracks_of(opened)

@@ -89,6 +89,18 @@ class TaskRules(Shared):
         names = (action.name.lower().replace("_", " ") for action in Action)
         return [{"name": name, "effect": effect} for name, effect in zip(names, effects, strict=True)]
 
+    def require_grid(self, what: str) -> None:
+        """Refuse what knows only the nodes of the grid.
+
+        Args:
+            what: is refused, with its reason; begins the message.
+
+        Raises:
+            ConfigError: the robot moves continuously under these rules.
+        """
+        if self.continuous:
+            raise ConfigError(f"{what}, not for task={self.name}, where a robot moves continuously")
+
     @property
     def headings(self) -> int:
         """Number of headings of a full turn."""

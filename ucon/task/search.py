@@ -6,6 +6,7 @@ what is visible. The environments add observations; the sampler and the oracle u
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
@@ -173,6 +174,13 @@ class Search(PartlyShared):
         """Whether Done would succeed now."""
         near = self.rules.near(np.asarray(self.xy), self._near_boxes[self.target : self.target + 1])
         return bool(near[0]) and self.target_visible()
+
+    def metres_to_near(self, instance: int) -> float:
+        """Metres to within reach of an instance, as the crow flies; 0 within it."""
+        x, y = self.xy
+        box = self._near_boxes[instance]
+        gap_x, gap_y = max(box[0] - x, x - box[3], 0.0), max(box[1] - y, y - box[4], 0.0)
+        return max(math.hypot(gap_x, gap_y) - self.rules.near_m, 0.0)
 
     def would_open(self) -> tuple[int, ...]:
         """The instances that Open would open now, ascending."""

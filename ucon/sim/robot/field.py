@@ -43,18 +43,19 @@ class PathGrid(Shared):
         self.passable = np.ones(tuple(shape), bool)
         _block(floor.tables, floor.radius_m - SLACK_M, self.origin, self.passable)
 
-    def from_points(
-        self, points: NDArray[np.float64] | list[tuple[float, float]], costs: NDArray[np.float64] | None = None
-    ) -> Field:
-        """Shortest paths from the nearest of some points.
+    def field(self, x: float, y: float, most_m: float = math.inf) -> Field:
+        """Shortest paths from a point.
 
         Args:
-            points: (n, 2) world metres.
-            costs: (n,) metres already walked at each, at least 0; default 0.
+            x: world metres.
+            y: world metres.
+            most_m: longer ones are not looked for.
         """
-        sources = np.asarray(points, float).reshape(-1, 2)
-        start = np.zeros(len(sources)) if costs is None else np.asarray(costs, float)
-        return Field(self, _flood(self.passable, self.origin, sources, start))
+        return Field(self, _flood(self.passable, self.origin, x, y, most_m))
+
+    def cell(self, xy: NDArray[np.float64]) -> NDArray[np.int64]:
+        """(2,) the cell of a point (2,), which may be outside the grid."""
+        return np.floor((xy - self.origin) / CELL_M).astype(np.int64)
 
     def centres(self, cells: NDArray[np.integer]) -> NDArray[np.float64]:
         """(n, 2) world metres of cells (n, 2)."""
@@ -96,24 +97,22 @@ def _block(floor: FloorTables, radius: float, origin: F64, passable: Flags) -> N
 
 
 @jit
-def _flood(passable: Flags, origin: F64, sources: F64, costs: F64) -> F64:
-    """Dijkstra's algorithm from points; see :meth:`PathGrid.from_points`."""
+def _flood(passable: Flags, origin: F64, x: float, y: float, most_m: float) -> F64:
+    """Dijkstra's algorithm from a point; see :meth:`PathGrid.field`."""
     nx, ny = passable.shape
     metres = np.full((nx, ny), np.inf)
-    queue = [(0.0, 0, 0)]
+    ci, cj = int((x - origin[0]) // CELL_M), int((y - origin[1]) // CELL_M)
+    queue = [(0.0, ci, cj)]
     queue.pop()
-    for k in range(len(sources)):
-        ci, cj = int((sources[k, 0] - origin[0]) // CELL_M), int((sources[k, 1] - origin[1]) // CELL_M)
-        for i in range(max(ci - _AROUND, 0), min(ci + _AROUND + 1, nx)):
-            for j in range(max(cj - _AROUND, 0), min(cj + _AROUND + 1, ny)):
-                away = math.hypot(
-                    origin[0] + (i + 0.5) * CELL_M - sources[k, 0], origin[1] + (j + 0.5) * CELL_M - sources[k, 1]
-                )
-                if passable[i, j] and costs[k] + away < metres[i, j]:
-                    metres[i, j] = costs[k] + away
-                    heapq.heappush(queue, (costs[k] + away, i, j))
+    for i in range(max(ci - _AROUND, 0), min(ci + _AROUND + 1, nx)):
+        for j in range(max(cj - _AROUND, 0), min(cj + _AROUND + 1, ny)):
+            if passable[i, j]:
+                metres[i, j] = math.hypot(origin[0] + (i + 0.5) * CELL_M - x, origin[1] + (j + 0.5) * CELL_M - y)
+                heapq.heappush(queue, (metres[i, j], i, j))
     while len(queue):
         d, i, j = heapq.heappop(queue)
+        if d > most_m:
+            break
         if d > metres[i, j]:
             continue
         for n in range(len(_STEPS)):

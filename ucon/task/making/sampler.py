@@ -21,15 +21,11 @@ from ucon.sim.house import House
 from ucon.sim.placement import import_anchor, importable, place
 from ucon.sim.render import RasterRenderer
 from ucon.sim.state import SceneState
-from ucon.task.episode import Episode, Start
+from ucon.task.episode import Episode
 from ucon.task.making.draft import Draft, anchor_instances, instances_of, replacement
 from ucon.task.making.living import Drawn, Living, any_placement, drawn_context, living_in, placement_now
+from ucon.task.making.starts import drawn_start
 from ucon.task.rules import PAPER, TaskRules
-from ucon.task.search import Pose
-from ucon.task.solve import Solver
-
-#: Least path length from the start to success where the home allows it, metres.
-MIN_START_M = 2.0
 
 
 class EpisodeSampler:
@@ -45,7 +41,7 @@ class EpisodeSampler:
             context: whether episodes state day, hour, season, occasion and asker, and placements follow them.
         """
         self.dataset, self.k, self.rules, self.context = dataset, k, rules, context
-        self._eyes = RasterRenderer()
+        self._eyes = RasterRenderer(fov_deg=rules.fov_deg, counting_fov_deg=rules.fov_deg)
         self._living: dict[tuple[str, Split | None], Living] = {}
 
     def sample(
@@ -230,11 +226,9 @@ class EpisodeSampler:
         if wanted is not None:
             candidates = [k for k in candidates if draft.objects[k].category in wanted]
         for target in rng.permutation(candidates)[:4] if candidates else ():
-            solver = Solver(world, self._eyes, house.n_instances + int(target), self.rules)
-            found = self._start(solver, world, rng) if solver.solvable else None
+            found = drawn_start(world, self._eyes, house.n_instances + int(target), self.rules, rng)
             if found is None:
                 continue
-            start, path_m, solution = found
             entries = tuple(h.entry.id for name in sorted(placed) for h in living[name])
             by_category = {draft.objects[k].category: draft.origins[k][0] for k in range(len(draft.objects))}
             return Episode(
@@ -251,21 +245,8 @@ class EpisodeSampler:
                 placed_by=tuple(draft.origins),
                 entries=entries,
                 task_entries=tuple(by_category[name] for name in sorted(placed)),
-                start=start,
-                shortest_path_m=path_m,
-                solution=solution,
+                start=found.start,
+                shortest_path_m=found.shortest_path_m,
+                solution=found.solution.digits,
             )
-        return None
-
-    def _start(self, solver: Solver, world: SceneState, rng: np.random.Generator) -> tuple[Start, float, str] | None:
-        """A random node at least 2 m of path from success (where there is one), with its path length and solution."""
-        moves = solver.field()
-        for least in (MIN_START_M, 0.25):
-            nodes = np.argwhere(moves * 0.25 >= least)
-            for pick in rng.permutation(len(nodes))[:4]:
-                i, j = (int(v) for v in nodes[pick])
-                start = Start(i, j, int(rng.integers(4)))
-                solution = solver.solve(Pose(i, j, start.heading, self.rules.start_height, 0))
-                if solution is not None and solution.moves and len(solution.actions) <= self.rules.max_steps:
-                    return start, solution.path_m, solution.digits
         return None

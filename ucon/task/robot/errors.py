@@ -65,13 +65,13 @@ class RobotErrors(Shared):
 
     def drift_deg(self, step: int) -> float:
         """By how much the odometry mistakes the change of the yaw at a step."""
-        if self.rig.odometry == "true":
+        if self.rig.odometry == "exact":
             return 0.0
         return float(DRIFT_DEG * stream(self.rig.seed, "drift", self.episode, step).standard_normal())
 
     def scale(self) -> float:
         """What the odometry takes a metre for."""
-        if self.rig.odometry == "true":
+        if self.rig.odometry == "exact":
             return 1.0
         return float(1.0 + SCALE * stream(self.rig.seed, "scale", self.episode).standard_normal())
 

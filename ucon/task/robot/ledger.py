@@ -50,7 +50,7 @@ class RobotLedger(Ledger):
     def _way_from(self, place: Point) -> Field:
         """Shortest paths from a place; computed once."""
         if place not in self._ways:
-            self._ways[place] = self._grid.from_points([place])
+            self._ways[place] = self._grid.field(*place)
         return self._ways[place]
 
     @cached_property

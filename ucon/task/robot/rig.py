@@ -8,7 +8,9 @@ from typing import Any, Final, Literal
 
 from ucon.core.errors import ConfigError, brief
 from ucon.core.sharing import Shared
+from ucon.sim.robot.floor import Floor
 from ucon.sim.robot.floor_kernels import HORIZON_M
+from ucon.task.search import SceneWorld
 
 #: What the robot steps over, metres: as on the navigation grid.
 STEP_OVER_M: Final = 0.05
@@ -33,9 +35,9 @@ class RobotRig(Shared):
     """Radius of the upright cylinder that the body is, metres; it reaches a little higher than the camera."""
     motion_noise: float = 1.0
     """Strength of the errors of moves and turns: 1 for the published ones, 0 for none."""
-    odometry: Literal["drift", "true"] = "drift"
+    odometry: Literal["drift", "exact"] = "drift"
     """Whether the pose is the robot's own estimate, which drifts, or the true one."""
-    depth: Literal["stereo", "true"] = "stereo"
+    depth: Literal["stereo", "exact"] = "stereo"
     """Whether depth has range, noise and shadows of a stereo camera, or is the true one."""
     seed: int = 0
     """Of all errors; they also depend on the episode and the step."""
@@ -48,7 +50,7 @@ class RobotRig(Shared):
         _check("motion_noise", self.motion_noise, 0.0, 10.0, "times the published errors")
         if type(self.seed) is not int or self.seed < 0:
             raise ConfigError(f"rig.seed={brief(self.seed)}: expected a whole number from 0 up")
-        for name, known in (("odometry", ("drift", "true")), ("depth", ("stereo", "true"))):
+        for name, known in (("odometry", ("drift", "exact")), ("depth", ("stereo", "exact"))):
             if getattr(self, name) not in known:
                 raise ConfigError(f"rig.{name}={brief(getattr(self, name))}: expected {' or '.join(known)}")
 
@@ -59,7 +61,7 @@ class RobotRig(Shared):
         Args:
             **given: its other fields.
         """
-        return cls(motion_noise=0.0, odometry="true", depth="true", **given)
+        return cls(motion_noise=0.0, odometry="exact", depth="exact", **given)
 
     @property
     def top_m(self) -> float:
@@ -72,3 +74,8 @@ def _check(name: str, value: Any, least: float, most: float, unit: str) -> None:
     number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
     if not number or not least <= value <= most:
         raise ConfigError(f"rig.{name}={brief(value)}: expected {least:g} to {most:g} {unit}")
+
+
+def floor_of(world: SceneWorld, rig: RobotRig) -> Floor:
+    """The floor of a world for a robot of this rig."""
+    return Floor(world.house, world.arrangement, rig.radius_m, STEP_OVER_M, rig.top_m)
