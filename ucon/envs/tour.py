@@ -73,7 +73,9 @@ class Tour:
         self.renderer.render(*camera, rgb=rgb, depth=depth, instance=instance, counts=counts)
         hide(target, instance, counts)
         camera_m = camera[2]
-        found = detector.detect(Frame(depth, rgb, pose, camera_m, self.fov_deg, instance, counts))
+        found = detector.detect(
+            Frame(depth, rgb, pose, camera_m, self.fov_deg, instance, counts, self.search.rules.fov_deg)
+        )
         info = {"camera_m": camera_m, "depth": depth, "detections": found, "tracks": found.image}
         return {"pose": pose, "collision": np.zeros(1, np.int8)}, info
 

@@ -379,7 +379,8 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         elif depth is not None:
             info["depth"] = depth
         if self._detector is not None and depth is not None:
-            frame = Frame(depth, rgb, pose, camera_m, self._fov_deg, self._instance, self.search.counts)
+            counts, counts_fov_deg = self.search.counts, self.rules.fov_deg
+            frame = Frame(depth, rgb, pose, camera_m, self._fov_deg, self._instance, counts, counts_fov_deg)
             info["detections"] = found = self._detector.detect(frame)
             info["tracks"] = found.image
             info["opened"] = self._detector.tracks_of(opened)

@@ -55,8 +55,9 @@ class LiveState:
 
     def close(self) -> None:
         """Disconnect all clients."""
-        for client in (self._world, *self._floors):
-            client.close()
+        self._world.close()
+        for floor in self._floors:
+            floor.close()
 
     def _placed_boxes(self) -> Array:
         """Boxes (n, 6) of the parts at PyBullet's poses; PyBullet's own box of a tilted compound is too large."""

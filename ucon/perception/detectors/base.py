@@ -42,6 +42,8 @@ class Frame:
     """(H, W) the simulator's instance of every pixel, -1 where there is none."""
     counts: NDArray[np.int32]
     """(n_instances,) pixels of each instance in the rules' canonical view of 128 x 128 from the same pose."""
+    counts_fov_deg: float = 90.0
+    """Angle of that view."""
 
     @property
     def camera(self) -> NDArray[np.float64]:

@@ -43,9 +43,7 @@ class PathGrid(Shared):
         self.passable = np.ones(tuple(shape), bool)
         _block(floor.tables, floor.radius_m - SLACK_M, self.origin, self.passable)
 
-    def field(
-        self, x: float, y: float, most_m: float = math.inf
-    ) -> Field:
+    def field(self, x: float, y: float, most_m: float = math.inf) -> Field:
         """Shortest paths from a point.
 
         Args:

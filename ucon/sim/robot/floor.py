@@ -5,7 +5,7 @@ Everything counts as closed: an opened door or drawer stands in nobody's way, as
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +51,7 @@ class Floor(Shared):
             top_m: its highest point; higher things are passed under.
         """
         self.radius_m = radius_m
+        self._made_of = (house, arrangement, radius_m, bottom_m, top_m)
         self.low = np.array(house.grid.origin_xy)
         self.high = self.low + GRID_M * np.array(house.grid.shape)
         found = _of_home(house, bottom_m, top_m)
@@ -63,6 +64,10 @@ class Floor(Shared):
             points += more.points
             rounding += more.rounding
         self.tables = _tables(house, points, np.array(rounding, float))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickles hold what it is made of, and no tables."""
+        return Floor, self._made_of
 
     def free_way(self, x: float, y: float, dx: float, dy: float) -> float:
         """Metres that the robot gets along (dx, dy) from (x, y) before it touches something."""

@@ -37,7 +37,9 @@ class Lattice(Shared):
         cost: (n, n, 6) int32: ``MOVE_COST`` a move and 1 a turn; ``NEVER`` where no path leads.
     """
 
-    def __init__(self, floor: Floor, start: tuple[float, float], yaw_deg: float, move_m: float, heading: int = 0) -> None:
+    def __init__(
+        self, floor: Floor, start: tuple[float, float], yaw_deg: float, move_m: float, heading: int = 0
+    ) -> None:
         """Find the paths from a start.
 
         Args:
@@ -56,7 +58,15 @@ class Lattice(Shared):
 
     def costs_from(self, place: tuple[int, int], heading: int) -> NDArray[np.int32]:
         """Costs (n, n, 6) of the paths from a place (indices of ``cost``) and heading."""
-        return _costs(np.array(self.start), self._steps, self.half, place, heading, self._floor.radius_m + _ROOM_M, self._floor.tables)
+        return _costs(
+            np.array(self.start),
+            self._steps,
+            self.half,
+            place,
+            heading,
+            self._floor.radius_m + _ROOM_M,
+            self._floor.tables,
+        )
 
     def xy(self, places: NDArray[np.integer]) -> NDArray[np.float64]:
         """(m, 2) world metres of places (m, 2), given by their indices in ``cost``."""
@@ -95,7 +105,9 @@ class Lattice(Shared):
 
 
 @jit
-def _costs(start: F64, steps: F64, half: int, place: tuple[int, int], heading: int, radius: float, floor: FloorTables) -> I32:
+def _costs(
+    start: F64, steps: F64, half: int, place: tuple[int, int], heading: int, radius: float, floor: FloorTables
+) -> I32:
     """Dijkstra's algorithm over places and headings; see :class:`Lattice`."""
     n = 2 * half + 1
     cost = np.full((n, n, HEADINGS), NEVER, np.int32)

@@ -15,6 +15,8 @@ from ucon.sim.world import World
 #: Longest step between two looks at the distance where the robot is nearer to something than that, metres.
 _CREEP_M: Final = 2e-3
 _HALVINGS: Final = 6
+#: What lies flush with the bottom of the robot, as a shower tray does, is not touched, metres.
+_FLUSH_M: Final = 1e-3
 
 
 class LiveFloor:
@@ -30,6 +32,7 @@ class LiveFloor:
         floors = range(house.n_items, house.n_instances, 3)
         self._ignored = frozenset(floors)
         p, client = self._world.bullet, self._world.client
+        bottom_m, top_m = bottom_m + _FLUSH_M, top_m - _FLUSH_M
         shape = p.createCollisionShape(
             p.GEOM_CYLINDER, radius=radius_m, height=top_m - bottom_m, physicsClientId=client
         )

@@ -132,9 +132,7 @@ class _Candidates:
         self._places, self._near = places, near
         self._xy = places.xy(near)
 
-    def by_distance(
-        self, origin: Place | None, most_m: float
-    ) -> Iterator[tuple[float, Place, NDArray[np.float64]]]:
+    def by_distance(self, origin: Place | None, most_m: float) -> Iterator[tuple[float, Place, NDArray[np.float64]]]:
         """Metres, indices and position of those within ``most_m`` of another place, the nearest first."""
         metres = self._places.metres(origin, self._near, most_m)
         for k in np.argsort(metres, kind="stable").tolist():
@@ -163,7 +161,11 @@ class _Sight:
     def _done_view(self, xy: NDArray[np.float64]) -> View | None:
         if not self._rules.near(xy, self._world.boxes[self._target : self._target + 1])[0]:
             return None
-        seen = (v for v in self._facing(xy, self._target) if self._counts(xy, v)[self._target] >= self._rules.done_min_pixels)
+        seen = (
+            v
+            for v in self._facing(xy, self._target)
+            if self._counts(xy, v)[self._target] >= self._rules.done_min_pixels
+        )
         return next(seen, None)
 
     def opening_views(self, xy: NDArray[np.float64], holder: int) -> dict[frozenset[int], View]:

@@ -17,9 +17,7 @@ from ucon.task.rules import task_rules
 from ucon.task.spoken import target_place
 
 
-def ended(
-    episode: Episode, record: EpisodeRecord, source: HabitSource, rig: RobotRig | None = None
-) -> dict[str, Any]:
+def ended(episode: Episode, record: EpisodeRecord, source: HabitSource, rig: RobotRig | None = None) -> dict[str, Any]:
     """What is shown after an episode; nothing of it may be shown before.
 
     Args:
