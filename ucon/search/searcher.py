@@ -221,7 +221,7 @@ class Searcher(PartlyShared):
             return None
         if all(self.refused.get(t, 0) >= MOST_REFUSALS for t in tracks):
             return None
-        if self.doubt is not None:
+        if self.doubt is not None or not self.map.body.exact:
             if self.map.view in self._opened_at:
                 return None  # what did not open from here does not open at all, or is no container
             self._opened_at.add(self.map.view)

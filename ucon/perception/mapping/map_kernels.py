@@ -157,6 +157,27 @@ def _block(blocked: U8, i: int, j: int, dx: float, dy: float) -> None:
 
 
 @jit
+def nearest(depth: F32, tracks: I16, camera: F64, out: F32) -> None:
+    """Horizontal distance from the camera to the nearest point of each track in a frame.
+
+    Args:
+        depth: (H, W) float32, metres along the optical axis, 0 where there is no reading.
+        tracks: (H, W) int16, track of every pixel, -1 for none.
+        camera: (8,) float64.
+        out: (T,) float32, written, metres; infinite for tracks that are not in view.
+    """
+    rows, columns = depth.shape
+    out[:] = np.inf
+    for v in range(rows):
+        ahead = camera[5] - camera[6] * (0.5 * rows - v - 0.5) / camera[7]
+        for u in range(columns):
+            t, d = tracks[v, u], depth[v, u]
+            if 0 <= t < out.shape[0] and 0.0 < d < FAR_M:
+                aside = (u + 0.5 - 0.5 * columns) / camera[7]
+                out[t] = min(out[t], np.float32(d * np.sqrt(ahead * ahead + aside * aside)))
+
+
+@jit
 def carve(depth: F32, camera: F64, half: int, explored: U8, reach_m: float) -> int:
     """Mark the cells under the sight lines of a frame as explored.
 

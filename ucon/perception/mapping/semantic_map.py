@@ -138,6 +138,7 @@ class SemanticMap(PartlyShared):
         self.step = 0
         self.fresh = 0
         self.inexact = not body.exact
+        self._nearest: NDArray[np.float32] | None = None
         self.views: list[View] = []
         self.category: list[str] = []
         self.instances: dict[str, list[int]] = {}
@@ -284,6 +285,8 @@ class SemanticMap(PartlyShared):
         kernels.integrate(depth, image, camera, HALF, cells, self.kind[:n], self.opened[:n], self.box[:n], far_m)
         if self.obstacles is not None:
             self.obstacles.add(depth, camera)
+            self._nearest = np.empty(n, np.float32)
+            kernels.nearest(depth, image, camera, self._nearest)
         self.fresh = int(kernels.carve(depth, camera, HALF, self.explored, CARVE_M))
         self.visited[view.i, view.j] = 1
         self.explored[view.i, view.j] = 1
@@ -325,6 +328,18 @@ class SemanticMap(PartlyShared):
         """
         x0, y0, _, x1, y1, _ = self.box[track]
         return float(np.hypot(max(x0 - xy[0], xy[0] - x1, 0.0), max(y0 - xy[1], xy[1] - y1, 0.0)))
+
+    def gap_now_m(self, track: int) -> float:
+        """Horizontal distance in metres from the agent to what was seen of a track.
+
+        For a robot, whose pose drifts, what it sees of the track now counts, if it is in view.
+
+        Args:
+            track: its number.
+        """
+        if self._nearest is not None and track < len(self._nearest) and np.isfinite(self._nearest[track]):
+            return float(self._nearest[track])
+        return self.gap_m(track, self.view.xy)
 
     def passable(self) -> NDArray[np.bool_]:
         """Nodes not known to be impassable; unexplored ones count as passable until seen or bumped into.

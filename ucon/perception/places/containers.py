@@ -58,5 +58,5 @@ class Containers(PartlyShared):
         return [
             int(track)
             for track in self.closed(known)
-            if known.pixels[track] >= MIN_PIXELS and known.gap_m(int(track), known.view.xy) <= reach_m
+            if known.pixels[track] >= MIN_PIXELS and known.gap_now_m(int(track)) <= reach_m
         ]

@@ -42,7 +42,7 @@ class Approach(PartlyShared):
 
     def near(self, known: SemanticMap, track: int) -> bool:
         """Whether a track is within the reach of Done, as far as the map can tell."""
-        return known.gap_m(track, known.view.xy) <= float(_reach_m(known, np.array([track]))[0])
+        return known.gap_now_m(track) <= float(_reach_m(known, np.array([track]))[0])
 
     def failed(self, view: View) -> None:
         """Remember that the thing was not visible from a pose; the pose costs more from then on."""
