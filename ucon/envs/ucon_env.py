@@ -58,13 +58,14 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
 
     ### Action space
     ``Discrete(7)``: MoveAhead 0.25 m, RotateRight 90, RotateLeft 90, LookUp 30, LookDown 30, Open, Done.
+    With ``task="real_robot"`` rotations are of 60 degrees, and moves and turns err as those of its ``rig``.
 
     ### Observation space
     | key | space | meaning |
     |---|---|---|
     | rgb | uint8 (H, W, 3) | camera image (``observe="pixels"``) |
-    | depth | float32 (H, W) | metres along the optical axis (``observe="pixels"``) |
-    | pose | float32 (4,) | x, y in metres, yaw, pitch in radians, relative to the start |
+    | depth | float32 (H, W) | metres along the optical axis; 0: no reading (``observe="pixels"``) |
+    | pose | float32 (4,) | x, y in metres, yaw, pitch in radians, relative to the start; a robot's own estimate |
     | target | float32 (D,) | embedding of the target's name |
     | habits | int32 (max_habits,) | rows of ``env.unwrapped.habit_table``, -1 = padding |
     | habits_mask | int8 (max_habits,) | 1 for rows that are habits |
