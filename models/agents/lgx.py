@@ -1,6 +1,6 @@
 """``lgx``: asks a language model which direction to take (Dorbala, Mullen and Manocha, RA-L 2024).
 
-In each round it turns through four headings and approaches the target if one of them shows it. Otherwise it asks one
+In each round it turns through all headings and approaches the target if one of them shows it. Otherwise it asks one
 question, with the things seen in each free direction (``mode="direction"``) or one list of all of them
 (``mode="object"``), and walks to a random free node in view in the answered direction. An answered thing means the
 first free direction that shows it.
@@ -27,15 +27,18 @@ from models.agents.waypoint import Chosen
 from ucon.core.errors import ConfigError, unknown_name
 from ucon.language.choice import Answer, LanguageModel, Option, Question
 from ucon.language.phrases import phrase
-from ucon.perception.mapping.semantic_map import View
+from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.perception.views.candidates import Candidate
 from ucon.perception.views.heading_candidates import Goal
 from ucon.search import Decision, Manner, Strategy, Views
 from ucon.task.agent import Info
 
 Mode = Literal["direction", "object"]
-#: Names of directions; the index is the number of quarter turns to the left.
-SIDES = ("front", "left", "behind", "right")
+#: Names of directions by the number of headings; the index is the number of turns to the left.
+SIDES = {
+    4: ("front", "left", "behind", "right"),
+    6: ("front", "front left", "back left", "behind", "back right", "front right"),
+}
 
 
 class LGXAgent(AskingAgent):
@@ -81,7 +84,7 @@ class LGXAgent(AskingAgent):
         self._mode, self._goal, self._reach_m, self._memory = mode, goal, reach_m, memory
 
     def strategy(self, info: Info) -> Strategy:
-        """Candidates of an episode: the free ones of four directions."""
+        """Candidates of an episode: the free ones of all directions."""
         return Views(self._goal, most_m=self._reach_m)
 
     def questions(self, decision: Decision, slot: int) -> list[Question]:
@@ -119,9 +122,7 @@ class LGXAgent(AskingAgent):
             return super().conclude(decision, questions, answers)
         options = tuple(option.name for option in questions[0].options)
         option, fallback = self.pick(answers[0], len(options), decision.draw)
-        shown = [
-            {phrase(name) for name, _ in c.things} | {side_of(decision.known.view, c)} for c in decision.candidates
-        ]
+        shown = [{phrase(name) for name, _ in c.things} | {side_of(decision.known, c)} for c in decision.candidates]
         if fallback:
             number = int(decision.draw.integers(len(shown)))
         else:
@@ -133,19 +134,19 @@ class LGXAgent(AskingAgent):
             names = dict.fromkeys(phrase(name) for c in decision.candidates for name, _ in c.things)
             if names:
                 return tuple(Option(name, (name,)) for name in names)
-        here = decision.known.view
         return tuple(
-            Option(side_of(here, candidate), tuple(phrase(name) for name, _ in candidate.things))
+            Option(side_of(decision.known, candidate), tuple(phrase(name) for name, _ in candidate.things))
             for candidate in decision.candidates
         )
 
     def _line(self, decision: Decision, candidate: Candidate) -> str:
-        side = side_of(decision.known.view, candidate)
+        side = side_of(decision.known, candidate)
         line = f"{side}: {listed(candidate.things)}; free for {candidate.free_m:.1f} m"
         was_there = self._memory and decision.known.visited[candidate.view.i, candidate.view.j]
         return f"{line}; you have been there" if was_there else line
 
 
-def side_of(here: View, candidate: Candidate) -> str:
-    """Name of a candidate's direction relative to the heading of ``here``: front, left, behind or right."""
-    return SIDES[(candidate.view.heading - here.heading) % 4]
+def side_of(known: SemanticMap, candidate: Candidate) -> str:
+    """Name of a candidate's direction relative to where the agent looks, such as front or left."""
+    sides = SIDES[known.body.headings]
+    return sides[(candidate.view.heading - known.view.heading) % len(sides)]

@@ -1,6 +1,6 @@
 """``pixelnav``: asks a language model which of four views to enter, and walks to a pixel in it (Cai et al., ICRA 2024).
 
-In each round it turns through four headings and asks. ``inputs="labels"`` lists what the detector saw in each view (the
+In each round it turns through all headings and asks. ``inputs="labels"`` lists what the detector saw in each view (the
 paper's planner; variant 2 of the UcON paper). ``inputs="images"`` shows the four views as one picture with their angles
 (the released planner; variant 1). In the chosen view, the goal pixel is the target if the view shows it, else the
 middle
@@ -31,7 +31,7 @@ from models.agents.asking import AskingAgent, listed
 from ucon.core.errors import ConfigError, unknown_name
 from ucon.language.choice import LanguageModel, Option, Question, sees_images
 from ucon.language.phrases import phrase
-from ucon.perception.mapping.semantic_map import View
+from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.perception.views.candidates import Candidate
 from ucon.search import Decision, Manner, Strategy, Views
 from ucon.task.agent import Info
@@ -98,46 +98,48 @@ class PixelNavAgent(AskingAgent):
             slot: of the decision.
         """
         target, habits, system = self._constant_prompt[slot]
-        here = decision.known.view
+        known = decision.known
         options = tuple(
-            Option(str(angle_of(here, c.view.heading)), tuple(phrase(name) for name, _ in c.things))
+            Option(str(angle_of(known, c.view.heading)), tuple(phrase(name) for name, _ in c.things))
             for c in decision.candidates
         )
         names = ", ".join(option.name for option in options)
         if self._inputs == "images":
             situation = self.situation(target=target, options=names)
             return [Question(target, habits, options, system, situation, images=(mosaic(decision),))]
-        views = "\n".join(_line(here, candidate) for candidate in decision.candidates)
+        views = "\n".join(_line(known, candidate) for candidate in decision.candidates)
         situation = self.situation(target=target, views=views, options=names)
         return [Question(target, habits, options, system, situation, self.cloze(target=target))]
 
 
-def angle_of(here: View, heading: int) -> int:
-    """Degrees to turn right from the heading of ``here`` to another: 0, 90, 180 or 270."""
-    return 90 * ((here.heading - heading) % 4)
+def angle_of(known: SemanticMap, heading: int) -> int:
+    """Degrees to turn right from where the agent looks to a heading, such as 0, 90, 180 or 270."""
+    n = known.body.headings
+    return 360 // n * ((known.view.heading - heading) % n)
 
 
-def _line(here: View, candidate: Candidate) -> str:
-    return f"{angle_of(here, candidate.view.heading)}: {listed(candidate.things)}; floor for {candidate.free_m:.1f} m"
+def _line(known: SemanticMap, candidate: Candidate) -> str:
+    return f"{angle_of(known, candidate.view.heading)}: {listed(candidate.things)}; floor for {candidate.free_m:.1f} m"
 
 
 def mosaic(decision: Decision) -> NDArray[np.uint8]:
-    """The four views in one picture, 2 x 2 with gaps of 10 pixels, each with its angle in red.
+    """All views in one picture, in two rows with gaps of 10 pixels, each with its angle in red.
 
     Returns:
-        (2 H + 10, 2 W + 10, 3) uint8.
+        (2 H + 10, n W + 10 (n - 1), 3) uint8 for 2 n headings.
 
     Raises:
         ConfigError: the environment gives no images.
     """
-    here = decision.known.view
-    tiles = {angle_of(here, s.view.heading): s.rgb for s in decision.sightings if s.rgb is not None}
+    known = decision.known
+    tiles = {angle_of(known, s.view.heading): s.rgb for s in decision.sightings if s.rgb is not None}
     if not tiles:
         raise ConfigError("agent pixelnav with inputs=images needs images: set env.observe=pixels")
     height, width = next(iter(tiles.values())).shape[:2]
-    out = np.full((2 * height + _GAP_PX, 2 * width + _GAP_PX, 3), 255, np.uint8)
+    a_row = known.body.headings // 2
+    out = np.full((2 * height + _GAP_PX, a_row * (width + _GAP_PX) - _GAP_PX, 3), 255, np.uint8)
     for angle, rgb in tiles.items():
-        row, column = divmod(angle // 90, 2)
+        row, column = divmod(angle * known.body.headings // 360, a_row)
         tile = rgb.copy()  # do not draw into the observation
         size = height / 160
         place = (round(6 * size), round(24 * size))

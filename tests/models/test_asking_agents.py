@@ -69,10 +69,10 @@ def test_names_of_directions_go_by_headings() -> None:
     here = decision.known.view
     for candidate in decision.candidates:
         turn = (candidate.view.heading - here.heading) % 4
-        assert side_of(here, candidate) == SIDES[turn] == ("front", "left", "behind", "right")[turn]
-        assert angle_of(here, candidate.view.heading) == (0, 270, 180, 90)[turn]
+        assert side_of(decision.known, candidate) == SIDES[4][turn] == ("front", "left", "behind", "right")[turn]
+        assert angle_of(decision.known, candidate.view.heading) == (0, 270, 180, 90)[turn]
     (question,) = agent.questions(decision, 0)
-    assert [o.name for o in question.options] == [side_of(here, c) for c in decision.candidates]
+    assert [o.name for o in question.options] == [side_of(decision.known, c) for c in decision.candidates]
     assert all(f"\n{o.name}: " in f"\n{question.situation}" for o in question.options)
     assert question.target in question.situation
     assert "free for" in question.situation
@@ -146,7 +146,7 @@ def test_the_picture_of_four_views() -> None:
     assert (picture[128:138] == 255).all()
     assert (picture[:, 128:138] == 255).all()
     for sighting, rgb in zip(decision.sightings, kept, strict=True):
-        angle = angle_of(decision.known.view, sighting.view.heading)
+        angle = angle_of(decision.known, sighting.view.heading)
         y, x = {0: (0, 0), 90: (0, 138), 180: (138, 0), 270: (138, 138)}[angle]
         tile = picture[y : y + 128, x : x + 128]
         assert (tile[40:] == rgb[40:]).all()

@@ -63,7 +63,7 @@ def test_what_a_view_evidently_did_not_show_is_lowered_once() -> None:
     walls = np.zeros((2, 129, 129), np.uint8)
     for _ in range(2):
         kernels.fade_by_chance(
-            0.0, 0.0, 1.0, 0, 2, POINT, HOLLOW, ALL_OPEN, np.ones(1), MODEL, height, walls, 64, unseen, looked, 0.3
+            0.0, 0.0, 1.0, (0, 4, 2), POINT, HOLLOW, ALL_OPEN, np.ones(1), MODEL, height, walls, 64, unseen, looked, 0.3
         )
     assert unseen[0] == pytest.approx(0.3)
     assert looked[0] == 1 << look_key(2.0, 0.0, 0.0, 8, MODEL[2])

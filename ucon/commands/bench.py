@@ -27,6 +27,7 @@ _FIGURES: Final = {
     "renderer_us_counts": ("counting the pixels of each thing in a frame", "microseconds"),
     "env_pixels_sps": ("UcON-v0 with images", _STEPS),
     "env_symbolic_sps": ("UcON-v0 without images", _STEPS),
+    "env_robot_sps": ("UcON-v0 with images, task=real_robot", _STEPS),
     "env_with_resets_sps": ("UcON-v0 with images, resets included", _STEPS),
     "search_decisions_per_s": ("UcONSearch-v0, choices at random", "choices a second"),
     "search_steps_per_decision": ("UcONSearch-v0, length of choices at random", "steps a choice"),

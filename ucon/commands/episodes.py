@@ -29,7 +29,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SET",
         help="mini, train, val, test, test_large, official, official_held_out (with --habits PATH)",
     )
-    maker.add_argument("--task", default="paper", help="rules that the episodes are made under: paper, released_code")
+    maker.add_argument(
+        "--task", default="paper", help="rules that the episodes are made under: paper, released_code, real_robot"
+    )
     maker.add_argument(
         "--context", action="store_true", help="episodes state day, season and occasion, and follow them"
     )

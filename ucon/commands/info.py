@@ -15,7 +15,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options to its parser."""
     parser.add_argument("episode", metavar="EPISODE", nargs="?", help="its name, or its number in the set")
     parser.add_argument("--episodes", metavar="SET", default="mini", help="its set or file (default mini)")
-    parser.add_argument("--task", help="rules: paper, released_code (default: those of the episode, or paper)")
+    parser.add_argument(
+        "--task", help="rules: paper, released_code, real_robot (default: those of the episode, or paper)"
+    )
     parser.add_argument("--habits", metavar="PATH", help="its habit dataset by path; default: the book")
     parser.add_argument("--json", action="store_true", help="print JSON")
 

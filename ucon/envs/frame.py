@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from ucon.core.geometry import HEADING_COS, HEADING_SIN
 from ucon.core.sharing import Shared
+from ucon.scenes.spec import GRID_M
 from ucon.task.episode import Start
+from ucon.task.robot.pose import half_turn
 from ucon.task.search import Pose
-
-_YAW_RAD = (0.0, np.pi / 2, np.pi, -np.pi / 2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,10 +30,21 @@ class StartFrame(Shared):
         Returns:
             (4,) float32: x, y in metres, yaw, pitch in radians.
         """
-        dx, dy = (pose.i - self.start.i) * 0.25, (pose.j - self.start.j) * 0.25
+        return self.place(pose.i, pose.j, 90 * pose.heading, pose.pitch_deg)
+
+    def place(self, i: int, j: int, yaw_deg: float, pitch_deg: int) -> NDArray[np.float32]:
+        """The pose at a node in the start frame, as :meth:`pose`.
+
+        Args:
+            i: of the world node.
+            j: of the world node.
+            yaw_deg: in the world frame.
+            pitch_deg: up positive.
+        """
+        dx, dy = (i - self.start.i) * GRID_M, (j - self.start.j) * GRID_M
         c, s = HEADING_COS[self.start.heading], HEADING_SIN[self.start.heading]
-        yaw = _YAW_RAD[(pose.heading - self.start.heading) % 4]
-        return np.array([c * dx + s * dy, c * dy - s * dx, yaw, np.radians(pose.pitch_deg)], np.float32)
+        yaw = np.radians(half_turn(yaw_deg - 90 * self.start.heading))
+        return np.array([c * dx + s * dy, c * dy - s * dx, yaw, np.radians(pitch_deg)], np.float32)
 
     def nodes(self, ahead: NDArray[np.int64], left: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """World nodes of nodes given in the start frame.

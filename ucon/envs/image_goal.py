@@ -89,13 +89,14 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
             **options: of ``UcON-v0``.
 
         Raises:
-            ConfigError: observations without images, or distances below 0.
+            ConfigError: observations without images, distances below 0, or rules without a grid.
         """
         if observe != "pixels":
             raise ConfigError(f"env.observe={observe}: goals are images; give env.observe=pixels")
         if not 0 <= near_m < 1e3 or not 0 <= least_m < 1e3:
             raise ConfigError(f"env.near_m={near_m}, env.least_m={least_m}: expected metres from 0 up")
         self.env = UcONEnv(episodes, observe="pixels", texts=texts, **options)
+        self.env.rules.require_grid("image goals are nodes and headings of the grid")
         self.render_mode, self._texts = self.env.render_mode, with_texts(texts)
         self.action_space, self.observation_space = self.env.action_space, self.env.observation_space
         self._reward, self._near, self._least_m = reward or ImageGoalReward(), near_m, least_m

@@ -11,6 +11,7 @@ import numpy as np
 from ucon.core.errors import ActionError, ConfigError, brief
 from ucon.perception.detectors import Detector, GtDetector
 from ucon.sim.render import RasterRenderer, Renderer
+from ucon.sim.render.base import VIEW_FOV_DEG
 
 
 def check_choice(option: str, value: Any, choices: tuple[Any, ...]) -> None:
@@ -37,7 +38,9 @@ def check_render_mode(value: Any, modes: tuple[str, ...] | list[str]) -> None:
     check_choice("render_mode", value, (None, *modes))
 
 
-def make_renderer(name: str, width_px: int, height_px: int, fov_deg: float) -> Renderer:
+def make_renderer(
+    name: str, width_px: int, height_px: int, fov_deg: float, counting_fov_deg: float = VIEW_FOV_DEG
+) -> Renderer:
     """Make a renderer.
 
     Args:
@@ -45,16 +48,17 @@ def make_renderer(name: str, width_px: int, height_px: int, fov_deg: float) -> R
         width_px: of its images.
         height_px: of its images.
         fov_deg: horizontal angle of view.
+        counting_fov_deg: of the view in which the rules count pixels.
 
     Raises:
         ConfigError: an unknown name.
     """
     check_choice("renderer", name, ("raster", "tiny"))
     if name == "raster":
-        return RasterRenderer(width_px, height_px, fov_deg)
+        return RasterRenderer(width_px, height_px, fov_deg, counting_fov_deg=counting_fov_deg)
     from ucon.sim.render.tiny import TinyRenderer  # PyBullet is needed for it, and for nothing else here
 
-    return TinyRenderer(width_px, height_px, fov_deg)
+    return TinyRenderer(width_px, height_px, fov_deg, counting_fov_deg=counting_fov_deg)
 
 
 def make_detector(option: bool | Detector | None) -> Detector | None:

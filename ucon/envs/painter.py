@@ -15,7 +15,6 @@ from ucon.task.ledger import Ledger
 from ucon.task.search import Pose, Search
 
 FRAME_PX: Final = 384
-_FOV_DEG: Final = 90.0
 
 
 @dataclass(frozen=True)
@@ -45,7 +44,7 @@ class Painter:
             search: the episode's search.
             ledger: its path.
         """
-        self._renderer = RasterRenderer(FRAME_PX, FRAME_PX, _FOV_DEG)
+        self._renderer = RasterRenderer(FRAME_PX, FRAME_PX, search.rules.fov_deg)
         self._search, self._ledger = search, ledger
         world: Any = search.world
         heading = ledger.episode.start.heading

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ucon.core.geometry import HEADING_COS, HEADING_SIN
 from ucon.scenes.spec import GRID_M
 from ucon.sim.house import House
+from ucon.sim.render.base import heading_cos_sin
 
 Image = NDArray[np.uint8]
 Color = tuple[int, int, int]
@@ -66,7 +67,7 @@ class TopDownMap:
     def draw(
         self,
         path_xy: Sequence[tuple[float, float]],
-        heading: int,
+        heading: float,
         target_box: NDArray[np.float64],
         opened: NDArray[np.float64],
     ) -> Image:
@@ -89,8 +90,8 @@ class TopDownMap:
             cv2.polylines(image, [points], False, _PATH, 2, cv2.LINE_AA)
         cv2.circle(image, self._px(*path_xy[0]), 4, _START, 2, cv2.LINE_AA)
         _star(image, self._px(*(target_box[:2] + target_box[3:5]) / 2), 9)
-        x, y = path_xy[-1]
-        tip = self._px(x + 0.45 * HEADING_COS[heading], y + 0.45 * HEADING_SIN[heading])
+        (x, y), (c, s) = path_xy[-1], heading_cos_sin(heading)
+        tip = self._px(x + 0.45 * c, y + 0.45 * s)
         cv2.circle(image, self._px(x, y), max(3, int(0.18 * self._scale)), _AGENT, -1, cv2.LINE_AA)
         cv2.line(image, self._px(x, y), tip, _AGENT, 2, cv2.LINE_AA)
         return image

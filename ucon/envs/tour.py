@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ucon.core.errors import ConfigError
 from ucon.envs.frame import StartFrame
 from ucon.perception.detectors import Detector, Frame
-from ucon.task.search import Pose, Search
+from ucon.task.search import Search
 
 #: Nodes between two stops along each axis, 1 m.
 STRIDE: Final = 4
@@ -54,24 +54,28 @@ class Tour:
         """
         if self.detector is None:
             raise ConfigError("a tour of the home needs a detector; give the environment one, as detector=gt")
-        search, world, rules = self.search, self.search.world, self.search.rules
-        guide = Search(world, self.renderer, search.target, search.pose, rules)
-        for i, j in stops(world.free, (search.pose.i, search.pose.j)).tolist():
-            for heading in range(4):
+        start, rules = self.frame.start, self.search.rules
+        for i, j in stops(self.search.world.free, (start.i, start.j)).tolist():
+            x, y = self.search.world.house.grid.xy((i, j)).tolist()
+            for yaw_deg in sorted((90 * start.heading + k * rules.turn_deg) % 360 for k in range(rules.headings)):
                 for height, pitch_deg in rules.views[:_VIEWS]:
-                    guide.pose = Pose(i, j, heading, height, pitch_deg)
-                    yield self._look(guide, self.detector)
+                    camera = (x, y, rules.camera_heights_m[height], yaw_deg / 90, pitch_deg)
+                    yield self._look(camera, self.frame.place(i, j, yaw_deg, pitch_deg), self.detector)
 
-    def _look(self, guide: Search, detector: Detector) -> tuple[dict[str, Any], dict[str, Any]]:
+    def _look(
+        self, camera: tuple[float, float, float, float, int], pose: NDArray[np.float32], detector: Detector
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
         """Observation and info of one frame, without the target."""
-        height, width, target = self.renderer.height, self.renderer.width, guide.target
+        height, width, target = self.renderer.height, self.renderer.width, self.search.target
         depth, instance = np.empty((height, width), np.float32), np.empty((height, width), np.int16)
         rgb = np.empty((height, width, 3), np.uint8) if detector.needs_rgb else None
-        counts = np.empty(len(guide.world.boxes), np.int32)
-        self.renderer.render(*guide.camera, rgb=rgb, depth=depth, instance=instance, counts=counts)
+        counts = np.empty(len(self.search.world.boxes), np.int32)
+        self.renderer.render(*camera, rgb=rgb, depth=depth, instance=instance, counts=counts)
         hide(target, instance, counts)
-        pose, camera_m = self.frame.pose(guide.pose), guide.camera[2]
-        found = detector.detect(Frame(depth, rgb, pose, camera_m, self.fov_deg, instance, counts))
+        camera_m = camera[2]
+        found = detector.detect(
+            Frame(depth, rgb, pose, camera_m, self.fov_deg, instance, counts, self.search.rules.fov_deg)
+        )
         info = {"camera_m": camera_m, "depth": depth, "detections": found, "tracks": found.image}
         return {"pose": pose, "collision": np.zeros(1, np.int8)}, info
 

@@ -26,6 +26,7 @@ from ucon.envs.options import (
 )
 from ucon.envs.own_home import is_home_file, own_set
 from ucon.envs.painter import Moment, Painter
+from ucon.envs.robot import checked_planner, new_ledger, read_depth, rigged_rules
 from ucon.envs.spaces import observation_space, padded
 from ucon.envs.tour import Tour, hide
 from ucon.perception.detectors import Detector, Frame
@@ -33,17 +34,17 @@ from ucon.perception.mapping.nav import Nav
 from ucon.sim.cache import load_house
 from ucon.sim.state import SceneState
 from ucon.task.actions import NO_ACTION, Action, encoded_action
+from ucon.task.begin import begun_search
 from ucon.task.check import check_home
 from ucon.task.episode import Episode
 from ucon.task.ledger import Ledger
 from ucon.task.reward import Reward
-from ucon.task.rules import task_rules
-from ucon.task.search import Pose, Search
+from ucon.task.robot.rig import RobotRig
+from ucon.task.robot.search import RobotSearch
 from ucon.task.sets import load_episodes
 
-#: The canonical view, in which the rules count pixels.
+#: Side of the canonical view, in which the rules count pixels at their angle.
 CANONICAL_PX = 128
-CANONICAL_FOV_DEG = 90.0
 
 Obs = dict[str, Any]
 
@@ -57,13 +58,14 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
 
     ### Action space
     ``Discrete(7)``: MoveAhead 0.25 m, RotateRight 90, RotateLeft 90, LookUp 30, LookDown 30, Open, Done.
+    With ``task="real_robot"`` rotations are of 60 degrees, and moves and turns err as those of its ``rig``.
 
     ### Observation space
     | key | space | meaning |
     |---|---|---|
     | rgb | uint8 (H, W, 3) | camera image (``observe="pixels"``) |
-    | depth | float32 (H, W) | metres along the optical axis (``observe="pixels"``) |
-    | pose | float32 (4,) | x, y in metres, yaw, pitch in radians, relative to the start |
+    | depth | float32 (H, W) | metres along the optical axis; 0: no reading (``observe="pixels"``) |
+    | pose | float32 (4,) | x, y in metres, yaw, pitch in radians, relative to the start; a robot's own estimate |
     | target | float32 (D,) | embedding of the target's name |
     | habits | int32 (max_habits,) | rows of ``env.unwrapped.habit_table``, -1 = padding |
     | habits_mask | int8 (max_habits,) | 1 for rows that are habits |
@@ -109,11 +111,12 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         observe: Literal["pixels", "symbolic"] = "pixels",
         width_px: int = CANONICAL_PX,
         height_px: int = CANONICAL_PX,
-        fov_deg: float = CANONICAL_FOV_DEG,
+        fov_deg: float | None = None,
         detector: bool | Detector | None = False,
-        planner: Literal["true", "observed"] = "true",
+        planner: Literal["true", "observed"] | None = None,
         renderer: Literal["raster", "tiny"] = "raster",
         world: Literal["compiled", "live"] = "compiled",
+        rig: RobotRig | None = None,
         reward: Reward | None = None,
         max_habits: int = 1024,
         privileged: bool = False,
@@ -130,11 +133,13 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
             observe: ``pixels`` for images in observations, ``symbolic`` without.
             width_px: of the images.
             height_px: of the images.
-            fov_deg: horizontal angle of view.
+            fov_deg: horizontal angle of view; None: the rules', 90 in the paper's.
             detector: False for none, True for ``gt``, or a detector.
-            planner: ``true`` puts the true free grid into info, ``observed`` does not.
+            planner: ``true`` puts the true free grid into info, ``observed`` does not; None: true, where there is a
+                grid.
             renderer: ``raster``, or ``tiny`` (PyBullet's).
             world: ``compiled`` arrays, or ``live`` PyBullet.
+            rig: of ``task="real_robot"``; None: its default there.
             reward: weights of a step's reward.
             max_habits: rows of habits in observations.
             privileged: put privileged facts into info.
@@ -146,7 +151,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
             EpisodeError: there are no such episodes.
         """
         check_choice("observe", observe, ("pixels", "symbolic"))
-        check_choice("planner", planner, ("true", "observed"))
+        check_choice("planner", planner, ("true", "observed", None))
         check_choice("world", world, ("compiled", "live"))
         check_render_mode(render_mode, ("rgb_array",))
         if is_home_file(episodes):
@@ -155,15 +160,16 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         self.episodes = load_episodes(episodes, task) if isinstance(episodes, str | Path) else tuple(episodes)
         if not self.episodes:
             raise EpisodeError("no episodes: expected at least one; name a set (mini, val, test) or give a path")
-        self.rules = task_rules(task)
+        self.rules, self._rig = rigged_rules(task, rig)
+        planner, fov_deg = checked_planner(planner, self.rules), self.rules.fov_deg if fov_deg is None else fov_deg
         self.source = source or HabitSource()
         self.habit_level = self.source.check_level(habit_level)
         self.render_mode = render_mode
         self._observe, self._planner, self._detector = observe, planner, make_detector(detector)
         self._world_kind, self._reward, self._privileged = world, reward or Reward(), privileged
         self._max_habits, self._texts = max_habits, with_texts(texts)
-        self._renderer = make_renderer(renderer, width_px, height_px, fov_deg)
-        self._canonical = (width_px, height_px, fov_deg) == (CANONICAL_PX, CANONICAL_PX, CANONICAL_FOV_DEG)
+        self._renderer = make_renderer(renderer, width_px, height_px, fov_deg, self.rules.fov_deg)
+        self._canonical = (width_px, height_px, fov_deg) == (CANONICAL_PX, CANONICAL_PX, self.rules.fov_deg)
         self._fov_deg = fov_deg
         self._painter: Painter | None = None
         self._world: Any = None
@@ -178,6 +184,11 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
     def detector(self) -> Detector | None:
         """The detector whose output is in ``info``; None without one."""
         return self._detector
+
+    @property
+    def rig(self) -> RobotRig | None:
+        """How the robot is built and errs; None under rules of the grid."""
+        return self._rig
 
     @property
     def max_habits(self) -> int:
@@ -226,11 +237,8 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         house = load_house(self.episode.scene)
         check_home(self.episode, house)
         self._enter(house)
-        start = self.episode.start
-        pose = Pose(start.i, start.j, start.heading, self.rules.start_height, 0)
-        target = house.n_instances + self.episode.target
-        self.search = Search(self._world, self._renderer, target, pose, self.rules)
-        self._frame = StartFrame(start)
+        self.search = begun_search(self.episode, self._world, self._renderer, self.rules, self._rig)
+        self._frame = StartFrame(self.episode.start)
         self._knowledge = self.source.knowledge(self.episode, level)
         self._give_habits()
         self._target_embedding = self._knowledge.target_embedding.astype(np.float32)
@@ -242,7 +250,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         self._locations = self.source.locations(self.episode, house) if self._privileged else ()
         self._tour = Tour(self.search, self._renderer, self._detector, self._frame, self._fov_deg)
         obs, info = self._look(opened=())
-        self._ledger = Ledger(self.episode, self.search)
+        self._ledger = new_ledger(self.episode, self.search)
         info |= {
             "episode": self.episode.id,
             "task": self.rules.name,
@@ -355,9 +363,15 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
             self._world = SceneState(house, arrangement)
         self._renderer.load(house, arrangement)
 
+    def _pose(self) -> NDArray[np.float32]:
+        """The pose of observations, (4,): the true one of a node, or what a robot's odometry says."""
+        if isinstance(self.search, RobotSearch):
+            return self.search.odometry
+        return self._frame.pose(self.search.pose)
+
     def _look(self, opened: tuple[int, ...]) -> tuple[Obs, dict[str, Any]]:
         """Observation and info of the current pose; one rendering gives image, depth, instances and pixel counts."""
-        pose, camera_m = self._frame.pose(self.search.pose), self.search.camera[2]
+        pose, camera_m = self._pose(), self.search.camera[2]
         info: dict[str, Any] = {"target": self.episode.target_category, "camera_m": camera_m, "fov_deg": self._fov_deg}
         obs: Obs = {"pose": pose}
         depth, rgb = self._draw()
@@ -366,7 +380,8 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         elif depth is not None:
             info["depth"] = depth
         if self._detector is not None and depth is not None:
-            frame = Frame(depth, rgb, pose, camera_m, self._fov_deg, self._instance, self.search.counts)
+            counts, counts_fov_deg = self.search.counts, self.rules.fov_deg
+            frame = Frame(depth, rgb, pose, camera_m, self._fov_deg, self._instance, counts, counts_fov_deg)
             info["detections"] = found = self._detector.detect(frame)
             info["tracks"] = found.image
             info["opened"] = self._detector.tracks_of(opened)
@@ -400,6 +415,8 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
             hide(self.search.target, instance, counts)
         if counts is not None:
             self.search.saw(counts)
+        if isinstance(self.search, RobotSearch):
+            read_depth(self.search, depth, self._fov_deg)
         return depth, rgb
 
     def _give_habits(self) -> None:

@@ -19,7 +19,7 @@ from ucon.task.episode import Episode
 
 _STEPS = 600
 #: Number of stages without an agent.
-STAGES = 4
+STAGES = 5
 #: Probabilities of the actions of a random walk without Done, in the order of :class:`Action`; mostly MoveAhead.
 _WALK = (0.55, 0.15, 0.15, 0.06, 0.06, 0.03)
 
@@ -43,9 +43,10 @@ def bench_environment(
     """
     chosen = list({episode.scene: episode for episode in episodes}.values())[:8]
     figures: dict[str, float] = {}
-    for observe in ("pixels", "symbolic"):
-        rates = [_walk(episode, observe) for episode in ticked(f"steps, {observe}", chosen)]
-        figures |= {f"env_{observe}_sps": median(rates), f"env_{observe}_sps_worst": min(rates)}
+    kinds = {"pixels": {"observe": "pixels"}, "symbolic": {"observe": "symbolic"}, "robot": {"task": "real_robot"}}
+    for kind, options in kinds.items():
+        rates = [_walk(episode, options) for episode in ticked(f"steps, {kind}", chosen)]
+        figures |= {f"env_{kind}_sps": median(rates), f"env_{kind}_sps_worst": min(rates)}
         on_stage()
     figures["env_with_resets_sps"] = _with_resets(chosen)
     on_stage()
@@ -61,9 +62,9 @@ def _make(episodes: Sequence[Episode], **options: Any) -> gym.Env[Any, Any]:
     return gym.make("UcON-v0", episodes=tuple(episodes), disable_env_checker=True, **options)
 
 
-def _walk(episode: Episode, observe: str) -> float:
+def _walk(episode: Episode, options: dict[str, Any]) -> float:
     """Steps per CPU second of a random walk, without resets."""
-    env = _make([episode], observe=observe)
+    env = _make([episode], **options)
     actions = stream(0, "bench", episode.id).choice(len(_WALK), size=_STEPS, p=_WALK).tolist()
     env.reset(seed=0, options={"episode": 0})
     for action in (Action.ROTATE_LEFT,) * 4:  # warm up

@@ -177,9 +177,10 @@ def _looked_at(searcher: Searcher, decision: SearchDecision, choice: Choice) -> 
     weight = decision.expected.mass[track, relation] * places.share[near] * places.unseen[near]
     weight[shut[track] & (relation == INSIDE)] = 0.0
     hidden = np.ones(len(near))
+    looks = view.heading, known.body.headings, kernels.PITCHES_DEG.index(view.pitch_deg)
     kernels.fade_places(
-        x, y, known.body.camera_m, view.heading, kernels.PITCHES_DEG.index(view.pitch_deg), places.xyz[near],
-        places.hollow[near], places.faces[near], weight, reach_m, known.height, known.walls, HALF, hidden, 0.0,
+        x, y, known.body.camera_m, looks, places.xyz[near], places.hollow[near], places.faces[near], weight, reach_m,
+        known.height, known.walls, HALF, hidden, 0.0,
     )  # fmt: skip
     shown = np.bincount(4 * track + relation, weight * (1.0 - hidden), minlength=1)
     best = int(shown.argmax())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.compass import heading_to
 from ucon.perception.hypotheses.look_kernels import NEVER
 from ucon.perception.mapping.planner import Planner
 from ucon.perception.mapping.semantic_map import CELL_M, HALF, SIZE, SemanticMap, View, camera_of
@@ -12,8 +13,8 @@ from ucon.perception.views.view_kernels import sight
 
 #: A new side is looked for within so many cells of the thing, and so many actions.
 _CELLS, _MOST_COST = 9, 12
-#: Nearer than this, metres, nothing is seen of a thing, and farther off the camera's axis than this, degrees.
-_LEAST_M, _ASIDE_DEG = 0.2, 38.0
+#: Nearer than this, metres, nothing is seen of a thing, and farther off the camera's axis than this share of a view.
+_LEAST_M, _ASIDE = 0.2, 38.0 / 90.0
 #: What is nearer than a thing by more than this hides it, metres.
 _HIDES_M = 0.1
 
@@ -50,12 +51,12 @@ def _facing(known: SemanticMap, planner: Planner, track: int, i: int, j: int) ->
     flat = float(np.hypot(dx, dy))
     if flat < _LEAST_M:
         return []
-    heading = (0 if dx > 0 else 2) if abs(dx) >= abs(dy) else (1 if dy > 0 else 3)
+    heading = heading_to(dx, dy, known.body.headings)
     steps, now = int(planner.steps[i, j, heading]), known.view.pitch_deg
     return [
         (View(i, j, heading, look), steps + abs(look - now) // 30)
         for look, (eye_m, pitch) in known.body.eyes.items()
-        if abs(np.rad2deg(np.arctan2(z - eye_m, flat)) - pitch) <= _ASIDE_DEG
+        if abs(np.rad2deg(np.arctan2(z - eye_m, flat)) - pitch) <= _ASIDE * known.body.fov_deg
     ]
 
 

@@ -12,6 +12,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
+from ucon.core.compass import heading_to
 from ucon.core.errors import ConfigError, brief
 from ucon.core.rng import stream
 from ucon.core.sharing import PartlyShared
@@ -42,7 +43,7 @@ class Manner:
     """
 
     look_around: bool = True
-    """Turn through all four headings on arrival, and at the start of the episode."""
+    """Turn through all headings on arrival, and at the start of the episode."""
     opens: bool = True
     """On arrival, Open once in each heading where a closed container is in view and within reach."""
     interrupt: Interrupt = "always"
@@ -103,7 +104,7 @@ class Explorer(PartlyShared):
         """
         self.target = str(info["target"])
         self.map = SemanticMap.of(info)
-        self.planner = Planner(info.get("nav"))
+        self.planner = Planner(info.get("nav"), self.map.body)
         self.strategy = strategy
         self.manner = manner or Manner()
         self.containers = Containers()
@@ -115,7 +116,7 @@ class Explorer(PartlyShared):
         self._plan: deque[Action] = deque()
         self._walked = 0
         self._arrived = True
-        self._turns = 3 if self.manner.look_around else 0
+        self._turns = self.map.body.headings - 1 if self.manner.look_around else 0
         self._opened_at: set[View] = set()
         self._stood: set[View] = set()
         self._sent_to: int = -1
@@ -213,7 +214,7 @@ class Explorer(PartlyShared):
             self._arrived, self._goal = True, None
             if self._sent_to >= 0:
                 self._visited.add(self._sent_to)
-            self._turns = 3 if self.manner.look_around else 0
+            self._turns = self.map.body.headings - 1 if self.manner.look_around else 0
         if self._opens_here():
             self._opened_at.add(self.map.view)
             return Action.OPEN
@@ -270,9 +271,7 @@ class Explorer(PartlyShared):
 
 
 def _heading_to(known: SemanticMap, track: int) -> int:
-    """The heading (quarter turns) in which a thing lies from where the agent stands."""
+    """The heading in which a thing lies from where the agent stands."""
     x0, y0, _, x1, y1, _ = known.box[track]
     dx, dy = 0.5 * (x0 + x1) - known.view.xy[0], 0.5 * (y0 + y1) - known.view.xy[1]
-    if abs(dx) >= abs(dy):
-        return 0 if dx > 0 else 2
-    return 1 if dy > 0 else 3
+    return heading_to(dx, dy, known.body.headings)

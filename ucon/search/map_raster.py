@@ -68,7 +68,7 @@ def map_raster(
     out = np.zeros((len(CHANNELS), SIDE, SIDE), np.float32)
     factors = np.ones((SIZE, SIZE), np.float32) if interest is None else interest
     seen = (known.explored, known.floor, known.height, known.walls, known.blocked, known.near, known.visited)
-    _draw((view.i, view.j, view.heading), (*seen, viewpoints.stale, factors), spots, viewpoints.reach_m, out)
+    _draw((view.i, view.j, view.quarter), (*seen, viewpoints.stale, factors), spots, viewpoints.reach_m, out)
     out[_MASS] = log_scale(out[_MASS])
     return np.asarray(np.clip(out, 0.0, 1.0) * 255.0 + 0.5, np.uint8)
 

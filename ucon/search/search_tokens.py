@@ -154,8 +154,10 @@ class TokenReader(PartlyShared):
         if here.pitch_deg in PITCHES_DEG:
             stands = (valued.nodes[:, 0] == here.i) & (valued.nodes[:, 1] == here.j)
             score[stands, here.heading] *= pitch[stands, here.heading, 0] != PITCHES_DEG.index(here.pitch_deg)
-        picked = picked_views(valued.nodes, score, gain, self.sizes.views, 4 * n + h if n >= 0 else -1)
-        return picked >> 2, picked & 3, pitch[picked >> 2, picked & 3, 0]
+        headings = score.shape[1]
+        picked = picked_views(valued.nodes, score, gain, self.sizes.views, headings * n + h if n >= 0 else -1)
+        node, heading = np.divmod(picked, headings)
+        return node, heading, pitch[node, heading, 0]
 
     def _things(self, mass: NDArray[np.float64]) -> tuple[F32, NDArray[np.int64]]:
         """Rows (n, N_THING) of the things with most mass (T, 4) left, and their rows in the catalogue (n,)."""

@@ -89,7 +89,7 @@ class Searcher(PartlyShared):
         book = catalogue()
         height_m = book[self.target].size[2] if self.target in book else 0.1
         self.map = SemanticMap.of(info)
-        self.planner = Planner(info.get("nav"))
+        self.planner = Planner(info.get("nav"), self.map.body)
         errors = info.get("detector_errors")
         self.places = Places(height_m, None if errors is None else Sight.of(errors, self.target))
         self.viewpoints = Viewpoints(sight_range_m(self.target), costs)
@@ -221,7 +221,7 @@ class Searcher(PartlyShared):
             return None
         if all(self.refused.get(t, 0) >= MOST_REFUSALS for t in tracks):
             return None
-        if self.doubt is not None:
+        if self.doubt is not None or not self.map.body.exact:
             if self.map.view in self._opened_at:
                 return None  # what did not open from here does not open at all, or is no container
             self._opened_at.add(self.map.view)
@@ -253,7 +253,7 @@ class Searcher(PartlyShared):
         """On arrival at a view that was chosen for opening: count the containers within reach as failed."""
         if self.choice is not None and self.choice.opens:
             for track in self.closed():
-                if self.map.gap_m(int(track), self.map.view.xy) <= open_reach_m(self.map):
+                if self.map.gap_m(int(track), self.map.view.node_xy) <= open_reach_m(self.map):
                     self.refused[int(track)] = self.refused.get(int(track), 0) + 1
 
     def openable_now(self) -> NDArray[np.int64]:

@@ -63,7 +63,7 @@ def to_agent_frame(xy: NDArray[np.float64], view: View) -> NDArray[np.float64]:
     Returns:
         (n, 2) metres ahead and to the left.
     """
-    c, s = (1, 0, -1, 0)[view.heading], (0, 1, 0, -1)[view.heading]
+    c, s = view.direction
     return np.stack([c * xy[:, 0] + s * xy[:, 1], c * xy[:, 1] - s * xy[:, 0]], 1)
 
 
@@ -108,6 +108,11 @@ def _sums(values: NDArray[np.float64], side: int) -> NDArray[np.float64]:
     return np.asarray(cv2.boxFilter(values, -1, (side, side), normalize=False, borderType=cv2.BORDER_CONSTANT))
 
 
+def _quarters(turned: NDArray[np.int64], headings: int) -> NDArray[np.int64]:
+    """Turns to the left (n,) as the nearest quarter turns, which the columns are for."""
+    return (8 * turned + headings) // (2 * headings) % 4
+
+
 def view_rows(
     valued: ViewValues,
     at: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]],
@@ -143,7 +148,8 @@ def view_rows(
     rows[:, AHEAD], rows[:, 12] = to_agent_frame(xy, here) / 5.0, np.hypot(xy[:, 0], xy[:, 1]) / 5.0
     rows[:, 13] = np.log10(np.minimum(valued.cost[at], 1e3))
     rows[:, VISITED] = known.visited[nodes[:, 0], nodes[:, 1]] > 0
-    rows[np.arange(len(n)), _PLAIN + (h - here.heading) % 4] = 1.0
+    headings = valued.looks.shape[1]
+    rows[np.arange(len(n)), _PLAIN + _quarters((h - here.heading) % headings, headings)] = 1.0
     rows[np.arange(len(n)), _PLAIN + 4 + p] = 1.0
     rows[:, _PLAIN + 4 + len(PITCHES_DEG) :] = around.at(nodes)
     return rows

@@ -193,7 +193,8 @@ def fingerprint() -> str:
 def _files(source: Path) -> list[Path]:
     if source.is_file():
         return [source]
-    skipped = {"__pycache__", "render", "placement", "homes", "cache.py", "live.py", "sheets.py"}  # they make no home
+    # These make no home.
+    skipped = {"__pycache__", "render", "placement", "robot", "homes", "cache.py", "live.py", "sheets.py"}
     return sorted(
         path for path in source.rglob("*") if path.is_file() and not skipped & set(path.relative_to(source).parts)
     )

@@ -17,6 +17,7 @@ from ucon.core.geometry import matrix_from_quat
 from ucon.sim.arrangement import Arrangement
 from ucon.sim.house import House
 from ucon.sim.navgrid import AGENT_BOTTOM_M, AGENT_RADIUS_M, AGENT_TOP_M, nav_grid
+from ucon.sim.robot.live_floor import LiveFloor
 from ucon.sim.shapes import Array, enclosing, object_solid, primitive_boxes
 from ucon.sim.world import World
 
@@ -36,6 +37,12 @@ class LiveState:
         present = set(self._world.instances)
         self.openable = np.array([k in present and self._jointed(k) for k in range(len(self.categories))], bool)
         self.open = np.zeros(len(self.categories), bool)
+        self._floors: list[LiveFloor] = []
+
+    def floor(self, radius_m: float, bottom_m: float, top_m: float) -> LiveFloor:
+        """The floor for a robot that moves continuously; the arguments are those of :class:`LiveFloor`."""
+        self._floors.append(LiveFloor(self.house, self.arrangement, radius_m, bottom_m, top_m))
+        return self._floors[-1]
 
     def set_open(self, instance: int, is_open: bool = True) -> None:
         """Move the joints of an instance, and what its drawers hold, to open or closed."""
@@ -47,8 +54,10 @@ class LiveState:
         raise SceneError("world=live: an environment with a PyBullet client can be neither copied nor pickled")
 
     def close(self) -> None:
-        """Disconnect the client."""
+        """Disconnect all clients."""
         self._world.close()
+        for floor in self._floors:
+            floor.close()
 
     def _placed_boxes(self) -> Array:
         """Boxes (n, 6) of the parts at PyBullet's poses; PyBullet's own box of a tilted compound is too large."""

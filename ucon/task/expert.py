@@ -72,9 +72,13 @@ class Expert:
         Args:
             episode: to be solved under its own rules.
             eyes: a renderer; the episode's home is loaded into it, so it must not be in use elsewhere.
+
+        Raises:
+            ConfigError: its rules have no grid.
         """
-        house = load_house(episode.scene)
         self.rules = task_rules(episode.task)
+        self.rules.require_grid(f"episode {episode.id}: the expert knows shortest solutions on the grid")
+        house = load_house(episode.scene)
         self._eyes = eyes or RasterRenderer()
         self._eyes.load(house, episode.arrangement)
         self._world = SceneState(house, episode.arrangement)

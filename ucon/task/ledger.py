@@ -30,7 +30,7 @@ class Ledger(PartlyShared):
         in_reach: whether Done would have succeeded at some step.
         stopped: whether Done was called.
         success: whether it succeeded.
-        path_xy: nodes of the path, metres in the world frame.
+        path_xy: places of the path, metres in the world frame.
     """
 
     _shared: ClassVar[frozenset[str]] = frozenset({"episode"})
@@ -48,9 +48,13 @@ class Ledger(PartlyShared):
         self.first_seen_step = -1
         self.in_reach = self.stopped = self.success = False
         self.path_xy = [search.xy]
-        self._opening, self._end = solution_nodes(episode)
-        self._fields: dict[tuple[int, int], NDArray[np.int32]] = {}
+        self._set_goals()
         self._note_target()
+
+    def _set_goals(self) -> None:
+        """Set the nodes that distances are measured to."""
+        self._opening, self._end = solution_nodes(self.episode)
+        self._fields: dict[tuple[int, int], NDArray[np.int32]] = {}
 
     def note(self, action: int, outcome: StepOutcome) -> None:
         """Count a step that the search has just taken.
@@ -63,8 +67,8 @@ class Ledger(PartlyShared):
         self.collisions += outcome.collision
         self.opens += action == Action.OPEN
         self.stopped, self.success = outcome.done, outcome.success
-        if action == Action.MOVE_AHEAD and not outcome.collision:
-            self.moves += 1
+        self.moves += action == Action.MOVE_AHEAD and not outcome.collision
+        if self.search.xy != self.path_xy[-1]:
             self.path_xy.append(self.search.xy)
         self._note_target()
 
@@ -81,16 +85,16 @@ class Ledger(PartlyShared):
 
     def outcome(self) -> EpisodeOutcome:
         """The metrics so far."""
-        target, start = self.episode.target_object, self.episode.start
+        target = self.episode.target_object
         contained = target.holder >= 0 and bool(self.search.world.openable[target.holder])
-        field = self._field(self._end)
+        start_m, final_m = self._start_and_final_m()
         return EpisodeOutcome(
             success=self.success,
             steps=self.steps,
-            path_length_m=self.moves * GRID_M,
+            path_length_m=self._moved_m(),
             shortest_path_m=self.episode.shortest_path_m,
-            final_distance_m=float(field[self.search.pose.i, self.search.pose.j]) * GRID_M,
-            start_distance_m=float(field[start.i, start.j]) * GRID_M,
+            final_distance_m=final_m,
+            start_distance_m=start_m,
             opens=self.opens,
             containers_opened=int(self.search.opened.sum()),
             collisions=self.collisions,
@@ -100,6 +104,15 @@ class Ledger(PartlyShared):
             contained=contained,
             container_opened=contained and bool(self.search.opened[target.holder]),
         )
+
+    def _moved_m(self) -> float:
+        """Metres moved so far."""
+        return self.moves * GRID_M
+
+    def _start_and_final_m(self) -> tuple[float, float]:
+        """Path length in metres from the start, and from here, to the last node of the stored solution."""
+        start, pose, field = self.episode.start, self.search.pose, self._field(self._end)
+        return float(field[start.i, start.j]) * GRID_M, float(field[pose.i, pose.j]) * GRID_M
 
     def _note_target(self) -> None:
         """Note whether the target is visible and within reach now."""

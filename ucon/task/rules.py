@@ -1,8 +1,11 @@
-"""The two rule sets: ``paper`` (default) and ``released_code``, with the differences of the released environment.
+"""The rule sets: ``paper`` (default), ``released_code`` and ``real_robot``.
 
 Where the released environment differs from the paper: LookUp and LookDown move the camera (0.5 / 1.0 / 1.5 m) and never
 pitch it; near is a rectangle of 0.7 m around the box; Open needs no sight; Done needs one pixel of the target's
 category anywhere in view.
+
+The real-robot setting of the paper: the camera sees 60 degrees and turns by as much, it stands on rods on the back of a
+quadruped, and the robot moves continuously. How it moves and senses are options of its rig, not rules.
 """
 
 from __future__ import annotations
@@ -45,6 +48,12 @@ class TaskRules(Shared):
     max_pitch_deg: int = 60
     pitch_step_deg: int = 30
     """Pitch of a LookUp or LookDown, degrees."""
+    turn_deg: int = 90
+    """Angle of a RotateRight or RotateLeft, degrees."""
+    fov_deg: float = 90.0
+    """Angle of view, also of the canonical view in which pixels are counted, degrees."""
+    continuous: bool = False
+    """Whether the robot moves continuously; else from node to node of the 0.25 m grid."""
 
     def near(self, xy: NDArray[np.float64], boxes: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Which boxes are within reach of the agent; heights do not count.
@@ -73,11 +82,29 @@ class TaskRules(Shared):
         target = "a thing of the target's category" if self.done_by_category else "the target"
         done = f"end; a success if {target} is {near} and shows at least {self.done_min_pixels} pixels"
         effects = (
-            "0.25 m ahead, or a collision that costs the step", "90 degrees clockwise", "90 degrees counter-clockwise",
-            f"up: {look}", f"down: {look}", f"open every closed thing that is {near}{seen}", done,
+            "0.25 m ahead, or a collision that costs the step", f"{self.turn_deg} degrees clockwise",
+            f"{self.turn_deg} degrees counter-clockwise", f"up: {look}", f"down: {look}",
+            f"open every closed thing that is {near}{seen}", done,
         )  # fmt: skip
         names = (action.name.lower().replace("_", " ") for action in Action)
         return [{"name": name, "effect": effect} for name, effect in zip(names, effects, strict=True)]
+
+    def require_grid(self, what: str) -> None:
+        """Refuse what knows only the nodes of the grid.
+
+        Args:
+            what: is refused, with its reason; begins the message.
+
+        Raises:
+            ConfigError: the robot moves continuously under these rules.
+        """
+        if self.continuous:
+            raise ConfigError(f"{what}, not for task={self.name}, where a robot moves continuously")
+
+    @property
+    def headings(self) -> int:
+        """Number of headings of a full turn."""
+        return 360 // self.turn_deg
 
     @property
     def views(self) -> tuple[tuple[int, int], ...]:
@@ -100,7 +127,8 @@ RELEASED_CODE = TaskRules(
     camera_heights_m=(0.5, 1.0, 1.5),
     start_height=1,
 )
-RULES = {rules.name: rules for rules in (PAPER, RELEASED_CODE)}
+REAL_ROBOT = TaskRules("real_robot", turn_deg=60, fov_deg=60.0, continuous=True, camera_heights_m=(0.9,))
+RULES = {rules.name: rules for rules in (PAPER, RELEASED_CODE, REAL_ROBOT)}
 
 
 def task_rules(name: str) -> TaskRules:

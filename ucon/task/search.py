@@ -6,6 +6,7 @@ what is visible. The environments add observations; the sampler and the oracle u
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
@@ -43,7 +44,7 @@ class Eyes(Protocol):
     def set_open(self, instance: int, fraction: float) -> None:
         """Show an instance opened by a fraction from 0 to 1."""
 
-    def visible(self, x: float, y: float, z: float, heading: int, pitch_deg: int) -> NDArray[np.int32]:
+    def visible(self, x: float, y: float, z: float, heading: float, pitch_deg: int) -> NDArray[np.int32]:
         """Pixels of every instance in the canonical view.
 
         Args:
@@ -122,8 +123,8 @@ class Search(PartlyShared):
         self._near_boxes = world.boxes
 
     @property
-    def camera(self) -> tuple[float, float, float, int, int]:
-        """x, y, z (metres, world frame), heading, pitch in degrees: the renderer's arguments."""
+    def camera(self) -> tuple[float, float, float, float, int]:
+        """x, y, z (metres, world frame), heading in quarter turns, pitch in degrees: the renderer's arguments."""
         x, y = self.xy
         return x, y, self.rules.camera_heights_m[self.pose.height], self.pose.heading, self.pose.pitch_deg
 
@@ -154,8 +155,7 @@ class Search(PartlyShared):
         if action == Action.MOVE_AHEAD:
             outcome.collision = not self._move()
         elif action in (Action.ROTATE_LEFT, Action.ROTATE_RIGHT):
-            turn = 1 if action == Action.ROTATE_LEFT else 3
-            self._set_pose(heading=(self.pose.heading + turn) % 4)
+            self._turn(1 if action == Action.ROTATE_LEFT else -1)
         elif action in (Action.LOOK_UP, Action.LOOK_DOWN):
             self._look(1 if action == Action.LOOK_UP else -1)
         elif action == Action.OPEN:
@@ -174,6 +174,13 @@ class Search(PartlyShared):
         """Whether Done would succeed now."""
         near = self.rules.near(np.asarray(self.xy), self._near_boxes[self.target : self.target + 1])
         return bool(near[0]) and self.target_visible()
+
+    def metres_to_near(self, instance: int) -> float:
+        """Metres to within reach of an instance, as the crow flies; 0 within it."""
+        x, y = self.xy
+        box = self._near_boxes[instance]
+        gap_x, gap_y = max(box[0] - x, x - box[3], 0.0), max(box[1] - y, y - box[4], 0.0)
+        return max(math.hypot(gap_x, gap_y) - self.rules.near_m, 0.0)
 
     def would_open(self) -> tuple[int, ...]:
         """The instances that Open would open now, ascending."""
@@ -204,6 +211,10 @@ class Search(PartlyShared):
             return False
         self._set_pose(i=i, j=j)
         return True
+
+    def _turn(self, direction: int) -> None:
+        """Turn to the left (1) or to the right (-1)."""
+        self._set_pose(heading=(self.pose.heading + direction) % 4)
 
     def _look(self, direction: int) -> None:
         """Raise (1) or lower (-1) the camera's pitch or height."""

@@ -1,8 +1,8 @@
 """Episode sets: compressed JSON lines, one episode a line, verified against a SHA-256 manifest.
 
 A named set has one file for each rule set, since shortest paths hold under the rules by which they were found: ``mini``
-is the paper's, ``mini.released_code`` the released environment's, and ``mini.context`` has episodes that state their
-context.
+is the paper's, ``mini.released_code`` the released environment's, ``mini.real_robot`` the robot's, and ``mini.context``
+has episodes that state their context.
 """
 
 from __future__ import annotations

@@ -181,7 +181,7 @@ class Solver:
             z = self.rules.camera_heights_m[height]
             for heading in range(4):
                 ahead = AHEAD[heading]
-                if _box_in_view(xs, ys, (zs[0] - z, zs[1] - z), ahead, pitch):
+                if box_in_view(xs, ys, (zs[0] - z, zs[1] - z), ahead, pitch):
                     yield Pose(*node, heading, height, pitch)
 
     def counts(self, pose: Pose) -> NDArray[np.int32]:
@@ -232,10 +232,24 @@ class Solver:
             self.eyes.set_open(instance, fraction)
 
 
-def _box_in_view(
-    xs: tuple[float, float], ys: tuple[float, float], zs: tuple[float, float], ahead: tuple[int, int], pitch_deg: int
+def box_in_view(
+    xs: tuple[float, float],
+    ys: tuple[float, float],
+    zs: tuple[float, float],
+    ahead: tuple[float, float],
+    pitch_deg: int,
+    tan_half: float = 1.0,
 ) -> bool:
-    """Conservative test of a box (relative to the camera) against the side and top planes of a 90 degree view."""
+    """Conservative test of a box against the side and top planes of a view.
+
+    Args:
+        xs: from and to, metres, relative to the camera.
+        ys: from and to.
+        zs: from and to.
+        ahead: cosine and sine of the yaw.
+        pitch_deg: up positive.
+        tan_half: tangent of half the angle of view.
+    """
     c, s = np.cos(np.radians(pitch_deg)), np.sin(np.radians(pitch_deg))
     fx, fy = ahead
     outside = np.zeros(5, int)
@@ -244,7 +258,8 @@ def _box_in_view(
             for z in zs:
                 level, side = x * fx + y * fy, -x * fy + y * fx
                 front, up = c * level + s * z, c * z - s * level
-                outside += (front <= 0, side > front, -side > front, up > front, -up > front)
+                edge = tan_half * front
+                outside += (front <= 0, side > edge, -side > edge, up > edge, -up > edge)
     return bool((outside < 8).all())
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from models.nets.end_to_end.ego_view import CELL_M
 from models.nets.end_to_end.floor_memory import HALF, REACH, SIZE
 from models.nets.end_to_end.reasons import Reasons
+from ucon.core.geometry import HEADING_COS, HEADING_SIN
 from ucon.perception.drawing.map_picture import FLOOR_COLOUR, OPENED, PATH, TALL, TARGET, UNKNOWN, Image, draw_agent
 from ucon.perception.drawing.overlay import FAINT, GOAL, WARM, Line, belief_lines, habit_lines, map_room, page, words
 from ucon.search.thoughts import BelievedThing
@@ -110,7 +111,8 @@ def _map(why: Reasons, layers: Layers, pose: tuple[int, int, int], height: int, 
     middle = px(why.goal_xy[0] + CELL_M / 2, why.goal_xy[1] + CELL_M / 2)  # goals are blocks of 2 x 2 cells
     cv2.circle(image, middle, max(4, cell_px), FLOOR_COLOUR, 4, cv2.LINE_AA)
     cv2.circle(image, middle, max(4, cell_px), GOAL, 2, cv2.LINE_AA)
-    draw_agent(image, px, (pose[0] * CELL_M, pose[1] * CELL_M), pose[2] % 4, cell_px)
+    direction = HEADING_COS[pose[2] % 4], HEADING_SIN[pose[2] % 4]
+    draw_agent(image, px, (pose[0] * CELL_M, pose[1] * CELL_M), direction, cell_px)
     return image
 
 

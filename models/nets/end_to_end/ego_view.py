@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from models.nets.end_to_end.ego_kernels import EXPLORED, mark_floor, mark_pairs, measure
 from ucon.perception.mapping.detections import STRUCTURE_KINDS, Detections
-from ucon.perception.mapping.semantic_map import require_right_angle
+from ucon.perception.mapping.semantic_map import require_width
 
 CELL_M = 0.25
 AHEAD, ASIDE, BEHIND = 40, 40, 1
@@ -79,7 +79,7 @@ def ego_view(depth: F32, pitch_rad: float, camera_m: float, info: Mapping[str, A
     Raises:
         ConfigError: the field of view is not 90 degrees.
     """
-    require_right_angle(info)
+    require_width(info)
     found = Detections.from_info(info)
     points, spread = _points(depth, pitch_rad, camera_m)
     patch, look, cell = _floor(points, spread)

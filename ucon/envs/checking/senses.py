@@ -36,6 +36,8 @@ def frame(subject: Subject) -> Finding:
     for number, (action, seen, reference, truth) in enumerate(_walked(subject)):
         if action < 0:
             x = y = yaw = pitch = 0.0
+        elif truth.rules.continuous:  # a blocked move goes as far as it can
+            x, y, yaw, pitch = np.asarray(reference.obs["pose"], float).tolist()
         elif action == Action.MOVE_AHEAD and not reference.obs["collision"]:
             x, y = x + 0.25 * np.cos(yaw), y + 0.25 * np.sin(yaw)
         elif action in (Action.ROTATE_LEFT, Action.ROTATE_RIGHT):

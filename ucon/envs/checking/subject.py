@@ -15,6 +15,7 @@ from ucon.envs.image_goal import UcONImageGoalEnv
 from ucon.envs.search.env import UcONSearchEnv
 from ucon.envs.ucon_env import UcONEnv
 from ucon.task.episode import Episode
+from ucon.task.robot.rig import RobotRig
 
 Env = gym.Env[Any, Any]
 #: The environments of UcON, by Gymnasium id.
@@ -65,7 +66,9 @@ class Subject:
         Args:
             **options: of the environment.
         """
-        made: Env = OURS[self.ours](**options)
+        inner = core(self.make())
+        rig = {} if inner.rig is None else {"task": inner.rules.name, "rig": inner.rig}
+        made: Env = OURS[self.ours](**rig, **options)
         return made
 
     def episodes(self) -> tuple[Episode, ...]:
@@ -130,8 +133,15 @@ def subject_of(word: str, around: str = "UcON-v0") -> Subject:
         raise ConfigError(f"{word}: cannot be made ({brief(str(error))}); give a Gymnasium id or MODULE:NAME") from None
     for name, cls in OURS.items():
         if isinstance(inner, cls):
+            _require_exact(word, core(inner).rig)
             return Subject(word, make, name)
     raise ConfigError(f"{word}: made of {type(inner).__name__}, expected one of {', '.join(OURS)} inside")
+
+
+def _require_exact(word: str, rig: RobotRig | None) -> None:
+    """Refuse a robot whose moves err: the checks carry out stored solutions without looking."""
+    if rig is not None and (rig.motion_noise or rig.odometry != "exact"):
+        raise ConfigError(f"{word}: a robot that moves with errors cannot be checked; give it rig=RobotRig.exact()")
 
 
 def wrapped(subject: Subject, wrapper: Callable[[Env], Env]) -> Subject:

@@ -53,7 +53,11 @@ class Twins(PartlyShared):
             believing: makes the belief about the target in a home that is known.
             height_m: of the target.
             reach_m: from how far away the target is recognised, metres of optical depth.
+
+        Raises:
+            ConfigError: the rules have no grid.
         """
+        env.rules.require_grid("twins of an episode are found by path lengths on the grid")
         self._reach_m, self._max_steps = reach_m, env.rules.max_steps
         known, frames, instance = _toured(env)
         places = Places(height_m)

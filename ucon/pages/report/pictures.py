@@ -14,12 +14,12 @@ from ucon.task.search import Search
 Pictures = Literal["none", "key", "all"]
 #: Side of a picture, pixels, and quality of its WebP: half a kilobyte each.
 SIDE_PX: Final = 112
-_FOV_DEG, _QUALITY = 90.0, 25
+_QUALITY: Final = 25
 
 
-def small_renderer() -> RasterRenderer:
-    """The renderer of all pictures."""
-    return RasterRenderer(SIDE_PX, SIDE_PX, _FOV_DEG)
+def small_renderer(fov_deg: float) -> RasterRenderer:
+    """The renderer of all pictures of a run, with its rules' angle of view."""
+    return RasterRenderer(SIDE_PX, SIDE_PX, fov_deg)
 
 
 class Album:

@@ -150,7 +150,7 @@ def _decision(decision: DecisionRecord, minds: Minds) -> dict[str, Any]:
 def _pose(search: Search) -> list[float]:
     """x, y (metres, world frame), heading in quarter turns, pitch in degrees."""
     x, y = search.xy
-    return [round(float(x), 3), round(float(y), 3), search.pose.heading, search.pose.pitch_deg]
+    return [round(float(x), 3), round(float(y), 3), round(search.pose.heading, 4), search.pose.pitch_deg]
 
 
 def _frame(album: Album | None, step: int, keys: set[int] | None) -> int:

@@ -18,6 +18,7 @@ from ucon.pages.report.minds import HeardModel
 from ucon.pages.report.pictures import Pictures, small_renderer
 from ucon.pages.report.story import Story, tell
 from ucon.task.episode import Episode
+from ucon.task.rules import task_rules
 
 #: What is told of each episode: itself, its record, and what the agent chose.
 Told = tuple[Episode, EpisodeRecord, Sequence[DecisionRecord]]
@@ -77,7 +78,7 @@ class Teller:
             if hasattr(self._agent, "language"):
                 self._agent.language = HeardModel(self._agent.language)
             one_thread()
-        self._renderer = None if how.pictures == "none" else small_renderer()
+        self._renderer = None if how.pictures == "none" else small_renderer(task_rules(str(env["task"])).fov_deg)
 
     def tell(self, episode: Episode, record: EpisodeRecord, decisions: Sequence[DecisionRecord]) -> Story:
         """Tell one episode; see :func:`ucon.pages.report.story.tell`."""

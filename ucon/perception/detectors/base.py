@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Protocol
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from numpy.typing import NDArray
 from ucon.core.geometry import HEADING_COS, HEADING_SIN
 from ucon.objects.catalogue import catalogue
 from ucon.perception.mapping.detections import STRUCTURE_KINDS, Detections
+
+#: A yaw this near to a quarter turn is one: poses have single precision.
+_EXACT_RAD: Final = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,19 +41,22 @@ class Frame:
     instance: NDArray[np.int16]
     """(H, W) the simulator's instance of every pixel, -1 where there is none."""
     counts: NDArray[np.int32]
-    """(n_instances,) pixels of each instance in the canonical 128 x 128 view of 90 degrees from the same pose."""
+    """(n_instances,) pixels of each instance in the rules' canonical view of 128 x 128 from the same pose."""
+    counts_fov_deg: float = 90.0
+    """Angle of that view."""
 
     @property
     def camera(self) -> NDArray[np.float64]:
         """(8,) float64, the camera as the map kernels take it.
 
         x, y, z in metres in the agent's start frame, cos yaw, sin yaw, cos pitch, sin pitch, focal length in pixels.
-        Headings are quarter turns, so that cos and sin of the yaw are exact.
+        Cosine and sine of quarter turns are exact.
         """
         x, y, yaw, pitch = (float(v) for v in self.pose)
         quarter = round(yaw / (np.pi / 2))
         focal_px = 0.5 * self.depth.shape[1] / np.tan(np.deg2rad(self.fov_deg) / 2)
-        heading = HEADING_COS[quarter % 4], HEADING_SIN[quarter % 4]
+        whole = abs(yaw - quarter * np.pi / 2) < _EXACT_RAD
+        heading = (HEADING_COS[quarter % 4], HEADING_SIN[quarter % 4]) if whole else (np.cos(yaw), np.sin(yaw))
         return np.array([x, y, self.camera_m, *heading, np.cos(pitch), np.sin(pitch), focal_px])
 
 

@@ -26,6 +26,7 @@ from ucon.perception.detectors.confusion import wrong_name
 from ucon.perception.detectors.noise_rates import GRID, LEAST_SCORE, Rates
 from ucon.perception.mapping.detections import MIN_PIXELS, STRUCTURE_KINDS
 from ucon.perception.tracking.tracker import GATE_M
+from ucon.sim.render.base import VIEW_PX, tan_half
 
 
 class NoisyDetector(BoxDetector):
@@ -105,7 +106,8 @@ class NoisyDetector(BoxDetector):
         """
         rates = self._rates
         kernels.outline(frame.depth, frame.instance, camera, *self._outlines)
-        chances = (rates.false_labels, rates.apart, rates.jitter, LEAST_SCORE, float(self._min_pixels))
+        focal_px = 0.5 * VIEW_PX / tan_half(frame.counts_fov_deg)
+        chances = (rates.false_labels, rates.apart, rates.jitter, LEAST_SCORE, float(self._min_pixels), focal_px)
         n = kernels.things(
             self._key, camera, frame.counts, self._surface_m2, self._outlines, self._curves, chances, self._found
         )

@@ -19,8 +19,6 @@ SPOT_M = 0.5
 FOUND, WRONG, NAME, EDGES, SCORE = 0, 1, 2, 3, 7
 #: Most pixels of the canonical view that a thing is expected to have: nearer than that it never shows whole.
 _WHOLE_PX = 4000.0
-#: Half the width in pixels of the canonical 128 x 128 view of 90 degrees: its focal length.
-_FOCAL_PX = 64.0
 #: Scores of small things are lower by so many standard deviations between a recall of 1 and of 0; see ``score``.
 _SIZE_SHIFT, _LEVEL = 0.8, 0.6
 
@@ -120,17 +118,18 @@ def _interpolated(x: float, curve: F64) -> float:
 
 
 @jit
-def recall(pixels: float, surface_m2: float, away_m: float, curves: Any) -> float:
+def recall(pixels: float, surface_m2: float, away_m: float, focal_px: float, curves: Any) -> float:
     """Probability that a thing is found.
 
     Args:
         pixels: of the thing in the canonical view.
         surface_m2: of a box of its catalogue size; a quarter of it is what shows on average.
         away_m: distance of what shows of it, metres.
+        focal_px: focal length of the canonical view, pixels.
         curves: see :meth:`ucon.perception.detectors.noise_rates.Rates.curves`.
     """
     sizes, shares, far = curves
-    whole = min(0.25 * surface_m2 * (_FOCAL_PX / max(away_m, 0.1)) ** 2, _WHOLE_PX)
+    whole = min(0.25 * surface_m2 * (focal_px / max(away_m, 0.1)) ** 2, _WHOLE_PX)
     share = _interpolated(pixels / max(whole, 1e-9), shares)
     return _interpolated(np.log(max(pixels, 1e-9)), sizes) * share * _interpolated(away_m, far)
 
@@ -149,7 +148,8 @@ def things(
         surface_m2: (n,) float64, of a box of the catalogue's size; 0 for what is no thing.
         outlines: box (n, 4), middle (n, 3) and count (n,) of :func:`outline`.
         curves: of the recall.
-        rates: probability of a wrong name, distance of the score distributions, jitter, least score, least pixels.
+        rates: probability of a wrong name, distance of the score distributions, jitter, least score, least pixels, and
+            the focal length of the canonical view.
         found: instance (n,) int32, name (n,) float64, score (n,) float64 and box (n, 4) float64, written. The name is
             -1 for the right one, else a uniform number that stands for a wrong one.
 
@@ -158,7 +158,7 @@ def things(
     """
     box, middle, count = outlines
     instance, name, scores, boxes = found
-    false_labels, apart, jitter, least, min_pixels = rates
+    false_labels, apart, jitter, least, min_pixels, focal_px = rates
     n = 0
     for k in range(counts.shape[0]):
         if counts[k] < min_pixels or count[k] == 0 or surface_m2[k] <= 0.0:
@@ -168,7 +168,7 @@ def things(
         side = int(np.floor(np.arctan2(dy, dx) / (np.pi / 4))) % 8
         octave = int(np.round(np.log2(max(away_m, 0.1))))
         look = hashed(hashed(hashed(key, k), side), octave + 8)
-        sure = recall(counts[k], surface_m2[k], away_m, curves)
+        sure = recall(counts[k], surface_m2[k], away_m, focal_px, curves)
         if uniform(look, FOUND) >= sure:
             continue
         wrong = uniform(look, WRONG) < false_labels

@@ -76,21 +76,21 @@ def draw_map(
             cv2.drawMarker(image, px((x0 + x1) / 2, (y0 + y1) / 2), TARGET, cv2.MARKER_TILTED_CROSS, 2 * cell_px, 3)
     _draw_path(image, [px(*view.xy) for view in (known.views if path is None else path)], cell_px)
     tip = known.view if path is None or not path else path[-1]
-    draw_agent(image, px, tip.xy, tip.heading, cell_px)
+    draw_agent(image, px, tip.xy, tip.direction, cell_px)
     return image
 
 
-def draw_agent(image: Image, px: Pixels, xy: tuple[float, float], heading: int, cell_px: int) -> None:
+def draw_agent(image: Image, px: Pixels, xy: tuple[float, float], direction: tuple[float, float], cell_px: int) -> None:
     """Draw the agent's position and heading into a picture, in place.
 
     Args:
         image: (H, W, 3) uint8.
         px: from metres to pixels, of :func:`pixels_of`.
         xy: position in metres in the map's frame.
-        heading: quarter turns counter-clockwise from the x axis.
+        direction: cosine and sine of the yaw.
         cell_px: pixels of one 0.25 m cell.
     """
-    c, s = (1, 0, -1, 0)[heading], (0, 1, 0, -1)[heading]
+    c, s = direction
     cv2.circle(image, px(*xy), max(3, cell_px * 2 // 3), AGENT, -1, cv2.LINE_AA)
     cv2.line(image, px(*xy), px(xy[0] + 0.5 * c, xy[1] + 0.5 * s), AGENT, 2, cv2.LINE_AA)
 

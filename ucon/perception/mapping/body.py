@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ucon.core.sharing import Shared
 from ucon.task.rules import PAPER, TaskRules, task_rules
+
+#: Twice the standard error of a stereo camera's depth of 1 m: .08 pixels of disparity, 50 mm between the lenses, a
+#: focal length of 424 pixels (Intel RealSense D435).
+_BLUR: Final = 2.0 * 0.08 / (0.05 * 424.0)
+#: Four in five points of a cell of 0.25 m are nearer to its middle than this.
+_OFF_NODE_M: Final = 0.125
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +33,12 @@ class Body(Shared):
     """The looks that a search chooses among; the others are used only to face a thing that was seen."""
     near_m: float
     """Horizontal distance in metres within which Open and Done act on a thing."""
+    headings: int = 4
+    """Headings of a full turn; a view is as wide as a turn (:mod:`ucon.core.compass`)."""
+    exact: bool = True
+    """Whether it stands on nodes of the grid and measures without error; else it is a real robot."""
+    blur: float = 0.0
+    """Depth in metres may be wrong by this times its square (twice the standard error)."""
 
     @classmethod
     def under(cls, rules: TaskRules) -> Body:
@@ -32,20 +47,41 @@ class Body(Shared):
             first = rules.start_height
             order = sorted(range(len(rules.camera_heights_m)), key=lambda h: (abs(h - first), h))
             eyes = {30 * (h - first): (rules.camera_heights_m[h], 0) for h in order}
-            return cls(eyes, (0,), rules.near_m)
+            return cls(eyes, (0,), rules.near_m, rules.headings, not rules.continuous, _BLUR * rules.continuous)
         height_m = rules.camera_heights_m[rules.start_height]
         eyes = {pitch: (height_m, pitch) for _, pitch in rules.views}
-        return cls(eyes, tuple(eyes), rules.near_m)
+        return cls(eyes, tuple(eyes), rules.near_m, rules.headings, not rules.continuous, _BLUR * rules.continuous)
 
     @classmethod
     def of(cls, info: Mapping[str, Any]) -> Body:
         """The body in the episode whose info at the reset is given; without ``task`` in it, under the paper's rules."""
-        return cls.under(task_rules(str(info.get("task", PAPER.name))))
+        rules = task_rules(str(info.get("task", PAPER.name)))
+        if rules.continuous and "camera_m" in info:  # an option of the robot's rig
+            rules = replace(rules, camera_heights_m=(float(info["camera_m"]),))
+        return cls.under(rules)
+
+    @property
+    def off_node_m(self) -> float:
+        """How far from the middle of a node it stands as a rule, metres: 0 on the grid."""
+        return 0.0 if self.exact else _OFF_NODE_M
+
+    @property
+    def fov_deg(self) -> float:
+        """Width of a view in degrees."""
+        return 360.0 / self.headings
 
     @property
     def camera_m(self) -> float:
         """Height of the camera above the floor in metres, at a level look."""
         return self.eyes[0][0]
+
+    def farthest(self, depth: NDArray[np.float32]) -> NDArray[np.float32]:
+        """How far away what the pixels show may be, at the edge of the camera's error.
+
+        Args:
+            depth: (H, W) metres along the optical axis.
+        """
+        return depth + np.float32(self.blur) * depth * depth if self.blur else depth
 
     def look(self, camera_m: float, pitch_deg: int) -> int:
         """The look that belongs to a camera pose, the nearest one where none fits exactly.

@@ -21,6 +21,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.compass import heading_to
 from ucon.perception.mapping.fine_kernels import EXPLORED, FINE_M, OBSTACLE, PER_CELL, walk
 from ucon.perception.mapping.fine_map import FINE_SIZE, Box, Cell, FineMap, cell_of, middle_of
 from ucon.perception.mapping.map_kernels import RADIUS_M
@@ -202,7 +203,7 @@ def _votes(explored: NDArray[np.uint8], cells: NDArray[np.int64], middle: Cell) 
 
 
 def _pose(here: Cell, votes: NDArray[np.int64], fine: FineMap, known: SemanticMap, planner: Planner) -> View | None:
-    """The nearest node to stand on for a frontier, facing the heading with most votes (of equals the cheapest)."""
+    """The nearest node to stand on for a frontier, facing the heading towards most votes (of equals the cheapest)."""
     x, y = middle_of(*here)
     ci, cj, span = here[0] // PER_CELL, here[1] // PER_CELL, int(SNAP_M / CELL_M) + 1
     i0, i1, j0, j1 = max(ci - span, 0), min(ci + span + 1, SIZE), max(cj - span, 0), min(cj + span + 1, SIZE)
@@ -215,6 +216,13 @@ def _pose(here: Cell, votes: NDArray[np.int64], fine: FineMap, known: SemanticMa
         if gaps[k] > SNAP_M:
             break
         if ways.metres((PER_CELL * i + PER_CELL // 2, PER_CELL * j + PER_CELL // 2)) <= _ASTRAY_M:
-            headings = [h for h in range(4) if votes[h] == votes.max()]
+            headings = _towards(votes, known.body.headings)
             return View(i, j, min(headings, key=lambda h: (int(planner.steps[i, j, h]), h)))
     return None
+
+
+def _towards(votes: NDArray[np.int64], n: int) -> list[int]:
+    """The headings of n towards most votes (4,)."""
+    if n == 4:
+        return [h for h in range(4) if votes[h] == votes.max()]
+    return [heading_to(float(votes[0] - votes[2]), float(votes[1] - votes[3]), n)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ucon.core.compass import DIRECTIONS
 from ucon.core.jit import F32, I32, U8, jit
 from ucon.perception.views.space_kernels import OPAQUE_M
 
@@ -22,7 +23,7 @@ def edges(
         window: cells (i0, i1, j0, j1), ends excluded.
         explored: (n, n) uint8.
         height: (n, n) float32, metres.
-        steps: (n, n, 4) int32, actions to every node and heading.
+        steps: (n, n, H) int32, actions to every node and heading.
         unreached: ``steps`` from this value on means unreachable.
         out: (i1 - i0, j1 - j0) uint8, written: 1 at frontier nodes.
     """
@@ -31,7 +32,7 @@ def edges(
         for j in range(j0, j1):
             if explored[i, j] == 0:
                 continue
-            if min(steps[i, j, 0], steps[i, j, 1], steps[i, j, 2], steps[i, j, 3]) >= unreached:
+            if steps[i, j].min() >= unreached:
                 continue
             for h in range(4):
                 a, b = i + _DI[h], j + _DJ[h]
@@ -49,7 +50,7 @@ def groups(label: I32, corner: tuple[int, int], explored: U8, steps: I32, out: I
         label: (a, b) int32, group of every node of a window, from 1; 0 for none.
         corner: cell (i0, j0) of the window's first row and column.
         explored: (n, n) uint8.
-        steps: (n, n, 4) int32, actions to every node and heading.
+        steps: (n, n, H) int32, actions to every node and heading.
         out: (groups, 4) int32, written; zeros before: node i, j, heading, nodes of the group.
     """
     count = out.shape[0]
@@ -90,9 +91,19 @@ def _vote(i: int, j: int, explored: U8, votes: I32) -> None:
 
 @jit
 def _heading(votes: I32, steps: I32) -> int:
-    """The heading with most votes (4,); of equal ones that with the fewest steps (4,), then the first."""
-    best = 0
-    for h in range(1, 4):
-        if votes[h] > votes[best] or (votes[h] == votes[best] and steps[h] < steps[best]):
-            best = h
+    """The heading towards most votes (4,); of equal ones that with the fewest steps (H,), then the first.
+
+    Votes are for the four neighbours; another number of headings goes by the sum of their directions.
+    """
+    n, best = steps.shape[0], 0
+    if n == 4:
+        for h in range(1, 4):
+            if votes[h] > votes[best] or (votes[h] == votes[best] and steps[h] < steps[best]):
+                best = h
+        return best
+    dx, dy, most = votes[0] - votes[2], votes[1] - votes[3], -1e9
+    for h in range(n):
+        along = DIRECTIONS[n, h, 0] * dx + DIRECTIONS[n, h, 1] * dy - 1e-3 * min(steps[h], 1000)
+        if along > most:
+            best, most = h, along
     return best

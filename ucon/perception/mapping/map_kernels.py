@@ -30,7 +30,9 @@ _ALIKE_M, _CLEAR = 1e-12, 1e-9
 
 
 @jit
-def integrate(depth: F32, tracks: I16, camera: F64, half: int, cells: Any, kind: U8, frozen: Flags, box: F64) -> None:
+def integrate(
+    depth: F32, tracks: I16, camera: F64, half: int, cells: Any, kind: U8, frozen: Flags, box: F64, far_m: float
+) -> None:
     """Add one frame to the cell maps and to the 3-D boxes of its tracks.
 
     Cells are updated from every second pixel. Boxes use every pixel, since a thing may have only four.
@@ -44,6 +46,7 @@ def integrate(depth: F32, tracks: I16, camera: F64, half: int, cells: Any, kind:
         kind: (T,) uint8, 0 for things, else the code of the structure.
         frozen: (T,) bool, tracks whose boxes must not change (opened ones: their doors swing).
         box: (T, 6) float64, updated: x0 y0 z0 x1 y1 z1 in metres.
+        far_m: points at this depth or more are not entered into the cells, metres.
     """
     rows, columns = depth.shape
     point, cell, aside = np.empty((3, columns)), np.empty((2, columns), np.int32), np.empty(columns)
@@ -55,7 +58,7 @@ def integrate(depth: F32, tracks: I16, camera: F64, half: int, cells: Any, kind:
         _widen(depth[v], tracks[v], point, kind, frozen, box)
         if v & 1 == 0:
             _cells(point, half, cell)
-            _mark(depth[v], tracks[v], point, cell, half, cells, kind, frozen)
+            _mark(depth[v], tracks[v], point, cell, half, cells, kind, frozen, far_m)
 
 
 @jit
@@ -97,13 +100,15 @@ def _widen(depth: F32, tracks: I16, point: F64, kind: U8, frozen: Flags, box: F6
 
 
 @jit
-def _mark(depth: F32, tracks: I16, point: F64, cell: I32, half: int, cells: Any, kind: U8, frozen: Flags) -> None:
+def _mark(
+    depth: F32, tracks: I16, point: F64, cell: I32, half: int, cells: Any, kind: U8, frozen: Flags, far_m: float
+) -> None:
     """Enter every second point of a row into the cell maps."""
     height, near, floor, blocked, walls = cells
     last = height.shape[0] - 1
     for u in range(0, depth.shape[0], 2):
         t, d, i, j = tracks[u], depth[u], cell[0, u], cell[1, u]
-        if t < 0 or t >= kind.shape[0] or not (0.0 < d < FAR_M) or i < 1 or j < 1 or i >= last or j >= last:
+        if t < 0 or t >= kind.shape[0] or not (0.0 < d < far_m) or i < 1 or j < 1 or i >= last or j >= last:
             continue
         if d < near[i, j]:
             near[i, j] = d
@@ -149,6 +154,27 @@ def _block(blocked: U8, i: int, j: int, dx: float, dy: float) -> None:
     blocked[a, j] |= ex * ex + dy * dy < RADIUS_M * RADIUS_M
     blocked[i, b] |= dx * dx + ey * ey < RADIUS_M * RADIUS_M
     blocked[a, b] |= ex * ex + ey * ey < RADIUS_M * RADIUS_M
+
+
+@jit
+def nearest(depth: F32, tracks: I16, camera: F64, out: F32) -> None:
+    """Horizontal distance from the camera to the nearest point of each track in a frame.
+
+    Args:
+        depth: (H, W) float32, metres along the optical axis, 0 where there is no reading.
+        tracks: (H, W) int16, track of every pixel, -1 for none.
+        camera: (8,) float64.
+        out: (T,) float32, written, metres; infinite for tracks that are not in view.
+    """
+    rows, columns = depth.shape
+    out[:] = np.inf
+    for v in range(rows):
+        ahead = camera[5] - camera[6] * (0.5 * rows - v - 0.5) / camera[7]
+        for u in range(columns):
+            t, d = tracks[v, u], depth[v, u]
+            if 0 <= t < out.shape[0] and 0.0 < d < FAR_M:
+                aside = (u + 0.5 - 0.5 * columns) / camera[7]
+                out[t] = min(out[t], np.float32(d * np.sqrt(ahead * ahead + aside * aside)))
 
 
 @jit

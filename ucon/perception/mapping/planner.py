@@ -1,7 +1,8 @@
-"""Shortest action sequences on the 0.25 m grid: breadth-first search over (cell, heading), every action one step.
+"""Shortest action sequences: breadth-first search over (cell, heading), every action one step.
 
 The planner may use the true free grid (``nav`` of the environment) or what the map has seen. Goals always come from the
-map. A move that failed marks its cell in the map, and the next plan avoids it.
+map. A move that failed marks its cell in the map, and the next plan avoids it. A robot that moves continuously plans on
+the lattice of its moves (:mod:`ucon.perception.mapping.lattice`), around the obstacles that it saw.
 """
 
 from __future__ import annotations
@@ -14,6 +15,9 @@ from numpy.typing import NDArray
 
 from ucon.core.jit import jit
 from ucon.core.sharing import PartlyShared
+from ucon.perception.mapping.body import PAPER_BODY, Body
+from ucon.perception.mapping.lattice import Lattice
+from ucon.perception.mapping.map_kernels import RADIUS_M
 from ucon.perception.mapping.nav import Nav
 from ucon.perception.mapping.semantic_map import HALF, SIZE, SemanticMap, View
 from ucon.task.actions import Action
@@ -21,6 +25,8 @@ from ucon.task.actions import Action
 I32: TypeAlias = NDArray[np.int32]
 
 UNREACHED = 1 << 29
+#: A robot that reaches fewer poses than this is stuck: those of its own node, and of two others.
+_FEW = 18
 _TURN = {0: (), 1: (Action.ROTATE_LEFT,), 2: (Action.ROTATE_LEFT, Action.ROTATE_LEFT), 3: (Action.ROTATE_RIGHT,)}
 _PRIMITIVES = (Action.MOVE_AHEAD, Action.ROTATE_LEFT, Action.ROTATE_RIGHT)
 
@@ -65,23 +71,25 @@ class Planner(PartlyShared):
     """Path lengths and plans from the agent's pose, for one episode.
 
     Attributes:
-        steps: (257, 257, 4) int32, actions to stand at a cell with a heading; UNREACHED where there is no path.
-        moves: (257, 257, 4) int32, those of the actions that are MoveAhead.
+        steps: (257, 257, H) int32, actions to stand at a cell with a heading; UNREACHED where there is no path.
+        moves: (257, 257, H) int32, those of the actions that are MoveAhead.
         origin: the pose that the paths start from.
     """
 
     _shared: ClassVar[frozenset[str]] = frozenset({"_true", "_used"})
 
-    def __init__(self, nav: Nav | Mapping[str, Any] | None = None) -> None:
+    def __init__(self, nav: Nav | Mapping[str, Any] | None = None, body: Body = PAPER_BODY) -> None:
         """Choose the grid.
 
         Args:
             nav: the environment's true grid (``free``, ``start``), or None to use what the map has seen.
+            body: the agent's; that of the paper's rules by default.
         """
         self._true = None if nav is None else _in_window(nav["free"], nav["start"])
-        self.steps = np.full((SIZE, SIZE, 4), UNREACHED, np.int32)
-        self.moves = np.zeros((SIZE, SIZE, 4), np.int32)
-        self._came = np.zeros((SIZE, SIZE, 4), np.int8)
+        self.steps = np.full((SIZE, SIZE, body.headings), UNREACHED, np.int32)
+        self.moves = np.zeros((SIZE, SIZE, body.headings), np.int32)
+        self._came = np.zeros((SIZE, SIZE, body.headings), np.int8)
+        self._lattice = None if body.exact else Lattice(UNREACHED)
         self._used: NDArray[np.int32] = np.zeros(0, np.int32)
         self.origin = View(HALF, HALF, 0)
 
@@ -102,11 +110,29 @@ class Planner(PartlyShared):
         """Compute all paths from the map's current pose. Call it before :meth:`cost` and :meth:`plan`."""
         self.origin = view = known.view
         self.steps.reshape(-1)[self._used] = UNREACHED
+        if self._lattice is not None:
+            self._used = self._on_lattice(self._lattice, known)
+            return
         free = self.free(known)
         free[view.i, view.j] = True
         queue = np.empty(SIZE * SIZE * 4, np.int32)
         count = _search(free, view.i, view.j, view.heading, self.steps, self.moves, self._came, queue)
         self._used = queue[:count].copy()
+
+    def _on_lattice(self, lattice: Lattice, known: SemanticMap) -> NDArray[np.int32]:
+        """Compute all paths of a robot; rows of ``steps`` that were written.
+
+        Where it cannot get away, since obstacles are where it stands by drift or noise, it takes itself for thinner.
+        """
+        assert known.obstacles is not None
+        view, window, used = known.view, known.extent(margin=6), np.zeros(0, np.int32)
+        for radius_m in (RADIUS_M, 0.5 * RADIUS_M, 0.0):
+            self.steps.reshape(-1)[used] = UNREACHED
+            free = known.obstacles.free(radius_m)
+            used = lattice.search(free, window, view.xy, view.heading, (self.steps, self.moves))
+            if len(used) >= _FEW:
+                break
+        return used
 
     def cost(self, goal: View) -> int:
         """Number of actions to reach a pose, LookUp and LookDown included.
@@ -124,6 +150,11 @@ class Planner(PartlyShared):
         """
         if self.steps[goal.i, goal.j, goal.heading] >= UNREACHED:
             return []
+        delta = (goal.pitch_deg - self.origin.pitch_deg) // 30
+        looks = [Action.LOOK_UP if delta > 0 else Action.LOOK_DOWN] * abs(delta)
+        if self._lattice is not None:
+            there = self._lattice.backwards(goal.i, goal.j, goal.heading)[::-1]
+            return [_PRIMITIVES[action] for action in there] + looks
         i, j, h = goal.i, goal.j, goal.heading
         backwards: list[Action] = []
         while (action := int(self._came[i, j, h])) >= 0:
@@ -132,9 +163,7 @@ class Planner(PartlyShared):
                 i, j = i - (1, 0, -1, 0)[h], j - (0, 1, 0, -1)[h]
             else:
                 h = (h - (1 if action == 1 else 3)) % 4
-        delta = (goal.pitch_deg - self.origin.pitch_deg) // 30
-        look = Action.LOOK_UP if delta > 0 else Action.LOOK_DOWN
-        return backwards[::-1] + [look] * abs(delta)
+        return backwards[::-1] + looks
 
 
 def turns(heading: int, wanted: int) -> tuple[Action, ...]:

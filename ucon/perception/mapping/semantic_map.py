@@ -7,13 +7,15 @@ ignored.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.compass import TAN_HALF
 from ucon.core.errors import ConfigError
 from ucon.core.geometry import HEADING_COS, HEADING_SIN
 from ucon.core.sharing import PartlyShared, Shared
@@ -22,6 +24,7 @@ from ucon.perception.hypotheses.hypotheses import Hypotheses
 from ucon.perception.mapping import map_kernels as kernels
 from ucon.perception.mapping.body import PAPER_BODY, Body
 from ucon.perception.mapping.detections import MIN_PIXELS, STRUCTURE_KINDS, Detections
+from ucon.perception.mapping.obstacles import ObstacleMap
 
 CELL_M = kernels.CELL_M
 #: Cell number of the start, in i and j.
@@ -35,7 +38,8 @@ NO_ERRORS = (
     "its errors are not known, and agents that map weigh what it says by them; fit them on training homes: "
     "python -m ucon detector fit {} FILE, then detector.errors=FILE"
 )
-_FOV_DEG = 90.0
+#: Points that a real camera sees at more than this depth are too uncertain for the cells of the map, metres.
+SURE_M = 4.0
 _PITCH = {p: (float(np.cos(np.deg2rad(p))), float(np.sin(np.deg2rad(p)))) for p in (-60, -30, 0, 30, 60)}
 
 
@@ -46,20 +50,39 @@ class View(Shared):
     Attributes:
         i: cell along x.
         j: cell along y.
-        heading: quarter turns counter-clockwise from +x.
+        heading: turns counter-clockwise from +x, of 90 degrees (60 for the real robot).
         pitch_deg: degrees, up positive. Under rules that move the camera instead, the look of
             :class:`~ucon.perception.mapping.body.Body`.
+        at: x, y in metres and yaw in radians of a robot that stands between nodes; None on a node.
     """
 
     i: int
     j: int
     heading: int
     pitch_deg: int = 0
+    at: tuple[float, float, float] | None = field(default=None, compare=False)
 
     @property
     def xy(self) -> tuple[float, float]:
         """Position (x, y) in metres in the start frame."""
+        return self.node_xy if self.at is None else self.at[:2]
+
+    @property
+    def node_xy(self) -> tuple[float, float]:
+        """Position (x, y) of the node in metres in the start frame; views are valued from there."""
         return (self.i - HALF) * CELL_M, (self.j - HALF) * CELL_M
+
+    @property
+    def direction(self) -> tuple[float, float]:
+        """Cosine and sine of the yaw."""
+        if self.at is None:
+            return HEADING_COS[self.heading], HEADING_SIN[self.heading]
+        return float(np.cos(self.at[2])), float(np.sin(self.at[2]))
+
+    @property
+    def quarter(self) -> int:
+        """The yaw as the nearest quarter turns."""
+        return self.heading if self.at is None else round(self.at[2] / (np.pi / 2)) % 4
 
 
 class SemanticMap(PartlyShared):
@@ -88,6 +111,7 @@ class SemanticMap(PartlyShared):
         inexact: whether the detector finds boxes, so that what was seen of a thing may be something else in part.
         hypotheses: what the tracks may be, where the detector errs; None where it does not.
         named_at: (>= T,) int32, step at which the name of a track last changed, -1 never.
+        obstacles: what a robot that moves continuously steers around; None on the grid.
     """
 
     _flat: ClassVar[frozenset[str]] = frozenset({"views", "category"})
@@ -102,6 +126,7 @@ class SemanticMap(PartlyShared):
         """
         self.body = body
         self.hypotheses = None if errors is None else Hypotheses(errors, target)
+        self.obstacles = None if body.exact else ObstacleMap()
 
         def grid(dtype: type, fill: float = 0) -> NDArray[Any]:
             return np.full((SIZE, SIZE), fill, dtype)
@@ -112,7 +137,8 @@ class SemanticMap(PartlyShared):
         self.walls = np.zeros((2, SIZE, SIZE), np.uint8)
         self.step = 0
         self.fresh = 0
-        self.inexact = False
+        self.inexact = not body.exact
+        self._nearest: NDArray[np.float32] | None = None
         self.views: list[View] = []
         self.category: list[str] = []
         self.instances: dict[str, list[int]] = {}
@@ -168,9 +194,9 @@ class SemanticMap(PartlyShared):
             info: ``detections``, ``tracks``, and where there are any ``opened``, ``camera_m``, ``fov_deg``.
 
         Raises:
-            ConfigError: the view is not 90 degrees wide.
+            ConfigError: the view is not as wide as the body's.
         """
-        require_right_angle(info)
+        require_width(info, self.body.fov_deg)
         view = view_of_pose(observation["pose"], float(info.get("camera_m", self.body.camera_m)), self.body)
         if self.views and bool(observation["collision"]):
             self._bump(self.view)
@@ -255,13 +281,21 @@ class SemanticMap(PartlyShared):
         n = self.n_tracks
         cells = (self.height, self.near, self.floor, self.blocked, self.walls)
         camera = camera_of(view, depth, self.body)
-        kernels.integrate(depth, image, camera, HALF, cells, self.kind[:n], self.opened[:n], self.box[:n])
+        far_m = kernels.FAR_M if self.obstacles is None else SURE_M
+        kernels.integrate(depth, image, camera, HALF, cells, self.kind[:n], self.opened[:n], self.box[:n], far_m)
+        if self.obstacles is not None:
+            self.obstacles.add(depth, camera)
+            self._nearest = np.empty(n, np.float32)
+            kernels.nearest(depth, image, camera, self._nearest)
         self.fresh = int(kernels.carve(depth, camera, HALF, self.explored, CARVE_M))
         self.visited[view.i, view.j] = 1
         self.explored[view.i, view.j] = 1
 
     def _bump(self, view: View) -> None:
         """Mark the node ahead of a pose: a move to it failed."""
+        if self.obstacles is not None:
+            self.obstacles.bump(view.xy, view.direction)
+            return
         i, j = view.i + (1, 0, -1, 0)[view.heading], view.j + (0, 1, 0, -1)[view.heading]
         if 0 <= i < SIZE and 0 <= j < SIZE:
             self.bumped[i, j] = 1
@@ -295,6 +329,18 @@ class SemanticMap(PartlyShared):
         x0, y0, _, x1, y1, _ = self.box[track]
         return float(np.hypot(max(x0 - xy[0], xy[0] - x1, 0.0), max(y0 - xy[1], xy[1] - y1, 0.0)))
 
+    def gap_now_m(self, track: int) -> float:
+        """Horizontal distance in metres from the agent to what was seen of a track.
+
+        For a robot, whose pose drifts, what it sees of the track now counts, if it is in view.
+
+        Args:
+            track: its number.
+        """
+        if self._nearest is not None and track < len(self._nearest) and np.isfinite(self._nearest[track]):
+            return float(self._nearest[track])
+        return self.gap_m(track, self.view.xy)
+
     def passable(self) -> NDArray[np.bool_]:
         """Nodes not known to be impassable; unexplored ones count as passable until seen or bumped into.
 
@@ -320,17 +366,18 @@ class SemanticMap(PartlyShared):
         )
 
 
-def require_right_angle(info: Mapping[str, Any]) -> None:
-    """Refuse frames that are not 90 degrees wide: the map and its thresholds are made for those.
+def require_width(info: Mapping[str, Any], fov_deg: float = 90.0) -> None:
+    """Refuse frames of another width than the task's: maps and their thresholds are made for that.
 
     Args:
-        info: of a frame; ``fov_deg`` is 90 by default.
+        info: of a frame; ``fov_deg`` is the task's by default.
+        fov_deg: the task's width, degrees.
 
     Raises:
-        ConfigError: the view is not 90 degrees wide.
+        ConfigError: the view has another width.
     """
-    if (fov_deg := float(info.get("fov_deg", _FOV_DEG))) != _FOV_DEG:
-        raise ConfigError(f"env.fov_deg={fov_deg:g}: agents that map see {_FOV_DEG:g} degrees; leave it at that")
+    if (given := float(info.get("fov_deg", fov_deg))) != fov_deg:
+        raise ConfigError(f"env.fov_deg={given:g}: agents that map see {fov_deg:g} degrees here; leave it at that")
 
 
 def frame_depth(observation: Mapping[str, Any], info: Mapping[str, Any]) -> NDArray[np.float32]:
@@ -348,7 +395,7 @@ def frame_depth(observation: Mapping[str, Any], info: Mapping[str, Any]) -> NDAr
 
 
 def camera_of(view: View, depth: NDArray[np.float32], body: Body) -> NDArray[np.float64]:
-    """The camera as the kernels take it; the image is 90 degrees wide and its pixels are square.
+    """The camera as the kernels take it; the image is as wide as the body's views and its pixels are square.
 
     Args:
         view: the agent's pose.
@@ -359,9 +406,9 @@ def camera_of(view: View, depth: NDArray[np.float32], body: Body) -> NDArray[np.
         (8,) float64: x, y, z, cos yaw, sin yaw, cos pitch, sin pitch, focal length in pixels.
     """
     x, y = view.xy
-    c, s = HEADING_COS[view.heading], HEADING_SIN[view.heading]
+    c, s = view.direction
     camera_m, pitch_deg = body.eyes[view.pitch_deg]
-    return np.array([x, y, camera_m, c, s, *_PITCH[pitch_deg], 0.5 * depth.shape[1]])
+    return np.array([x, y, camera_m, c, s, *_PITCH[pitch_deg], 0.5 * depth.shape[1] / TAN_HALF[body.headings]])
 
 
 def view_of_pose(
@@ -375,6 +422,10 @@ def view_of_pose(
         body: heights and pitches of the camera.
     """
     x, y, yaw, pitch = pose.tolist()
-    heading = round(yaw / (np.pi / 2)) % 4
+    heading = round(yaw * body.headings / (2.0 * np.pi)) % body.headings
     look = body.look(camera_m, round(np.rad2deg(pitch) / 30) * 30)
-    return View(round(x / CELL_M) + HALF, round(y / CELL_M) + HALF, heading, look)
+    if body.exact:
+        return View(round(x / CELL_M) + HALF, round(y / CELL_M) + HALF, heading, look)
+    # As the kernels do: a robot's moves of 0.125 m to the side end on the edges of cells.
+    i, j = (math.floor(v / CELL_M + 0.5) + HALF for v in (x, y))
+    return View(i, j, heading, look, (x, y, yaw))

@@ -13,7 +13,7 @@ import numpy as np
 from ucon.core.jit import F32, F64, I32, U8, Flags, jit, merged
 from ucon.perception.hypotheses.look_kernels import look_key
 from ucon.perception.mapping.map_kernels import CELL_M, shows
-from ucon.perception.views.view_kernels import add_to_views, between, in_sight, sight
+from ucon.perception.views.view_kernels import add_to_views, between, in_sight, in_view, sight
 
 #: Chances are given at every so many metres of distance, from 0 on.
 STEP_M = 0.25
@@ -92,7 +92,7 @@ def gain_by_chance(
         height: (c, c) float32, metres.
         walls: (2, c, c) uint8.
         half: cell number of the start.
-        out: (n, 4, 4) float64, updated: node, heading, pitch.
+        out: (n, H, 4) float64, updated: node, heading, pitch.
     """
     chance, sides, limits_m2 = model
     reach_m = STEP_M * chance.shape[0]
@@ -117,7 +117,7 @@ def gain_by_chance(
 
 @jit
 def fade_by_chance(
-    x: float, y: float, cam_z: float, heading: int, pitch: int, place: F64, hollow: F64, faces: U8, weight: F64,
+    x: float, y: float, cam_z: float, looks: tuple[int, int, int], place: F64, hollow: F64, faces: U8, weight: F64,
     model: Any, height: F32, walls: U8, half: int, unseen: F64, looked: Any, factor: float,
 ) -> None:  # fmt: skip
     """Multiply ``unseen`` of the points that a view was expected to show and evidently did not.
@@ -128,8 +128,7 @@ def fade_by_chance(
         x: of the camera, metres.
         y: of the camera, metres.
         cam_z: of the camera, metres.
-        heading: quarter turns.
-        pitch: number of the pitch in ``PITCHES_DEG``.
+        looks: heading, of how many, and number of the pitch in ``PITCHES_DEG``.
         place: (m, 3) float64, the points, metres.
         hollow: (m, 6) float64, boxes of their compartments, metres.
         faces: (m,) uint8, bits of the compartments' open sides.
@@ -144,7 +143,7 @@ def fade_by_chance(
     """
     chance, sides, limits_m2 = model
     reach_m = STEP_M * chance.shape[0]
-    view = np.zeros((4, 4))
+    heading, n, pitch = looks
     for m in range(place.shape[0]):
         if weight[m] <= 0.0:
             continue
@@ -156,9 +155,7 @@ def fade_by_chance(
             continue
         if not sight(x, y, cam_z, px, py, pz, height, walls, half):
             continue
-        view[:] = 0.0
-        add_to_views(dx, dy, dz, 1.0, reach_m, view)
         bit = np.uint64(1) << np.uint64(look_key(dx, dy, dz, sides, limits_m2))
-        if view[heading, pitch] > 0.0 and looked[m] & bit == 0:
+        if in_view(dx, dy, dz, heading, n, pitch, reach_m) and looked[m] & bit == 0:
             looked[m] |= bit
             unseen[m] *= factor

@@ -17,8 +17,8 @@ _MARGIN_M = 0.02
 
 
 def open_reach_m(known: SemanticMap) -> float:
-    """How near the seen part of a container must be for Open to reach it, in metres."""
-    return known.body.near_m - _MARGIN_M
+    """How near the seen part of a container must be to a node for Open to reach it from there, in metres."""
+    return known.body.near_m - _MARGIN_M - known.body.off_node_m
 
 
 def _opens(name: str) -> bool:
@@ -54,9 +54,9 @@ class Containers(PartlyShared):
 
     def in_reach(self, known: SemanticMap) -> list[int]:
         """Tracks of closed containers that Open would open now: in view and within reach, as the map has them."""
-        reach_m = open_reach_m(known)
+        reach_m = known.body.near_m - _MARGIN_M
         return [
             int(track)
             for track in self.closed(known)
-            if known.pixels[track] >= MIN_PIXELS and known.gap_m(int(track), known.view.xy) <= reach_m
+            if known.pixels[track] >= MIN_PIXELS and known.gap_now_m(int(track)) <= reach_m
         ]

@@ -223,7 +223,7 @@ class Places(PartlyShared):
         Returns:
             How many points the frame shows.
         """
-        flat = depth.reshape(depth.shape[:2])
+        flat = known.body.farthest(depth.reshape(depth.shape[:2]))
         camera = camera_of(known.view, flat, known.body)
         if self.sight is not None and miss < 1.0:
             return int(

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.compass import heading_to
 from ucon.core.sharing import PartlyShared
 from ucon.objects.catalogue import catalogue
 from ucon.perception.mapping.body import Body
@@ -41,7 +42,7 @@ class Approach(PartlyShared):
 
     def near(self, known: SemanticMap, track: int) -> bool:
         """Whether a track is within the reach of Done, as far as the map can tell."""
-        return known.gap_m(track, known.view.xy) <= float(_reach_m(known, np.array([track]))[0])
+        return known.gap_now_m(track) <= float(_reach_m(known, np.array([track]))[0])
 
     def failed(self, view: View) -> None:
         """Remember that the thing was not visible from a pose; the pose costs more from then on."""
@@ -83,8 +84,8 @@ class Approach(PartlyShared):
         failed = np.array([(v.i, v.j, v.heading, v.pitch_deg, n) for v, n in self._failed.items()], np.int32)
         poses, costs = np.zeros((len(tracks), 4), np.int32), np.full(len(tracks), UNREACHED, np.int32)
         best_views(
-            known.box[tracks], _reach_m(known, tracks), cells, known.explored, eyes, look, seen, failed.reshape(-1, 5),
-            poses, costs,
+            known.box[tracks], _reach_m(known, tracks) - known.body.off_node_m, cells, known.explored, eyes, look, seen,
+            failed.reshape(-1, 5), poses, costs,
         )  # fmt: skip
         poses[:, 3] = eyes[poses[:, 3], 3]
         return poses, costs
@@ -107,7 +108,7 @@ class Approach(PartlyShared):
             away[(nodes[:, 0] == view.i) & (nodes[:, 1] == view.j)] += times
         k = int(np.lexsort((steps, np.round(away, 3)))[0])
         dx, dy = (_center(box)[:2] - xy[k]).tolist()
-        heading = (0 if dx > 0 else 2) if abs(dx) >= abs(dy) else (1 if dy > 0 else 3)
+        heading = heading_to(dx, dy, known.body.headings)
         return View(int(nodes[k, 0]), int(nodes[k, 1]), heading)
 
     def _sights(self, known: SemanticMap, tracks: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from ucon.core.compass import DIRECTIONS, TAN_HALF
 from ucon.core.jit import F64, I32, U8, jit, merged
 from ucon.perception.mapping.map_kernels import CELL_M
 from ucon.perception.views.view_kernels import sight
 
-_DI, _DJ = (1, 0, -1, 0), (0, 1, 0, -1)
 #: Added to a pose's cost, in actions: if something known hides the thing, if the thing would be small in view, and for
 #: each time the pose failed.
 UNSEEN_COST = 25
@@ -28,7 +28,7 @@ def best_views(
     Args:
         boxes: (m, 6) float64, what was seen of the things, metres.
         reach_m: (m,) float64, horizontal distance that is near enough, metres.
-        cells: steps (n, n, 4) int32, actions to every node and heading; height (n, n); walls (2, n, n); half.
+        cells: steps (n, n, H) int32, actions to every node and heading; height (n, n); walls (2, n, n); half.
         allowed: (n, n) uint8, above 0 at nodes that may be stood on.
         eyes: (L, 4) float64, height in metres, cosine and sine of the pitch, look in degrees.
         look: the current look.
@@ -54,7 +54,7 @@ def _best_view(
     j0, j1 = int((box[1] - reach_m) / CELL_M) + half - 1, int((box[4] + reach_m) / CELL_M) + half + 2
     for i in range(max(i0, 0), min(i1, steps.shape[0])):
         for j in range(max(j0, 0), min(j1, steps.shape[1])):
-            if allowed[i, j] == 0 or min(steps[i, j, 0], steps[i, j, 1], steps[i, j, 2], steps[i, j, 3]) >= lowest:
+            if allowed[i, j] == 0 or steps[i, j].min() >= lowest:
                 continue
             x, y = (i - half) * CELL_M, (j - half) * CELL_M
             gap_x, gap_y = max(box[0] - x, x - box[3], 0.0), max(box[1] - y, y - box[4], 0.0)
@@ -74,16 +74,18 @@ def _at_node(
     x, y = (i - half) * CELL_M, (j - half) * CELL_M
     dx, dy = center[0] - x, center[1] - y
     judged_m, free = -1.0, False  # a sight line depends on the camera's height, not on heading and pitch
-    for heading in range(4):
+    n = steps.shape[2]
+    width = 0.93 * TAN_HALF[n]
+    for heading in range(n):
         if steps[i, j, heading] >= lowest:
             continue
-        c, s = _DI[heading], _DJ[heading]
+        c, s = DIRECTIONS[n, heading]
         flat, side = c * dx + s * dy, abs(s * dx - c * dy)
         for row in range(eyes.shape[0]):
             eye_m, cp, sp, degrees = eyes[row]
             rise = center[2] - eye_m
             optical, up = cp * flat + sp * rise, cp * rise - sp * flat
-            if not (optical > 0.1 and side <= 0.93 * optical and abs(up) <= 0.93 * optical):
+            if not (optical > 0.1 and side <= width * optical and abs(up) <= width * optical):
                 continue
             cost = steps[i, j, heading] + abs(int(degrees) - look) // 30
             if cost >= lowest:

@@ -16,13 +16,14 @@ ALIKE_CELLS = 3
 
 
 @jit
-def pick(nodes: I32, score: F64, order: I64, most: int, picked: I64, count: int) -> int:
+def pick(nodes: I32, headings: int, score: F64, order: I64, most: int, picked: I64, count: int) -> int:
     """Append views to a selection, in the given order, skipping those that are alike to a selected one.
 
     Args:
         nodes: (n, 2) int32.
-        score: (n * 4,) float64, of each node and heading; the first score of 0 or less ends the selection.
-        order: (n * 4,) int64, views as node * 4 + heading.
+        headings: their number H.
+        score: (n * H,) float64, of each node and heading; the first score of 0 or less ends the selection.
+        order: (n * H,) int64, views as node * H + heading.
         most: size of the selection.
         picked: (>= most,) int64, the selection; has ``count`` entries, more are written.
         count: entries before.
@@ -36,12 +37,12 @@ def pick(nodes: I32, score: F64, order: I64, most: int, picked: I64, count: int)
         view = order[k]
         if score[view] <= 0.0:
             break
-        i, j, heading = nodes[view >> 2, 0], nodes[view >> 2, 1], view & 3
+        i, j, heading = nodes[view // headings, 0], nodes[view // headings, 1], view % headings
         alike = False
         for m in range(count):
             other = picked[m]
-            if (other & 3) == heading:
-                di, dj = nodes[other >> 2, 0] - i, nodes[other >> 2, 1] - j
+            if other % headings == heading:
+                di, dj = nodes[other // headings, 0] - i, nodes[other // headings, 1] - j
                 if max(abs(di), abs(dj)) <= ALIKE_CELLS:
                     alike = True
                     break
@@ -58,13 +59,13 @@ def picked_views(
 
     Args:
         nodes: (n, 2) int32 cells.
-        score: (n, 4) float64, of the best pitch of each heading.
-        gain: (n, 4) float64, at that pitch.
+        score: (n, H) float64, of the best pitch of each heading.
+        gain: (n, H) float64, at that pitch.
         most: size of the selection.
-        first: a view that is always selected, as node * 4 + heading; -1 for none.
+        first: a view that is always selected, as node * H + heading; -1 for none.
 
     Returns:
-        (m,) int64, views as node * 4 + heading.
+        (m,) int64, views as node * H + heading.
     """
     picked = np.full(most, -1, np.int64)
     count = 0
@@ -72,7 +73,7 @@ def picked_views(
         picked[0], count = first, 1
     flat = np.ascontiguousarray(score.reshape(-1))
     by_score = np.argsort(-flat, kind="stable")
-    count = pick(nodes, flat, by_score, (3 * most) // 4, picked, count)
+    count = pick(nodes, score.shape[1], flat, by_score, (3 * most) // 4, picked, count)
     by_gain = np.argsort(-gain.reshape(-1), kind="stable")
-    count = pick(nodes, flat, by_gain, most, picked, count)
+    count = pick(nodes, score.shape[1], flat, by_gain, most, picked, count)
     return picked[:count]

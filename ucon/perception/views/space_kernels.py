@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.compass import sector
 from ucon.core.jit import F64, I32, U8, jit, merged
 from ucon.perception.mapping.map_kernels import CELL_M
 
@@ -55,7 +56,7 @@ def space_gain(nodes: I32, cells: Any, reach: tuple[int, float], weight: tuple[f
             unexplored area.
         reach: how far unexplored space counts, cells; and from how near explored space must have been seen, metres.
         weight: of a square metre of unexplored space, and of explored space that was seen only from farther away.
-        out: (n, 4) float64, updated.
+        out: (n, H) float64, updated.
     """
     if not nodes.shape[0]:
         return
@@ -66,27 +67,27 @@ def space_gain(nodes: I32, cells: Any, reach: tuple[int, float], weight: tuple[f
     )  # fmt: skip
     for n in range(nodes.shape[0]):
         for ray in range(RAYS):
-            heading = ((ray + RAYS // 8) % RAYS) // (RAYS // 4)
+            heading = sector((ray + 0.5) / RAYS, out.shape[1])
             out[n, heading] += _ray(nodes[n, 0], nodes[n, 1], ray, cells, state, reach, weight, 1.0)
 
 
 @jit
-def fade_space(i: int, j: int, heading: int, cells: Any, reach: tuple[int, float], factor: float) -> None:
+def fade_space(i: int, j: int, looks: tuple[int, int], cells: Any, reach: tuple[int, float], factor: float) -> None:
     """Multiply ``stale`` at the cells that a view was expected to show newly (and evidently did not show).
 
     Args:
         i: of the node.
         j: of the node.
-        heading: quarter turns.
+        looks: heading, and of how many.
         cells: as in :func:`space_gain`.
         reach: as in :func:`space_gain`.
         factor: multiplies ``stale``.
     """
     state = np.zeros(cells[0].shape, np.uint8)
     _states(cells, reach[1], i - MOST_CELLS, i + MOST_CELLS, j - MOST_CELLS, j + MOST_CELLS, state)
-    for k in range(RAYS // 4):
-        ray = (heading * (RAYS // 4) + k - RAYS // 8) % RAYS
-        _ray(i, j, ray, cells, state, reach, (1.0, 1.0), factor)
+    for ray in range(RAYS):
+        if sector((ray + 0.5) / RAYS, looks[1]) == looks[0]:
+            _ray(i, j, ray, cells, state, reach, (1.0, 1.0), factor)
 
 
 @jit

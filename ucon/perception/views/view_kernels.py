@@ -1,6 +1,7 @@
 """Kernels that value views: how much of the expected mass a pose would show, and what Open would open from there.
 
-A view is (node, heading 0..3, pitch -60, -30, 0 or 30). Sight lines are tested against the height map and the walls.
+A view is (node, heading, pitch -60, -30, 0 or 30); there are H headings, four or six. Sight lines are tested against
+the height map and the walls.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ucon.core.compass import DIRECTIONS, TAN_HALF
 from ucon.core.jit import F32, F64, I32, U8, jit, merged
 from ucon.perception.mapping.map_kernels import CELL_M, shows
 
@@ -147,7 +149,7 @@ def place_gain(
         height: (c, c) float32, metres.
         walls: (2, c, c) uint8.
         half: cell number of the start.
-        out: (n, 4, 4) float64, updated: node, heading, pitch.
+        out: (n, H, 4) float64, updated: node, heading, pitch.
     """
     span = int(reach_m / CELL_M) + 1
     for m in rows:
@@ -166,26 +168,30 @@ def place_gain(
 
 @merged
 def add_to_views(dx: float, dy: float, dz: float, w: float, reach_m: float, out: F64) -> None:
-    """Add ``w`` to every view (heading, pitch) of ``out`` (4, 4) in which a point (dx, dy, dz) from the camera lies."""
-    for heading in range(4):
-        if heading == 0:
-            flat, side = dx, abs(dy)
-        elif heading == 1:
-            flat, side = dy, abs(dx)
-        elif heading == 2:
-            flat, side = -dx, abs(dy)
-        else:
-            flat, side = -dy, abs(dx)
+    """Add ``w`` to every view (heading, pitch) of ``out`` (H, 4) in which a point (dx, dy, dz) from the camera lies."""
+    n = out.shape[0]
+    for heading in range(n):
         for p in range(4):
-            cp, sp = _COS[p], _SIN[p]
-            optical, up = cp * flat + sp * dz, cp * dz - sp * flat
-            if 0.15 < optical <= reach_m and side <= 0.95 * optical and abs(up) <= 0.95 * optical:
+            if in_view(dx, dy, dz, heading, n, p, reach_m):
                 out[heading, p] += w
+
+
+@merged
+def in_view(dx: float, dy: float, dz: float, heading: int, n: int, p: int, reach_m: float) -> bool:
+    """Whether a point (dx, dy, dz) from the camera lies in the view of heading ``heading`` of n and pitch number p.
+
+    A margin of 5 % of the view's width is left out.
+    """
+    c, s, width = DIRECTIONS[n, heading, 0], DIRECTIONS[n, heading, 1], 0.95 * TAN_HALF[n]
+    flat, side = c * dx + s * dy, abs(s * dx - c * dy)
+    cp, sp = _COS[p], _SIN[p]
+    optical, up = cp * flat + sp * dz, cp * dz - sp * flat
+    return 0.15 < optical <= reach_m and side <= width * optical and abs(up) <= width * optical
 
 
 @jit
 def fade_places(
-    x: float, y: float, cam_z: float, heading: int, pitch: int, place: F64, hollow: F64, faces: U8, weight: F64,
+    x: float, y: float, cam_z: float, looks: tuple[int, int, int], place: F64, hollow: F64, faces: U8, weight: F64,
     reach_m: float, height: F32, walls: U8, half: int, unseen: F64, factor: float,
 ) -> None:  # fmt: skip
     """Multiply ``unseen`` of the points that a view was expected to show, whether or not its frame really showed them.
@@ -194,8 +200,7 @@ def fade_places(
         x: of the camera, metres.
         y: of the camera, metres.
         cam_z: of the camera, metres.
-        heading: quarter turns.
-        pitch: number in ``PITCHES_DEG``.
+        looks: heading, of how many, and number of the pitch in ``PITCHES_DEG``.
         place: (m, 3) float64, the points, metres.
         hollow: (m, 6) float64, boxes of their compartments, metres.
         faces: (m,) uint8, bits of the compartments' open sides.
@@ -207,7 +212,7 @@ def fade_places(
         unseen: (m,) float64, updated.
         factor: multiplies ``unseen``.
     """
-    view = np.zeros((4, 4))
+    heading, n, pitch = looks
     for m in range(place.shape[0]):
         if weight[m] <= 0.0:
             continue
@@ -216,9 +221,7 @@ def fade_places(
             continue
         if not sight(x, y, cam_z, px, py, pz, height, walls, half):
             continue
-        view[:] = 0.0
-        add_to_views(px - x, py - y, pz - cam_z, 1.0, reach_m, view)
-        if view[heading, pitch] > 0.0:
+        if in_view(px - x, py - y, pz - cam_z, heading, n, pitch, reach_m):
             unseen[m] *= factor
 
 
@@ -237,7 +240,7 @@ def open_gain(
         height: (c, c) float32, metres.
         walls: (2, c, c) uint8.
         half: cell number of the start.
-        out: (n, 4, 4) float64, updated: node, heading, pitch.
+        out: (n, H, 4) float64, updated: node, heading, pitch.
     """
     span = int(reach_m / CELL_M) + 1
     for m in range(boxes.shape[0]):

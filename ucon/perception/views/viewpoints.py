@@ -79,28 +79,28 @@ class Costs(Shared):
 
 @dataclass(frozen=True, eq=False)
 class ViewValues(Shared):
-    """Gains, costs and scores of all views: n nodes, 4 headings, and the 4 pitches of ``PITCHES_DEG``."""
+    """Gains, costs and scores of all views: n nodes, H headings, and the 4 pitches of ``PITCHES_DEG``."""
 
     nodes: NDArray[np.int32]
     """(n, 2) cells i, j."""
     looks: NDArray[np.float64]
-    """(n, 4, 4) expected mass that looking shows."""
+    """(n, H, 4) expected mass that looking shows."""
     space: NDArray[np.float64]
-    """(n, 4, 4) the part of ``looks`` that is in unexplored space, or in space seen only from far away."""
+    """(n, H, 4) the part of ``looks`` that is in unexplored space, or in space seen only from far away."""
     opens: NDArray[np.float64]
-    """(n, 4, 4) expected mass behind the doors that Open opens."""
+    """(n, H, 4) expected mass behind the doors that Open opens."""
     steps: NDArray[np.float64]
-    """(n, 4) actions to the node and heading, without LookUp and LookDown; UNREACHED where there is no path."""
+    """(n, H) actions to the node and heading, without LookUp and LookDown; UNREACHED where there is no path."""
     moves: NDArray[np.int32]
-    """(n, 4) those of the actions that are MoveAhead."""
+    """(n, H) those of the actions that are MoveAhead."""
     cost: NDArray[np.float64]
-    """(n, 4, 4) weighted by :class:`Costs`; infinite where there is no path."""
+    """(n, H, 4) weighted by :class:`Costs`; infinite where there is no path."""
     look_score: NDArray[np.float64]
-    """(n, 4, 4) gain over cost of looking."""
+    """(n, H, 4) gain over cost of looking."""
     both_score: NDArray[np.float64]
-    """(n, 4, 4) gain over cost of looking and opening."""
+    """(n, H, 4) gain over cost of looking and opening."""
     score: NDArray[np.float64]
-    """(n, 4, 4) the better of the two."""
+    """(n, H, 4) the better of the two."""
     kept_at: tuple[int, int, int]
     """Node, heading and pitch numbers of the view that the agent is on its way to; -1 first where there is none."""
 
@@ -109,7 +109,7 @@ class ViewValues(Shared):
 
         Args:
             n: row of the node.
-            h: heading, quarter turns.
+            h: heading.
             p: number of the pitch in ``PITCHES_DEG``.
         """
         view = View(int(self.nodes[n, 0]), int(self.nodes[n, 1]), h, kernels.PITCHES_DEG[p])
@@ -204,7 +204,7 @@ class Viewpoints(PartlyShared):
         if not len(nodes):
             return None
         looks, space, opens = self._gains(nodes, known, places, expected, closed)
-        steps = planner.steps[nodes[:, 0], nodes[:, 1]].astype(float)  # (n, 4)
+        steps = planner.steps[nodes[:, 0], nodes[:, 1]].astype(float)  # (n, H)
         moves = planner.moves[nodes[:, 0], nodes[:, 1]]
         pitch = np.abs(np.array(kernels.PITCHES_DEG) - known.view.pitch_deg) / 30.0
         cost = moves + self.costs.turn * (steps - moves)
@@ -234,11 +234,11 @@ class Viewpoints(PartlyShared):
         return Choice(View(i, j, heading, known.view.pitch_deg), False, 0.0, 0.0)
 
     def _around(self, looks: NDArray[np.float64], cost: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Score of looking in two and in four headings at the same node and pitch, the better of both; (n, 4, 4)."""
+        """Score of looking in two and in all headings at the same node and pitch, the better of both; (n, H, 4)."""
         extra = self.costs.around
         two = looks + np.maximum(np.roll(looks, 1, axis=1), np.roll(looks, -1, axis=1))
-        four = looks.sum(axis=1, keepdims=True)
-        return np.maximum(two / (cost + extra), four / (cost + 3.0 * extra))
+        all_round = looks.sum(axis=1, keepdims=True)
+        return np.maximum(two / (cost + extra), all_round / (cost + (looks.shape[1] - 1.0) * extra))
 
     def _nodes(self, known: SemanticMap, planner: Planner, keep: View | None) -> NDArray[np.int32]:
         """Reachable explored nodes (n, 2), all of them nearby and every second row and column farther off."""
@@ -263,8 +263,8 @@ class Viewpoints(PartlyShared):
         expected: Expectation,
         closed: NDArray[np.int64],
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Mass that looking shows, the part of it in space, and the mass that opening shows: three arrays (n, 4, 4)."""
-        ways = np.zeros((len(nodes), 4))
+        """Mass that looking shows, the part of it in space, and the mass that opening shows: three arrays (n, H, 4)."""
+        ways = np.zeros((len(nodes), known.body.headings))
         interest = self._even if expected.interest is None else expected.interest
         cells = (known.explored, known.height, known.near, self.stale, interest)
         reach = (self.costs.space_cells, self.reach_m)
@@ -323,21 +323,22 @@ class Viewpoints(PartlyShared):
             factor: multiplies both.
         """
         view = known.view
-        x, y = view.xy
+        x, y = view.node_xy  # what was expected was expected from there
         cells = (known.explored, known.height, known.near, self.stale, self._even)
-        fade_space(view.i, view.j, view.heading, cells, (self.costs.space_cells, self.reach_m), factor)
+        looks, reach = (view.heading, known.body.headings), (self.costs.space_cells, self.reach_m)
+        fade_space(view.i, view.j, looks, cells, reach, factor)
         if view.pitch_deg not in {*kernels.PITCHES_DEG} & {*known.body.searching} or not len(places.xyz):
             return
-        pitch = kernels.PITCHES_DEG.index(view.pitch_deg)
+        at = (*looks, kernels.PITCHES_DEG.index(view.pitch_deg))
         weight = self.weights(places, expected, closed)
         if places.sight is not None:
             fade_by_chance(
-                x, y, known.body.camera_m, view.heading, pitch, places.xyz, places.hollow, places.faces, weight,
+                x, y, known.body.camera_m, at, places.xyz, places.hollow, places.faces, weight,
                 places.sight.model, known.height, known.walls, HALF, places.unseen, places.looked, factor,
             )  # fmt: skip
             return
         kernels.fade_places(
-            x, y, known.body.camera_m, view.heading, pitch, places.xyz, places.hollow, places.faces, weight,
+            x, y, known.body.camera_m, at, places.xyz, places.hollow, places.faces, weight,
             self.reach_m, known.height, known.walls, HALF, places.unseen, factor,
         )  # fmt: skip
 

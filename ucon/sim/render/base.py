@@ -15,7 +15,7 @@ from ucon.sim.house import House
 
 VIEW_PX: Final = 128
 VIEW_FOV_DEG: Final = 90.0
-"""The canonical view: pixels are always counted at this size and angle, whatever the observation."""
+"""The canonical view: pixels are counted at this size and, unless the rules have another one, this angle."""
 
 SKY: Final = -1
 """Instance number of pixels that show nothing."""
@@ -100,7 +100,7 @@ class Renderer(Protocol):
         pitch_deg: float,
         counts: NDArray[np.int32] | None = None,
     ) -> NDArray[np.int32]:
-        """Pixels of every instance in the canonical view (128 x 128, 90 degrees).
+        """Pixels of every instance in the canonical view (128 x 128, 90 degrees unless the rules say otherwise).
 
         Args:
             x: of the camera, world metres.

@@ -46,6 +46,7 @@ class RasterRenderer(PartlyShared):
         builder: ModelBuilder = catalogue_model,
         sample: tuple[float, float] = (0.5, 0.5),
         cull: bool = True,
+        counting_fov_deg: float = VIEW_FOV_DEG,
     ) -> None:
         """Set the image; load a home before rendering.
 
@@ -57,6 +58,7 @@ class RasterRenderer(PartlyShared):
             builder: where models come from.
             sample: point of a pixel that is sampled, as fractions from its top left.
             cull: skip what is not visible; images are the same without.
+            counting_fov_deg: angle of the canonical view, in which pixels are counted; the rules' one.
 
         Raises:
             ConfigError: size or angle out of range.
@@ -68,8 +70,8 @@ class RasterRenderer(PartlyShared):
         self._cull = cull
         self._camera = np.array([0, 0, 0, 1, 0, 1, 0, tan_half(fov_deg), *sample], np.float64)
         self._make_buffers()
-        canonical = width == height == VIEW_PX and fov_deg == VIEW_FOV_DEG and sample == (0.5, 0.5)
-        self._view: RasterRenderer | None = None if canonical else self._counting_view()
+        canonical = width == height == VIEW_PX and fov_deg == counting_fov_deg and sample == (0.5, 0.5)
+        self._view: RasterRenderer | None = None if canonical else self._counting_view(counting_fov_deg)
         self._arena: Arena | None = None
 
     def _make_buffers(self) -> None:
@@ -84,8 +86,10 @@ class RasterRenderer(PartlyShared):
         self.__dict__.update(state)
         self._make_buffers()
 
-    def _counting_view(self) -> RasterRenderer:
-        return RasterRenderer(textured=False, builder=self._builder, cull=self._cull)
+    def _counting_view(self, fov_deg: float) -> RasterRenderer:
+        return RasterRenderer(
+            fov_deg=fov_deg, textured=False, builder=self._builder, cull=self._cull, counting_fov_deg=fov_deg
+        )
 
     @property
     def arena(self) -> Arena:

@@ -50,6 +50,7 @@ class TinyRenderer:
         *,
         builder: ModelBuilder = catalogue_model,
         oracle: bool = False,
+        counting_fov_deg: float = VIEW_FOV_DEG,
     ) -> None:
         """Set the image; load a home before rendering.
 
@@ -59,6 +60,7 @@ class TinyRenderer:
             fov_deg: horizontal angle of view.
             builder: where models come from.
             oracle: used on purpose as a reference; suppresses the warning about its speed.
+            counting_fov_deg: angle of the canonical view, in which pixels are counted.
 
         Raises:
             ConfigError: size or angle out of range.
@@ -74,6 +76,7 @@ class TinyRenderer:
         import pybullet
 
         self.width, self.height, self.fov_deg = width, height, fov_deg
+        self._counting_fov_deg = counting_fov_deg
         self._bullet: Any = pybullet
         self._client: int = pybullet.connect(pybullet.DIRECT)
         self._builder = builder
@@ -216,7 +219,7 @@ class TinyRenderer:
         if counts is None:
             counts = np.empty(self.n_instances, np.int32)
         check_buffer("counts", counts, (self.n_instances,), np.int32)
-        bodies = self._image(VIEW_PX, VIEW_PX, VIEW_FOV_DEG, (x, y, z), heading, pitch_deg)[2]
+        bodies = self._image(VIEW_PX, VIEW_PX, self._counting_fov_deg, (x, y, z), heading, pitch_deg)[2]
         seen = self._instance_of[bodies]
         counts[:] = np.bincount(seen[seen >= 0], minlength=self.n_instances)
         return counts

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from itertools import islice
@@ -19,17 +20,21 @@ from ucon.habits.types import HabitDataset
 from ucon.sim.cache import load_house
 from ucon.sim.render import RasterRenderer
 from ucon.sim.state import SceneState
+from ucon.task.begin import begun_search
 from ucon.task.check import check_home
 from ucon.task.episode import Episode
 from ucon.task.making.sampler import EpisodeSampler
 from ucon.task.making.set_plans import Order
-from ucon.task.rules import PAPER, task_rules
-from ucon.task.search import Pose, Search
+from ucon.task.robot.rig import RobotRig
+from ucon.task.rules import PAPER, TaskRules, task_rules
+from ucon.task.search import Search
 
 T = TypeVar("T")
 R = TypeVar("R")
 #: Added to the seed of an order that no episode could be sampled for.
 RETRY_SEED_STEP = 1 << 32
+#: Lengths that differ by less are the same, metres.
+_SAME_M = 1e-6
 #: Largest journal that is read, bytes.
 _MAX_JOURNAL = 1 << 30
 
@@ -200,11 +205,10 @@ def verify_episode(episode: Episode) -> str:
         check_home(episode, house)
     except UconError as error:
         return str(error)
-    world, eyes = SceneState(house, episode.arrangement), RasterRenderer()
+    world = SceneState(house, episode.arrangement)
+    eyes = RasterRenderer(fov_deg=rules.fov_deg, counting_fov_deg=rules.fov_deg)
     eyes.load(house, episode.arrangement)
-    start = episode.start
-    pose = Pose(start.i, start.j, start.heading, rules.start_height, 0)
-    search = Search(world, eyes, house.n_instances + episode.target, pose, rules)
+    search = begun_search(episode, world, eyes, rules, RobotRig.exact() if rules.continuous else None)
     if search.target_in_reach():
         return "the target is in reach at the start"
     return _walk(search, episode, rules.max_steps)
@@ -212,20 +216,35 @@ def verify_episode(episode: Episode) -> str:
 
 def _walk(search: Search, episode: Episode, max_steps: int) -> str:
     """Walk the solution; "" or what is wrong."""
-    moved = 0
+    moved_m, least_m = 0.0, search.metres_to_near(search.target)
     if len(episode.solution) > max_steps:
         return f"the solution has {len(episode.solution)} steps, expected at most {max_steps}"
     for number, digit in enumerate(episode.solution):
-        before = search.pose
+        before = search.xy
         outcome = search.step(int(digit))
-        moved += (search.pose.i, search.pose.j) != (before.i, before.j)
+        moved_m += math.dist(before, search.xy)
         if outcome.collision:
             return f"the solution is blocked at step {number}"
         if outcome.done:
-            length_m = moved * 0.25
             if not outcome.success:
                 return "the solution's Done fails"
-            if abs(length_m - episode.shortest_path_m) > 1e-6:
-                return f"the solution is {length_m} m long, recorded {episode.shortest_path_m} m"
-            return ""
+            return _wrong_length(moved_m, least_m, episode, search.rules)
     return "the solution does not end in Done"
+
+
+def _wrong_length(walked_m: float, least_m: float, episode: Episode, rules: TaskRules) -> str:
+    """Whether the recorded shortest path may be one; "" or what is wrong.
+
+    Args:
+        walked_m: length of the solution, which is the shortest on the grid.
+        least_m: metres from the start to within reach of the target, as the crow flies.
+        episode: has the recorded length.
+        rules: of the episode.
+    """
+    recorded_m = episode.shortest_path_m
+    if not rules.continuous:
+        same = abs(walked_m - recorded_m) <= _SAME_M
+        return "" if same else f"the solution is {walked_m} m long, recorded {recorded_m} m"
+    if not least_m - _SAME_M <= recorded_m <= walked_m + _SAME_M:
+        return f"a shortest path of {recorded_m} m, expected {least_m:.3f} to {walked_m:.3f} m"
+    return ""

@@ -12,23 +12,26 @@ from ucon.evaluation.kept.record import EpisodeRecord
 from ucon.pages.home_plan import footprint, placed_in, plan_of
 from ucon.pages.serve.house_by_name import house_by_name
 from ucon.task.episode import Episode
+from ucon.task.robot.rig import RobotRig
+from ucon.task.rules import task_rules
 from ucon.task.spoken import target_place
 
 
-def ended(episode: Episode, record: EpisodeRecord, source: HabitSource) -> dict[str, Any]:
+def ended(episode: Episode, record: EpisodeRecord, source: HabitSource, rig: RobotRig | None = None) -> dict[str, Any]:
     """What is shown after an episode; nothing of it may be shown before.
 
     Args:
         episode: that was played.
         record: of it.
         source: the habits it was played with.
+        rig: of a robot.
 
     Returns:
         Figures, words, ``plan`` and ``placed`` as ``data/plan.js`` draws them, the ways as points in metres, and
         ``turn``, quarter turns clockwise after which the plan lies as the map of what was seen.
     """
     house = house_by_name(episode.scene)
-    own, env = _walked(episode, record.actions, source)
+    own, env = _walked(episode, record.actions, source, rig)
     boxes, room = env.search.world.boxes, house.spec.rooms[episode.target_object.room].type
     opened = [footprint(boxes[k]) for k in np.flatnonzero(env.search.opened).tolist()]
     shown = {
@@ -53,7 +56,8 @@ def ended(episode: Episode, record: EpisodeRecord, source: HabitSource) -> dict[
         "turn": episode.start.heading % 4,
     }
     env.close()
-    shortest, again = _walked(episode, episode.solution, source)
+    exact = RobotRig.exact() if task_rules(episode.task).continuous else None
+    shortest, again = _walked(episode, episode.solution, source, exact)
     again.close()
     return shown | {"shortest": shortest}
 
@@ -73,13 +77,15 @@ def _why_lost(record: EpisodeRecord) -> str:
     }[record.failure_cause]
 
 
-def _walked(episode: Episode, actions: str, source: HabitSource) -> tuple[list[list[float]], UcONEnv]:
+def _walked(
+    episode: Episode, actions: str, source: HabitSource, rig: RobotRig | None
+) -> tuple[list[list[float]], UcONEnv]:
     """Carry out actions without pictures.
 
     Returns:
         Nodes of the way in metres, and the environment at its end.
     """
-    env = UcONEnv([episode], habit_level="none", source=source, task=episode.task, observe="symbolic")
+    env = UcONEnv([episode], habit_level="none", source=source, task=episode.task, rig=rig, observe="symbolic")
     env.reset(options={"episode": episode})
     for digit in actions:
         env.step(int(digit))

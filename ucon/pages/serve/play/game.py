@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, Final
 
+from ucon.configuration.wiring import Factory
 from ucon.core.errors import ConfigError, UconError
 from ucon.evaluation.figures.metrics import summarise
 from ucon.evaluation.kept.record import EpisodeRecord
@@ -206,7 +207,13 @@ class Game:
             record = self._records.get(episode)
         if record is None or episode not in self._index:
             raise ConfigError("this episode is not over yet; its end is shown when it is")
-        return ended(self.evaluation.episodes[self._index[episode]], record, self.evaluation.source)
+        rig = self.evaluation.config["env"].get("rig")
+        return ended(
+            self.evaluation.episodes[self._index[episode]],
+            record,
+            self.evaluation.source,
+            None if rig is None else Factory(rig)(),
+        )
 
     def rules(self) -> list[dict[str, str]]:
         """Names and effects of the seven actions."""
