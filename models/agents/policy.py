@@ -18,6 +18,7 @@ from ucon.core.rng import stream
 from ucon.learning.policies.action_policy import Arrays, Tensors, rounded_logits, stacked, tensors_of
 from ucon.search.thoughts import Thoughts
 from ucon.task.agent import Info, Observation
+from ucon.task.rules import PAPER, task_rules
 
 if TYPE_CHECKING:
     from models.nets.policy_defaults import PolicyModule
@@ -120,8 +121,10 @@ class PolicyAgent:
             slots: their numbers; None: the first ones.
 
         Raises:
-            ConfigError: more habits than the weights were trained with.
+            ConfigError: more habits than the weights were trained with, or a task whose turns are not 90 degrees.
         """
+        for info in infos:
+            _check_turns(self.name, info)
         self._prepare()
         for slot, info in zip(slots_of(infos, slots), infos, strict=True):
             self._check_length(info)
@@ -212,3 +215,13 @@ class PolicyAgent:
         self._weights.load()
         self.policy.to(torch_device(self._device, "agent.device")).eval()
         self._ready = True
+
+
+def _check_turns(name: str, info: Info) -> None:
+    """Refuse a task in which a policy over the seven actions would not know what a turn does."""
+    rules = task_rules(str(info.get("task", PAPER.name)))
+    if rules.turn_deg != PAPER.turn_deg:
+        raise ConfigError(
+            f"agent {name}: learned turns of {PAPER.turn_deg} degrees, and those of task={rules.name} are of "
+            f"{rules.turn_deg}; choose an agent that maps, such as agent=belief or agent=habit_policy"
+        )

@@ -24,9 +24,9 @@ from ucon.perception.detectors.box_detector import BoxDetector
 from ucon.perception.detectors.boxes import Boxes
 from ucon.perception.detectors.confusion import wrong_name
 from ucon.perception.detectors.noise_rates import GRID, LEAST_SCORE, Rates
-from ucon.sim.render.base import VIEW_PX, tan_half
 from ucon.perception.mapping.detections import MIN_PIXELS, STRUCTURE_KINDS
 from ucon.perception.tracking.tracker import GATE_M
+from ucon.sim.render.base import VIEW_PX, tan_half
 
 
 class NoisyDetector(BoxDetector):

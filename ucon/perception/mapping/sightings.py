@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -16,6 +17,8 @@ from ucon.perception.mapping.detections import STRUCTURE_KINDS, Detections
 from ucon.perception.mapping.semantic_map import SemanticMap, View, camera_of, frame_depth
 
 FLOOR_CODE = STRUCTURE_KINDS["floors"]
+#: Frames from within this distance are of one place, metres: a robot that turns is shifted by a few millimetres.
+_SAME_M = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +45,7 @@ class Sightings:
             images: keep the colour images.
         """
         self._floor, self._images = floor, images
-        self._node: tuple[int, int] | None = None
+        self._at: tuple[float, float] | None = None
         self._frames: dict[int, _Frame] = {}
 
     def look(self, known: SemanticMap, observation: Mapping[str, Any], info: Mapping[str, Any]) -> None:
@@ -54,8 +57,8 @@ class Sightings:
             info: of the frame.
         """
         view = known.view
-        if self._node != (view.i, view.j):
-            self._node, self._frames = (view.i, view.j), {}
+        if self._at is None or math.dist(self._at, view.xy) > _SAME_M:
+            self._at, self._frames = view.xy, {}
         if view.pitch_deg == 0:
             rgb = observation.get("rgb") if self._images else None
             self._frames[view.heading] = _Frame(view, Detections.from_info(info), frame_depth(observation, info), rgb)
