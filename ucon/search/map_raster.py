@@ -84,7 +84,7 @@ def _furniture(known: SemanticMap) -> tuple[NDArray[np.int64], NDArray[np.float3
 def _mark(spots: F32, xy: NDArray[np.float64], values: NDArray[Any], view: View) -> None:
     """Add values (n, C) of points (n, 2), metres, to the cells around the agent, (C, W, W)."""
     cells = np.floor(xy / CELL_M + 0.5).astype(np.int64) + HALF - np.array([view.i, view.j])
-    at = to_agent_frame(cells, view) + _WINDOW // 2
+    at = np.rint(to_agent_frame(cells, view)).astype(np.int64) + _WINDOW // 2
     inside = ((at >= 0) & (at < _WINDOW)).all(1)
     np.add.at(spots, (slice(None), *at[inside].T), values[inside].T)
 

@@ -38,13 +38,15 @@ SCALE: Final = 0.01
 
 @dataclass(frozen=True, slots=True)
 class Slip(Shared):
-    """What a move or turn does beside what was wanted, in the robot's frame."""
+    """What a move or turn does beside what was wanted, in the robot's frame, and what of it goes unnoticed."""
 
     ahead_m: float = 0.0
     aside_m: float = 0.0
     """To the left."""
     yaw_deg: float = 0.0
     """Counter-clockwise."""
+    drift_deg: float = 0.0
+    """By how much the odometry mistakes the change of the yaw."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,12 +65,6 @@ class RobotErrors(Shared):
         """The slip of a turn at a step."""
         return self._slip(step, TURN_AHEAD_M, TURN_ASIDE_M, TURN_YAW_RAD)
 
-    def drift_deg(self, step: int) -> float:
-        """By how much the odometry mistakes the change of the yaw at a step."""
-        if self.rig.odometry == "exact":
-            return 0.0
-        return float(DRIFT_DEG * stream(self.rig.seed, "drift", self.episode, step).standard_normal())
-
     def scale(self) -> float:
         """What the odometry takes a metre for."""
         if self.rig.odometry == "exact":
@@ -82,12 +78,13 @@ class RobotErrors(Shared):
     def _slip(
         self, step: int, ahead: tuple[float, float], aside: tuple[float, float], yaw: tuple[float, float]
     ) -> Slip:
-        strength = self.rig.motion_noise
-        if strength == 0.0:
+        strength, drifts = self.rig.motion_noise, self.rig.odometry == "drift"
+        if strength == 0.0 and not drifts:
             return Slip()
         draw = stream(self.rig.seed, "motion", self.episode, step)
+        drift_deg = DRIFT_DEG * draw.standard_normal() * drifts
         a, b, c = (_either_side(draw, *size) * strength for size in (ahead, aside, yaw))
-        return Slip(a, b, math.degrees(c))
+        return Slip(a, b, math.degrees(c), drift_deg)
 
 
 def _either_side(draw: np.random.Generator, mean: float, deviation: float) -> float:

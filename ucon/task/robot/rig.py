@@ -9,15 +9,16 @@ from typing import Any, Final, Literal
 from ucon.core.errors import ConfigError, brief
 from ucon.core.sharing import Shared
 from ucon.sim.robot.floor import Floor
-from ucon.sim.robot.floor_kernels import HORIZON_M
 from ucon.task.search import SceneWorld
 
 #: What the robot steps over, metres: as on the navigation grid.
 STEP_OVER_M: Final = 0.05
 #: From the camera to the highest point of the rig, metres.
 ABOVE_CAMERA_M: Final = 0.1
-#: Doors are two cells of the navigation grid wide at least: a body of this radius stands in the narrowest.
+#: Greatest radius: homes leave ways for one of 0.18 m, and a body wider than this is shut in by the furniture.
 WIDEST_M: Final = 0.3
+#: Least one: thinner than the rods that carry the camera.
+_THINNEST_M: Final = 0.01
 _HIGHEST_M: Final = 1.8
 
 
@@ -45,8 +46,7 @@ class RobotRig(Shared):
     def __post_init__(self) -> None:
         low, high = STEP_OVER_M + ABOVE_CAMERA_M, _HIGHEST_M - ABOVE_CAMERA_M
         _check("camera_m", self.camera_m, low, high, "metres above the floor")
-        least = 0.01
-        _check("radius_m", self.radius_m, least, min(WIDEST_M, HORIZON_M / 2), "metres; doors are hardly wider")
+        _check("radius_m", self.radius_m, _THINNEST_M, WIDEST_M, "metres, for which homes leave ways")
         _check("motion_noise", self.motion_noise, 0.0, 10.0, "times the published errors")
         if type(self.seed) is not int or self.seed < 0:
             raise ConfigError(f"rig.seed={brief(self.seed)}: expected a whole number from 0 up")

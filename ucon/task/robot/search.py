@@ -91,20 +91,22 @@ class RobotSearch(Search):
     def _move(self) -> bool:
         """Move ahead; whether it got at least half of the way."""
         slip = self.errors.of_move(self.steps)
-        return self._go(MOVE_M + slip.ahead_m, slip.aside_m, slip.yaw_deg) >= COLLISION_SHARE
+        return self._go(MOVE_M + slip.ahead_m, slip.aside_m, slip.yaw_deg, slip.drift_deg) >= COLLISION_SHARE
 
     def _turn(self, direction: int) -> None:
         """Turn to the left (1) or to the right (-1), until the odometry says that it is done."""
         slip = self.errors.of_turn(self.steps)
-        self._go(slip.ahead_m, slip.aside_m, self._odometry.to_next(direction, self.rules.turn_deg) + slip.yaw_deg)
+        turned_deg = self._odometry.to_next(direction, self.rules.turn_deg) + slip.yaw_deg
+        self._go(slip.ahead_m, slip.aside_m, turned_deg, slip.drift_deg)
 
-    def _go(self, ahead_m: float, left_m: float, turned_deg: float) -> float:
+    def _go(self, ahead_m: float, left_m: float, turned_deg: float, drift_deg: float) -> float:
         """Move along the yaw and across it until something is touched, and turn.
 
         Args:
             ahead_m: metres along the yaw.
             left_m: metres across it.
             turned_deg: change of the yaw that the odometry measures.
+            drift_deg: by how much more than the true one.
 
         Returns:
             The share of the way that was possible.
@@ -114,7 +116,7 @@ class RobotSearch(Search):
         dx, dy = c * ahead_m - s * left_m, s * ahead_m + c * left_m
         free_m = self._ground.free_way(pose.x, pose.y, dx, dy) if way else 0.0
         share = free_m / way if way else 1.0
-        yaw_deg = (pose.yaw_deg + turned_deg - self.errors.drift_deg(self.steps)) % 360.0
+        yaw_deg = (pose.yaw_deg + turned_deg - drift_deg) % 360.0
         measured = share * self._scale
         self._odometry = self._odometry.after(measured * ahead_m, measured * left_m, turned_deg)
         self.moved_m += free_m
