@@ -10,13 +10,18 @@ import json
 from pathlib import Path
 from typing import Any
 
+from ucon.commands.home import case_figure
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options to its parser."""
     from ucon.configuration.stored import add_said
 
-    parser.add_argument("retrieval", metavar="RETRIEVAL", type=Path, help="run folder of an agent at level retrieval")
-    parser.add_argument("gt", metavar="GT", type=Path, help="run folder of the same agent at level gt")
+    case_figure.add_arguments(parser)
+    parser.add_argument(
+        "retrieval", nargs="?", metavar="RETRIEVAL", type=Path, help="run folder of an agent at level retrieval"
+    )
+    parser.add_argument("gt", nargs="?", metavar="GT", type=Path, help="run folder of the same agent at level gt")
     parser.add_argument("--episodes", help="set or file that both played (default: what the runs say)")
     parser.add_argument("--out", type=Path, metavar="FILE", help="keep these episodes, to play them again by path")
     add_said(parser)
@@ -38,6 +43,7 @@ def run(args: argparse.Namespace) -> int:
     """
     from ucon.configuration.stored import checked, said_in
     from ucon.configuration.wiring import Factory
+    from ucon.core.errors import ConfigError
     from ucon.core.output import stdout_to_stderr
     from ucon.envs.own_home import episodes_of
     from ucon.evaluation.figures.landmark_cases import landmark_cases
@@ -47,6 +53,10 @@ def run(args: argparse.Namespace) -> int:
     from ucon.task.sets import save_episodes
     from ucon.task.spoken import target_place
 
+    if args.figure is not None:
+        return case_figure.run(args)
+    if args.gt is None:
+        raise ConfigError("RETRIEVAL GT: expected the folders of two runs, or --figure")
     config, said, where = read_config(args.retrieval), said_in(args), str(args.retrieval / CONFIG)
     checked(config, where, (), said, "--set ")
     _require_one_setting(config, read_config(args.gt))

@@ -35,6 +35,7 @@ def run(args: argparse.Namespace) -> int:
     from ucon.scenes.library import SCENES, is_home_name
     from ucon.sim import cache
     from ucon.task import sets
+    from ucon.task.own_home.shipped import home_path
 
     named = sets.episode_sets()
     wanted = [*(args.episodes or ()), *(name for name in args.names if name in named)]
@@ -50,7 +51,7 @@ def run(args: argparse.Namespace) -> int:
     with stdout_to_stderr():
         files = sets.pack_sets(wanted, args.out / sets.IN_PACK) if args.out and wanted else []
         homes = sorted({*homes, *(e.scene for source in files or wanted for e in sets.load_episodes(source))})
-        homes += [keep_set(own_set(file), args.out) for file in own]
+        homes += [keep_set(own_set(home_path(file)), args.out) for file in own]
         folder = args.out / cache.IN_PACK if args.out else cache.PACKED
         paths = cache.pack_homes(homes, folder, fresh=args.out is None)
     sizes = [path.stat().st_size / 1024 for path in paths]

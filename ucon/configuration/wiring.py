@@ -112,8 +112,8 @@ def folder_habits(path: str, task: str = "paper") -> HabitDataset:
     Placements of a folder are not validated.
 
     Args:
-        path: the file or folder.
-        task: rule set of the episodes, for a home file.
+        path: the file or folder, or the name of a shipped home.
+        task: rule set of the episodes, for a home.
 
     Raises:
         ConfigError: there is no such path.
@@ -123,10 +123,11 @@ def folder_habits(path: str, task: str = "paper") -> HabitDataset:
     from ucon.habits.book import read_book
     from ucon.habits.datafile import SUFFIX, load_dataset_file
     from ucon.objects.catalogue import catalogue
+    from ucon.task.own_home.shipped import is_shipped
 
+    if is_home_file(path):
+        return own_set(Path(path) if is_shipped(path) else existing(path, "habits.path"), task).dataset
     found = existing(path, "habits.path")
-    if is_home_file(found):
-        return own_set(found, task).dataset
     read = load_dataset_file if found.name.endswith(SUFFIX) else read_book
     dataset = read(found, catalogue().names)
     _warn_of_language(dataset)

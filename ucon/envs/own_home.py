@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -27,6 +27,7 @@ from ucon.task.episode import Episode
 from ucon.task.own_home.building import build, home_name, unplaced
 from ucon.task.own_home.placing import placed_requests
 from ucon.task.own_home.reading import read_home
+from ucon.task.own_home.shipped import CASES, home_path, is_shipped
 from ucon.task.own_home.wish import OwnHome
 from ucon.task.rules import PAPER, task_rules
 from ucon.task.sets import SUFFIX as EPISODES
@@ -53,15 +54,15 @@ class OwnSet(NamedTuple):
 
 
 def is_home_file(name: object) -> bool:
-    """Whether ``episodes=`` names a home file rather than a set."""
-    return isinstance(name, str | Path) and Path(name).suffix.lower() in ENDINGS
+    """Whether ``episodes=`` names a home, by its file or as one that is shipped, rather than a set."""
+    return isinstance(name, str | Path) and (Path(name).suffix.lower() in ENDINGS or is_shipped(name))
 
 
 def episodes_of(name: str | Path, task: str = PAPER.name, *, context: bool = False) -> tuple[Episode, ...]:
-    """The episodes of a set, a file of episodes, or a home file.
+    """The episodes of a set, a file of episodes, or a home.
 
     Args:
-        name: of the set or file.
+        name: of the set, file or shipped home.
         task: rule set.
         context: the version of a set whose episodes state their context.
 
@@ -78,20 +79,24 @@ def episodes_of(name: str | Path, task: str = PAPER.name, *, context: bool = Fal
 def own_set(path: Path, task: str = PAPER.name) -> OwnSet:
     """Episodes and habits of a home file; made once, then kept in the user's cache for this version of the code.
 
-    They are looked for in a pack, too.
+    They are looked for in a pack, too. A case is the one search that is shown of a shipped home.
 
     Args:
-        path: the file.
+        path: the file, or the name of a shipped home or case.
         task: rule set under which the episodes are solvable.
 
     Raises:
         DataError: faults of the file, each with its line, or PyBullet, which places things, is missing.
         SceneError: the home cannot be built.
     """
-    wish = read_home(path.expanduser())
+    wish = read_home(home_path(path))
     if not wish.requests:
         raise DataError(f"{wish.where}: nothing to search; add 'requests', such as - mug: on the breakfast table")
-    return _made(_Wish(wish, _content(wish, task)), task)
+    made = _made(_Wish(wish, _content(wish, task)), task)
+    if (case := CASES.get(str(path))) is None:
+        return made
+    shown = [e for e in made.episodes if (e.target_category, e.seed) == (case.target, case.day)]
+    return made._replace(episodes=tuple(shown))
 
 
 class _Wish:
@@ -152,7 +157,7 @@ def say_made(path: Path, made: OwnSet) -> None:
     kept = dict.fromkeys(f"{e.target_category.replace('_', ' ')} {target_place(e)}" for e in made.episodes)
     n = len(made.episodes)
     say_once(f"{path}: {made.name}, {n} search{'es' if n > 1 else ''}: {', '.join(kept)}")
-    for one in unplaced(read_home(path.expanduser()), load_house(made.name), nearest=False):
+    for one in unplaced(read_home(home_path(path)), load_house(made.name), nearest=False):
         say_once(f"warning: {one}; `python -m ucon home check {path}` says what fits instead")
 
 
@@ -167,10 +172,10 @@ def read_places(target: str, habits: Sequence[str]) -> tuple[Sequence[str], NDAr
 def _content(home: OwnHome, task: str) -> str:
     """Hash of all that decides the episodes of a home."""
     asked = [
-        (one.target, one.place and (one.place.relation, one.place.anchor), [habit.text for habit in one.habits])
-        for one in home.requests
+        [(one.target, [asdict(place) for place in one.places], [habit.text for habit in one.habits]) for one in group]
+        for group in (home.requests, home.things)
     ]
-    what = [home_name(home), asked, home.starts, task, _code_version()]
+    what = [home_name(home), asked, home.others, home.starts, task, _code_version()]
     return sha256_bytes(canonical_json(what).encode())[:16]
 
 
@@ -240,7 +245,8 @@ def make_episode(
     """Make one search in a home, by habits of one's own.
 
     Args:
-        home: a home file; the same content as a dict; or the name of a home (``Rs_int``, ``procedural:flat:3``).
+        home: a home file; the same content as a dict; or the name of a home (``robot_flat``, ``Rs_int``,
+            ``procedural:flat:3``).
         habits: sentences; they replace those of the file.
         target: what is searched, such as ``mug``; the first request of the file by default.
         place: where the target is kept, such as ``in the top cabinet``; by default where the habits say.
@@ -270,6 +276,6 @@ def _source(home: str | Path | Mapping[str, Any]) -> Path | Mapping[str, Any]:
     if isinstance(home, Mapping):
         return home
     if is_home_file(home) or isinstance(home, Path):
-        return Path(home).expanduser()
+        return home_path(home)
     check_home_name(str(home))
     return {"home": str(home)}

@@ -6,14 +6,14 @@ import argparse
 import json
 import sys
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ucon.sim.house import House
     from ucon.task.own_home.building import Unplaced
-    from ucon.task.own_home.placing import Placed
+    from ucon.task.own_home.placed import Placed
     from ucon.task.own_home.wish import OwnHome
 
 #: Left out where a room is described in words.
@@ -22,8 +22,16 @@ _OF_EVERY_ROOM = ("window", "electric_switch", "room_light", "door")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the action's options to its parser."""
-    parser.add_argument("file", type=Path, metavar="FILE.yaml", help="the home; `home new FILE.yaml` writes one")
+    parser.add_argument(
+        "file",
+        type=Path,
+        metavar="FILE.yaml",
+        help="the home; `home new FILE.yaml` writes one, and robot_flat is shipped",
+    )
     parser.add_argument("--plan", type=Path, metavar="FILE.png", help="draw the floor plan into a picture")
+    parser.add_argument(
+        "--picture", type=Path, metavar="FILE.png", help="draw the home, and what a camera sees of each room"
+    )
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
@@ -46,18 +54,21 @@ def run(args: argparse.Namespace) -> int:
     from ucon.task.own_home.building import build, unplaced
     from ucon.task.own_home.placing import placed_requests
     from ucon.task.own_home.reading import raise_in_order, read_as_far
+    from ucon.task.own_home.shipped import home_path
     from ucon.task.rules import PAPER
 
-    if args.plan is not None:
-        require_writable(args.plan)
+    for picture in (args.plan, args.picture):
+        if picture is not None:
+            require_writable(picture)
+    file = home_path(args.file)
     with stdout_to_stderr():
-        wish, faults = read_as_far(args.file.expanduser())
+        wish, faults = read_as_far(file)
         try:
             name, house = build(wish)
         except UconError as error:
             if faults.found:
                 faults.found.append(str(error))
-                raise_in_order(faults, args.file.expanduser())
+                raise_in_order(faults, file)
             raise
         missing = unplaced(wish, house)
         if args.plan is not None:
@@ -68,6 +79,8 @@ def run(args: argparse.Namespace) -> int:
         except DataError:
             _warn(missing)
             raise
+    if args.picture is not None:
+        _picture(wish, house, placed, args.picture)
     found = _found(wish, name, house, placed) | {"not placed": [str(one) for one in missing]}
     if args.json:
         print(json.dumps(found, indent=1))
@@ -113,11 +126,13 @@ def _found(wish: OwnHome, name: str, house: House, placed: tuple[Placed, ...]) -
 
 
 def _request(one: Placed, rooms: list[str]) -> dict[str, Any]:
+    from ucon.task.own_home.places import spoken
     from ucon.task.spoken import spoken_place
 
+    said = " or ".join(spoken(place) for place in one.request.places)
     return {
         "target": one.request.target,
-        "place": spoken_place(one.place.relation, one.place.anchor),
+        "place": said or spoken_place(one.place.relation, one.place.anchor),
         "room": rooms[one.episodes[0].target_object.room],
         "chance_by_habits": None if one.chance is None else round(one.chance, 3),
         "shortest_path_m": [episode.shortest_path_m for episode in one.episodes],
@@ -159,3 +174,15 @@ def _draw(house: House, path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     Image.fromarray(draw_plan(house.spec)).save(path, format="png")
     say_written(path, "the floor plan")
+
+
+def _picture(wish: OwnHome, house: House, placed: Sequence[Placed], path: Path) -> None:
+    from ucon.core.output import say_written
+    from ucon.evaluation.figures.home_picture import draw_home
+    from ucon.sim.arrangement import Arrangement
+    from ucon.task.own_home.building import rooms_by_name
+
+    arrangement = placed[0].episodes[0].arrangement if placed else Arrangement()
+    names = tuple(rooms_by_name(wish, house).values())
+    draw_home(house, arrangement, names, f"{wish.called}, {house.spec.area_m2:.0f} m2", path)
+    say_written(path, "the home")

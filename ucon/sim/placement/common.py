@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ucon.objects.catalogue import catalogue
-from ucon.objects.model import Category
+from ucon.objects.model import Category, Relation
 from ucon.sim.placement.kernels import rug_tops
-from ucon.sim.placement.slots import Slot, SlotPose, clear, flipped, nearest_node_m, slot_boxes, slots_at
+from ucon.sim.placement.slots import Slot, SlotPose, clear, flipped, half_turned, nearest_node_m, slot_boxes, slots_at
+from ucon.sim.placement.spot import ANYWHERE, Spot
 from ucon.sim.placement.surroundings import Surroundings
 from ucon.sim.shapes import Array, Solid
 
@@ -31,6 +32,8 @@ class PlacementRequest:
         shape: its collision primitives.
         anchor: instance.
         rng: random numbers.
+        relation: to the anchor.
+        spot: what is said of the place beside.
     """
 
     scene: Surroundings
@@ -38,6 +41,8 @@ class PlacementRequest:
     shape: Solid
     anchor: int
     rng: np.random.Generator
+    relation: Relation = "ontop"
+    spot: Spot = ANYWHERE
 
     @property
     def row(self) -> Category:
@@ -82,7 +87,12 @@ def ordered(
         z, penalty = z + rugs[:, 0], penalty + 5.0 * rugs[:, 1]  # Half on a rug it would tilt.
         boxes = slot_boxes(centres, z, pose)
     order = np.argsort(noise + penalty, kind="stable")
-    turned = flipped(request.shape, pose, request.rng)
+    if request.spot != ANYWHERE:
+        right = request.spot.holds(request.scene, request.relation, request.anchor, centres, pose.extent[:2])
+        order = order[right[order]]
+    turned = _turned(request, pose)
+    if turned is None:
+        return
     found = 0
     for start in range(0, len(order), 64):
         rows = order[start : start + 64]
@@ -91,6 +101,15 @@ def ordered(
         found += len(rows)
         if found >= keep:
             return
+
+
+def _turned(request: PlacementRequest, pose: SlotPose) -> SlotPose | None:
+    """The pose or its half turn, at random; of those that face as they should, where that is said."""
+    turned = flipped(request.shape, pose, request.rng)
+    if not request.spot.facing:
+        return turned
+    ways = (turned, half_turned(request.shape, turned))
+    return next((way for way in ways if request.spot.faces(request.scene, request.anchor, way)), None)
 
 
 def depth_penalty(request: PlacementRequest, centres: Array, z: float) -> Array | float:

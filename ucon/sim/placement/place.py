@@ -20,6 +20,7 @@ from ucon.sim.placement.predicates import holds
 from ucon.sim.placement.reasons import Reason, RefusedError
 from ucon.sim.placement.settle import Miss, Settled, settle
 from ucon.sim.placement.slots import Slot
+from ucon.sim.placement.spot import ANYWHERE, Spot
 from ucon.sim.placement.surroundings import Surroundings
 from ucon.sim.shapes import enclosing, object_box, primitive_boxes, quat_of_matrix, solid
 
@@ -40,6 +41,7 @@ def place(
     relation: Relation,
     anchor: int,
     rng: np.random.Generator,
+    spot: Spot = ANYWHERE,
 ) -> PlacedObject:
     """Place one object at an anchor and let it settle.
 
@@ -53,6 +55,7 @@ def place(
         relation: ``ontop``, ``inside``, ``under`` or ``nextto``.
         anchor: instance number, of the house or of an object in ``arrangement``.
         rng: source of all choices.
+        spot: what is said of the place beside; its room is the caller's choice of an anchor.
 
     Raises:
         RefusedError: a :class:`PlacementError` with a ``reason``.
@@ -65,8 +68,7 @@ def place(
         raise RefusedError("absent_anchor", f"instance {anchor} is not in {house.spec.name}")
     if row.mount == "structure":
         raise RefusedError("implausible", f"{category} is part of a building and cannot be put anywhere")
-    request = PlacementRequest(scene, category, solid(category), anchor, rng)
-    return _first(request, relation)
+    return _first(PlacementRequest(scene, category, solid(category), anchor, rng, relation, spot))
 
 
 def with_object(house: House, arrangement: Arrangement, placed: PlacedObject) -> Arrangement:
@@ -77,8 +79,9 @@ def with_object(house: House, arrangement: Arrangement, placed: PlacedObject) ->
     return replace(arrangement, objects=(*arrangement.objects, placed), blocked=blocked)
 
 
-def _first(request: PlacementRequest, relation: Relation) -> PlacedObject:
+def _first(request: PlacementRequest) -> PlacedObject:
     """The first slot at which the object settles and the relation holds."""
+    relation = request.relation
     reason: Reason = "no_free_slot"
     falls: Counter[float] = Counter()
     for slot in islice(_SAMPLERS[relation](request), _MAX_SLOTS):
@@ -107,6 +110,9 @@ def _is_right(request: PlacementRequest, relation: Relation, settled: Settled) -
         expected = scene.holder_at((own[:3] + own[3:]) / 2, but=anchor)[0]
         if scene.holder_at((box[:3] + box[3:]) / 2)[0] != expected:
             return False
+    centre, extent = (box[None, :2] + box[None, 3:5]) / 2, box[3:5] - box[:2]
+    if not request.spot.holds(scene, relation, anchor, centre, extent)[0]:  # it slid or rolled away
+        return False
     return holds(scene, relation, anchor, box, settled.contacts) and can_spare(scene, nodes_taken(scene, box))
 
 

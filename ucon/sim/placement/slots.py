@@ -113,7 +113,12 @@ def _pose(shape: Solid, turn: Array) -> SlotPose:
 
 def flipped(shape: Solid, pose: SlotPose, rng: np.random.Generator) -> SlotPose:
     """The pose or its half turn, at random: both need the same space."""
-    return _pose(shape, yaw_matrix(2) @ pose.turn) if rng.random() < 0.5 else pose
+    return half_turned(shape, pose) if rng.random() < 0.5 else pose
+
+
+def half_turned(shape: Solid, pose: SlotPose) -> SlotPose:
+    """The pose turned by half a turn about the vertical."""
+    return _pose(shape, yaw_matrix(2) @ pose.turn)
 
 
 def centres_in(rect: Array, extent: Array, overhang: float = 0.0) -> Array:

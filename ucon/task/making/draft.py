@@ -86,6 +86,12 @@ def anchor_instances(house: House, draft: Draft, category: str) -> list[int]:
     return base + added
 
 
+def room_of(house: House, draft: Draft, instance: int) -> int:
+    """Number of the room of an instance of the home, or of a placed object."""
+    n = house.n_instances
+    return int(house.instance_room[instance]) if instance < n else draft.objects[instance - n].room
+
+
 def bearing_categories(house: House) -> set[str]:
     """Categories that other items of the home stand on, and structure; they are never removed."""
     boxes, items = house.boxes[: house.n_items], house.spec.items

@@ -5,7 +5,7 @@ Needs PyBullet (placements settle in it); replaying a stored episode does not.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,23 +15,36 @@ from ucon.core.rng import stream
 from ucon.habits.contexts import Context
 from ucon.habits.splits import Split
 from ucon.habits.types import HabitDataset
+from ucon.objects.model import Relation
 from ucon.sim.arrangement import Arrangement
 from ucon.sim.cache import load_house
 from ucon.sim.house import House
 from ucon.sim.placement import import_anchor, importable, place
+from ucon.sim.placement.spot import ANYWHERE, Spot
 from ucon.sim.render import RasterRenderer
 from ucon.sim.state import SceneState
 from ucon.task.episode import Episode
-from ucon.task.making.draft import Draft, anchor_instances, instances_of, replacement
+from ucon.task.making.draft import Draft, anchor_instances, instances_of, replacement, room_of
 from ucon.task.making.living import Drawn, Living, any_placement, drawn_context, living_in, placement_now
 from ucon.task.making.starts import drawn_start
 from ucon.task.rules import PAPER, TaskRules
+
+#: What is said of a category's place beside relation and anchor.
+Spots = Mapping[tuple[str, Relation, str], Spot]
 
 
 class EpisodeSampler:
     """Samples episodes of one habit dataset."""
 
-    def __init__(self, dataset: HabitDataset, *, k: int = 20, rules: TaskRules = PAPER, context: bool = False) -> None:
+    def __init__(
+        self,
+        dataset: HabitDataset,
+        *,
+        k: int = 20,
+        rules: TaskRules = PAPER,
+        context: bool = False,
+        spots: Spots | None = None,
+    ) -> None:
         """Choose dataset and rules.
 
         Args:
@@ -39,8 +52,10 @@ class EpisodeSampler:
             k: number of categories that an episode places.
             rules: rule set under which the episode must be solvable.
             context: whether episodes state day, hour, season, occasion and asker, and placements follow them.
+            spots: by category, relation and anchor; what is missing may be anywhere.
         """
         self.dataset, self.k, self.rules, self.context = dataset, k, rules, context
+        self.spots: Spots = spots or {}
         self._eyes = RasterRenderer(fov_deg=rules.fov_deg, counting_fov_deg=rules.fov_deg)
         self._living: dict[tuple[str, Split | None], Living] = {}
 
@@ -79,6 +94,32 @@ class EpisodeSampler:
                 label = episode_id or f"{scene}/{seed}"
                 return Episode.from_json(replace(episode, id=label, split=split).to_json())
         raise EpisodeError(f"{scene}, seed {seed}: no solvable episode in 8 attempts; use another seed")
+
+    def day(self, scene: str, seed: int, targets: Sequence[str]) -> tuple[list[Episode], list[str]]:
+        """One arrangement of k categories, and an episode for each target that can be found in it.
+
+        Args:
+            scene: name of a home.
+            seed: any integer.
+            targets: categories.
+
+        Returns:
+            The episodes in the order of their targets, with ids ``scene/target/seed``; and placements that failed, as
+            text.
+        """
+        house = load_house(scene)
+        living = self._household(house, None)
+        rng = stream(seed, "day", scene)
+        order = [str(name) for name in rng.permutation(sorted(living))]
+        draft, placed = self._place_all(house, order, living, None, rng)
+        episodes = []
+        for target in targets:
+            of_target = stream(seed, "day", scene, target)
+            episode = self._finish(house, scene, seed, draft, placed, living, {target}, of_target)
+            if episode is not None:
+                named = replace(episode, id=f"{scene}/{target}/{seed}")
+                episodes.append(Episode.from_json(named.to_json()))
+        return episodes, draft.failures
 
     def target_categories(self, scene: str, part: Split | None = None) -> tuple[str, ...]:
         """Categories that an episode in this home can place, in alphabetical order.
@@ -189,7 +230,12 @@ class EpisodeSampler:
     ) -> None:
         """Place an object at an instance of its anchor; the anchor is added where the home lacks it."""
         saved = (draft.arrangement, list(draft.origins))
+        spot = self.spots.get((name, drawn.relation, drawn.anchor), ANYWHERE)
         anchors = anchor_instances(house, draft, drawn.anchor)
+        if spot.room is not None:
+            anchors = [k for k in anchors if room_of(house, draft, k) == spot.room]
+            if not anchors:
+                raise PlacementError(f"no {drawn.anchor} in that room")
         if not anchors:
             if drawn.anchor in chosen or not importable(drawn.anchor):
                 raise PlacementError(f"no {drawn.anchor} in this arrangement")
@@ -198,7 +244,7 @@ class EpisodeSampler:
         reason = ""
         for instance in rng.permutation(anchors)[:4]:
             try:
-                placed = place(house, draft.arrangement, name, drawn.relation, int(instance), rng)
+                placed = place(house, draft.arrangement, name, drawn.relation, int(instance), rng, spot)
             except PlacementError as error:
                 reason = str(error)
                 continue

@@ -3,26 +3,30 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 from ucon.core.errors import UconError, unknown_name
 from ucon.core.untrusted.marked_yaml import Marked, marked, read_marked
 from ucon.habits.book import Faults, book_anchors
-from ucon.habits.rules import placement_fault
+from ucon.habits.rules import OWN_LIMITS, placement_fault
 from ucon.habits.types import Placement
 from ucon.objects.catalogue import catalogue
 from ucon.scenes.library import MAX_SEED, check_home_name, is_home_name
 from ucon.scenes.program import HOME_KINDS
-from ucon.task.own_home.names import category_fault, category_of, place_of
+from ucon.task.own_home.names import category_fault, category_of
+from ucon.task.own_home.places import said_place
 from ucon.task.own_home.reading_rooms import RoomReader, is_list
 from ucon.task.own_home.sentences import read_habits, shared_out
-from ucon.task.own_home.wish import OwnHome, Request
+from ucon.task.own_home.wish import OwnHome, Place, Request
 
-KEYS: Final = ("home", "kind", "seed", "rooms", "doors", "habits", "requests", "starts")
-#: Most requests of a file, most searches for each.
+KEYS: Final = ("home", "kind", "seed", "rooms", "doors", "habits", "requests", "things", "others", "starts")
+#: Who keeps the other things of a home.
+OTHERS: Final = ("book", "none")
+#: Most requests of a file (and most things), most places of one thing, most searches for each request.
 MOST_REQUESTS: Final = 50
+MOST_PLACES: Final = OWN_LIMITS.placements[1]
 MOST_STARTS: Final = 100
 _LONGEST_NAME: Final = 60
 
@@ -92,10 +96,10 @@ def read_as_far(source: Path | Mapping[str, Any], instead: Mapping[str, Any] | N
 
 
 class _Asked(NamedTuple):
-    """A request of a known thing; ``possible``: its place, if one is said, can be."""
+    """A known thing; ``possible``: its places, if any are said, can be."""
 
     target: str
-    place: Placement | None
+    places: tuple[Place, ...]
     where: str
     possible: bool
 
@@ -124,10 +128,17 @@ class _Reader(RoomReader):
         rooms = tuple(self._rooms(part.get("rooms")))
         doors = self._doors(part.get("doors"), [room.called for room in rooms])
         whole = not self._faults.found
-        requests = self._requests(part.get("requests"), part.get("habits"))
+        usual = OTHERS["others" in part]  # of an unknown word no more faults should follow
+        others = self._choice(part.get("others"), "keeper of the other things", OTHERS, usual) == "book"
+        asked = [self._asked(part.get(key), key, [room.called for room in rooms]) for key in ("requests", "things")]
+        self._check_once(*asked, others=others)
+        about = self._about([one for group in asked for one in group], part.get("habits"))
+        requests, things = (tuple(about[one] for one in group if one in about) for group in asked)
         if not whole:
             return None
-        return OwnHome(called, known, kind, seed, rooms, doors, requests, starts, root.where, self._name)
+        return OwnHome(
+            called, known, kind, seed, rooms, doors, requests, things, others, starts, root.where, self._name
+        )
 
     # -- the home ---------------------------------------------------------------------------------------------
 
@@ -163,10 +174,8 @@ class _Reader(RoomReader):
 
     # -- requests ---------------------------------------------------------------------------------------------
 
-    def _requests(self, node: Marked | None, habits: Marked | None) -> tuple[Request, ...]:
-        asked = list(self._asked(node)) if node is not None and node.value is not None else []
-        if len(asked) > MOST_REQUESTS:
-            self._fault(asked[MOST_REQUESTS].where, f"{len(asked)} requests, expected at most {MOST_REQUESTS}")
+    def _about(self, asked: Sequence[_Asked], habits: Marked | None) -> dict[_Asked, Request]:
+        """Things with the sentences about them; those that have none, or no possible place, are left out."""
         before = len(self._faults.found)
         sentences = read_habits(habits, self._folder, self._fault)
         sound = len(self._faults.found) == before
@@ -175,29 +184,43 @@ class _Reader(RoomReader):
             if not about[one.target]:
                 name = one.target.replace("_", " ")
                 self._fault(one.where, f"no sentence of 'habits' is about the {name}; write one that names it")
-        return tuple(
-            Request(one.target, one.place, tuple(about[one.target]), one.where)
-            for one in asked[:MOST_REQUESTS]
+        return {
+            one: Request(one.target, one.places, tuple(about[one.target]), one.where)
+            for one in asked
             if sound and one.possible and about[one.target]
-        )
+        }
 
-    def _asked(self, node: Marked) -> Iterator[_Asked]:
-        """Each request of a known thing."""
-        seen: dict[str, str] = {}
-        for words, place, where in self._request_lines(node):
+    def _asked(self, node: Marked | None, key: str, rooms: Sequence[str]) -> list[_Asked]:
+        """The known things of a list of requests or things."""
+        found: list[_Asked] = []
+        for words, place, where in () if node is None or node.value is None else self._request_lines(node):
             target = category_of(words)
             if target is None:
                 self._fault(where, category_fault("object", words))
-                continue
-            if catalogue()[target].mount == "structure":
+            elif catalogue()[target].mount == "structure":
                 self._fault(where, f"{target} is part of the building; ask for a thing, such as mug")
-                continue
-            if target in seen:
-                self._fault(where, f"{target} is asked for twice (first at {seen[target]}); one home keeps one of it")
-                continue
-            seen[target] = where
-            found = None if place is None else self._place(target, place)
-            yield _Asked(target, found, where, place is None or found is not None)
+            else:
+                places = () if place is None else self._places(target, place, rooms)
+                found.append(_Asked(target, places, where, place is None or bool(places)))
+        if len(found) > MOST_REQUESTS:
+            self._fault(found[MOST_REQUESTS].where, f"{len(found)} {key}, expected at most {MOST_REQUESTS}")
+        return found[:MOST_REQUESTS]
+
+    def _check_once(self, requests: list[_Asked], things: list[_Asked], *, others: bool) -> None:
+        """Each thing is there once; what only a home without others can have is told where it has some."""
+        seen: dict[str, str] = {}
+        for group in (requests, things):
+            for one in list(group):
+                if one.target in seen:
+                    first = f"first at {seen[one.target]}"
+                    self._fault(one.where, f"{one.target} is asked for twice ({first}); one home keeps one of it")
+                    group.remove(one)
+                seen.setdefault(one.target, one.where)
+                if others and len(one.places) > 1:
+                    name = one.target.replace("_", " ")
+                    self._fault(one.where, f"{name}: several places; write `others: none` into the file, or keep one")
+        if others and things:
+            self._fault(things[0].where, "things: the habit book keeps them; write `others: none`, or ask for them")
 
     def _request_lines(self, node: Marked) -> Iterator[tuple[str, Marked | None, str]]:
         if isinstance(node.value, dict):
@@ -216,10 +239,26 @@ class _Reader(RoomReader):
         else:
             self._fault(node.where, f"requests: {node.told}, expected a list, such as - mug: on the breakfast table")
 
-    def _place(self, target: str, node: Marked) -> Placement | None:
-        found = place_of(node.value) if isinstance(node.value, str) else f"{node.told}, expected a place in words"
-        if isinstance(found, Placement):
-            fault = placement_fault(target, [], found, book_anchors())
+    def _places(self, target: str, node: Marked, rooms: Sequence[str]) -> tuple[Place, ...]:
+        """The places of a thing; none where one of them has a fault."""
+        nodes = list(node.value) if is_list(node) else [node]
+        if not 1 <= len(nodes) <= MOST_PLACES:
+            self._fault(node.where, f"{target.replace('_', ' ')}: {len(nodes)} places, expected 1 to {MOST_PLACES}")
+            return ()
+        found: list[Place] = []
+        for one in nodes:
+            place = self._place(target, one, [place.placement for place in found], rooms)
+            if place is None:
+                return ()
+            found.append(place)
+        return tuple(found)
+
+    def _place(self, target: str, node: Marked, earlier: Sequence[Placement], rooms: Sequence[str]) -> Place | None:
+        found = (
+            said_place(node.value, rooms) if isinstance(node.value, str) else f"{node.told}, expected a place in words"
+        )
+        if isinstance(found, Place):
+            fault = placement_fault(target, earlier, found.placement, book_anchors())
             found = found if fault is None else fault
         if isinstance(found, str):
             self._fault(node.where, f"{target.replace('_', ' ')}: {found}")

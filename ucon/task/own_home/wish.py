@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ucon.habits.types import Placement
+from ucon.sim.placement.spot import Side
 
 
 @dataclass(frozen=True)
@@ -54,20 +55,42 @@ class Sentence:
 
 
 @dataclass(frozen=True)
+class Place:
+    """A place as it was said: ``on the shelf in the study``, ``behind the laptop``.
+
+    Attributes:
+        placement: relation and anchor.
+        side: of the anchor, or None.
+        facing: whether the thing's front looks where the anchor's does.
+        room: as its owner calls it, or None.
+    """
+
+    placement: Placement
+    side: Side | None = None
+    facing: bool = False
+    room: str | None = None
+
+
+@dataclass(frozen=True)
 class Request:
     """Something to be searched.
 
     Attributes:
         target: its category.
-        place: where it is kept; None: where the habits say.
+        places: where it may be kept; empty: where the habits say.
         habits: the sentences about it.
         where: file and line.
     """
 
     target: str
-    place: Placement | None
+    places: tuple[Place, ...]
     habits: tuple[Sentence, ...]
     where: str
+
+    @property
+    def place(self) -> Placement | None:
+        """The first place, or None."""
+        return self.places[0].placement if self.places else None
 
 
 @dataclass(frozen=True)
@@ -82,6 +105,9 @@ class OwnHome:
         rooms: empty: drawn by the seed.
         doors: None: as in generated homes.
         requests: at least one where something is to be searched.
+        things: that are kept where it is said, and never searched.
+        others: whether the other things are kept by households of the habit book; else they are where the home has
+            them, all requests and things are where the habits say in every search, and these habits are all.
         starts: number of searches for each request, each from another place.
         where: the file and its first line, for messages.
         file: the file.
@@ -94,6 +120,8 @@ class OwnHome:
     rooms: tuple[OwnRoom, ...]
     doors: tuple[Door, ...] | None
     requests: Sequence[Request] = field(default=())
+    things: Sequence[Request] = field(default=())
+    others: bool = True
     starts: int = 1
     where: str = ""
     file: str = ""

@@ -19,6 +19,7 @@ from ucon.pages.serve.play.game import Game
 from ucon.pages.serve.play.journal import Journal
 from ucon.programs.composing import eval_config
 from ucon.programs.evaluating import Evaluation
+from ucon.task.own_home.shipped import is_shipped
 from ucon.task.sets import episode_sets
 
 #: Levels that can be played; ``context`` ranks habits anew in every step, which nobody could follow.
@@ -53,11 +54,16 @@ def named_homes(files: Iterable[Path]) -> dict[str, Path]:
     for file in files:
         if not is_home_file(file):
             raise ConfigError(f"--home {file}: expected a home file, which ends in {' or '.join(ENDINGS)}")
-        name, whole = re.sub("[^A-Za-z0-9_-]", "_", file.stem)[:40], file.expanduser().resolve()
+        name, whole = re.sub("[^A-Za-z0-9_-]", "_", file.stem)[:40], _whole(file)
         if name in sets() or found.get(name, whole) != whole:
             raise ConfigError(f"--home {file}: another set is called {name}; give the file another name")
         found[name] = whole
     return found
+
+
+def _whole(file: Path) -> Path:
+    """A home's file as a whole path; a shipped home keeps its name."""
+    return file if is_shipped(file) else file.expanduser().resolve()
 
 
 class Games:

@@ -1,0 +1,109 @@
+"""What every way of placing requests shares: the result, what is said of places, and whether a place can be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from ucon.core.errors import PlacementError
+from ucon.core.rng import stream
+from ucon.habits.types import HabitDataset, Placement
+from ucon.sim.arrangement import Arrangement
+from ucon.sim.house import House
+from ucon.sim.placement import importable, place
+from ucon.sim.placement.spot import ANYWHERE, Spot
+from ucon.task.episode import Episode
+from ucon.task.making.draft import instances_of
+from ucon.task.making.own_household import OwnPlacement
+from ucon.task.making.sampler import Spots
+from ucon.task.own_home.building import rooms_by_name
+from ucon.task.own_home.wish import OwnHome, Request
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A request that was placed.
+
+    Attributes:
+        request: what was asked for.
+        place: where the thing is kept; the first of several places.
+        chance: probability of this place by the habits; None where the place was said.
+        episodes: one for each start.
+    """
+
+    request: Request
+    place: Placement
+    chance: float | None
+    episodes: tuple[Episode, ...]
+
+
+def as_asked(request: Request, name: str) -> OwnPlacement:
+    """A request as one of a user's own household.
+
+    Args:
+        request: the request.
+        name: of the home.
+    """
+    return OwnPlacement(name, request.target, tuple(one.text for one in request.habits), request.place)
+
+
+def spots_of(wish: OwnHome, house: House) -> Spots:
+    """What is said of places beside relation and anchor.
+
+    Args:
+        wish: the home.
+        house: what was built.
+    """
+    numbers = {room.name: number for number, room in enumerate(house.spec.rooms)}
+    by_call = {called: numbers[name] for name, called in reversed(rooms_by_name(wish, house).items())}
+    return {
+        (one.target, said.placement.relation, said.placement.anchor): spot
+        for one in (*wish.requests, *wish.things)
+        for said in one.places
+        if (spot := Spot(said.side, said.facing, None if said.room is None else by_call[said.room])) != ANYWHERE
+    }
+
+
+def refusal(house: House, target: str, there: Placement, spot: Spot = ANYWHERE) -> str | None:
+    """Why a thing cannot be put at a place of the home as it is built; None where it can.
+
+    Args:
+        house: the home.
+        target: category of the thing.
+        there: relation and anchor.
+        spot: what is said beside.
+    """
+    bare = Arrangement(removed=instances_of(house, [target]))
+    anchors = [k for k, one in enumerate(house.categories) if one == there.anchor and k not in bare.removed]
+    thing = there.anchor.replace("_", " ")
+    if spot.room is not None:
+        anchors = [k for k in anchors if house.instance_room[k] == spot.room]
+        if not anchors:
+            return f"no {thing} stands in that room"
+    if not anchors:
+        return None if importable(there.anchor) else f"no {thing} stands in this home"
+    reason = ""
+    for instance in anchors:
+        try:
+            place(house, bare, target, there.relation, instance, stream(0, "own home", target, instance), spot)
+        except PlacementError as error:
+            reason = str(error)
+        else:
+            return None
+    return reason
+
+
+def of_all(episodes: Sequence[Episode], own: Sequence[str], dataset: HabitDataset) -> tuple[Episode, ...]:
+    """Episodes that belong to the habits of all requests: every sentence of the owner is known in each.
+
+    Their ids end in a hash of what they are, so that a changed file is seen to have other episodes.
+
+    Args:
+        episodes: of one request.
+        own: ids of the owner's entries.
+        dataset: all habits.
+    """
+    whole = [
+        replace(one, entries=tuple(dict.fromkeys((*own, *one.entries))), habits_hash=dataset.sha256) for one in episodes
+    ]
+    return tuple(replace(one, id=f"{one.id}/{one.hash[:8]}") for one in whole)
