@@ -37,7 +37,7 @@ def test_every_figure_is_said_with_its_unit(short: None, capsys: pytest.CaptureF
     told = capsys.readouterr()
     *lines, note = told.out.splitlines()
     assert note.startswith("CPU time of one process on one core")
-    assert len(lines) == 9
+    assert len(lines) == 11
     assert all(line.endswith((" steps a second", " choices a second", " steps a choice")) for line in lines)
     assert len({line[:52] for line in lines}) == len(lines), "one name a row"
     first, *_, last = told.err.splitlines()
