@@ -16,11 +16,11 @@ ROOT = Path(__file__).resolve().parents[2]
 FIRST, SECOND = ROOT / "results" / "learned-habit_policy-retrieval", ROOT / "results" / "learned-frontier"
 
 
-def test_three_pictures_are_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_four_pictures_are_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("matplotlib")
     assert main(["compare", str(FIRST), str(SECOND), "--plot", str(tmp_path / "plots")]) == 0
     said = capsys.readouterr().err.splitlines()
-    assert [Path(line).name for line in said] == ["sr_over_steps.png", "ladder.png", "differences.png"]
+    assert [Path(line).name for line in said] == ["sr_over_steps.png", "ladder.png", "differences.png", "when.png"]
     for line in said:
         image = cv2.imread(line)
         assert image.shape[1] > 1000
