@@ -140,7 +140,9 @@ def test_an_edit_takes_out_one_sentence_of_one_episode_and_says_another(tmp_path
 
 def test_an_edit_of_a_sentence_that_is_not_told_is_refused(tmp_path: Path) -> None:
     source = edited(tmp_path, Edit(EPISODES[0].id, "Nobody said this.", None))
-    with pytest.raises(EpisodeError, match=r"is not told 'Nobody said this\.'; expected one of its 20 habits") as caught:
+    with pytest.raises(
+        EpisodeError, match=r"is not told 'Nobody said this\.'; expected one of its 20 habits"
+    ) as caught:
         source.knowledge(EPISODES[0], "retrieval")
     assert "\n" not in str(caught.value)
 

@@ -32,7 +32,7 @@ def test_least_pixels_replace_those_of_the_rules() -> None:
     strict = task_rules("paper", 16)
     assert (strict.done_min_pixels, strict.open_min_pixels, strict.near_m) == (16, 16, PAPER.near_m)
     assert task_rules("paper", None) is PAPER
-    with pytest.raises(ConfigError, match="env.least_pixels=0: expected 1 or more"):
+    with pytest.raises(ConfigError, match=r"env\.least_pixels=0: expected 1 or more"):
         task_rules("paper", 0)
 
 

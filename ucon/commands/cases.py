@@ -83,7 +83,9 @@ def _print(found: Found, out: Path) -> None:
     wide_console().print(_table(found.counts))
     causes = strongest(found.tried).values()
     for kind in ABOUT:
-        best = sorted((one for one in causes if one.about == kind and one.helps), key=lambda one: one.gain, reverse=True)
+        best = sorted(
+            (one for one in causes if one.about == kind and one.helps), key=lambda one: one.gain, reverse=True
+        )
         for one in best[:_SHOWN]:
             with_it, without = (
                 f"found in {steps} steps" if success else "not found"

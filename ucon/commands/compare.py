@@ -80,9 +80,7 @@ def run(args: argparse.Namespace) -> int:
     from ucon.evaluation.figures.plotting import require_matplotlib
     from ucon.evaluation.figures.run_plots import plot_runs
 
-    for option in ("closed", "when"):
-        if getattr(args, option) and not (args.json or args.markdown):
-            raise ConfigError(f"--{option} is shown by --markdown and --json; give one of them")
+    _check_shown(args)
     folders = list(dict.fromkeys([*args.runs, *args.against, *(args.closed or ())]))
     if _are_trained(folders, args):
         return _plot_training(folders, args.plot)
@@ -119,9 +117,8 @@ def run(args: argparse.Namespace) -> int:
         }
 
     kinds = within(lambda r: kind_of_home(r.scene)) if args.by_kind else None
-    groups = None
-    if args.when:
-        groups = {f"{title}: {name}": found for title, of in PAYS.items() for name, found in within(of).items()}
+    asked = PAYS if args.when else {}
+    groups = {f"{title}: {name}": found for title, of in asked.items() for name, found in within(of).items()} or None
     way = (runs[args.closed[0]], runs[args.closed[1]]) if args.closed else None
     if args.json:
         print(json.dumps(_json(pairs, runs, way, {"kinds": kinds, "groups": groups}), indent=1))
@@ -132,6 +129,15 @@ def run(args: argparse.Namespace) -> int:
         for kind, among in (kinds or {}).items():
             wide_console().print(comparison_table(among, ("success_rate", "spl"), title=kind))
     return 0
+
+
+def _check_shown(args: argparse.Namespace) -> None:
+    """Raise :class:`ConfigError` where what is asked for is not shown in the form that is asked for."""
+    from ucon.core.errors import ConfigError
+
+    for option in ("closed", "when"):
+        if getattr(args, option) and not (args.json or args.markdown):
+            raise ConfigError(f"--{option} is shown by --markdown and --json; give one of them")
 
 
 def _are_trained(folders: list[Path], args: argparse.Namespace) -> bool:

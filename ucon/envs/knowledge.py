@@ -32,9 +32,7 @@ from ucon.task.episode import Episode
 class Knowledge(PartlyShared):
     """The habits of one episode at one habit level."""
 
-    _shared: ClassVar[frozenset[str]] = frozenset(
-        {"base", "rows", "target_embedding", "retriever", "texts", "edited"}
-    )
+    _shared: ClassVar[frozenset[str]] = frozenset({"base", "rows", "target_embedding", "retriever", "texts", "edited"})
 
     base: KnowledgeBase
     """All habits of the episode's household."""

@@ -34,6 +34,8 @@ from ucon.task.sets import save_episodes
 
 #: Levels that tell habits, in a list that does not change.
 _LEVELS: Final = ("full", "gt", "retrieval")
+#: Starting workers takes longer than playing so few episodes.
+_FEW: Final = 12
 #: Ways of not telling a sentence, beside taking it out: by name, what is told instead.
 _CHANGES: Final[Mapping[str, Callable[[HabitDataset, Episode, int], str | None]]] = {
     "elsewhere": placed_elsewhere,
@@ -97,8 +99,9 @@ class Counterfactuals:
                 tried(self._episodes[name], self._source.dataset, habit, told[name], without[name])
                 for name, habit in nth.items()
             ]
-        found.sort(key=lambda one: list(self._episodes).index(one.episode))
-        figures = counts(found, len(self._episodes), self._confirmed(strongest(found)))
+        number = {name: k for k, name in enumerate(self._episodes)}
+        found.sort(key=lambda one: number[one.episode])
+        figures = counts(found, list(self._episodes), self._confirmed(strongest(found)))
         self._keep(found, {"episodes": len(self._episodes), "told": given, "counts": figures})
         return Found(tuple(found), figures, len(self._episodes), given)
 
@@ -155,6 +158,8 @@ class Counterfactuals:
             save_edits(edits, file)
         source = env["source"] | {"edits": None if file is None else str(file)}
         config = self._config | {"episodes": str(path), "limit": None, "every": 1}
+        if len(chosen) <= _FEW:
+            config["workers"] = 0
         return self._records(Evaluation(config | {"env": env | {"source": source}}, self._out / name))
 
     @staticmethod

@@ -58,7 +58,7 @@ def test_range_is_that_of_the_nearest_pixel() -> None:
     assert detector.detect(near).category == ("bed", "mug")
     assert detector.detect(seen).category == ("bed",), "what was known is not named from afar either"
     for wrong in (0.0, -1.0, float("nan")):
-        with pytest.raises(ConfigError, match="range_m=.*expected metres above 0"):
+        with pytest.raises(ConfigError, match=r"range_m=.*expected metres above 0"):
             GtDetector(range_m=wrong)
 
 

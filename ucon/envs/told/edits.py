@@ -96,9 +96,7 @@ class Edits(Shared):
         """SHA-256 of the edits, in hexadecimal."""
         return sha256_bytes("\n".join(edit.to_line() for edit in self.edits).encode())
 
-    def applied(
-        self, episode: str, rows: NDArray[np.int32], texts: Sequence[str], first: int
-    ) -> NDArray[np.int32]:
+    def applied(self, episode: str, rows: NDArray[np.int32], texts: Sequence[str], first: int) -> NDArray[np.int32]:
         """The rows that an agent is given once its episode is edited.
 
         Args:

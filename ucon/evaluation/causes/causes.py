@@ -17,7 +17,7 @@ import numpy as np
 from ucon.core.errors import EpisodeError
 from ucon.envs.told.falsehoods import place_now
 from ucon.evaluation.causes.weighing import Weighed
-from ucon.evaluation.figures.intervals import mean_interval, rate_interval
+from ucon.evaluation.figures.intervals import Interval, mean_interval, rate_interval
 from ucon.evaluation.kept.record import EpisodeRecord
 from ucon.habits.types import HabitDataset
 from ucon.task.episode import Episode
@@ -157,43 +157,41 @@ def confirmed(one: Tried, others: Sequence[EpisodeRecord]) -> bool:
 
 
 def counts(
-    found: Sequence[Tried], episodes: int, confirmations: Mapping[str, bool] | None = None
+    found: Sequence[Tried], episodes: Sequence[str], confirmations: Mapping[str, bool] | None = None
 ) -> dict[str, dict[str, Any]]:
     """Figures by what sentences are about.
 
     Args:
         found: all sentences that were tried.
-        episodes: number of episodes, with sentences to try or without.
+        episodes: ids of all episodes, with sentences to try or without.
         confirmations: by episode, whether its strongest cause is confirmed; those that could be tried.
 
     Returns:
-        By kind, and for ``any``: sentences tried, how many change the search, shares of the episodes (with 95 % intervals) in which one
-        helps, hurts, and helps less hurts, and how many episodes are found, or lost, with it alone.
+        By kind, and for ``any``: sentences tried, how many change the search, shares of the episodes (with 95 %
+        intervals) in which one helps, hurts, and helps less hurts, and how many episodes are found, or lost, with it
+        alone.
     """
-    first, known = strongest(found), confirmations or {}
-    out = {}
-    for kind in (*ABOUT, "any"):
-        some = [one for one in found if kind in (one.about, "any")]
-        best = [one for one in first.values() if kind in (one.about, "any")]
-        helped, hurt = ({one.episode for one in some if getattr(one, side)} for side in ("helps", "hurts"))
-        sides = np.zeros((2, episodes))
-        for side, ids in zip(sides, (helped, hurt), strict=True):
-            side[: len(ids)] = 1.0
-        net = np.zeros(episodes)
-        net[: len(helped - hurt)] = 1.0
-        net[len(helped - hurt) : len(helped - hurt) + len(hurt - helped)] = -1.0
-        out[kind] = {
-            "tried": len(some),
-            "changes_search": sum(one.changes for one in some),
-            "helps": _share(sides[0], rate=True),
-            "hurts": _share(sides[1], rate=True),
-            "helps_less_hurts": _share(net, rate=False),
-            "found_with_it_alone": len({one.episode for one in some if one.gain[0] > 0}),
-            "lost_with_it_alone": len({one.episode for one in some if one.gain[0] < 0}),
-            "confirmed_helps": _confirmed([one for one in best if one.helps], known),
-            "confirmed_hurts": _confirmed([one for one in best if one.hurts], known),
-        }
-    return out
+    first = strongest(found).values()
+    return {kind: _counts(found, first, episodes, confirmations or {}, kind) for kind in (*ABOUT, "any")}
+
+
+def _counts(
+    found: Iterable[Tried], first: Iterable[Tried], episodes: Sequence[str], known: Mapping[str, bool], kind: str
+) -> dict[str, Any]:
+    some, best = ([one for one in part if kind in (one.about, "any")] for part in (found, first))
+    helped, hurt = {one.episode for one in some if one.helps}, {one.episode for one in some if one.hurts}
+    net = mean_interval([(name in helped) - (name in hurt) for name in episodes])
+    return {
+        "tried": len(some),
+        "changes_search": sum(one.changes for one in some),
+        "helps": _share(rate_interval([name in helped for name in episodes])),
+        "hurts": _share(rate_interval([name in hurt for name in episodes])),
+        "helps_less_hurts": _share(net),
+        "found_with_it_alone": len({one.episode for one in some if one.gain[0] > 0}),
+        "lost_with_it_alone": len({one.episode for one in some if one.gain[0] < 0}),
+        "confirmed_helps": _confirmed([one for one in best if one.helps], known),
+        "confirmed_hurts": _confirmed([one for one in best if one.hurts], known),
+    }
 
 
 def _confirmed(some: Sequence[Tried], known: Mapping[str, bool]) -> dict[str, int]:
@@ -201,9 +199,8 @@ def _confirmed(some: Sequence[Tried], known: Mapping[str, bool]) -> dict[str, in
     return {"confirmed": sum(known[one.episode] for one in tested), "of": len(tested)}
 
 
-def _share(values: Any, *, rate: bool) -> dict[str, Any]:
-    interval = rate_interval(values > 0) if rate else mean_interval(values)
-    return {"share": interval.mean, "ci95": list(interval.ci95), "episodes": int(values.sum())}
+def _share(interval: Interval) -> dict[str, Any]:
+    return {"share": round(interval.mean, 6), "ci95": [round(limit, 6) for limit in interval.ci95]}
 
 
 def _outcome(record: EpisodeRecord) -> tuple[int, float]:

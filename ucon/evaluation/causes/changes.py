@@ -53,15 +53,14 @@ def renamed(dataset: HabitDataset, episode: Episode, row: int) -> str | None:
         The sentence; None where it names no such thing by its name or a synonym.
     """
     entry = dataset.entry_of(row)
-    named = [(found, place.anchor) for place in dataset.supports(row) if (found := _named(dataset.texts[row], place.anchor))]
+    text = dataset.texts[row]
+    named = [found for place in dataset.supports(row) if (found := _named(text, place.anchor))]
     kept = {place.anchor for place in entry.placements} | {place_now(dataset, episode).anchor, entry.category}
     others = sorted((things_of(episode) & set(dataset.anchors)) - kept - _STRUCTURE)
     if not named or not others:
         return None
     other = others[int(stream(0, "renamed", episode.id, row).integers(len(others)))]
-    found, _ = named[0]
-    text = dataset.texts[row]
-    return text[: found.start()] + phrase(other) + text[found.end() :]
+    return text[: named[0].start()] + phrase(other) + text[named[0].end() :]
 
 
 def _named(text: str, anchor: str) -> re.Match[str] | None:

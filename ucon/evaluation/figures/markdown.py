@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise
+from itertools import chain, pairwise
 from math import isnan
 from pathlib import Path
 from typing import Final, get_args
@@ -237,11 +237,8 @@ def _named(runs: Sequence[Run]) -> list[str]:
     head = ["subset", *(f"{name}: {what}" for name in names for what in ("n", "SR % [95 %]", "SPL [95 %]"))]
     rows = []
     for run in runs:
-        cells = []
-        for name in names:
-            part = [r for r in run.records if NAMED[name](r)]
-            cells += _run_row("", part)[1:4]
-        rows.append((run.label, *cells))
+        parts = [[r for r in run.records if NAMED[name](r)] for name in names]
+        rows.append((run.label, *chain(*(_run_row("", part)[1:4] for part in parts))))
     return [_table(head, rows)]
 
 

@@ -86,7 +86,9 @@ def variety(category: str) -> float | None:
 def _class(value: float, least: float, limits: tuple[float, float], unit: str) -> str:
     """Class of a value, in words: ``1-15 anchors``."""
     low, high = limits
-    return f"{least:g}-{low:g} {unit}" if value < low else f"{low:g}-{high:g} {unit}" if value < high else f"from {high:g} {unit}"
+    if value < low:
+        return f"{least:g}-{low:g} {unit}"
+    return f"{low:g}-{high:g} {unit}" if value < high else f"from {high:g} {unit}"
 
 
 @lru_cache(maxsize=4096)
