@@ -10,6 +10,7 @@ from ucon.envs.told.falsehoods import elsewhere, place_now, things_of
 from ucon.habits.types import HabitDataset
 from ucon.language.phrases import phrase
 from ucon.language.words import synonyms
+from ucon.objects.model import Relation
 from ucon.task.episode import Episode
 
 #: Every home has them, and hardly any sentence names them.
@@ -41,8 +42,8 @@ def placed_elsewhere(dataset: HabitDataset, episode: Episode, row: int) -> str |
 def renamed(dataset: HabitDataset, episode: Episode, row: int) -> str | None:
     """The sentence with the thing by which it places something replaced by another of this home.
 
-    The other is an anchor of the dataset by which neither this household keeps the thing nor the target is, drawn by
-    the episode's id.
+    The other is an anchor at which somebody keeps things likewise (in it, on it, ...), but neither this household the
+    thing, nor is the target there; it is drawn by the episode's id.
 
     Args:
         dataset: of the sentences.
@@ -54,13 +55,21 @@ def renamed(dataset: HabitDataset, episode: Episode, row: int) -> str | None:
     """
     entry = dataset.entry_of(row)
     text = dataset.texts[row]
-    named = [found for place in dataset.supports(row) if (found := _named(text, place.anchor))]
+    named = [(found, place) for place in dataset.supports(row) if (found := _named(text, place.anchor))]
+    if not named:
+        return None
+    found, named_place = named[0]
     kept = {place.anchor for place in entry.placements} | {place_now(dataset, episode).anchor, entry.category}
-    others = sorted((things_of(episode) & set(dataset.anchors)) - kept - _STRUCTURE)
-    if not named or not others:
+    others = sorted((things_of(episode) & _anchors(dataset, named_place.relation)) - kept - _STRUCTURE)
+    if not others:
         return None
     other = others[int(stream(0, "renamed", episode.id, row).integers(len(others)))]
-    return text[: named[0].start()] + phrase(other) + text[named[0].end() :]
+    return text[: found.start()] + phrase(other) + text[found.end() :]
+
+
+def _anchors(dataset: HabitDataset, relation: Relation) -> set[str]:
+    """Anchors in, on, under or beside which somebody keeps something."""
+    return {place.anchor for entry in dataset.entries for place in entry.placements if place.relation == relation}
 
 
 def _named(text: str, anchor: str) -> re.Match[str] | None:
