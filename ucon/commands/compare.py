@@ -53,8 +53,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--plot",
         metavar="FOLDER",
         type=Path,
-        help="also draw SR over steps, the runs from the lowest to the highest, and differences by subset (PNG); for "
-        "runs of train.py their learning curves",
+        help="also draw SR over steps, the runs from the lowest to the highest, differences by subset, when it pays, "
+        "and success by the share of false sentences (PNG); for runs of train.py their learning curves",
     )
     parser.add_argument("--markdown", action="store_true", help="print the tables of a results page, also by home size")
 
@@ -106,7 +106,8 @@ def run(args: argparse.Namespace) -> int:
 
     pairs = compared()
     if args.plot is not None:
-        for path in plot_runs(list(runs.values()), [(runs[a], runs[b]) for a, b in wanted], args.plot):
+        drawn = plot_runs(list(runs.values()), [(runs[a], runs[b]) for a, b in wanted], args.plot)
+        for path in [*drawn, *_plot_shares(runs, args.plot)]:
             print(path, file=sys.stderr)
 
     def within(group: Callable[[EpisodeRecord], str]) -> dict[str, list[Comparison]]:
@@ -129,6 +130,16 @@ def run(args: argparse.Namespace) -> int:
         for kind, among in (kinds or {}).items():
             wide_console().print(comparison_table(among, ("success_rate", "spl"), title=kind))
     return 0
+
+
+def _plot_shares(runs: Mapping[Path, Run], plot: Path) -> list[Path]:
+    """Draw success against the share of false sentences, where runs have some; the file written."""
+    from ucon.evaluation.figures.false_shares import draw_false_shares, false_shares
+
+    lines = false_shares(runs)
+    if lines:
+        draw_false_shares(lines, plot / "false_shares.png")
+    return [plot / "false_shares.png"] if lines else []
 
 
 def _check_shown(args: argparse.Namespace) -> None:
