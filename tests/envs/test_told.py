@@ -172,6 +172,13 @@ def test_damaged_edits_are_refused_in_one_line(tmp_path: Path, lines: list[objec
     assert "\n" not in str(caught.value)
 
 
+def test_edits_of_no_episode_that_is_played_are_refused(tmp_path: Path) -> None:
+    source = edited(tmp_path, Edit("test/elsewhere/000", "b", None), Edit(EPISODES[0].id, "b", None))
+    source.check_edits(EPISODES)
+    with pytest.raises(ConfigError, match=r"edits mini/.*, none of which is played; name their set"):
+        source.check_edits(EPISODES[1:])
+
+
 def test_edits_that_are_missing_are_refused(tmp_path: Path) -> None:
     with pytest.raises(DataError, match="no such file of edits"):
         HabitSource(edits=str(tmp_path / "none.jsonl"))

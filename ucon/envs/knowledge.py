@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -10,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.core.errors import ConfigError, EpisodeError, unknown_name
+from ucon.core.errors import ConfigError, EpisodeError, brief, unknown_name
 from ucon.core.sharing import PartlyShared, Shared
 from ucon.envs.told.edits import Edits
 from ucon.envs.told.falsehoods import Falsehoods
@@ -170,6 +171,21 @@ class HabitSource(Shared):
         asked = (retriever.name,) if isinstance(retriever, PreparedRetriever) else ()
         edited = () if self._edits is None else (f"edits {self._edits.sha256[:12]}",)
         return (self.encoder.name, *asked, *edited)
+
+    def check_edits(self, episodes: Iterable[Episode]) -> None:
+        """Refuse edits that are of none of some episodes: the ids are misspelt, or of another set.
+
+        Args:
+            episodes: those that are going to be played.
+
+        Raises:
+            ConfigError: none of them is edited.
+        """
+        if self._edits is not None and self._edits.episodes.isdisjoint(episode.id for episode in episodes):
+            some = brief(min(self._edits.episodes))
+            raise ConfigError(
+                f"{self._edits.where}: edits {some}, ..., none of which is played; name their set or file"
+            )
 
     @staticmethod
     def check_level(level: str) -> str:
