@@ -30,7 +30,7 @@ COMMANDS = {
     "replay": "play finished runs again, such as those of results/, and say whether their numbers come out the same",
     "watch": "film an episode of a finished run, or list its episodes and how they ended",
     "serve": "pages in the browser, on this machine alone: runs, homes, habits, play, study",
-    "cases": "find episodes where a habit about a thing beside the target was given, and the target found",
+    "cases": "say which habits were causes, by playing episodes again without them",
     "catalogue": "print the names of the object catalogue, or draw it",
     "detector": "fit the errors of a detector on training homes, and show them",
     "scenes": "list and draw the homes",

@@ -188,7 +188,7 @@ def test_a_strangers_folder_starts_no_program(tmp_path: Path, canary: tuple[Path
     told = result.stderr.split(": not played: ")[1:]
     assert (result.returncode, result.stdout, len(told)) == (1, "", 4)
     assert f"say again: --set detector.python={program} --set detector.weights={program}" in told[2]
-    listed = run("cases", str(runs[3]), str(runs[3]))
+    listed = run("cases", str(runs[3]), "--out", str(tmp_path / "cases"))
     assert listed.returncode == 2
     assert "env.source.dataset._target_=" in listed.stderr
     for name, detector in (("a", link), ("b", yolo)):

@@ -137,3 +137,37 @@ def test_runs_of_two_sets_are_joined(tmp_path, capsys):
     assert joined["differences"]["success_rate"]["difference"] == 0.25
     assert main(["compare", f"{a}+{d}", b]) != 0
     assert "join those of one agent and level" in capsys.readouterr().err
+
+
+def test_budgets_count_a_search_that_ends_in_time():
+    records = (record(0, steps=75, spl=0.5), record(1, steps=76, spl=0.25), record(2, success=False))
+    budgets = rows(markdown_page([Run("a", records)], []), "SR / SPL within")
+    assert budgets["a"] == ["0.333 / 0.167", "0.667 / 0.250", "0.667 / 0.250"]
+
+
+def test_named_subsets_are_told_where_every_run_has_them():
+    named = rows(markdown_page([Run("a", (record(0), record(1, success=False, contained=False)))], []), "subset")
+    assert named["subset"] == [f"contained targets: {what}" for what in ("n", "SR % [95 %]", "SPL [95 %]")]
+    assert named["a"][0] == "1"
+    assert named["a"][1].startswith("100.0 [")
+    free = markdown_page([Run("a", (record(0, contained=False),))], [])
+    assert "| subset |" not in free
+
+
+def test_when_habits_pay_is_told_within_groups_that_make_up_the_whole(capsys):
+    folders = [f"results/learned-habit_policy-{level}" for level in ("retrieval", "none")]
+    assert main(["compare", *folders, "--markdown", "--when"]) == 0
+    page = capsys.readouterr().out
+    groups = rows(page, "SPL within")
+    for title in ("variety among households", "common sense", "size of home"):
+        assert sum(int(cells[0]) for name, cells in groups.items() if name.startswith(title)) == 1000
+    assert sorted(groups) != list(groups)
+    against = int(groups["common sense: 0-1 times chance"][0])
+    assert rows(page, "subset")["habit_policy, none"][3] == str(against)
+    assert main(["compare", *folders, "--json", "--when"]) == 0
+    told = json.loads(capsys.readouterr().out)["groups"]
+    assert {name: str(pairs[0]["n"]) for name, pairs in told.items()} == {
+        name: cells[0] for name, cells in groups.items() if ": " in name
+    }
+    assert main(["compare", *folders, "--when"]) == 2
+    assert "--when is shown by --markdown and --json" in capsys.readouterr().err

@@ -7,20 +7,23 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from omegaconf import OmegaConf
 
+from tests.evaluation.records import record
 from ucon.__main__ import main
-from ucon.evaluation.figures.markdown import read_run
+from ucon.evaluation.figures.false_shares import draw_false_shares, false_shares
+from ucon.evaluation.figures.markdown import Run, read_run
 from ucon.evaluation.figures.run_plots import _by_subset
 
 ROOT = Path(__file__).resolve().parents[2]
 FIRST, SECOND = ROOT / "results" / "learned-habit_policy-retrieval", ROOT / "results" / "learned-frontier"
 
 
-def test_three_pictures_are_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_four_pictures_are_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("matplotlib")
     assert main(["compare", str(FIRST), str(SECOND), "--plot", str(tmp_path / "plots")]) == 0
     said = capsys.readouterr().err.splitlines()
-    assert [Path(line).name for line in said] == ["sr_over_steps.png", "ladder.png", "differences.png"]
+    assert [Path(line).name for line in said] == ["sr_over_steps.png", "ladder.png", "differences.png", "when.png"]
     for line in said:
         image = cv2.imread(line)
         assert image.shape[1] > 1000
@@ -62,3 +65,31 @@ def test_learning_curves_are_drawn_or_refused(tmp_path: Path, capsys: pytest.Cap
     (tmp_path / "b" / "metrics.jsonl").write_text('{"step":1,"loss":1.0}\n')
     assert main(["compare", *runs, "--plot", str(tmp_path)]) == 2
     assert "no validation figures" in capsys.readouterr().err
+
+
+def test_shares_of_false_sentences_make_lines_on_common_episodes(tmp_path: Path) -> None:
+    """By what the configurations say: kind and share, and the floor that is told nothing."""
+    runs = {}
+    for name, level, told, episodes in (
+        ("true", "retrieval", {}, range(4)),
+        ("half", "retrieval", {"falsehoods": "adversarial", "false_share": 0.5}, range(1, 6)),
+        ("all", "retrieval", {"falsehoods": "stale", "false_share": 1.0}, range(5)),
+        ("none", "none", {}, range(5)),
+    ):
+        (tmp_path / name).mkdir()
+        config = OmegaConf.create(
+            {"episodes": "mini", "agent": {}, "task": {}, "habit_level": {"name": level}, "env": {"source": told}}
+        )
+        (tmp_path / name / "config.yaml").write_text(OmegaConf.to_yaml(config))
+        runs[tmp_path / name] = Run(name, tuple(record(k, success=k != 1, habit_level=level) for k in episodes))
+    lines = false_shares(runs)
+    assert {name: list(line) for name, line in lines.items()} == {
+        "belief, adversarial": [0.0, 0.5],
+        "belief, no habits": [0.0, 1.0],
+    }
+    for line in lines.values():
+        assert all([r.episode for r in records] == ["e1", "e2", "e3"] for records in line.values())
+    assert false_shares({folder: run for folder, run in runs.items() if run.label in ("true", "none")}) == {}
+    pytest.importorskip("matplotlib")
+    draw_false_shares(lines, tmp_path / "shares.png")
+    assert cv2.imread(str(tmp_path / "shares.png")).shape[1] > 1000

@@ -28,6 +28,14 @@ def test_near(xy: tuple[float, float], paper: bool, released: bool) -> None:
     assert RELEASED_CODE.near(np.array(xy), BOX)[0] == released
 
 
+def test_least_pixels_replace_those_of_the_rules() -> None:
+    strict = task_rules("paper", 16)
+    assert (strict.done_min_pixels, strict.open_min_pixels, strict.near_m) == (16, 16, PAPER.near_m)
+    assert task_rules("paper", None) is PAPER
+    with pytest.raises(ConfigError, match=r"env\.least_pixels=0: expected 1 or more"):
+        task_rules("paper", 0)
+
+
 def test_views() -> None:
     assert PAPER.views[0] == (0, 0)
     assert sorted(PAPER.views) == [(0, p) for p in (-60, -30, 0, 30, 60)]

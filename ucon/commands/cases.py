@@ -1,35 +1,49 @@
-"""``python -m ucon cases RETRIEVAL GT``: episodes where a habit about a thing beside the target was given.
-
-The habits are read as the retrieval run read them: its folder names retriever and knowledge base.
-"""
+"""``python -m ucon cases RUN``: which habit made a search go as it went, by playing it again without that habit."""
 
 from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ucon.commands.home import case_figure
+from ucon.configuration.kept_config import add_places, bad, configuration_of, places_in
+
+if TYPE_CHECKING:
+    from ucon.programs.counterfactual import Found
+
+#: Examples that are printed of each kind.
+_SHOWN = 3
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options to its parser."""
-    from ucon.configuration.stored import add_said
-
     case_figure.add_arguments(parser)
     parser.add_argument(
-        "retrieval", nargs="?", metavar="RETRIEVAL", type=Path, help="run folder of an agent at level retrieval"
+        "run", nargs="?", metavar="RUN", type=Path, help="folder of results/, or of eval.py, at a level of habits"
     )
-    parser.add_argument("gt", nargs="?", metavar="GT", type=Path, help="run folder of the same agent at level gt")
-    parser.add_argument("--episodes", help="set or file that both played (default: what the runs say)")
-    parser.add_argument("--out", type=Path, metavar="FILE", help="keep these episodes, to play them again by path")
-    add_said(parser)
-    parser.add_argument("--json", action="store_true", help="print one JSON object a line")
+    parser.add_argument("--out", type=Path, default=Path("runs/cases"), help="folder for all plays (runs/cases)")
+    parser.add_argument(
+        "--most", type=int, default=5, metavar="N", help="habits tried in an episode, the weightiest first (default: 5)"
+    )
+    parser.add_argument(
+        "--about",
+        action="append",
+        default=[],
+        choices=("target", "beside", "anchor", "other"),
+        help="try habits about the target, about a thing that stands beside it as the habit says, about another that "
+        "may be kept at the target's anchor, or about any other thing; may be given again (default: all)",
+    )
+    parser.add_argument("--every", type=int, default=1, metavar="K", help="every K-th of its episodes (default: all)")
+    parser.add_argument("--workers", default="auto", help="processes (default: one a core); changes nothing")
+    add_places(parser)
+    parser.add_argument("--json", action="store_true", help="print one JSON object a line: habits tried, then figures")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print the episodes with the landmark and its habit, or JSON lines.
+    """Play the counterfactuals that are missing, and print the causes.
 
     Args:
         args: parsed options.
@@ -38,65 +52,81 @@ def run(args: argparse.Namespace) -> int:
         Exit code 0.
 
     Raises:
-        ConfigError: runs that differ in more than their habit level, or of the wrong levels.
+        ConfigError: a wrong option, or a run without habits.
         DataError: a run that cannot be read.
     """
-    from ucon.configuration.stored import checked, said_in
-    from ucon.configuration.wiring import Factory
+    from ucon.configuration.stored import said_in
     from ucon.core.errors import ConfigError
     from ucon.core.output import stdout_to_stderr
-    from ucon.envs.own_home import episodes_of
-    from ucon.evaluation.figures.landmark_cases import landmark_cases
-    from ucon.evaluation.kept.finished import read_config
-    from ucon.evaluation.kept.record import read_records
-    from ucon.evaluation.kept.seal import CONFIG
-    from ucon.task.sets import save_episodes
-    from ucon.task.spoken import target_place
+    from ucon.evaluation.causes.causes import ABOUT
+    from ucon.programs.counterfactual import Counterfactuals
 
     if args.figure is not None:
         return case_figure.run(args)
-    if args.gt is None:
-        raise ConfigError("RETRIEVAL GT: expected the folders of two runs, or --figure")
-    config, said, where = read_config(args.retrieval), said_in(args), str(args.retrieval / CONFIG)
-    checked(config, where, (), said, "--set ")
-    _require_one_setting(config, read_config(args.gt))
+    if args.run is None:
+        raise ConfigError("RUN: expected the folder of a run, or --figure")
+    for option in ("most", "every"):
+        if getattr(args, option) < 1:
+            raise bad(f"--{option}", str(getattr(args, option)), "a whole number from 1 up")
+    config = configuration_of(args.run, places_in(args), said_in(args))
+    config |= {
+        "every": config["every"] * args.every,
+        "workers": int(args.workers) if args.workers.isdecimal() else args.workers,
+        "progress": True,
+    }
     with stdout_to_stderr():
-        task = config["task"]
-        episodes = episodes_of(args.episodes or config["episodes"], task["name"], context=task["context"])
-        of_source = {"env": {"source": config["env"]["source"]}}
-        source = Factory(checked(of_source, where, ("env",), said, "--set ")["env"]["source"])()
-        source.prepare(level="retrieval")
-        cases = list(landmark_cases(read_records(args.retrieval), read_records(args.gt), episodes, source))
-        kept = {case.episode for case in cases}
-        places = {episode.id: target_place(episode) for episode in episodes if episode.id in kept}
-        if args.out is not None and cases:
-            save_episodes([episode for episode in episodes if episode.id in kept], args.out)
-    for case in cases:
-        if args.json:
-            print(json.dumps(case.to_json()))
-        else:
-            end = f"{case.steps_gt} steps" if case.success_gt else "not found"
-            print(f"{case.episode} ({case.scene}): {case.target} {places[case.episode]}")
-            print(f"  {case.landmark} {case.distance_m} m away")
-            print(f"  habit {case.rank}: {case.habit}")
-            print(f"  found in {case.steps} steps; with the target's own habits: {end}")
-    if not args.json:
-        kept_in = f", kept in {args.out}" if args.out is not None and cases else ""
-        print(f"{len(cases)} cases{kept_in}")
+        found = Counterfactuals(config, args.out, args.most, args.about or ABOUT).play()
+    if args.json:
+        for one in found.tried:
+            print(json.dumps(one.to_json()))
+        print(json.dumps({"episodes": found.episodes, "told": found.told, "counts": found.counts}))
+    else:
+        _print(found, args.out)
     return 0
 
 
-def _require_one_setting(retrieval: dict[str, Any], own: dict[str, Any]) -> None:
-    """Refuse runs that differ in more than their habit level (the retriever may differ; level ``gt`` uses none).
+def _print(found: Found, out: Path) -> None:
+    from ucon.core.output import wide_console
+    from ucon.evaluation.causes.causes import ABOUT, strongest
 
-    Otherwise a difference in results might not be due to the habits.
-    """
-    from ucon.core.errors import ConfigError
-    from ucon.evaluation.kept.twins import without_level
-
-    a, b = without_level(retrieval), without_level(own)
-    different = sorted(name for name in a.keys() | b.keys() if a.get(name) != b.get(name))
-    if different:
-        raise ConfigError(
-            f"the two runs differ in {', '.join(different)}; give two runs that differ in their habit level alone"
+    wide_console().print(_table(found.counts))
+    causes = strongest(found.tried).values()
+    for kind in ABOUT:
+        best = sorted(
+            (one for one in causes if one.about == kind and one.helps), key=lambda one: one.gain, reverse=True
         )
+        for one in best[:_SHOWN]:
+            with_it, without = (
+                f"found in {steps} steps" if success else "not found"
+                for success, steps in zip(one.success, one.steps, strict=True)
+            )
+            print(f"{one.episode} ({one.scene}): {one.target.replace('_', ' ')}; habit {one.rank}, about: {kind}")
+            print(f"  {one.habit}")
+            print(f"  with it {with_it}, without it {without}")
+    print(f"{len(found.tried)} of {found.told} habits tried in {found.episodes} episodes; {len(causes)} have a cause")
+    if causes:
+        print(f"a pair: python -m ucon watch {out}/pairs/told EPISODE, and {out}/pairs/removed")
+
+
+def _table(counts: Mapping[str, Mapping[str, Any]]) -> Any:
+    from rich.table import Table
+
+    columns = ("habit about", "tried", "search changes", "helps % [95 %]", "hurts % [95 %]", "helps less hurts",
+               "found with it alone", "lost with it alone", "confirmed helps", "confirmed hurts")  # fmt: skip
+    table = Table(*columns)
+    for kind, one in counts.items():
+        if not one["tried"]:
+            continue
+        helps, hurts = one["confirmed_helps"], one["confirmed_hurts"]
+        table.add_row(
+            kind, str(one["tried"]), str(one["changes_search"]),
+            *(_percent(one[side]) for side in ("helps", "hurts", "helps_less_hurts")),
+            str(one["found_with_it_alone"]), str(one["lost_with_it_alone"]),
+            f"{helps['confirmed']} of {helps['of']}", f"{hurts['confirmed']} of {hurts['of']}",
+        )  # fmt: skip
+    return table
+
+
+def _percent(share: Mapping[str, Any]) -> str:
+    low, high = share["ci95"]
+    return f"{100 * share['share']:.1f} [{100 * low:.1f}, {100 * high:.1f}]"

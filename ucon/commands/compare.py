@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from itertools import combinations
 from pathlib import Path
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from ucon.evaluation.figures.markdown import Run
     from ucon.evaluation.figures.paired import Comparison
+    from ucon.evaluation.kept.record import EpisodeRecord
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -40,14 +41,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--by-kind", action="store_true", help="also within each kind of home: generated flats, scenes, ..."
     )
+    parser.add_argument(
+        "--when",
+        action="store_true",
+        help="also within the groups that may make habits pay: by how much households differ in where they keep such a "
+        "thing, by whether its place is against common sense, by size of home; with --markdown or --json",
+    )
     parser.add_argument("--by-scene", action="store_true", help="draw whole homes in the bootstrap (wider intervals)")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument(
         "--plot",
         metavar="FOLDER",
         type=Path,
-        help="also draw SR over steps, the runs from the lowest to the highest, and differences by subset (PNG); for "
-        "runs of train.py their learning curves",
+        help="also draw SR over steps, the runs from the lowest to the highest, differences by subset, when it pays, "
+        "and success by the share of false sentences (PNG); for runs of train.py their learning curves",
     )
     parser.add_argument("--markdown", action="store_true", help="print the tables of a results page, also by home size")
 
@@ -67,13 +74,13 @@ def run(args: argparse.Namespace) -> int:
     """
     from ucon.core.errors import ConfigError
     from ucon.core.output import wide_console
+    from ucon.evaluation.figures.groups import PAYS, names_of
     from ucon.evaluation.figures.markdown import kind_of_home, markdown_page, read_runs
     from ucon.evaluation.figures.paired import compare_records, comparison_table
     from ucon.evaluation.figures.plotting import require_matplotlib
     from ucon.evaluation.figures.run_plots import plot_runs
 
-    if args.closed and not (args.json or args.markdown):
-        raise ConfigError("--closed is shown by --markdown and --json; give one of them")
+    _check_shown(args)
     folders = list(dict.fromkeys([*args.runs, *args.against, *(args.closed or ())]))
     if _are_trained(folders, args):
         return _plot_training(folders, args.plot)
@@ -84,9 +91,9 @@ def run(args: argparse.Namespace) -> int:
     runs = read_runs(folders)
     wanted = [(a, b) for b in args.against for a in args.runs if a != b] or list(combinations(folders, 2))
 
-    def compared(kind: str | None = None) -> list[Comparison]:
-        """All comparisons, over the homes of one kind or over all."""
-        chosen = {f: [r for r in run.records if kind in (None, kind_of_home(r.scene))] for f, run in runs.items()}
+    def compared(among: Callable[[EpisodeRecord], bool] = lambda _: True) -> list[Comparison]:
+        """All comparisons, over some of the episodes or over all."""
+        chosen = {f: [r for r in run.records if among(r)] for f, run in runs.items()}
         return [
             compare_records(
                 chosen[a],
@@ -99,20 +106,49 @@ def run(args: argparse.Namespace) -> int:
 
     pairs = compared()
     if args.plot is not None:
-        for path in plot_runs(list(runs.values()), [(runs[a], runs[b]) for a, b in wanted], args.plot):
+        drawn = plot_runs(list(runs.values()), [(runs[a], runs[b]) for a, b in wanted], args.plot)
+        for path in [*drawn, *_plot_shares(runs, args.plot)]:
             print(path, file=sys.stderr)
-    present = [{kind_of_home(r.scene) for r in run.records} for run in runs.values()]
-    kinds = {kind: compared(kind) for kind in sorted(set.intersection(*present))} if args.by_kind else None
+
+    def within(group: Callable[[EpisodeRecord], str]) -> dict[str, list[Comparison]]:
+        """All comparisons within each group that all runs have."""
+        return {
+            name: compared(lambda r, name=name: group(r) == name)  # type: ignore[misc]
+            for name in names_of(group, [run.records for run in runs.values()])
+        }
+
+    kinds = within(lambda r: kind_of_home(r.scene)) if args.by_kind else None
+    asked = PAYS if args.when else {}
+    groups = {f"{title}: {name}": found for title, of in asked.items() for name, found in within(of).items()} or None
     way = (runs[args.closed[0]], runs[args.closed[1]]) if args.closed else None
     if args.json:
-        print(json.dumps(_json(pairs, runs, way, kinds), indent=1))
+        print(json.dumps(_json(pairs, runs, way, {"kinds": kinds, "groups": groups}), indent=1))
     elif args.markdown:
-        print(markdown_page(list(runs.values()), pairs, way, kinds))
+        print(markdown_page(list(runs.values()), pairs, way, kinds, groups))
     else:
         wide_console().print(comparison_table(pairs))
         for kind, among in (kinds or {}).items():
             wide_console().print(comparison_table(among, ("success_rate", "spl"), title=kind))
     return 0
+
+
+def _plot_shares(runs: Mapping[Path, Run], plot: Path) -> list[Path]:
+    """Draw success against the share of false sentences, where runs have some; the file written."""
+    from ucon.evaluation.figures.false_shares import draw_false_shares, false_shares
+
+    lines = false_shares(runs)
+    if lines:
+        draw_false_shares(lines, plot / "false_shares.png")
+    return [plot / "false_shares.png"] if lines else []
+
+
+def _check_shown(args: argparse.Namespace) -> None:
+    """Raise :class:`ConfigError` where what is asked for is not shown in the form that is asked for."""
+    from ucon.core.errors import ConfigError
+
+    for option in ("closed", "when"):
+        if getattr(args, option) and not (args.json or args.markdown):
+            raise ConfigError(f"--{option} is shown by --markdown and --json; give one of them")
 
 
 def _are_trained(folders: list[Path], args: argparse.Namespace) -> bool:
@@ -144,17 +180,18 @@ def _json(
     pairs: list[Comparison],
     runs: dict[Path, Run],
     way: tuple[Run, Run] | None,
-    kinds: Mapping[str, list[Comparison]] | None,
+    parts: Mapping[str, Mapping[str, list[Comparison]] | None],
 ) -> Any:
-    """The list of differences; with more asked for, a mapping: what every run has closed, and ``kinds`` of homes."""
+    """The list of differences; with more asked for, a mapping: what every run has closed, and ``parts`` by name."""
     from ucon.evaluation.figures.gap_closed import carried_over, distance_closed
 
     differences = [pair.to_json() for pair in pairs]
-    if way is None and kinds is None:
+    if way is None and not any(parts.values()):
         return differences
     found: dict[str, Any] = {"differences": differences}
-    if kinds is not None:
-        found["kinds"] = {kind: [pair.to_json() for pair in among] for kind, among in kinds.items()}
+    for name, part in parts.items():
+        if part is not None:
+            found[name] = {group: [pair.to_json() for pair in among] for group, among in part.items()}
     if way is None:
         return found
     start, goal = way

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -10,8 +11,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.core.errors import ConfigError, EpisodeError, unknown_name
+from ucon.core.errors import ConfigError, EpisodeError, brief, unknown_name
 from ucon.core.sharing import PartlyShared, Shared
+from ucon.envs.told.edits import Edits
+from ucon.envs.told.falsehoods import Falsehoods
 from ucon.habits.book import book
 from ucon.habits.knowledge import MODES, KnowledgeBase
 from ucon.habits.types import Entry, HabitDataset
@@ -30,12 +33,12 @@ from ucon.task.episode import Episode
 class Knowledge(PartlyShared):
     """The habits of one episode at one habit level."""
 
-    _shared: ClassVar[frozenset[str]] = frozenset({"base", "rows", "target_embedding", "retriever", "texts"})
+    _shared: ClassVar[frozenset[str]] = frozenset({"base", "rows", "target_embedding", "retriever", "texts", "edited"})
 
     base: KnowledgeBase
     """All habits of the episode's household."""
     rows: NDArray[np.int32]
-    """(n,) rows of the dataset that the agent is given, in order."""
+    """(n,) rows of the dataset that the agent is given, in order; higher ones are of ``edited``."""
     target_embedding: NDArray[np.float16]
     """(D,) embedding of the target's name."""
     retriever: Retriever
@@ -44,11 +47,14 @@ class Knowledge(PartlyShared):
     """Category of the target."""
     reranking: ContextHabits | None = None
     """At level ``context``: the list that is ranked again as things are seen; ``rows`` is its first state."""
+    edited: tuple[str, ...] = ()
+    """Sentences that are told in the place of others, by row after those of the dataset."""
 
     @cached_property
     def texts(self) -> tuple[str, ...]:
         """The n sentences that the agent is given."""
-        return tuple(self.base.dataset.texts[row] for row in self.rows)
+        said, n = self.base.dataset.texts, len(self.base.dataset)
+        return tuple(said[row] if row < n else self.edited[row - n] for row in self.rows)
 
     def retrieval_metrics(self) -> dict[str, float]:
         """How well the retriever ranks the target's habits in this knowledge base.
@@ -72,6 +78,9 @@ class HabitSource(Shared):
         top_p: int = TOP_P,
         encoder: StoredEncoder | None = None,
         context: ContextWeights | None = None,
+        falsehoods: str | None = None,
+        false_share: float = 0.0,
+        edits: str | None = None,
     ) -> None:
         """Choose dataset and retriever; embeddings are computed at first use.
 
@@ -82,14 +91,23 @@ class HabitSource(Shared):
             top_p: number of habits given at levels ``retrieval`` and ``context``.
             encoder: makes the embeddings of observations; MiniLM by default.
             context: how strongly level ``context`` follows what is seen.
+            falsehoods: kind of false sentences among the habits, see :class:`Falsehoods`; None: none.
+            false_share: share of them.
+            edits: file of sentences that are not told, or others in their place (:class:`Edits`); None: none.
 
         Raises:
-            ConfigError: an unknown mode, or ``top_p`` below 1.
+            ConfigError: an unknown mode or kind of falsehoods, ``top_p`` below 1, or a share that is none or of
+                nothing.
+            DataError: the file of edits is missing or damaged.
         """
         if mode not in MODES:
             raise ConfigError(unknown_name("knowledge base mode", mode, MODES))
         if top_p < 1:
             raise ConfigError(f"top_p={top_p}, expected at least 1")
+        if falsehoods is None and false_share:
+            raise ConfigError(f"env.source.false_share={false_share}: of what? give env.source.falsehoods, too")
+        self._falsehoods = None if falsehoods is None else Falsehoods(falsehoods, false_share)
+        self._edits = None if edits is None else Edits.read(edits)
         self.mode, self.top_p = mode, top_p
         self._dataset, self._retriever, self._encoder = dataset, retriever, encoder
         self._context = context
@@ -116,8 +134,16 @@ class HabitSource(Shared):
 
     @property
     def table(self) -> NDArray[np.float16]:
-        """(N, D) float16 embeddings of all N habits of the dataset, read-only."""
-        return dataset_vectors(self.dataset, self.encoder)
+        """(N, D) float16 embeddings of all N habits: those of the dataset, and sentences of edits. Read-only."""
+        return dataset_vectors(self.dataset, self.encoder) if self._edits is None else self._table_of_edits
+
+    @cached_property
+    def _table_of_edits(self) -> NDArray[np.float16]:
+        assert self._edits is not None
+        said = dataset_vectors(self.dataset, self.encoder)
+        table = np.concatenate([said, self.encoder.encode_half(self._edits.texts)]) if self._edits.texts else said
+        table.setflags(write=False)
+        return table
 
     @property
     def dimension(self) -> int:
@@ -136,14 +162,30 @@ class HabitSource(Shared):
             self.retriever.prepare(self.dataset, progress)
 
     def weights(self, level: str) -> tuple[str, ...]:
-        """Names, with the start of their checksums, of the weights that decide which habits are given.
+        """Names, with the start of their checksums, of weights and edits that decide which habits are given.
 
         Args:
             level: the retriever counts only at levels that rank habits.
         """
         retriever = self.retriever if level in RANKED_LEVELS else None
         asked = (retriever.name,) if isinstance(retriever, PreparedRetriever) else ()
-        return (self.encoder.name, *asked)
+        edited = () if self._edits is None else (f"edits {self._edits.sha256[:12]}",)
+        return (self.encoder.name, *asked, *edited)
+
+    def check_edits(self, episodes: Iterable[Episode]) -> None:
+        """Refuse edits that are of none of some episodes: the ids are misspelt, or of another set.
+
+        Args:
+            episodes: those that are going to be played.
+
+        Raises:
+            ConfigError: none of them is edited.
+        """
+        if self._edits is not None and self._edits.episodes.isdisjoint(episode.id for episode in episodes):
+            some = brief(min(self._edits.episodes))
+            raise ConfigError(
+                f"{self._edits.where}: edits {some}, ..., none of which is played; name their set or file"
+            )
 
     @staticmethod
     def check_level(level: str) -> str:
@@ -183,7 +225,8 @@ class HabitSource(Shared):
             level: a habit level.
 
         Raises:
-            EpisodeError: the episode was made with another dataset.
+            EpisodeError: the episode was made with another dataset, or an edit is of a sentence that it is not told.
+            ConfigError: edits at level ``context``, or falsehoods of a dataset without labels.
         """
         dataset = self.dataset
         if episode.habits_hash != dataset.sha256:
@@ -199,12 +242,24 @@ class HabitSource(Shared):
             entry = dataset.entries[dataset.entry_number[name]]
             drawn.setdefault(entry.category, []).append(entry)
         base = KnowledgeBase.build(dataset, drawn, episode.seed)
+        if self._falsehoods is not None:
+            base = self._falsehoods.among(base, episode)
         target = episode.target_category
         return Knowledge(
             base=base,
-            rows=habits_at_level(level, base, target, self.retriever, self.top_p),
+            rows=self._edited(episode, level, habits_at_level(level, base, target, self.retriever, self.top_p)),
             target_embedding=self.encoder.encode_half([phrase(target)])[0],
             retriever=self.retriever,
             target=target,
             reranking=ContextHabits(self.context, base, target, self.top_p) if level == "context" else None,
+            edited=() if self._edits is None else self._edits.texts,
         )
+
+    def _edited(self, episode: Episode, level: str, rows: NDArray[np.int32]) -> NDArray[np.int32]:
+        """The rows that are told at a level once the episode is edited; at level ``none`` there is nothing to edit."""
+        if self._edits is None or level == "none":
+            return rows
+        if level == "context":
+            raise ConfigError("env.source.edits at level context, whose list changes; choose another habit level")
+        said = self.dataset.texts
+        return self._edits.applied(episode.id, rows, tuple(said[row] for row in rows), len(said))

@@ -20,12 +20,13 @@ from ucon.task.rules import TaskRules, task_rules
 from ucon.task.search import Search
 
 
-def rigged_rules(task: str, rig: RobotRig | None) -> tuple[TaskRules, RobotRig | None]:
+def rigged_rules(task: str, rig: RobotRig | None, least_pixels: int | None = None) -> tuple[TaskRules, RobotRig | None]:
     """The rules of a task, with the camera of the rig, and the rig.
 
     Args:
         task: name of the rule set.
         rig: as given; None: the default, where the rules have a robot.
+        least_pixels: that Open and Done ask for; None: the rules' own.
 
     Returns:
         The rig is None under rules without a robot.
@@ -33,7 +34,7 @@ def rigged_rules(task: str, rig: RobotRig | None) -> tuple[TaskRules, RobotRig |
     Raises:
         ConfigError: an unknown task, or a rig where there is no robot.
     """
-    rules = task_rules(task)
+    rules = task_rules(task, least_pixels)
     if not rules.continuous:
         if rig is not None:
             raise ConfigError(f"env.rig: only task=real_robot has one, this is task={task}; leave it out")

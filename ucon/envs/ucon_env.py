@@ -108,6 +108,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         habit_level: str = "retrieval",
         source: HabitSource | None = None,
         task: str = "paper",
+        least_pixels: int | None = None,
         observe: Literal["pixels", "symbolic"] = "pixels",
         width_px: int = CANONICAL_PX,
         height_px: int = CANONICAL_PX,
@@ -130,6 +131,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
             habit_level: which habits the agent is given: none, full, gt, retrieval, context.
             source: gives every episode its habits; by default the habit book, or what a home file says.
             task: name of the rule set.
+            least_pixels: that Done and Open ask for (sensitivity); None: as the rule set has it.
             observe: ``pixels`` for images in observations, ``symbolic`` without.
             width_px: of the images.
             height_px: of the images.
@@ -160,7 +162,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         self.episodes = load_episodes(episodes, task) if isinstance(episodes, str | Path) else tuple(episodes)
         if not self.episodes:
             raise EpisodeError("no episodes: expected at least one; name a set (mini, val, test) or give a path")
-        self.rules, self._rig = rigged_rules(task, rig)
+        self.rules, self._rig = rigged_rules(task, rig, least_pixels)
         planner, fov_deg = checked_planner(planner, self.rules), self.rules.fov_deg if fov_deg is None else fov_deg
         self.source = source or HabitSource()
         self.habit_level = self.source.check_level(habit_level)

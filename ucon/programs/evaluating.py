@@ -66,6 +66,7 @@ class Evaluation:
         self.parts, self.source = parts_of(agent, detector), Factory(config["env"]["source"])()
         self.label = agent_label({"agent": agent.name, **self.parts.to_json()})
         """Label of the agent, as in tables."""
+        self.source.check_edits(self.episodes)
         errors = getattr(detector, "errors", None)
         judge = getattr(agent, "judge", None) if errors is not None else None  # others are never asked
         if anew or not has_summary(out):  # a finished run is only read and needs no weights

@@ -10,7 +10,7 @@ quadruped, and the robot moves continuously. How it moves and senses are options
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -131,12 +131,21 @@ REAL_ROBOT = TaskRules("real_robot", turn_deg=60, fov_deg=60.0, continuous=True,
 RULES = {rules.name: rules for rules in (PAPER, RELEASED_CODE, REAL_ROBOT)}
 
 
-def task_rules(name: str) -> TaskRules:
+def task_rules(name: str, least_pixels: int | None = None) -> TaskRules:
     """The rule set of a name.
 
+    Args:
+        name: of the rule set.
+        least_pixels: that Done and Open ask for, where they ask for any; None: as the rule set has it. Stored episodes
+            are solvable under the rules as they are; with more pixels some may not be.
+
     Raises:
-        ConfigError: there is no such rule set.
+        ConfigError: there is no such rule set, or ``least_pixels`` is below 1.
     """
     if name not in RULES:
         raise ConfigError(unknown_name("task", name, RULES))
-    return RULES[name]
+    if least_pixels is None:
+        return RULES[name]
+    if least_pixels < 1:
+        raise ConfigError(f"env.least_pixels={least_pixels}: expected 1 or more, or null for the rule set's own")
+    return replace(RULES[name], done_min_pixels=least_pixels, open_min_pixels=least_pixels)

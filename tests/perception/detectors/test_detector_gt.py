@@ -47,6 +47,21 @@ def test_least_pixels_can_be_set() -> None:
         GtDetector(min_pixels=0)
 
 
+def test_range_is_that_of_the_nearest_pixel() -> None:
+    detector = GtDetector(range_m=2.0)
+    detector.reset("e", ("mug", "bed"))
+    image, seen = np.array([[0, 1], [1, -1]]), frame([9, 10], np.array([[0, 1], [1, -1]]))
+    seen.depth[:] = [[2.5, 2.5], [1.5, 0.0]]
+    found = detector.detect(seen)
+    assert (found.category, found.image.tolist()) == (("bed",), [[-1, 0], [0, -1]])
+    near = frame([9, 10], image)
+    assert detector.detect(near).category == ("bed", "mug")
+    assert detector.detect(seen).category == ("bed",), "what was known is not named from afar either"
+    for wrong in (0.0, -1.0, float("nan")):
+        with pytest.raises(ConfigError, match=r"range_m=.*expected metres above 0"):
+            GtDetector(range_m=wrong)
+
+
 def test_in_a_home_it_says_what_a_plain_reading_of_the_truth_says() -> None:
     """Numbers by first sight, larger first, ties by instance; the same whether named or asked for by True."""
     numbers: dict[int, int] = {}

@@ -1,12 +1,14 @@
-"""Ways to tell episodes apart: by target, where it is kept, home, kind of home, size of home, and split."""
+"""Ways to tell episodes apart: by target and where it is kept, home, split, and by what may make habits pay."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
 from ucon.core.errors import UconError
 from ucon.evaluation.figures.markdown import area_m2, kind_of_home, size_class
+from ucon.evaluation.figures.subsets import by_common_sense, by_variety
 from ucon.evaluation.kept.record import EpisodeRecord
 
 
@@ -26,4 +28,25 @@ GROUPS: Final[Mapping[str, Callable[[EpisodeRecord], str]]] = {
     "kind of home": lambda r: kind_of_home(r.scene),
     "size of home": lambda r: _size(r.scene),
     "split": lambda r: r.split.replace("/", ", ").replace("_", " "),
+    "variety among households": by_variety,
+    "common sense": by_common_sense,
 }
+
+#: Groups of episodes that may make habits pay.
+PAYS: Final = {name: GROUPS[name] for name in ("variety among households", "common sense", "size of home")}
+
+
+def names_of(group: Callable[[EpisodeRecord], str], runs: Sequence[Sequence[EpisodeRecord]]) -> list[str]:
+    """Names of the groups that have episodes in every run, by their first number, then by name.
+
+    Args:
+        group: gives the name of a record's group.
+        runs: records of each run.
+    """
+    return sorted(set.intersection(*({group(r) for r in run} for run in runs)), key=in_order)
+
+
+def in_order(name: str) -> tuple[int, str]:
+    """Sort key of a group: by its first number (``40-70 m2``), then by name."""
+    number = re.search(r"\d+", name)
+    return int(number[0]) if number else 0, name

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise
+from itertools import chain, pairwise
 from math import isnan
 from pathlib import Path
 from typing import Final, get_args
@@ -15,6 +15,7 @@ from ucon.core.errors import ConfigError
 from ucon.evaluation.figures.gap_closed import CELLS, DISTANCES, carried_over, distance_closed
 from ucon.evaluation.figures.intervals import Interval, mean_interval, rate_interval
 from ucon.evaluation.figures.paired import Comparison
+from ucon.evaluation.figures.subsets import is_against_common_sense
 from ucon.evaluation.kept.finished import FinishedRun, figures_only
 from ucon.evaluation.kept.naming import agent_label, level
 from ucon.evaluation.kept.record import EpisodeRecord, read_records
@@ -24,6 +25,13 @@ from ucon.task.outcome import FailureCause
 
 #: Limits of the classes of home sizes in square metres, around the sizes of the calibration study.
 SIZE_LIMITS_M2 = (0, 40, 70, 115, 170, 250, 600)
+#: Steps after which success is told.
+BUDGETS: Final = (75, 150, 300)
+#: Subsets of episodes that are told by name.
+NAMED: Final[Mapping[str, Callable[[EpisodeRecord], bool]]] = {
+    "contained targets": lambda r: r.contained,
+    "targets against common sense": is_against_common_sense,
+}
 #: Names of generated homes begin with it and a colon.
 GENERATED: Final = "procedural"
 
@@ -103,6 +111,7 @@ def markdown_page(
     comparisons: Sequence[Comparison],
     way: tuple[Run, Run] | None = None,
     kinds: Mapping[str, Sequence[Comparison]] | None = None,
+    groups: Mapping[str, Sequence[Comparison]] | None = None,
 ) -> str:
     """All tables of some runs, separated by empty lines.
 
@@ -111,6 +120,7 @@ def markdown_page(
         comparisons: paired differences.
         way: start and goal for distance closed; None: no such column.
         kinds: the same comparisons within each kind of home; None: no such table.
+        groups: the same comparisons within the groups that may make habits pay; None: no such table.
 
     Raises:
         ConfigError: two runs have the same label.
@@ -118,8 +128,10 @@ def markdown_page(
     named_apart(runs)
     tables = [_runs(runs, way), _differences(comparisons)]
     if kinds is not None:
-        tables.append(_by_kind(kinds))
-    tables.append(_causes(runs))
+        tables.append(_within("SPL by kind of home", kinds))
+    if groups is not None:
+        tables.append(_within("SPL within", groups))
+    tables += [_budgets(runs), *_named(runs), _causes(runs)]
     if way is not None and (carried := _carried(runs, way[1])):
         tables.append(carried)
     sizes = _sizes(runs)
@@ -195,14 +207,39 @@ def _differences(comparisons: Sequence[Comparison]) -> str:
     return _table(("paired difference", "n", "SPL", "SR", "steps"), rows)
 
 
-def _by_kind(kinds: Mapping[str, Sequence[Comparison]]) -> str:
-    """Table of the differences in SPL within each kind of home."""
+def _within(title: str, groups: Mapping[str, Sequence[Comparison]]) -> str:
+    """Table of the differences in SPL within groups of episodes, by their names."""
     rows = [
-        (kind, str(pairs[0].n), *(_signed(pair.differences["spl"], 3) for pair in pairs))
-        for kind, pairs in kinds.items()
+        (name, str(pairs[0].n), *(_signed(pair.differences["spl"], 3) for pair in pairs))
+        for name, pairs in groups.items()
     ]
-    some = next(iter(kinds.values()))
-    return _table(("SPL by kind of home", "n", *(f"({c.first}) - ({c.second})" for c in some)), rows)
+    some = next(iter(groups.values()))
+    return _table((title, "n", *(f"({c.first}) - ({c.second})" for c in some)), rows)
+
+
+def _budgets(runs: Sequence[Run]) -> str:
+    """Table of SR / SPL of every run where a search counts only if it ends within so many steps."""
+    rows = [(run.label, *(_within_steps(run.records, most) for most in BUDGETS)) for run in runs]
+    return _table(("SR / SPL within", *(f"{most} steps" for most in BUDGETS)), rows)
+
+
+def _within_steps(records: Sequence[EpisodeRecord], most: int) -> str:
+    found = [float(r.success and r.steps <= most) for r in records]
+    spl = [r.spl * one for r, one in zip(records, found, strict=True)]
+    return f"{sum(found) / len(records):.3f} / {sum(spl) / len(records):.3f}"
+
+
+def _named(runs: Sequence[Run]) -> list[str]:
+    """Table of SR and SPL with intervals on the named subsets that have episodes in every run; [] where none has."""
+    names = [name for name, has in NAMED.items() if all(any(map(has, run.records)) for run in runs)]
+    if not names:
+        return []
+    head = ["subset", *(f"{name}: {what}" for name in names for what in ("n", "SR % [95 %]", "SPL [95 %]"))]
+    rows = []
+    for run in runs:
+        parts = [[r for r in run.records if NAMED[name](r)] for name in names]
+        rows.append((run.label, *chain(*(_run_row("", part)[1:4] for part in parts))))
+    return [_table(head, rows)]
 
 
 def _causes(runs: Sequence[Run]) -> str:

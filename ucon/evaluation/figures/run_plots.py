@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
-from ucon.evaluation.figures.groups import GROUPS
+from ucon.evaluation.figures.groups import GROUPS, in_order
 from ucon.evaluation.figures.intervals import Interval, mean_interval, paired_difference, rate_interval
 from ucon.evaluation.figures.markdown import Run
 from ucon.evaluation.figures.plotting import ABOVE, INK, STYLE, new_figure, percent_axis, require_matplotlib, save_png
@@ -24,6 +24,12 @@ _LEAST: Final = 10
 _MOST_PAIRS: Final = 6
 #: Groups within which differences are drawn; within each target or home there are few episodes.
 _SUBSETS: Final = ("split", "relation", "kind of home", "size of home")
+#: Groups of the picture that shows when a difference is large, with what they are called there.
+_WHEN: Final = {
+    "variety among households": "anchors among which\nhouseholds spread such a thing",
+    "common sense": "what common sense says\nof the target's place",
+    "size of home": "floor area of the home",
+}
 
 
 def plot_runs(runs: Sequence[Run], pairs: Sequence[tuple[Run, Run]], folder: Path) -> list[Path]:
@@ -46,6 +52,7 @@ def plot_runs(runs: Sequence[Run], pairs: Sequence[tuple[Run, Run]], folder: Pat
     drawn = {"sr_over_steps.png": lambda: _sr_over_steps(runs), "ladder.png": lambda: _ladder(runs)}
     if 0 < len(pairs) <= _MOST_PAIRS:
         drawn["differences.png"] = lambda: _differences(pairs)
+        drawn["when.png"] = lambda: _when(pairs)
     folder.mkdir(parents=True, exist_ok=True)
     with matplotlib.rc_context(STYLE):
         for name, draw in drawn.items():
@@ -111,7 +118,29 @@ def _differences(pairs: Sequence[tuple[Run, Run]]) -> Any:
     return figure
 
 
-def _by_subset(first: Run, second: Run) -> dict[str, Interval]:
+def _when(pairs: Sequence[tuple[Run, Run]]) -> Any:
+    """SPL of the first minus the second run of each pair, by what may make habits pay."""
+    figure = new_figure(12, 4.6, "When it pays: difference in SPL on the same episodes")
+    axes = figure.subplots(1, len(_WHEN), sharey=True)
+    for ax, (title, called) in zip(axes, _WHEN.items(), strict=True):
+        found = [_by_subset(*pair, (title,)) for pair in pairs]
+        names = [name for name in dict.fromkeys(chain(*found)) if not name.startswith("all episodes")]
+        for k, ((first, second), rows) in enumerate(zip(pairs, found, strict=True)):
+            shown = [name for name in names if name in rows]
+            at = [names.index(name) + (k - (len(pairs) - 1) / 2) * 0.6 / len(pairs) for name in shown]
+            reach = np.array([[rows[n].mean - rows[n].low, rows[n].high - rows[n].mean] for n in shown]).T
+            label = f"{first.label} minus {second.label}"
+            means = [rows[n].mean for n in shown]
+            ax.errorbar(at, means, yerr=reach, fmt="o", color=_COLORS[k % len(_COLORS)], capsize=3, label=label)
+        ax.axhline(0, color=INK, linewidth=0.9)
+        ax.set_xticks(range(len(names)), [name.replace(" (", "\n(") for name in names], fontsize=8)
+        ax.set_xlabel(called)
+        ax.grid(axis="y")
+    axes[0].legend(fontsize=8, **ABOVE)
+    return figure
+
+
+def _by_subset(first: Run, second: Run, titles: Sequence[str] = _SUBSETS) -> dict[str, Interval]:
     """Paired difference in SPL within each subset, its size in the name."""
     others = {r.episode: r for r in second.records}
     common = [r for r in first.records if r.episode in others]
@@ -122,20 +151,14 @@ def _by_subset(first: Run, second: Run) -> dict[str, Interval]:
         found[f"{name} ({len(part)})"] = paired_difference(*values, resamples=_RESAMPLES)
 
     compare("all episodes", common)
-    for title in _SUBSETS:
+    for title in titles:
         parts: dict[str, list[EpisodeRecord]] = {}
         for record in common:
             parts.setdefault(GROUPS[title](record), []).append(record)
-        for name in sorted(parts, key=_in_order):
+        for name in sorted(parts, key=in_order):
             if _LEAST <= len(parts[name]) < len(common):
                 compare(name, parts[name])
     return found
-
-
-def _in_order(name: str) -> tuple[int, str]:
-    """Sort key of a subset: by its first number (``40-70 m2``), then by name."""
-    number = re.search(r"\d+", name)
-    return int(number[0]) if number else 0, name
 
 
 def _points(ax: Any, values: Sequence[Interval], names: Sequence[str], color: str, form: str) -> None:

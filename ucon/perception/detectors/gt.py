@@ -17,7 +17,7 @@ from ucon.perception.mapping.detections import MIN_PIXELS, Detections
 
 
 class GtDetector(PartlyShared):
-    """Reports exactly the instances with at least ``min_pixels`` pixels in the canonical 128 x 128 view.
+    """Reports exactly the instances with at least ``min_pixels`` pixels in the canonical 128 x 128 view, and in range.
 
     Implements :class:`ucon.perception.detectors.base.Detector`.
     """
@@ -27,18 +27,22 @@ class GtDetector(PartlyShared):
     name = "gt"
     needs_rgb = False
 
-    def __init__(self, min_pixels: int = MIN_PIXELS) -> None:
-        """Set the size limit.
+    def __init__(self, min_pixels: int = MIN_PIXELS, range_m: float | None = None) -> None:
+        """Set the limits.
 
         Args:
             min_pixels: least pixels of an instance in the canonical 128 x 128 view.
+            range_m: an instance is not named from farther away than so many metres, by its nearest pixel; None: no
+                limit.
 
         Raises:
-            ConfigError: ``min_pixels`` is below 1.
+            ConfigError: ``min_pixels`` is below 1, or ``range_m`` not above 0.
         """
         if min_pixels < 1:
             raise ConfigError(f"detector.min_pixels={min_pixels}: expected 1 or more")
-        self._min_pixels = min_pixels
+        if range_m is not None and not range_m > 0.0:
+            raise ConfigError(f"detector.range_m={range_m}: expected metres above 0, or null for no limit")
+        self._min_pixels, self._range_m = min_pixels, range_m
         self.reset("", ())
 
     def reset(self, episode: str, categories: tuple[str, ...]) -> None:
@@ -61,7 +65,8 @@ class GtDetector(PartlyShared):
             Tracks, categories, canonical pixel counts, and the track of every pixel. ``score`` is None: never wrong.
         """
         counts = frame.counts
-        seen = np.flatnonzero(counts >= self._min_pixels)
+        far = self._far(frame)
+        seen = np.flatnonzero((counts >= self._min_pixels) & ~far[:-1])
         new = seen[self._track[seen] < 0]
         if len(new):
             for instance in new[np.lexsort((new, -counts[new]))]:
@@ -69,8 +74,17 @@ class GtDetector(PartlyShared):
                 self._known += 1
         seen = seen[np.argsort(self._track[seen])]
         names = tuple(self._categories[k] for k in seen.tolist())
-        image = self._track.take(frame.instance, mode="wrap")  # -1 is the last entry
+        image = np.where(far, -1, self._track).take(frame.instance, mode="wrap")  # -1 is the last entry
         return Detections(self._track[seen], names, counts[seen], image)
+
+    def _far(self, frame: Frame) -> NDArray[np.bool_]:
+        """(n + 1,) whether each instance is out of range; the last entry stands for pixels of no instance."""
+        if self._range_m is None:
+            return np.zeros(len(self._track), bool)
+        nearest = np.full(len(self._track), np.inf, np.float32)
+        shown = frame.depth > 0.0
+        np.minimum.at(nearest, frame.instance[shown], frame.depth[shown])
+        return nearest > self._range_m
 
     def tracks_of(self, instances: tuple[int, ...]) -> tuple[int, ...]:
         """Tracks of instances; instances never seen are left out."""

@@ -1,0 +1,138 @@
+"""False sentences among a household's habits: adversarial ones, and stale ones.
+
+Both kinds are sentences that people wrote for the book. Adversarial: another household's habits of the same thing that
+name other places of this home. Stale: the household's own that name a place where the thing is not now.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.errors import ConfigError, brief, unknown_name
+from ucon.core.rng import stream
+from ucon.core.sharing import Shared
+from ucon.habits.knowledge import KnowledgeBase
+from ucon.habits.types import Entry, Habit, HabitDataset, Placement
+from ucon.sim.cache import load_house
+from ucon.task.episode import Episode
+
+KINDS: Final = ("adversarial", "stale")
+#: Row of a sentence in whose place there is none.
+_NONE: Final = -1
+
+
+@dataclass(frozen=True)
+class Falsehoods(Shared):
+    """Puts false sentences in the place of some that are true.
+
+    ``adversarial``: of the sentences about the target that name a place where the household keeps it, the share is
+    replaced by lies. ``stale``: of those that name the place where it is now, the share is replaced by the household's
+    sentences that name another one, and of these no others are told: by themselves they are most (six in seven of the
+    book). Where there are too few false ones, the rest is left out. Which ones are replaced is drawn by the episode's
+    id, so a larger share replaces more of the same.
+
+    Raises:
+        ConfigError: an unknown kind, or a share outside [0, 1].
+    """
+
+    kind: str
+    share: float
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise ConfigError(unknown_name("kind of falsehoods", self.kind, KINDS))
+        if not 0.0 <= self.share <= 1.0:
+            raise ConfigError(f"env.source.false_share={brief(self.share)}: expected a share from 0 to 1")
+
+    def among(self, base: KnowledgeBase, episode: Episode) -> KnowledgeBase:
+        """The knowledge base with falsehoods; all other sentences keep their order.
+
+        Args:
+            base: all habits of the household.
+            episode: says where the target is.
+
+        Raises:
+            ConfigError: the dataset does not say which sentence names which place.
+        """
+        dataset = base.dataset
+        if not dataset.labelled:
+            raise ConfigError(f"env.source.falsehoods={self.kind}: habits '{dataset.name}' have no labels; habits=book")
+        naming = [int(row) for row in base.rows_about(episode.target_category) if dataset.supports(row)]
+        if self.kind == "adversarial":
+            true, false, left_out = naming, _lies(dataset, episode), set[int]()
+        else:
+            now = place_now(dataset, episode)
+            true = [row for row in naming if _names(dataset.supports(row), now)]
+            false = [row for row in naming if row not in true]
+            left_out = set(false)
+        draw = stream(0, "falsehoods", self.kind, episode.id)
+        true, false = draw.permutation(true).tolist(), draw.permutation(false).tolist()
+        count = int(self.share * len(true) + draw.random())
+        instead = {row: false[k] if k < len(false) else _NONE for k, row in enumerate(true[:count])}
+        told = [instead.get(row, row) for row in base.rows.tolist() if row not in left_out]
+        return KnowledgeBase(dataset, _rows(row for row in told if row != _NONE))
+
+
+def place_now(dataset: HabitDataset, episode: Episode) -> Placement:
+    """The placement that the target of an episode follows. Privileged."""
+    entry, number = episode.placed_by[episode.target]
+    return dataset.entries[dataset.entry_number[entry]].placements[number]
+
+
+def things_of(episode: Episode) -> frozenset[str]:
+    """Categories of all things in an episode's home. Privileged."""
+    gone, house = set(episode.arrangement.removed), load_house(episode.scene)
+    standing = {name for k, name in enumerate(house.categories) if k not in gone}
+    return frozenset(standing | {thing.category for thing in episode.arrangement.objects})
+
+
+def elsewhere(dataset: HabitDataset, episode: Episode, category: str) -> list[int]:
+    """Rows of other households' sentences that place a category by things of this home, and never where it is kept.
+
+    Args:
+        dataset: of all households.
+        episode: says whose home it is, and what is in it.
+        category: the thing that the sentences are about.
+    """
+    kept = {_place(p) for entry in _own(dataset, episode, category) for p in entry.placements}
+    there, found = things_of(episode), []
+    for entry in dataset.entries_of(category):
+        if entry.id in episode.entries:
+            continue
+        for row, habit in enumerate(entry.habits, int(dataset.first_row[dataset.entry_number[entry.id]])):
+            if _all_elsewhere(entry, habit, there, kept):
+                found.append(row)
+    return found
+
+
+def _lies(dataset: HabitDataset, episode: Episode) -> list[int]:
+    """Sentences that place the target in this home, at other things than the one where it is."""
+    anchor = place_now(dataset, episode).anchor
+    rows = elsewhere(dataset, episode, episode.target_category)
+    return [row for row in rows if all(place.anchor != anchor for place in dataset.supports(row))]
+
+
+def _all_elsewhere(entry: Entry, habit: Habit, there: Collection[str], kept: Collection[tuple[str, str]]) -> bool:
+    places = [entry.placements[k] for k in habit.supports]
+    return bool(places) and all(place.anchor in there and _place(place) not in kept for place in places)
+
+
+def _own(dataset: HabitDataset, episode: Episode, category: str) -> list[Entry]:
+    return [entry for entry in dataset.entries_of(category) if entry.id in episode.entries]
+
+
+def _names(places: Collection[Placement], place: Placement) -> bool:
+    return any(_place(one) == _place(place) for one in places)
+
+
+def _place(place: Placement) -> tuple[str, str]:
+    return place.relation, place.anchor
+
+
+def _rows(rows: object) -> NDArray[np.int32]:
+    return np.fromiter(rows, np.int32)  # type: ignore[call-overload, no-any-return]
