@@ -15,6 +15,8 @@ from ucon.core.untrusted.typed import read_as
 _COUNTS: Final = (
     "number", "step", "chosen", "asked", "dropped", "retries", "prompt_tokens", "completion_tokens",
 )  # fmt: skip
+#: Names of options are counted one by one up to this number of them.
+_FEW_NAMES: Final = 8
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,9 @@ class DecisionRecord:
     For computed choices: gain and
     cost of the chosen view.
     """
+    places: tuple[int, ...] = ()
+    """Place of the model's choice in the list of options, for each order in which it was asked; stored where there is
+    one."""
     seconds: float = 0.0
     """Wall time of the answers; not part of the stored line."""
 
@@ -69,6 +74,8 @@ class DecisionRecord:
         """Plain values of the stored line, without seconds."""
         values: dict[str, Any] = asdict(self)
         values.pop("seconds")
+        if not self.places:
+            values.pop("places")
         values["scores"] = [float(s) if s is not None and isfinite(s) else None for s in self.scores]
         values["text"] = shown(self.text)  # a server's answer may contain control characters
         return values
@@ -88,8 +95,10 @@ class DecisionRecord:
         Raises:
             DataError: it has another form, or negative counts.
         """
-        decision = read_as(cls, data, where, "a decision", without=("seconds",))
-        if min(getattr(decision, name) for name in _COUNTS) < 0 or decision.answered < -1:
+        without = ("seconds",) if isinstance(data, dict) and "places" in data else ("seconds", "places")
+        decision = read_as(cls, data, where, "a decision", without=without)
+        counts = (*(getattr(decision, name) for name in _COUNTS), *decision.places, decision.answered + 1)
+        if min(counts) < 0:
             raise DataError(f"{where}: counts below 0; the file is altered, evaluate again")
         return decision
 
@@ -119,7 +128,30 @@ def language_figures(decisions: Sequence[DecisionRecord], n_episodes: int) -> di
         "retries": sum(d.retries for d in asked),
         "prompt_tokens_per_decision": sum(d.prompt_tokens for d in asked) / len(asked),
         "completion_tokens_per_decision": sum(d.completion_tokens for d in asked) / len(asked),
-    }
+    } | _position_bias(asked)
+
+
+def _position_bias(asked: Sequence[DecisionRecord]) -> dict[str, Any]:
+    """How a model's choices depend on places in the list and on bare names, for models that read a list; {} for others.
+
+    ``chosen``: by number of options, the share of choices at each place, of all orders. ``agreement``: share of the
+    decisions asked in two orders in which both named the same option. ``named``: share of each name among what was
+    answered, where names are few, as directions are.
+    """
+    listed = [d for d in asked if d.places]
+    if not listed:
+        return {}
+    chosen: dict[str, Any] = {}
+    for n in sorted({len(d.options) for d in listed}):
+        places = [place for d in listed if len(d.options) == n for place in d.places]
+        chosen[str(n)] = {"choices": len(places), "shares": [places.count(k) / len(places) for k in range(n)]}
+    twice = [sum(d.places) == len(d.options) - 1 for d in listed if len(d.places) == 2]  # the second order is reversed
+    agreement = sum(twice) / len(twice) if twice else None
+    names = sorted({name for d in listed for name in d.options})
+    answers = [d.options[d.answered] for d in listed if 0 <= d.answered < len(d.options)]
+    few = bool(answers) and len(names) <= _FEW_NAMES
+    named = {name: answers.count(name) / len(answers) for name in names} if few else None
+    return {"position_bias": {"chosen": chosen, "agreement": agreement, "named": named}}
 
 
 def seconds_per_decision(decisions: Sequence[DecisionRecord]) -> float | None:

@@ -11,6 +11,7 @@ from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, unknown_name
 from ucon.core.untrusted.weight_files import FETCHED, fingerprint, local_folder, missing_parts
 from ucon.language.encoder import quiet
+from ucon.language.packaged import MODELS, PackagedModel
 
 DTYPES: Final = ("float32", "bfloat16", "float16", "int8")
 
@@ -22,7 +23,7 @@ class LocalWeights:
         """Choose the weights.
 
         Args:
-            path: folder in Hugging Face layout, or a name in the Hugging Face cache.
+            path: folder in Hugging Face layout, a name in the Hugging Face cache, or of a fetched model (``smollm2``).
             device: ``cpu``, ``cuda``, ``cuda:1``; ``auto`` is a GPU if there is one.
             dtype: ``float32``, ``bfloat16``, ``float16``, or ``int8`` (bitsandbytes, on a GPU).
             download: fetch a name that is not in the cache from the hub.
@@ -39,8 +40,8 @@ class LocalWeights:
 
     @property
     def short(self) -> str:
-        """Last part of the path: ``roberta-large``."""
-        return Path(self.path).name or self.path
+        """Last part of the path, ``roberta-large``, or the title of a fetched model."""
+        return self._packaged.title if self._packaged else Path(self.path).name or self.path
 
     @property
     def device(self) -> str:
@@ -67,7 +68,13 @@ class LocalWeights:
             )
 
     def fingerprint(self) -> str | None:
-        """Checksum of the files (:func:`ucon.core.untrusted.weight_files.fingerprint`); None where there are none."""
+        """Checksum of the files (:func:`ucon.core.untrusted.weight_files.fingerprint`); None where there are none.
+
+        That of a fetched model is the hash of the file it was made of: its folder differs between versions of
+        transformers.
+        """
+        if self._packaged:
+            return self._packaged.gguf_sha256 if self._packaged.fetched else None
         folder = local_folder(self.path)
         return None if folder is None else fingerprint(folder)
 
@@ -77,6 +84,8 @@ class LocalWeights:
         Raises:
             DataError: they are not all there.
         """
+        if self._packaged:
+            return self._packaged.require()
         found = Path(self.path).expanduser()
         if not found.is_dir():
             found = self._from_hub()
@@ -124,6 +133,11 @@ class LocalWeights:
         except Exception as error:
             line = " ".join(str(error).split())[:200]
             raise DataError(f"{folder}: cannot be loaded ({type(error).__name__}: {line}); {self._how}") from None
+
+    @property
+    def _packaged(self) -> PackagedModel | None:
+        """The model of a package that the path names."""
+        return MODELS.get(self.path)
 
     @property
     def _how(self) -> str:
