@@ -91,11 +91,21 @@ def test_whole_habits_are_dropped_from_the_end(folder, plain):
     assert 0 < answer.dropped < len(many)
     kept = question(many[: len(many) - answer.dropped])
     assert answer.scores == pytest.approx(normal(plain(kept)[0]), abs=2e-4)
-    assert answer.prompt_tokens <= 1024 < plain(question(many[: len(many) - answer.dropped + 1]))[2] + 4
+    room = 1024 - 1024 // 8 + len(model._ids(asked.situation))  # an eighth is kept for the user's message
+    assert answer.prompt_tokens <= room < plain(question(many[: len(many) - answer.dropped + 1]))[2] + 4
     assert habits_in(asked.system) == len(many)
     (shorter,) = CausalModel(folder, window=200).answer([asked])
     assert shorter.dropped > answer.dropped
     assert shorter.choice >= 0
+
+
+def test_all_questions_of_an_episode_drop_the_same_habits_and_share_the_rest(folder):
+    """Where the window is too short, a longer message may not change what was read before it."""
+    many = [f"{habit} ({i})" for i, habit in enumerate(HABITS * 20)]
+    model = CausalModel(folder, prefixes=4)
+    answers = model.answer([question(many, NAMES[:n]) for n in range(1, len(NAMES) + 1)])
+    assert len({answer.dropped for answer in answers}) == len(model._prefixes) == 1
+    assert answers[0].dropped > 0
 
 
 def test_a_question_beyond_the_window_is_no_answer(folder):

@@ -26,6 +26,8 @@ from ucon.language.models.weights import LocalWeights
 
 #: Two user messages that begin differently: the common prefix of their conversations is the system part.
 _USERS: Final = ("A", "?")
+#: Share of the window, as its inverse, that habits leave to the user's message.
+_SPARE: Final = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +93,9 @@ class CausalModel(LikelihoodModel[_Ready]):
 
     def _ready(self, question: Question) -> _Ready | None:
         answers = tuple(self._ids(option.name) or self._ids("?") for option in question.options)
-        room = self._window - max(map(len, answers))
+        # Room is left for longer messages, so that all questions of an episode drop the same habits and share the rest.
+        own = len(self._ids(question.situation))
+        room = self._window - max(map(len, answers)) - max(self._window // _SPARE - own, 0)
         found = most_habits(question.system, lambda system: len(self._prompt(system, question.situation)) <= room)
         if found is None:
             return None
