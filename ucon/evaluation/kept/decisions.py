@@ -11,12 +11,11 @@ from ucon.core.errors import DataError
 from ucon.core.files import canonical_json
 from ucon.core.text import shown
 from ucon.core.untrusted.typed import read_as
+from ucon.evaluation.kept.position_bias import PositionBias
 
 _COUNTS: Final = (
     "number", "step", "chosen", "asked", "dropped", "retries", "prompt_tokens", "completion_tokens",
 )  # fmt: skip
-#: Names of options are counted one by one up to this number of them.
-_FEW_NAMES: Final = 8
 
 
 @dataclass(frozen=True)
@@ -117,6 +116,7 @@ def language_figures(decisions: Sequence[DecisionRecord], n_episodes: int) -> di
     if not asked or not n_episodes:
         return None
     failures = [d.failure or "unusable" for d in asked if d.fallback]
+    bias = PositionBias.of(asked)
     return {
         "decisions": len(decisions),
         "decisions_per_episode": len(decisions) / n_episodes,
@@ -128,30 +128,7 @@ def language_figures(decisions: Sequence[DecisionRecord], n_episodes: int) -> di
         "retries": sum(d.retries for d in asked),
         "prompt_tokens_per_decision": sum(d.prompt_tokens for d in asked) / len(asked),
         "completion_tokens_per_decision": sum(d.completion_tokens for d in asked) / len(asked),
-    } | _position_bias(asked)
-
-
-def _position_bias(asked: Sequence[DecisionRecord]) -> dict[str, Any]:
-    """How a model's choices depend on places in the list and on bare names, for models that read a list; {} for others.
-
-    ``chosen``: by number of options, the share of choices at each place, of all orders. ``agreement``: share of the
-    decisions asked in two orders in which both named the same option. ``named``: share of each name among what was
-    answered, where names are few, as directions are.
-    """
-    listed = [d for d in asked if d.places]
-    if not listed:
-        return {}
-    chosen: dict[str, Any] = {}
-    for n in sorted({len(d.options) for d in listed}):
-        places = [place for d in listed if len(d.options) == n for place in d.places]
-        chosen[str(n)] = {"choices": len(places), "shares": [places.count(k) / len(places) for k in range(n)]}
-    twice = [sum(d.places) == len(d.options) - 1 for d in listed if len(d.places) == 2]  # the second order is reversed
-    agreement = sum(twice) / len(twice) if twice else None
-    names = sorted({name for d in listed for name in d.options})
-    answers = [d.options[d.answered] for d in listed if 0 <= d.answered < len(d.options)]
-    few = bool(answers) and len(names) <= _FEW_NAMES
-    named = {name: answers.count(name) / len(answers) for name in names} if few else None
-    return {"position_bias": {"chosen": chosen, "agreement": agreement, "named": named}}
+    } | ({} if bias is None else {"position_bias": bias.to_json()})
 
 
 def seconds_per_decision(decisions: Sequence[DecisionRecord]) -> float | None:

@@ -20,7 +20,7 @@ from ucon.core.errors import ConfigError
 from ucon.language.choice import Answer, Question
 from ucon.language.models.conversation import common_prefix, most_habits
 from ucon.language.models.likelihood import Ids, LikelihoodModel, Ready
-from ucon.language.models.orders import Orders, averaged, in_order
+from ucon.language.models.orders import MOST, Orders, averaged, in_order
 from ucon.language.models.reading import Past, PrefixReader
 from ucon.language.models.weights import LocalWeights
 
@@ -83,6 +83,12 @@ class CausalModel(LikelihoodModel[_Ready]):
         self._keep, self._orders = prefixes, Orders(orders, seed)
         self._prefixes: OrderedDict[Ids, Past] = OrderedDict()
         self._systems: OrderedDict[str, Ids] = OrderedDict()
+
+    @property
+    def name(self) -> str:
+        """Such as ``causal (Llama-3.1-8B-Instruct)``; says where each question is asked in two orders."""
+        twice = ", two orders" if self._orders.count == MOST else ""
+        return f"{self.kind} ({self._weights.short}{twice})"
 
     def answer(self, questions: Sequence[Question]) -> list[Answer]:
         """Answer questions, each in its orders; see :meth:`ucon.language.choice.LanguageModel.answer`."""

@@ -9,11 +9,14 @@ from typing import Any, Final
 
 from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, unknown_name
-from ucon.core.untrusted.weight_files import FETCHED, fingerprint, local_folder, missing_parts
+from ucon.core.free_memory import free_bytes
+from ucon.core.untrusted.weight_files import FETCHED, fingerprint, local_folder, missing_parts, parameters_in
 from ucon.language.encoder import quiet
 from ucon.language.packaged import MODELS, PackagedModel
 
-DTYPES: Final = ("float32", "bfloat16", "float16", "int8")
+#: Bytes of a weight, by number format.
+_BYTES: Final = {"float32": 4, "bfloat16": 2, "float16": 2, "int8": 1}
+DTYPES: Final = tuple(_BYTES)
 
 
 class LocalWeights:
@@ -57,14 +60,19 @@ class LocalWeights:
 
         Raises:
             DataError: no such model here, or files are missing in its folder.
-            ConfigError: a device or number format that this machine lacks.
+            ConfigError: a device or number format that this machine lacks, or too little memory.
         """
-        self.folder()
-        device = self.device
+        folder, device = self.folder(), self.device
         if self.dtype == "int8" and (importlib.util.find_spec("bitsandbytes") is None or not device.startswith("cuda")):
             raise ConfigError(
                 f"{self.path}: dtype=int8 needs the package bitsandbytes and a GPU (device is {device}); install it "
                 "and give language.device=cuda, or give language.dtype=bfloat16"
+            )
+        needed, free = parameters_in(folder) * _BYTES[self.dtype], free_bytes()
+        if device == "cpu" and free is not None and needed > free:
+            raise ConfigError(
+                f"{self.path}: its weights take {needed / 1e9:.1f} GB in {self.dtype}, {free / 1e9:.1f} GB of memory "
+                "are free; give language.dtype=bfloat16, fewer workers= (each loads its own), or a smaller model"
             )
 
     def fingerprint(self) -> str | None:
