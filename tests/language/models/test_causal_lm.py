@@ -145,6 +145,26 @@ def test_errors_say_what_to_do(folder, tmp_path):
     assert CausalModel(folder).check() is None
 
 
+def test_what_does_not_fit_into_memory_is_refused_before_it_is_read(folder, tmp_path):
+    """The header of its file names 40 TB of weights."""
+    huge = shutil.copytree(folder, tmp_path / "huge")
+    header = json.dumps({"w": {"dtype": "F32", "shape": [10**7, 10**6], "data_offsets": [0, 4 * 10**13]}}).encode()
+    (huge / "model.safetensors").write_bytes(len(header).to_bytes(8, "little") + header)
+    with pytest.raises(
+        ConfigError, match=r"its weights take 40000\.0 GB in float32, \d+\.\d GB of memory are free; give"
+    ):
+        CausalModel(str(huge)).check()
+    with pytest.raises(ConfigError, match=r"20000\.0 GB in bfloat16") as caught:
+        CausalModel(str(huge), dtype="bfloat16").answer([question()])
+    assert "\n" not in str(caught.value)
+
+
+def test_a_window_beyond_the_models_own_is_refused(folder):
+    with pytest.raises(ConfigError, match=r"language\.window=4096: tiny-llama reads 1024 tokens; give that or less"):
+        CausalModel(folder, window=4096).answer([question()])
+    assert CausalModel(folder, window=1024).answer([question()])[0].choice >= 0
+
+
 def test_no_such_gpu(folder):
     if torch.cuda.is_available():
         pytest.skip("there is one")
