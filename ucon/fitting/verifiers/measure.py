@@ -16,7 +16,7 @@ from typing import Any, Final
 import numpy as np
 
 from ucon.core.rng import stream
-from ucon.fitting.verifier import PAIR_KINDS, SWAPPED, auroc, held_out, swaps_of
+from ucon.fitting.verifier import PAIR_KINDS, SWAPPED, auroc, held_out, labelled_pairs, swaps_of
 from ucon.generation.asked import AskedVerifier
 from ucon.generation.verify import Verifier, default_verifier
 from ucon.habits.book import book
@@ -50,11 +50,10 @@ def labelled(verifier: Verifier, entries: Sequence[Entry], seed: int = 1) -> dic
     return found
 
 
-def drawn(pairs: dict[str, list[Pair]], most: int, seed: int = 0) -> dict[str, list[Pair]]:
-    """At most ``most`` pairs of each kind."""
+def drawn(pairs: dict[str, list[Pair]], most: int, seed: int = 0) -> dict[str, list[int]]:
+    """Numbers of at most ``most`` pairs of each kind."""
     return {
-        kind: [own[k] for k in sorted(stream(seed, "pairs", kind).permutation(len(own))[:most].tolist())]
-        for kind, own in pairs.items()
+        kind: sorted(stream(seed, "pairs", kind).permutation(len(own))[:most].tolist()) for kind, own in pairs.items()
     }
 
 
@@ -96,14 +95,15 @@ def main(words: Sequence[str]) -> None:
     model.check()
     fitted, asked = default_verifier(), AskedVerifier(model)
     entries = [entry for entry in book().entries if held_out(book())["test"](entry)]
-    pairs = drawn(labelled(fitted, entries), args.pairs)
+    # In the same order: the fitted one reads all pairs of an entry together.
+    pairs, inputs = labelled(fitted, entries), labelled_pairs(fitted, entries, fitted.frequency, seed=1)
     found: dict[str, dict[str, Array]] = {"fitted": {}, model.name: {}}
-    for kind, own in pairs.items():
-        found["fitted"][kind] = np.array([fitted.scores([text], [place])[0, 0] for text, place in own])
+    for kind, chosen in drawn(pairs, args.pairs).items():
+        found["fitted"][kind] = inputs.of[kind][chosen] @ fitted.head[:-1]
         parts = []
-        for start in range(0, len(own), _PART):
-            parts.append(asked.of_pairs(own[start : start + _PART]))
-            sys.stderr.write(f"{kind} {start + len(parts[-1])} of {len(own)}\n")
+        for start in range(0, len(chosen), _PART):
+            parts.append(asked.of_pairs([pairs[kind][k] for k in chosen[start : start + _PART]]))
+            sys.stderr.write(f"{kind} {start + len(parts[-1])} of {len(chosen)}\n")
         found[model.name][kind] = np.concatenate(parts)
     told = {name: figures(scores) for name, scores in found.items()}
-    print(json.dumps({"pairs": {kind: len(own) for kind, own in pairs.items()}, **told}))  # noqa: T201
+    print(json.dumps({"pairs": {kind: len(own) for kind, own in found["fitted"].items()}, **told}))  # noqa: T201
