@@ -91,7 +91,7 @@ def test_whole_habits_are_dropped_from_the_end(folder, plain):
     assert 0 < answer.dropped < len(many)
     kept = question(many[: len(many) - answer.dropped])
     assert answer.scores == pytest.approx(normal(plain(kept)[0]), abs=2e-4)
-    room = 1024 - 1024 // 8 + len(model._ids(asked.situation))  # an eighth is kept for the user's message
+    room = 1024 - 1024 // 16 + len(model._ids(asked.situation))  # a sixteenth is kept for the user's message
     assert answer.prompt_tokens <= room < plain(question(many[: len(many) - answer.dropped + 1]))[2] + 4
     assert habits_in(asked.system) == len(many)
     (shorter,) = CausalModel(folder, window=200).answer([asked])

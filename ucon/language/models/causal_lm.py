@@ -27,7 +27,7 @@ from ucon.language.models.weights import LocalWeights
 #: Two user messages that begin differently: the common prefix of their conversations is the system part.
 _USERS: Final = ("A", "?")
 #: Share of the window, as its inverse, that habits leave to the user's message.
-_SPARE: Final = 8
+_SPARE: Final = 16
 
 
 @dataclass(frozen=True, eq=False)
