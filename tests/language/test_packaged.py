@@ -18,6 +18,7 @@ import transformers
 from tests.language.tiny_gguf import described, original, pack_wheel, write_gguf
 from tests.language.tiny_models import question
 from ucon.__main__ import main
+from ucon.commands.doctor import guarded, language_model
 from ucon.core.errors import ConfigError, DataError
 from ucon.language.models.causal_lm import CausalModel
 from ucon.language.packaged import MODELS, SMOLLM2, PackagedModel
@@ -184,6 +185,20 @@ def test_what_is_missing_says_which_command(made, monkeypatch: pytest.MonkeyPatc
         CausalModel("tiny").check()
 
 
+def test_doctor_says_whether_it_is_there(made, monkeypatch: pytest.MonkeyPatch) -> None:
+    _, wheel, model = made
+    monkeypatch.setattr("ucon.language.packaged.SMOLLM2", model)
+    (before,) = guarded(language_model)
+    assert (before.status, before.found[:16]) == ("ok", "tiny not fetched")
+    folder = fetch(model, wheel=wheel)
+    (after,) = guarded(language_model)
+    assert (after.status, after.found) == ("ok", f"Tiny in {folder}")
+    (folder / "config.json").unlink()
+    (broken,) = guarded(language_model)
+    assert broken.status == "bad"
+    assert "fetch tiny` --again" in broken.found
+
+
 def test_without_the_package_that_reads_the_file(made, monkeypatch: pytest.MonkeyPatch) -> None:
     _, wheel, model = made
     monkeypatch.setitem(sys.modules, "gguf", None)  # as where it is not installed
@@ -195,3 +210,13 @@ def test_the_real_one_is_what_the_decision_says() -> None:
     assert SMOLLM2.wheel_sha256.startswith("bcc81830d10c")
     assert SMOLLM2.gguf_sha256.startswith("b179c9523d0e")
     assert SMOLLM2.window == 8192
+
+
+@pytest.mark.slow
+def test_the_real_one_is_fetched_from_the_registry_and_answers() -> None:
+    """90 MB by network."""
+    fetch(SMOLLM2)
+    model = CausalModel("smollm2", dtype="bfloat16", orders=2)
+    (answer,) = model.answer([question(("The wallet is on the sofa.",), ("sofa", "ceiling"))])
+    assert answer.choice == 0
+    assert answer.failure == ""
