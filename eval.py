@@ -22,6 +22,7 @@ from omegaconf import DictConfig, OmegaConf
 from rich.console import Console
 
 from ucon.core.output import is_wide, wide_console
+from ucon.evaluation.figures.bias_table import bias_line
 from ucon.evaluation.figures.report import failure_line, precision_line, results_table
 from ucon.programs.errors import one_line_errors, run_entry
 from ucon.programs.evaluating import Evaluation
@@ -57,7 +58,7 @@ def evaluate_and_report(cfg: DictConfig, out: Path, *, sweep: bool) -> None:
     figures = run.play()
     wide = is_wide()
     (wide_console() if wide else Console()).print(results_table([figures], wide=wide))
-    print(f"{failure_line(figures)}\n{precision_line(figures)}")
+    print(*filter(None, [failure_line(figures), precision_line(figures), bias_line(figures)]), sep="\n")
     print(f"{run.seconds:.1f} s for {run.n_new} episode{'s' * (run.n_new != 1)}; results in {out}")
     if not sweep:
         print(f"see every episode: python -m ucon report {out}")

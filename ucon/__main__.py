@@ -37,6 +37,7 @@ COMMANDS = {
     "habits": "import a habit dataset, or print a dataset's statistics",
     "episodes": "make or verify fixed episode sets",
     "check-env": "check that an environment, or a wrapper of one of ours, keeps what the task promises",
+    "models": "download a language model once, check it, and convert it",
     "data": "fit, measure and ship the weights and tables that come with the package",
     "pack": "write episode sets and their compiled homes, for machines without PyBullet",
 }

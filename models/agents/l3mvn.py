@@ -24,6 +24,7 @@ of
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -102,16 +103,21 @@ class L3MVNAgent(AskingAgent):
         """
         target, habits, system = self._constant_prompt[slot]
         options = tuple(Option(name, (name,)) for name in label_set(decision.target, self._n_labels))
-        names = ", ".join(option.name for option in options)
         out = []
         for candidate in decision.candidates:
             things = tuple(phrase(name) for name, _ in candidate.things[:MOST_THINGS])
             if things:
-                told = ", ".join(things)
-                situation = self.situation(target=target, things=told, options=names)
-                cloze = self.cloze(target=target, things=told)
-                out.append(Question(target, habits, options, system, situation, cloze, things=things))
+                told = partial(self._told, target, ", ".join(things), options)
+                cloze = self.cloze(target=target, things=", ".join(things))
+                out.append(
+                    Question(
+                        target, habits, options, system, told(range(len(options))), cloze, listed=told, things=things
+                    )
+                )
         return out
+
+    def _told(self, target: str, things: str, options: Sequence[Option], order: Sequence[int]) -> str:
+        return self.situation(target=target, things=things, options=", ".join(options[k].name for k in order))
 
     def conclude(self, decision: Decision, questions: Sequence[Question], answers: Sequence[Answer]) -> Chosen:
         """The frontier that L3MVN's rule chooses.

@@ -96,17 +96,28 @@ class LGXAgent(AskingAgent):
         """
         target, habits, system = self._constant_prompt[slot]
         options = self._options(decision)
-        names = ", ".join(option.name for option in options)
-        things = listed([(name, 1) for name in dict.fromkeys(n for c in decision.candidates for n, _ in c.things)], 99)
-        views = "\n".join(self._line(decision, candidate) for candidate in decision.candidates)
+        lines = [self._line(decision, candidate) for candidate in decision.candidates]
+        things = list(dict.fromkeys(name for c in decision.candidates for name, _ in c.things))
+        directions = options[0].name in SIDES  # else the things are the options
+
+        def told(order: Sequence[int]) -> str:
+            of_things, of_lines = (range(len(things)), order) if directions else (order, range(len(lines)))
+            return self.situation(
+                target=target,
+                views="\n".join(lines[k] for k in of_lines),
+                things=listed([(things[k], 1) for k in of_things], 99),
+                options=", ".join(options[k].name for k in order),
+            )
+
         return [
             Question(
                 target=target,
                 habits=habits,
                 options=options,
                 system=system,
-                situation=self.situation(target=target, views=views, things=things, options=names),
+                situation=told(range(len(options))),
                 cloze=self.cloze(target=target),
+                listed=told,
             )
         ]
 

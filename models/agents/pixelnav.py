@@ -21,6 +21,7 @@ views
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal, get_args
 
 import cv2
@@ -103,13 +104,16 @@ class PixelNavAgent(AskingAgent):
             Option(str(angle_of(known, c.view.heading)), tuple(phrase(name) for name, _ in c.things))
             for c in decision.candidates
         )
-        names = ", ".join(option.name for option in options)
+        lines = [_line(known, candidate) for candidate in decision.candidates]
+
+        def told(order: Sequence[int]) -> str:
+            names = ", ".join(options[k].name for k in order)
+            return self.situation(target=target, views="\n".join(lines[k] for k in order), options=names)
+
+        situation = told(range(len(options)))
         if self._inputs == "images":
-            situation = self.situation(target=target, options=names)
             return [Question(target, habits, options, system, situation, images=(mosaic(decision),))]
-        views = "\n".join(_line(known, candidate) for candidate in decision.candidates)
-        situation = self.situation(target=target, views=views, options=names)
-        return [Question(target, habits, options, system, situation, self.cloze(target=target))]
+        return [Question(target, habits, options, system, situation, self.cloze(target=target), listed=told)]
 
 
 def angle_of(known: SemanticMap, heading: int) -> int:

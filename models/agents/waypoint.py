@@ -162,5 +162,6 @@ def _record(episode: str, decision: Decision, chosen: Chosen) -> DecisionRecord:
         prompt_tokens=sum(a.prompt_tokens for a in answers),
         completion_tokens=sum(a.completion_tokens for a in answers),
         text=answers[0].text if len(answers) == 1 else "",
+        places=answers[0].places if len(answers) == 1 else (),
         seconds=sum(a.seconds for a in answers),
     )

@@ -92,19 +92,16 @@ def save_causal(folder: Path, template=CHAT, positions=1024, kind="LlamaConfig",
     """``kind`` is a configuration class of transformers, ``options`` what it is told besides."""
     tokenizer = _tokenizer(template)
     torch.manual_seed(0)
+    usual = {"hidden_size": 32, "intermediate_size": 64, "num_attention_heads": 4, "num_key_value_heads": 2}
+    usual["eos_token_id"] = [1, 5]
     config = getattr(transformers, kind)(
         vocab_size=len(tokenizer),
-        hidden_size=32,
-        intermediate_size=64,
         num_hidden_layers=2,
-        num_attention_heads=4,
-        num_key_value_heads=2,
         max_position_embeddings=positions,
         bos_token_id=0,
-        eos_token_id=[1, 5],
         pad_token_id=2,
         initializer_range=0.3,  # large, so that probabilities differ
-        **options,
+        **(usual | options),
     )
     transformers.AutoModelForCausalLM.from_config(config).save_pretrained(folder)
     tokenizer.save_pretrained(folder)

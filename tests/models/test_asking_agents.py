@@ -97,6 +97,25 @@ def test_a_thing_means_a_direction_that_shows_it() -> None:
     assert 0 <= lost.number < len(decision.candidates)
 
 
+@pytest.mark.parametrize("name", MAKERS)
+def test_options_can_be_listed_in_any_order(name: str) -> None:
+    """The same lines and names in another order, and nothing else."""
+    decision = first(agent := MAKERS[name](EncoderModel()), home())
+    question = agent.questions(decision, 0)[0]
+    names = [option.name for option in question.options]
+    assert question.listed is not None
+    assert question.listed(range(len(names))) == question.situation
+    told = question.listed(range(len(names))[::-1])
+    assert told != question.situation
+    assert f": {', '.join(reversed(names))}." in told
+    split = [sorted(text.replace("\n", ", ").replace(": ", ", ").split(", ")) for text in (told, question.situation)]
+    ends = [[word.strip(".") for word in words] for words in split]
+    assert sorted(ends[0]) == sorted(ends[1])
+    if name == "pixelnav":  # the lines of the views, too
+        lines = [line for line in told.split("\n") if line.partition(":")[0] in names]
+        assert [line.partition(":")[0] for line in lines] == names[::-1]
+
+
 def test_what_it_is_asked_with_is_told_in_the_fingerprint(tmp_path: Path) -> None:
     own = tmp_path / "own.txt"
     own.write_text((PROMPTS / "lgx.txt").read_text())

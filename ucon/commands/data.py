@@ -14,6 +14,7 @@ _ACTIONS: Final[dict[str, tuple[str, str]]] = {
     "fit-language-encoder": ("ucon.fitting.language_encoder", "fit the embedded language model's figures"),
     "fit-location-model": ("ucon.fitting.location_model", "fit its answers about places"),
     "fit-verifier": ("ucon.fitting.verifier", "fit the verifier of proposed habits"),
+    "measure-verifiers": ("ucon.fitting.verifiers.measure", "measure it, and a language model in its place"),
     "ship-retriever": ("ucon.fitting.ship_retriever", "make a run of learner=retriever the shipped one"),
     "measure-readers": ("ucon.fitting.measures", "measure retrieval and the reader on held-out categories"),
     "measure-retrieval": ("ucon.fitting.held_out_retrieval", "measure retrievers on held-out entries"),

@@ -167,6 +167,17 @@ def encoder() -> Iterator[Diagnosis]:
         yield Diagnosis("sentence encoder", "ok", f"all-MiniLM-L6-v2, weights {found[:12]}")
 
 
+def language_model() -> Iterator[Diagnosis]:
+    """Report whether the small language model is fetched; nothing needs it but ``language=smollm2``."""
+    from ucon.language.packaged import SMOLLM2
+
+    if SMOLLM2.fetched:
+        yield Diagnosis("language model", "ok", f"{SMOLLM2.title} in {SMOLLM2.require()}")
+    else:
+        found = f"{SMOLLM2.name} not fetched (not needed; `python -m ucon models fetch {SMOLLM2.name}`)"
+        yield Diagnosis("language model", "ok", found)
+
+
 def gpu() -> Iterator[Diagnosis]:
     """Report whether torch sees a GPU; none is needed."""
     import torch
@@ -191,7 +202,7 @@ def environment() -> Iterator[Diagnosis]:
         yield Diagnosis("speed", "ok", found)
 
 
-CHECKS = (python, packages, threads, write_access, encoder, gpu, environment)
+CHECKS = (python, packages, threads, write_access, encoder, language_model, gpu, environment)
 
 
 def step_milliseconds(steps: int = 400) -> float:

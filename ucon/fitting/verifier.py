@@ -77,10 +77,7 @@ def labelled_pairs(verifier: Verifier, entries: Sequence[Entry], frequency: Arra
     found: dict[str, list[Array]] = {kind: [] for kind in PAIR_KINDS}
     anchors = list(verifier.known)
     for entry in entries:
-        rng = stream(seed, "verifier", "swap", entry.id)
-        used = {p.anchor for p in entry.placements}
-        p = np.asarray([0.0 if name in used else f for name, f in zip(anchors, frequency, strict=True)])
-        swaps = [_swap(anchors[i], rng) for i in rng.choice(len(anchors), size=_DRAWN, p=p / p.sum())]
+        swaps, rng = swaps_of(entry, anchors, frequency, seed)
         x = verifier.inputs([h.text for h in entry.habits], [*entry.placements, *swaps])
         n = len(entry.placements)
         for row, habit in zip(x, entry.habits, strict=True):
@@ -90,6 +87,23 @@ def labelled_pairs(verifier: Verifier, entries: Sequence[Entry], frequency: Arra
             if habit.supports:
                 found["swapped"] += [row[n + k] for k in rng.permutation(len(swaps))[:SWAPPED]]
     return Pairs({kind: np.stack(rows) if rows else np.zeros((0, len(INPUTS))) for kind, rows in found.items()})
+
+
+def swaps_of(
+    entry: Entry, anchors: Sequence[str], frequency: Array, seed: int
+) -> tuple[list[Placement], np.random.Generator]:
+    """Placements at anchors that an entry does not use, drawn by frequency, and the generator that drew them.
+
+    Args:
+        entry: whose anchors are left out.
+        anchors: A names.
+        frequency: (A,) of the anchors.
+        seed: of the draws.
+    """
+    rng = stream(seed, "verifier", "swap", entry.id)
+    used = {p.anchor for p in entry.placements}
+    p = np.asarray([0.0 if name in used else f for name, f in zip(anchors, frequency, strict=True)])
+    return [_swap(anchors[i], rng) for i in rng.choice(len(anchors), size=_DRAWN, p=p / p.sum())], rng
 
 
 def _swap(anchor: str, rng: np.random.Generator) -> Placement:

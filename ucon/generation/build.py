@@ -13,7 +13,7 @@ from typing import Any
 
 from ucon.core.files import require_writable, user_cache
 from ucon.generation.validate import ANCHORS_TRIED, dataset_triples, validate
-from ucon.generation.verify import Doubt, doubtful
+from ucon.generation.verify import Doubt, PairScorer, doubtful
 from ucon.habits.book import BOOK_FOLDER, read_book
 from ucon.habits.datafile import require_suffix, save_dataset
 from ucon.habits.types import HabitDataset
@@ -48,6 +48,7 @@ def build(
     book: Path = BOOK_FOLDER,
     work: Path | None = None,
     workers: int = 2,
+    verifier: PairScorer | None = None,
     progress: Progress | None = None,
 ) -> BuiltDataset:
     """Make a dataset file from a folder in the habit book's format.
@@ -57,6 +58,7 @@ def build(
         book: folder of the text.
         work: folder of finished blocks, so that an interrupted build is continued; by default in the user's cache.
         workers: processes.
+        verifier: doubts labels; the shipped one by default.
         progress: called as the steps proceed.
 
     Raises:
@@ -74,7 +76,7 @@ def build(
 
     verdicts = validate(wanted, work or validation_folder(), workers=workers, progress=tried)
     dataset = replace(text, verdicts=verdicts)
-    doubts = tuple(doubtful(dataset))
+    doubts = tuple(doubtful(dataset, verifier))
     steps = {
         "propose": _proposed(dataset),
         "validate": validation_figures(dataset, wanted),

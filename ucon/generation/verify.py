@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,6 +54,14 @@ class Doubt:
         said = "is said to support" if self.labelled else "is said not to support"
         place = f"{self.placement.relation} {self.placement.anchor}"
         return f"{self.entry} habit {self.habit + 1} {said} '{place}' (text: {self.score:.3f}): {self.text}"
+
+
+class PairScorer(Protocol):
+    """Says how well sentences support placements: :class:`Verifier` or :class:`ucon.generation.asked.AskedVerifier`."""
+
+    def scores(self, texts: Sequence[str], placements: Sequence[Placement]) -> Array:
+        """Probability (H, P) that each of H sentences supports each of P placements."""
+        ...
 
 
 class Verifier:
@@ -136,7 +144,7 @@ class Verifier:
 
 def doubtful(
     dataset: HabitDataset,
-    verifier: Verifier | None = None,
+    verifier: PairScorer | None = None,
     *,
     low: float = LOW,
     high: float = HIGH,

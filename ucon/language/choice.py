@@ -7,7 +7,7 @@ which fill a gap). Whatever a habit or a server says, an answer is one of the op
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Literal, Protocol, runtime_checkable
 
@@ -54,6 +54,8 @@ class Question:
     """A sentence with one ``{}`` for an option's name; for masked models, which read no instructions."""
     images: tuple[Image, ...] = ()
     """For vision-language models."""
+    listed: Callable[[Sequence[int]], str] | None = None
+    """The user message with the options in another order, given as their numbers; None where it lists none."""
     things: tuple[str, ...] = ()
     """Where the question is which option is kept at a place (L3MVN): categories of the things there, with spaces."""
 
@@ -78,6 +80,9 @@ class Answer:
     """Why there is no usable answer; empty where there is one."""
     dropped: int = 0
     """Number of habits cut off at the end of the list because of the model's window."""
+    places: tuple[int, ...] = ()
+    """Place of the chosen option in the list, from 0, for each order in which the question was asked; empty for models
+    that read no list."""
 
 
 @runtime_checkable

@@ -71,11 +71,16 @@ class Advisor:
     def _question(self, info: Mapping[str, Any], anchors: Sequence[str]) -> Question:
         target, habits = phrase(str(info["target"])), tuple(info["habits"])
         names = [phrase(anchor) for anchor in anchors]
+
+        def told(order: Sequence[int]) -> str:
+            return _SITUATION.format(target=target, options=", ".join(names[k] for k in order))
+
         return Question(
             target=target,
             habits=habits,
             options=tuple(Option(name, (name,)) for name in names),
             system=_SYSTEM.format(habits=habit_block(habits)),
-            situation=_SITUATION.format(target=target, options=", ".join(names)),
+            situation=told(range(len(names))),
             cloze=f"The {target} is near the {{}}.",
+            listed=told,
         )

@@ -136,15 +136,14 @@ def test_alone_means_the_same_digits_whatever_else_is_asked(llama, wanted):
 @pytest.mark.parametrize(
     ("batch", "systems", "expected"),
     [
-        (48, 1, [1, 8, 48]),
-        (48, 8, [8, 8, 48]),
-        (8, 1, [1, 8, *[8] * 6]),
-        (8, 8, [8, 8, *[8] * 6]),
-        (1, 1, [1, *[1] * 7 * 8]),
+        (8, 1, [1, 8]),
+        (8, 8, [8, 8]),
+        (3, 1, [1, 3, 3, 2]),
+        (1, 1, [1, *[1] * 8]),
     ],
 )
 def test_rows_of_all_questions_share_forward_passes(llama, batch, systems, expected):
-    """System parts, then the rest of the prompts, then the options."""
+    """System parts, then the rest of each prompt with all its options behind it."""
     habits = [(f"Key {n % systems} is on the desk.", *HABITS[: n % systems]) for n in range(8)]
     asked = [question(told, SIX, target=f"wallet {n}") for n, told in enumerate(habits)]
     assert len({one.system for one in asked}) == systems

@@ -91,11 +91,21 @@ def test_whole_habits_are_dropped_from_the_end(folder, plain):
     assert 0 < answer.dropped < len(many)
     kept = question(many[: len(many) - answer.dropped])
     assert answer.scores == pytest.approx(normal(plain(kept)[0]), abs=2e-4)
-    assert answer.prompt_tokens <= 1024 < plain(question(many[: len(many) - answer.dropped + 1]))[2] + 4
+    room = 1024 - 1024 // 16 + len(model._ids(asked.situation))  # a sixteenth is kept for the user's message
+    assert answer.prompt_tokens <= room < plain(question(many[: len(many) - answer.dropped + 1]))[2] + 4
     assert habits_in(asked.system) == len(many)
     (shorter,) = CausalModel(folder, window=200).answer([asked])
     assert shorter.dropped > answer.dropped
     assert shorter.choice >= 0
+
+
+def test_all_questions_of_an_episode_drop_the_same_habits_and_share_the_rest(folder):
+    """Where the window is too short, a longer message may not change what was read before it."""
+    many = [f"{habit} ({i})" for i, habit in enumerate(HABITS * 20)]
+    model = CausalModel(folder, prefixes=4)
+    answers = model.answer([question(many, NAMES[:n]) for n in range(1, len(NAMES) + 1)])
+    assert len({answer.dropped for answer in answers}) == len(model._prefixes) == 1
+    assert answers[0].dropped > 0
 
 
 def test_a_question_beyond_the_window_is_no_answer(folder):
@@ -133,6 +143,26 @@ def test_errors_say_what_to_do(folder, tmp_path):
     with pytest.raises(DataError, match="cannot be loaded"):
         CausalModel(str(broken)).answer([question()])
     assert CausalModel(folder).check() is None
+
+
+def test_what_does_not_fit_into_memory_is_refused_before_it_is_read(folder, tmp_path):
+    """The header of its file names 40 TB of weights."""
+    huge = shutil.copytree(folder, tmp_path / "huge")
+    header = json.dumps({"w": {"dtype": "F32", "shape": [10**7, 10**6], "data_offsets": [0, 4 * 10**13]}}).encode()
+    (huge / "model.safetensors").write_bytes(len(header).to_bytes(8, "little") + header)
+    with pytest.raises(
+        ConfigError, match=r"its weights take 40000\.0 GB in float32, \d+\.\d GB of memory are free; give"
+    ):
+        CausalModel(str(huge)).check()
+    with pytest.raises(ConfigError, match=r"20000\.0 GB in bfloat16") as caught:
+        CausalModel(str(huge), dtype="bfloat16").answer([question()])
+    assert "\n" not in str(caught.value)
+
+
+def test_a_window_beyond_the_models_own_is_refused(folder):
+    with pytest.raises(ConfigError, match=r"language\.window=4096: tiny-llama reads 1024 tokens; give that or less"):
+        CausalModel(folder, window=4096).answer([question()])
+    assert CausalModel(folder, window=1024).answer([question()])[0].choice >= 0
 
 
 def test_no_such_gpu(folder):

@@ -15,10 +15,12 @@ from omegaconf import OmegaConf
 from models.habit_policy_e2e import HabitPolicyE2E
 from models.nets.end_to_end.advice import Advisor
 from models.nets.vision.clip_eye import ClipEye
+from tests.language.tiny_models import save_causal
 from ucon.configuration.wiring import Factory
 from ucon.core.errors import DataError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.language.choice import Answer
+from ucon.language.models.causal_lm import CausalModel
 from ucon.language.models.encoder import EncoderModel
 
 CONFIGS = Path(__file__).resolve().parents[3] / "configs"
@@ -90,6 +92,23 @@ def test_a_language_models_choice_is_a_belief(first):
     advised = policy.context(first[1])["advice"]
     assert advised.max() == 1.0
     assert (advised > 0).sum() > 50
+    assert torch.isfinite(played(policy, first)).all()
+
+
+def test_a_chat_model_on_this_machine_advises(first, tmp_path):
+    """In two orders of all the anchors that the reader knows; the same again, and frozen."""
+    model = CausalModel(str(save_causal(tmp_path / "llama", positions=8192)), orders=2)
+    policy = HabitPolicyE2E(advisor=Advisor(model))
+    policy.check()
+    advised = policy.context(first[1])["advice"]
+    assert advised.max() == 1.0
+    assert (policy.context(first[1])["advice"] == advised).all()
+    p = Advisor(model).advice(first[1], ("bed", "sink", "stove"))
+    assert p.sum() == pytest.approx(1.0, abs=1e-3)
+    assert len(set(p.tolist())) == 3
+    assert policy.arguments["advisor"] == "causal (llama, two orders)"
+    assert policy.fingerprint() != HabitPolicyE2E().fingerprint()
+    assert not [name for name, _ in policy.named_parameters() if "advis" in name]
     assert torch.isfinite(played(policy, first)).all()
 
 

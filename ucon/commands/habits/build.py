@@ -8,7 +8,10 @@ import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ucon.generation.asked import AskedVerifier
 
 _SHOWN = 20
 
@@ -19,6 +22,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="FILE", help="file to write; default, without --book: the shipped one")
     parser.add_argument("--work", metavar="FOLDER", help="keeps finished work; default: the user's cache")
     parser.add_argument("--doubts", metavar="FILE", help="write the labels that the verifier doubts, one a line")
+    parser.add_argument(
+        "--verifier",
+        metavar="MODEL",
+        help="a chat model on this machine that verifies in place of the fitted verifier: smollm2, or a folder",
+    )
     parser.add_argument("--workers", type=int, default=2, help="processes (default 2); changes no byte of the result")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
@@ -33,8 +41,8 @@ def run(args: argparse.Namespace) -> int:
         Exit code 0.
 
     Raises:
-        ConfigError: ``--book`` without ``--out``, or a folder that does not exist.
-        DataError: the book breaks a rule of its format.
+        ConfigError: ``--book`` or ``--verifier`` without ``--out``, or a folder that does not exist.
+        DataError: the model is not there, or the book breaks a rule of its format.
     """
     from ucon.configuration.wiring import existing
     from ucon.core.errors import ConfigError
@@ -48,11 +56,14 @@ def run(args: argparse.Namespace) -> int:
 
     if args.book and not args.out:
         raise ConfigError("--book without --out: the shipped dataset is of the embedded book; give --out FILE")
+    if args.verifier and not args.out:
+        raise ConfigError("--verifier without --out: the shipped dataset has the fitted verifier; give --out FILE")
     out = Path(args.out).expanduser() if args.out else BOOK_FILE
     book = existing(args.book, "--book") if args.book else BOOK_FOLDER
     doubts = Path(args.doubts).expanduser() if args.doubts else None
     if doubts:
         require_writable(doubts)
+    verifier = _asked(args.verifier) if args.verifier else None
     with stdout_to_stderr(), ExitStack() as stack:
         steps: dict[str, Progress] = {}
 
@@ -67,6 +78,7 @@ def run(args: argparse.Namespace) -> int:
             book=book,
             work=Path(args.work).expanduser() if args.work else None,
             workers=args.workers,
+            verifier=verifier,
             progress=show,
         )
     if (book, out) == (BOOK_FOLDER, BOOK_FILE):
@@ -82,6 +94,16 @@ def run(args: argparse.Namespace) -> int:
     _print(figures, lines)
     sys.stderr.write(f"{out.name.removesuffix(SUFFIX)}: {len(built.dataset)} habits\n")
     return 0
+
+
+def _asked(path: str) -> AskedVerifier:
+    """A language model as verifier; an error of one line where it is not there."""
+    from ucon.generation.asked import AskedVerifier
+    from ucon.language.models.causal_lm import CausalModel
+
+    model = CausalModel(path, dtype="bfloat16", orders=2)
+    model.check()
+    return AskedVerifier(model)
 
 
 def _print(figures: dict[str, Any], doubts: Sequence[str]) -> None:

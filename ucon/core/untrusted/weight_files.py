@@ -7,10 +7,13 @@ nothing either, since copies have others.
 from __future__ import annotations
 
 import hashlib
+from math import prod
 from pathlib import Path
 from typing import Final
 
+from ucon.core.errors import DataError
 from ucon.core.files import sha256_bytes
+from ucon.core.tensor_files import header
 
 #: Files of a model in Hugging Face layout.
 PATTERNS: Final = ("*.json", "*.safetensors", "*.bin", "*.txt", "*.model", "*.jinja")
@@ -18,6 +21,7 @@ PATTERNS: Final = ("*.json", "*.safetensors", "*.bin", "*.txt", "*.model", "*.ji
 FETCHED: Final = tuple(pattern for pattern in PATTERNS if pattern != "*.bin")
 _WEIGHTS: Final = (".safetensors", ".bin")
 _WHOLE_BYTES: Final = 4 << 20
+_MOST_HEADER: Final = 16 << 20
 _PIECES, _PIECE_BYTES = 64, 16 << 10
 
 
@@ -48,6 +52,25 @@ def missing_parts(folder: Path) -> list[str]:
     if not any(path.suffix in _WEIGHTS for path in folder.iterdir()):
         missing.append("weights (*.safetensors)")
     return missing
+
+
+def parameters_in(folder: Path) -> int:
+    """Number of a model's weights, at least: by the headers of its safetensors files; files of other kinds count 0.
+
+    Args:
+        folder: in Hugging Face layout.
+    """
+    return sum(map(_parameters, sorted(folder.glob("*.safetensors"))))
+
+
+def _parameters(path: Path) -> int:
+    with path.open("rb") as file:
+        start = file.read(8)
+        raw = start + file.read(min(int.from_bytes(start, "little"), _MOST_HEADER))
+    try:
+        return sum(prod(shape) for _, shape in header(raw, path).values())
+    except DataError:  # whoever loads it says what is wrong with it
+        return 0
 
 
 def fingerprint(path: Path) -> str:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import chain, pairwise
 from math import isnan
 from pathlib import Path
-from typing import Final, get_args
+from typing import Any, Final, get_args
 
 from ucon.core.errors import ConfigError
+from ucon.evaluation.figures.bias_table import HEAD, bias_rows
 from ucon.evaluation.figures.gap_closed import CELLS, DISTANCES, carried_over, distance_closed
 from ucon.evaluation.figures.intervals import Interval, mean_interval, rate_interval
 from ucon.evaluation.figures.paired import Comparison
@@ -42,6 +43,8 @@ class Run:
 
     label: str
     records: tuple[EpisodeRecord, ...]
+    figures: Mapping[str, Any] = field(default_factory=dict)
+    """Content of its ``summary.json``; empty without one."""
 
 
 def read_run(path: Path) -> Run:
@@ -65,7 +68,7 @@ def read_run(path: Path) -> Run:
         run = FinishedRun.read(path)
         if run.records is None:
             raise figures_only([path])
-        return Run(run.label, run.records)
+        return Run(run.label, run.records, run.summary)
     records = tuple(read_records(path))
     said = {"agent": records[0].agent, "habit_level": records[0].habit_level}
     return Run(f"{agent_label(said)}, {level(said)}", records)
@@ -85,7 +88,7 @@ def read_runs(folders: Sequence[Path]) -> dict[Path, Run]:
     runs = {folder: read_run(folder) for folder in folders}
     labels = [run.label for run in runs.values()]
     return {
-        folder: Run(f"{run.label}: {folder.name}", run.records) if labels.count(run.label) > 1 else run
+        folder: replace(run, label=f"{run.label}: {folder.name}") if labels.count(run.label) > 1 else run
         for folder, run in runs.items()
     }
 
@@ -132,6 +135,8 @@ def markdown_page(
     if groups is not None:
         tables.append(_within("SPL within", groups))
     tables += [_budgets(runs), *_named(runs), _causes(runs)]
+    if bias := [row for run in runs for row in bias_rows(run.label, run.figures)]:
+        tables.append(_table(HEAD, bias))
     if way is not None and (carried := _carried(runs, way[1])):
         tables.append(carried)
     sizes = _sizes(runs)

@@ -11,6 +11,7 @@ from ucon.core.errors import DataError
 from ucon.core.files import canonical_json
 from ucon.core.text import shown
 from ucon.core.untrusted.typed import read_as
+from ucon.evaluation.kept.position_bias import PositionBias
 
 _COUNTS: Final = (
     "number", "step", "chosen", "asked", "dropped", "retries", "prompt_tokens", "completion_tokens",
@@ -56,6 +57,9 @@ class DecisionRecord:
     For computed choices: gain and
     cost of the chosen view.
     """
+    places: tuple[int, ...] = ()
+    """Place of the model's choice in the list of options, for each order in which it was asked; stored where there is
+    one."""
     seconds: float = 0.0
     """Wall time of the answers; not part of the stored line."""
 
@@ -69,6 +73,8 @@ class DecisionRecord:
         """Plain values of the stored line, without seconds."""
         values: dict[str, Any] = asdict(self)
         values.pop("seconds")
+        if not self.places:
+            values.pop("places")
         values["scores"] = [float(s) if s is not None and isfinite(s) else None for s in self.scores]
         values["text"] = shown(self.text)  # a server's answer may contain control characters
         return values
@@ -88,8 +94,10 @@ class DecisionRecord:
         Raises:
             DataError: it has another form, or negative counts.
         """
-        decision = read_as(cls, data, where, "a decision", without=("seconds",))
-        if min(getattr(decision, name) for name in _COUNTS) < 0 or decision.answered < -1:
+        without = ("seconds",) if isinstance(data, dict) and "places" in data else ("seconds", "places")
+        decision = read_as(cls, data, where, "a decision", without=without)
+        counts = (*(getattr(decision, name) for name in _COUNTS), *decision.places, decision.answered + 1)
+        if min(counts) < 0:
             raise DataError(f"{where}: counts below 0; the file is altered, evaluate again")
         return decision
 
@@ -108,6 +116,7 @@ def language_figures(decisions: Sequence[DecisionRecord], n_episodes: int) -> di
     if not asked or not n_episodes:
         return None
     failures = [d.failure or "unusable" for d in asked if d.fallback]
+    bias = PositionBias.of(asked)
     return {
         "decisions": len(decisions),
         "decisions_per_episode": len(decisions) / n_episodes,
@@ -119,7 +128,7 @@ def language_figures(decisions: Sequence[DecisionRecord], n_episodes: int) -> di
         "retries": sum(d.retries for d in asked),
         "prompt_tokens_per_decision": sum(d.prompt_tokens for d in asked) / len(asked),
         "completion_tokens_per_decision": sum(d.completion_tokens for d in asked) / len(asked),
-    }
+    } | ({} if bias is None else {"position_bias": bias.to_json()})
 
 
 def seconds_per_decision(decisions: Sequence[DecisionRecord]) -> float | None:

@@ -17,6 +17,7 @@ from ucon.core.untrusted.plain_file import read_plain
 from ucon.core.untrusted.yaml_text import without_aliases
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.evaluation.kept.naming import agent_label, level
+from ucon.evaluation.kept.position_bias import PositionBias
 from ucon.evaluation.kept.record import EpisodeRecord, EpisodeTiming, json_lines, parse_records
 from ucon.evaluation.kept.seal import CONFIG, DECISIONS, RECORDS, SUMMARY, TIMING, RunFiles, has_summary, read_files
 from ucon.evaluation.playing.play import PlayedEpisode
@@ -189,6 +190,7 @@ def check_summary(said: Mapping[str, Any], path: Path) -> None:
     )
     if not usable:
         raise DataError(f"{path}: no summary of a finished run of eval.py; give the folder of one")
+    PositionBias.in_summary(said, str(path))
 
 
 def read_config(folder: Path) -> dict[str, Any]:

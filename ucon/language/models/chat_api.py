@@ -88,8 +88,10 @@ class ChatModel:
                 failure="unusable" if isinstance(error, AnswerError) else "server",
             )
         self._served = True
+        choice = chosen(reply.text, names)
         return Answer(
-            chosen(reply.text, names),
+            choice,
+            places=(choice,),
             text=reply.text[:_TEXT],
             retries=max(reply.attempts - 1, 0),
             prompt_tokens=reply.prompt_tokens,

@@ -130,7 +130,12 @@ class LikelihoodModel(LocalModel, Generic[R]):
 
     @cached_property
     def _window(self) -> int:
-        return min(window_of(self._model), self._limit or 1 << 30)
+        own = window_of(self._model)
+        if self._limit is not None and self._limit > own:
+            raise ConfigError(
+                f"language.window={self._limit}: {self._weights.short} reads {own} tokens; give that or less, or null"
+            )
+        return self._limit or own
 
     @cached_property
     def _ends(self) -> list[int]:

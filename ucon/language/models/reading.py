@@ -3,6 +3,9 @@
 Pasts of different lengths are aligned at their ends; padding on the left is masked. New tokens are padded on the right,
 where no real token can see them. So a row's own keys are one contiguous stretch, which is cut out again for the next
 tokens, and its tokens have the positions that they would have alone.
+
+A row may fork: several answers stand behind one prompt, and a mask keeps each from seeing the others. So a prompt is
+read once for all its answers, and what was read before it is not copied for each.
 """
 
 from __future__ import annotations
@@ -10,11 +13,16 @@ from __future__ import annotations
 import copy
 import inspect
 from collections.abc import Sequence
+from functools import partial
+from itertools import accumulate, pairwise
 from typing import Any, Final
 
+Ids = Sequence[int]
 Past = Any
 """A cache of transformers that holds one row."""
 
+#: Implementations of attention that take a mask of any form.
+_MASKED: Final = ("sdpa", "eager")
 #: Rotary embeddings whose frequencies depend on the longest row that is read.
 _LENGTH_DEPENDENT: Final = ("dynamic", "longrope")
 
@@ -24,6 +32,7 @@ class PrefixReader:
 
     Attributes:
         together: whether pasts of different lengths may be batched.
+        forking: whether :meth:`forked` may be used.
     """
 
     def __init__(self, model: Any, pad: int) -> None:
@@ -35,6 +44,7 @@ class PrefixReader:
         """
         self._model, self._pad = model, pad
         self.together = reads_together(model)
+        self.forking = self.together and model.config._attn_implementation in _MASKED
 
     def nothing(self) -> Past:
         """The past before the first token."""
@@ -71,6 +81,66 @@ class PrefixReader:
         """
         return self._read(pasts, rows, last=max(map(len, rows)))[0]
 
+    def forked(
+        self, pasts: Sequence[Past], prompts: Sequence[Ids], answers: Sequence[Sequence[Ids]]
+    ) -> list[list[Any]]:
+        """Logits of answers, each after the past and the prompt of its row; only where ``forking``.
+
+        Args:
+            pasts: n pasts.
+            prompts: n prompts of at least one token.
+            answers: of each row, any number.
+
+        Returns:
+            For each row and answer (tokens + 1, V) float32: after the prompt, and after each token of the answer.
+        """
+        import torch
+
+        tails = [sum(map(len, row)) for row in answers]
+        width = max(len(prompt) + tail for prompt, tail in zip(prompts, tails, strict=True))
+        held = torch.tensor([past.get_seq_length() for past in pasts])[:, None]
+        rows = map(partial(self._fork, width), prompts, answers)
+        ids, branch, after = (torch.tensor(part) for part in zip(*rows, strict=True))
+        out = self._model(
+            input_ids=ids.to(self._model.device),
+            past_key_values=self._side_by_side(pasts),
+            use_cache=True,
+            logits_to_keep=max(tails) + 1,
+            position_ids=(held + after).to(self._model.device),
+            attention_mask=self._fork_mask(held, branch),
+        ).logits[:, -max(tails) - 1 :]
+        return [_by_answer(row[-tail - 1 :].float(), own) for row, tail, own in zip(out, tails, answers, strict=True)]
+
+    def _fork(self, width: int, prompt: Ids, answers: Sequence[Ids]) -> tuple[list[int], list[int], list[int]]:
+        """A row of ``width`` tokens, padded on the left; the branch of each, and its place after the past.
+
+        The prompt is branch 0, which all see; answers count from 1; padding is -1, and sees itself alone.
+        """
+        ids, branch, after = list(prompt), [0] * len(prompt), list(range(len(prompt)))
+        for number, answer in enumerate(answers, 1):
+            ids += answer
+            branch += [number] * len(answer)
+            after += range(len(prompt), len(prompt) + len(answer))
+        padding = width - len(ids)
+        return [self._pad] * padding + ids, [-1] * padding + branch, [0] * padding + after
+
+    def _fork_mask(self, held: Any, branch: Any) -> Any:
+        """What the tokens of forked rows see: an additive mask (n, 1, T, S + T) of the model's type.
+
+        Args:
+            held: (n, 1) int64, lengths of the pasts.
+            branch: (n, T) int64, see :meth:`_fork`.
+        """
+        import torch
+
+        longest, width = int(held.max()), branch.shape[1]
+        before = torch.arange(longest) >= longest - held  # (n, S)
+        earlier = torch.ones(width, width, dtype=torch.bool).tril()
+        new = earlier & ((branch[:, None, :] == 0) | (branch[:, None, :] == branch[:, :, None]))  # (n, T, T)
+        seen = torch.cat([before[:, None, :].expand(-1, width, -1), new], dim=2)[:, None]
+        least = torch.finfo(self._model.dtype).min
+        return torch.zeros(seen.shape, dtype=self._model.dtype).masked_fill(~seen, least).to(self._model.device)
+
     def _read(self, pasts: Sequence[Past], rows: Sequence[Sequence[int]], *, last: int) -> tuple[Any, Past]:
         """Logits (n, last, V) and the new cache of all rows, with their padding."""
         import torch
@@ -102,6 +172,8 @@ class PrefixReader:
         """A new cache of a row each, ends aligned."""
         import torch
 
+        if len(pasts) == 1 and self.together and pasts[0].get_seq_length():
+            return self._cut(pasts[0], 0, 0, None)  # what comes is appended to this copy
         if all(past is pasts[0] for past in pasts):
             cache = copy.deepcopy(pasts[0])
             # By selecting, not repeating, which recurrent states do not know.
@@ -122,12 +194,20 @@ class PrefixReader:
             cache.update(*both, n)
         return cache
 
-    def _cut(self, cache: Past, row: int, start: int, stop: int) -> Past:
+    def _cut(self, cache: Past, row: int, start: int, stop: int | None) -> Past:
         """The past of one row; a copy, so that the others' memory is given back."""
         out = self.nothing()
         for n, layer in enumerate(cache.layers):
             out.update(layer.keys[row : row + 1, :, start:stop], layer.values[row : row + 1, :, start:stop], n)
         return out
+
+
+def _by_answer(logits: Any, answers: Sequence[Ids]) -> list[Any]:
+    """Logits (T, V) of a prompt's last token and all answers, taken apart; the first row belongs to every answer."""
+    import torch
+
+    ends = list(accumulate(map(len, answers), initial=1))
+    return [torch.cat([logits[:1], logits[start:end]]) for start, end in pairwise(ends)]
 
 
 def reads_together(model: Any) -> bool:

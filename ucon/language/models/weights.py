@@ -9,10 +9,14 @@ from typing import Any, Final
 
 from ucon.core.device import torch_device
 from ucon.core.errors import ConfigError, DataError, unknown_name
-from ucon.core.untrusted.weight_files import FETCHED, fingerprint, local_folder, missing_parts
+from ucon.core.free_memory import free_bytes
+from ucon.core.untrusted.weight_files import FETCHED, fingerprint, local_folder, missing_parts, parameters_in
 from ucon.language.encoder import quiet
+from ucon.language.packaged import MODELS, PackagedModel
 
-DTYPES: Final = ("float32", "bfloat16", "float16", "int8")
+#: Bytes of a weight, by number format.
+_BYTES: Final = {"float32": 4, "bfloat16": 2, "float16": 2, "int8": 1}
+DTYPES: Final = tuple(_BYTES)
 
 
 class LocalWeights:
@@ -22,7 +26,7 @@ class LocalWeights:
         """Choose the weights.
 
         Args:
-            path: folder in Hugging Face layout, or a name in the Hugging Face cache.
+            path: folder in Hugging Face layout, a name in the Hugging Face cache, or of a fetched model (``smollm2``).
             device: ``cpu``, ``cuda``, ``cuda:1``; ``auto`` is a GPU if there is one.
             dtype: ``float32``, ``bfloat16``, ``float16``, or ``int8`` (bitsandbytes, on a GPU).
             download: fetch a name that is not in the cache from the hub.
@@ -39,8 +43,8 @@ class LocalWeights:
 
     @property
     def short(self) -> str:
-        """Last part of the path: ``roberta-large``."""
-        return Path(self.path).name or self.path
+        """Last part of the path, ``roberta-large``, or the title of a fetched model."""
+        return self._packaged.title if self._packaged else Path(self.path).name or self.path
 
     @property
     def device(self) -> str:
@@ -56,18 +60,29 @@ class LocalWeights:
 
         Raises:
             DataError: no such model here, or files are missing in its folder.
-            ConfigError: a device or number format that this machine lacks.
+            ConfigError: a device or number format that this machine lacks, or too little memory.
         """
-        self.folder()
-        device = self.device
+        folder, device = self.folder(), self.device
         if self.dtype == "int8" and (importlib.util.find_spec("bitsandbytes") is None or not device.startswith("cuda")):
             raise ConfigError(
                 f"{self.path}: dtype=int8 needs the package bitsandbytes and a GPU (device is {device}); install it "
                 "and give language.device=cuda, or give language.dtype=bfloat16"
             )
+        needed, free = parameters_in(folder) * _BYTES[self.dtype], free_bytes()
+        if device == "cpu" and free is not None and needed > free:
+            raise ConfigError(
+                f"{self.path}: its weights take {needed / 1e9:.1f} GB in {self.dtype}, {free / 1e9:.1f} GB of memory "
+                "are free; give language.dtype=bfloat16, fewer workers= (each loads its own), or a smaller model"
+            )
 
     def fingerprint(self) -> str | None:
-        """Checksum of the files (:func:`ucon.core.untrusted.weight_files.fingerprint`); None where there are none."""
+        """Checksum of the files (:func:`ucon.core.untrusted.weight_files.fingerprint`); None where there are none.
+
+        That of a fetched model is the hash of the file it was made of: its folder differs between versions of
+        transformers.
+        """
+        if self._packaged:
+            return self._packaged.gguf_sha256 if self._packaged.fetched else None
         folder = local_folder(self.path)
         return None if folder is None else fingerprint(folder)
 
@@ -77,6 +92,8 @@ class LocalWeights:
         Raises:
             DataError: they are not all there.
         """
+        if self._packaged:
+            return self._packaged.require()
         found = Path(self.path).expanduser()
         if not found.is_dir():
             found = self._from_hub()
@@ -124,6 +141,11 @@ class LocalWeights:
         except Exception as error:
             line = " ".join(str(error).split())[:200]
             raise DataError(f"{folder}: cannot be loaded ({type(error).__name__}: {line}); {self._how}") from None
+
+    @property
+    def _packaged(self) -> PackagedModel | None:
+        """The model of a package that the path names."""
+        return MODELS.get(self.path)
 
     @property
     def _how(self) -> str:

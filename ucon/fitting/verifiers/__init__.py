@@ -1,0 +1,1 @@
+"""Verifiers of generated entries, measured on the same labelled pairs of a sentence and a placement."""

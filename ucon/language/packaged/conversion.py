@@ -1,0 +1,65 @@
+"""A GGUF file as a folder in Hugging Face layout, which transformers loads as any other model.
+
+transformers reads GGUF slowly and refuses to save a model that it read so, since it keeps a record of the quantisation.
+The dequantised weights are therefore put into a new model of the same configuration without that record. Weights are
+kept in float32, in which the values of the GGUF file are exact.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from typing import Any
+
+from ucon.core.errors import ConfigError, DataError, brief
+from ucon.core.files import write_manifest
+from ucon.language.encoder import quiet
+from ucon.language.models.conversation import window_of
+from ucon.language.packaged.models import PackagedModel
+
+_RECORD = "quantization_config"
+
+
+def require_reader() -> None:
+    """Raise :class:`ConfigError` where the package that reads GGUF files is not installed."""
+    if importlib.util.find_spec("gguf") is None:
+        raise ConfigError('package gguf: not installed; `pip install "ucon-nav[smollm2]"` installs it')
+
+
+def convert(gguf: Path, model: PackagedModel, folder: Path) -> None:
+    """Write a model as a folder with a manifest.
+
+    Args:
+        gguf: its weights.
+        model: what is expected of it.
+        folder: that exists, and is empty.
+
+    Raises:
+        DataError: transformers cannot read the file, it has no chat template, or reads another number of tokens.
+    """
+    import torch
+    import transformers
+
+    source: dict[str, Any] = {"gguf_file": gguf.name, "local_files_only": True, "trust_remote_code": False}
+    try:
+        with quiet(transformers):
+            tokenizer = transformers.AutoTokenizer.from_pretrained(gguf.parent, **source)
+            read = transformers.AutoModelForCausalLM.from_pretrained(gguf.parent, dtype=torch.float32, **source)
+    except Exception as error:  # a file of another kind can fail in any way
+        line = brief(" ".join(str(error).split()))
+        raise DataError(f"{gguf}: cannot be read as a model ({type(error).__name__}: {line}); not used") from None
+    if not tokenizer.chat_template:
+        raise DataError(f"{gguf}: no chat template; expected an instruction-tuned model")
+    if (found := window_of(read)) != model.window:
+        raise DataError(f"{gguf}: a context of {found} tokens, expected {model.window}; not used")
+    config = read.config
+    if hasattr(config, _RECORD):
+        delattr(config, _RECORD)
+    config.name_or_path = model.title
+    with quiet(transformers):
+        plain = transformers.AutoModelForCausalLM.from_config(config)
+        plain.load_state_dict(read.state_dict())
+        plain.generation_config = read.generation_config
+        plain.save_pretrained(folder)
+        tokenizer.save_pretrained(folder)
+    write_manifest(folder, [path.name for path in folder.iterdir()])
