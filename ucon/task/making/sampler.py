@@ -35,7 +35,15 @@ MIN_START_M = 2.0
 class EpisodeSampler:
     """Samples episodes of one habit dataset."""
 
-    def __init__(self, dataset: HabitDataset, *, k: int = 20, rules: TaskRules = PAPER, context: bool = False) -> None:
+    def __init__(
+        self,
+        dataset: HabitDataset,
+        *,
+        k: int = 20,
+        rules: TaskRules = PAPER,
+        context: bool = False,
+        even: bool = False,
+    ) -> None:
         """Choose dataset and rules.
 
         Args:
@@ -43,8 +51,9 @@ class EpisodeSampler:
             k: number of categories that an episode places.
             rules: rule set under which the episode must be solvable.
             context: whether episodes state day, hour, season, occasion and asker, and placements follow them.
+            even: contexts are drawn so that each place of the target is used equally often, however rare its condition.
         """
-        self.dataset, self.k, self.rules, self.context = dataset, k, rules, context
+        self.dataset, self.k, self.rules, self.context, self.even = dataset, k, rules, context, even
         self._eyes = RasterRenderer()
         self._living: dict[tuple[str, Split | None], Living] = {}
 
@@ -116,7 +125,7 @@ class EpisodeSampler:
             first = sorted(wanted)[int(rng.integers(len(wanted)))]
             order.remove(first)
             order.insert(0, first)
-        context = drawn_context(living, order[: self.k], order[0], rng) if self.context else None
+        context = drawn_context(living, order[: self.k], order[0], rng, even=self.even) if self.context else None
         draft, chosen = self._place_all(house, order, living, context, rng)
         if not draft.objects:
             return None
