@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ucon.core.errors import ConfigError, EpisodeError, unknown_name
 from ucon.core.sharing import PartlyShared, Shared
 from ucon.habits.book import book
+from ucon.habits.contexts import Context, condition_of
 from ucon.habits.knowledge import MODES, KnowledgeBase
 from ucon.habits.types import Entry, HabitDataset
 from ucon.language.encoder import Progress
@@ -22,6 +23,7 @@ from ucon.retrieval.base import PreparedRetriever, Retriever, mrr, recall_at
 from ucon.retrieval.context import ContextHabits, ContextRetriever, ContextWeights
 from ucon.retrieval.dense import DenseRetriever, dataset_vectors
 from ucon.retrieval.levels import LEVELS, RANKED_LEVELS, TOP_P, habits_at_level
+from ucon.retrieval.told import ToldRetriever
 from ucon.sim.house import House
 from ucon.task.episode import Episode
 
@@ -72,6 +74,7 @@ class HabitSource(Shared):
         top_p: int = TOP_P,
         encoder: StoredEncoder | None = None,
         context: ContextWeights | None = None,
+        tell_context: bool = True,
     ) -> None:
         """Choose dataset and retriever; embeddings are computed at first use.
 
@@ -82,6 +85,7 @@ class HabitSource(Shared):
             top_p: number of habits given at levels ``retrieval`` and ``context``.
             encoder: makes the embeddings of observations; MiniLM by default.
             context: how strongly level ``context`` follows what is seen.
+            tell_context: tell the context of episodes that state one, to the agent and to the retriever.
 
         Raises:
             ConfigError: an unknown mode, or ``top_p`` below 1.
@@ -92,7 +96,7 @@ class HabitSource(Shared):
             raise ConfigError(f"top_p={top_p}, expected at least 1")
         self.mode, self.top_p = mode, top_p
         self._dataset, self._retriever, self._encoder = dataset, retriever, encoder
-        self._context = context
+        self._context, self._tells = context, tell_context
 
     @cached_property
     def dataset(self) -> HabitDataset:
@@ -109,9 +113,14 @@ class HabitSource(Shared):
         """The retriever of levels ``retrieval`` and ``context``."""
         return self._retriever or DenseRetriever(self.encoder)
 
+    def reranking(self, told: Context | None) -> ContextRetriever:
+        """The retriever that ranks again at level ``context``; one for all episodes that tell no context."""
+        if told is not None:
+            return ContextRetriever(ToldRetriever(self.retriever, told), self._context)
+        return self._reranking
+
     @cached_property
-    def context(self) -> ContextRetriever:
-        """The retriever that ranks again at level ``context``."""
+    def _reranking(self) -> ContextRetriever:
         return ContextRetriever(self.retriever, self._context)
 
     @property
@@ -175,6 +184,10 @@ class HabitSource(Shared):
         counts = Counter((place.relation, place.anchor) for place in found)
         return tuple((relation, anchor, n / len(found)) for (relation, anchor), n in sorted(counts.items()))
 
+    def told(self, episode: Episode) -> Context | None:
+        """The context that is told in an episode; None where it states none, or none is told."""
+        return episode.context if self._tells else None
+
     def knowledge(self, episode: Episode, level: str) -> Knowledge:
         """The habits of an episode at a level.
 
@@ -183,7 +196,7 @@ class HabitSource(Shared):
             level: a habit level.
 
         Raises:
-            EpisodeError: the episode was made with another dataset.
+            EpisodeError: the episode was made with another dataset, or its context names a user whom it does not have.
         """
         dataset = self.dataset
         if episode.habits_hash != dataset.sha256:
@@ -199,12 +212,34 @@ class HabitSource(Shared):
             entry = dataset.entries[dataset.entry_number[name]]
             drawn.setdefault(entry.category, []).append(entry)
         base = KnowledgeBase.build(dataset, drawn, episode.seed)
-        target = episode.target_category
+        target, told = episode.target_category, self.told(episode)
+        if episode.context is not None:
+            check_user(episode.context, base, f"episode {episode.id}")
+        retriever = self.retriever if told is None else ToldRetriever(self.retriever, told)
         return Knowledge(
             base=base,
-            rows=habits_at_level(level, base, target, self.retriever, self.top_p),
+            rows=habits_at_level(level, base, target, retriever, self.top_p),
             target_embedding=self.encoder.encode_half([phrase(target)])[0],
-            retriever=self.retriever,
+            retriever=retriever,
             target=target,
-            reranking=ContextHabits(self.context, base, target, self.top_p) if level == "context" else None,
+            reranking=ContextHabits(self.reranking(told), base, target, self.top_p) if level == "context" else None,
         )
+
+
+def check_user(context: Context, base: KnowledgeBase, where: str) -> None:
+    """Refuse a context whose user is not among the people on whom placements of the household depend.
+
+    Args:
+        context: of an episode.
+        base: all habits of the household.
+        where: names the episode in the error.
+
+    Raises:
+        EpisodeError: naming the user, and those who are known.
+    """
+    if context.user is None:
+        return
+    places = [place for entries in base.entries.values() for entry in entries for place in entry.placements]
+    users = {user for place in places if place.context and (user := condition_of(place.context).user)}
+    if context.user not in users:
+        raise EpisodeError(f"{where}: {unknown_name('user', context.user, users or {'nobody'})}")

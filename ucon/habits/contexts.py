@@ -148,9 +148,9 @@ class Context:
         when = f"It is {_DAY_NAMES[self.day]} {part_of_day(self.hour)}, about {self.hour} o'clock, in {self.season}"
         if self.occasion:
             group, _, what = self.occasion.partition("/")
-            when += f", on the occasion of {what.replace('-', ' ')} ({group})"
+            when += f", on the occasion '{what.replace('-', ' ')}' ({group})"
         who = self.asker if self.user is None else f"{self.user} ({self.asker})"
-        return f"{when}, and the one who asks is {who}."
+        return f"{when}, and this is asked by {who}."
 
     def to_json(self) -> dict[str, Any]:
         """The context as JSON data."""

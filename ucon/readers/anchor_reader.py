@@ -15,10 +15,12 @@ from typing import Any
 import numpy as np
 
 from ucon.core.sharing import Shared, is_the_one
+from ucon.habits.contexts import Context
 from ucon.language.pairs import PairReader, default_pair_reader
 from ucon.language.phrases import phrase
 from ucon.objects.model import RELATIONS
 from ucon.readers.anchor_prior import UNKNOWN_PRIOR
+from ucon.readers.conditions.condition_reader import ConditionReader, default_conditions
 from ucon.readers.evidence import SUPPORT_FLOOR, Evidence, EvidenceReader
 from ucon.readers.gate import relevance
 from ucon.readers.reader_weights import Array, ReaderWeights, default_weights, softmax, two_layers
@@ -51,18 +53,24 @@ class Reading(Shared):
         target: category that is looked for.
         texts: the habits.
         trusted: True if all habits are about the target (level ``gt``).
+        context: that was told, or None.
     """
 
-    def __init__(self, reader: AnchorReader, target: str, texts: tuple[str, ...], trusted: bool) -> None:
+    def __init__(
+        self, reader: AnchorReader, target: str, texts: tuple[str, ...], trusted: bool, context: Context | None = None
+    ) -> None:
         self.target = target
         self.texts = texts
         self._reader = reader
         self._evidence: Evidence = reader.evidence.read(texts)
         gate = np.ones(len(texts)) if trusted else relevance(target, texts, reader.pairs, reader.weights)
-        self.relevance: Array = gate
-        """(H,) probability that each habit is about the target; 1 if trusted."""
-        self.telling: Array = gate * self._evidence.place
+        self._gate = gate if context is None else gate * reader.conditions.weights(texts, context, "fitted")
+        self.relevance: Array = np.minimum(self._gate, 1.0)
+        """(H,) probability that each habit is about the target; 1 if trusted. Lower where a habit does not hold in the
+        told context."""
+        self.telling: Array = self.relevance * self._evidence.place
         """(H,) how much each habit says where the target is: relevance times probability of speaking for a place."""
+        gate = self._gate
         self.context = (float(trusted and len(texts) > 0), float(np.log1p((gate * self._evidence.place).sum())))
         self.known_features = reader.mix_features(
             reader.prior(target), gate[:, None] * self._evidence.anchor, np.ones(len(reader.known)), self.context
@@ -109,7 +117,7 @@ class Reading(Shared):
             return
         said = self._reader.evidence.unknown(self.texts, new, self._evidence.place)
         prior = np.full(len(new), UNKNOWN_PRIOR)
-        x = self._reader.mix_features(prior, self.relevance[:, None] * said, np.zeros(len(new)), self.context)
+        x = self._reader.mix_features(prior, self._gate[:, None] * said, np.zeros(len(new)), self.context)
         for i, name in enumerate(new):
             self._columns[name] = said[:, i]
             self._x[name] = x[i]
@@ -119,7 +127,7 @@ class Reading(Shared):
         if not names:
             return np.zeros((0, len(RELATIONS)))
         prior = np.stack([self._reader.relation_prior(name) for name in names])
-        speaks = np.stack([self._column(name) for name in names], axis=1) * self.relevance[:, None]
+        speaks = np.stack([self._column(name) for name in names], axis=1) * self._gate[:, None]
         total = RELATION_PRIOR * prior + (speaks.T @ self._evidence.relation) * (prior > 0)
         return total / total.sum(axis=1, keepdims=True)
 
@@ -130,28 +138,43 @@ class AnchorReader(Shared):
     Args:
         weights: of the fitted parts; the shipped ones by default.
         pairs: encodes sentences and pairs; the default one if not given.
+        conditions: reads which sentences hold in a told context; the shipped one, loaded at first use.
     """
 
-    def __init__(self, weights: ReaderWeights | None = None, pairs: PairReader | None = None) -> None:
+    def __init__(
+        self,
+        weights: ReaderWeights | None = None,
+        pairs: PairReader | None = None,
+        conditions: ConditionReader | None = None,
+    ) -> None:
         self.weights = weights or default_weights()
         self.pairs = pairs or default_pair_reader()
         self.evidence = EvidenceReader(self.weights, self.pairs)
         self.known = self.weights.anchors
         self.number = {name: i for i, name in enumerate(self.known)}
+        self._conditions = conditions
+
+    @property
+    def conditions(self) -> ConditionReader:
+        """Reads which sentences hold in a told context."""
+        return self._conditions or default_conditions()
 
     def __reduce_ex__(self, protocol: Any) -> Any:
         """Pickles name the shipped reader, whose weights are checked wherever they are loaded."""
         return (default_reader, ()) if is_the_one(default_reader, self) else super().__reduce_ex__(protocol)
 
-    def read(self, target: str, texts: Sequence[str], *, trusted: bool = False) -> Reading:
+    def read(
+        self, target: str, texts: Sequence[str], *, trusted: bool = False, context: Context | None = None
+    ) -> Reading:
         """Read habits once for an episode.
 
         Args:
             target: category that is looked for.
             texts: the habits that an agent is given.
             trusted: True if all of them are about the target (habit level ``gt``): they are not gated.
+            context: that was told: habits that do not hold in it count less, those that do count more.
         """
-        return Reading(self, target, tuple(texts), trusted)
+        return Reading(self, target, tuple(texts), trusted, context)
 
     def belief(
         self, target: str, texts: Sequence[str], candidates: Sequence[str], *, trusted: bool = False

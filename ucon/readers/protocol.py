@@ -8,6 +8,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.habits.contexts import Context
+
 
 class Belief(Protocol):
     """Distribution over C candidate anchors."""
@@ -58,12 +60,15 @@ class Reader(Protocol):
         """Anchors in its training data."""
         ...
 
-    def read(self, target: str, texts: Sequence[str], *, trusted: bool = False) -> Read:
+    def read(
+        self, target: str, texts: Sequence[str], *, trusted: bool = False, context: Context | None = None
+    ) -> Read:
         """Read the habits of an episode once.
 
         Args:
             target: category that is looked for.
             texts: the habits.
             trusted: True if all of them are about the target (level ``gt``).
+            context: that was told; None: none.
         """
         ...

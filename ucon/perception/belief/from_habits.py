@@ -47,7 +47,7 @@ class ReadHabits(Shared):
         return str(fingerprint_of(self._reader))
 
     def __call__(self, info: Info) -> Locations:
-        """Read ``info["habits"]`` about ``info["target"]``.
+        """Read ``info["habits"]`` about ``info["target"]``, in the context ``info["told"]`` where there is one.
 
         At habit level ``gt`` the reader is told that all habits are about the target.
 
@@ -57,7 +57,8 @@ class ReadHabits(Shared):
         if self._reader is None:
             self._reader = default_reader()
         target, texts = str(info["target"]), tuple(info["habits"])
-        reading = self._reader.read(target, texts, trusted=info.get("habit_level") == "gt")
+        told = {"context": info["told"]} if info.get("told") is not None else {}
+        reading = self._reader.read(target, texts, trusted=info.get("habit_level") == "gt", **told)
         belief = reading.belief(self._reader.known)
         where = belief.p[:, None] * belief.relation
         return Locations(belief.candidates, where, texts, reading.telling, reading.support)
