@@ -101,6 +101,7 @@ class L3MVNAgent(AskingAgent):
             slot: of the decision.
         """
         target, habits, system = self._constant_prompt[slot]
+        weights = self._habit_weights[slot]
         options = tuple(Option(name, (name,)) for name in label_set(decision.target, self._n_labels))
         names = ", ".join(option.name for option in options)
         out = []
@@ -110,7 +111,7 @@ class L3MVNAgent(AskingAgent):
                 told = ", ".join(things)
                 situation = self.situation(target=target, things=told, options=names)
                 cloze = self.cloze(target=target, things=told)
-                out.append(Question(target, habits, options, system, situation, cloze, things=things))
+                out.append(Question(target, habits, options, system, situation, cloze, (), things, weights))
         return out
 
     def conclude(self, decision: Decision, questions: Sequence[Question], answers: Sequence[Answer]) -> Chosen:

@@ -104,6 +104,7 @@ class LGXAgent(AskingAgent):
                 system=system,
                 situation=self.situation(target=target, views=views, things=things, options=names),
                 cloze=self.cloze(target=target),
+                weights=self._habit_weights[slot],
             )
         ]
 

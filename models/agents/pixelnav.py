@@ -98,6 +98,7 @@ class PixelNavAgent(AskingAgent):
             slot: of the decision.
         """
         target, habits, system = self._constant_prompt[slot]
+        weights = self._habit_weights[slot]
         here = decision.known.view
         options = tuple(
             Option(str(angle_of(here, c.view.heading)), tuple(phrase(name) for name, _ in c.things))
@@ -106,10 +107,11 @@ class PixelNavAgent(AskingAgent):
         names = ", ".join(option.name for option in options)
         if self._inputs == "images":
             situation = self.situation(target=target, options=names)
-            return [Question(target, habits, options, system, situation, images=(mosaic(decision),))]
+            images = (mosaic(decision),)
+            return [Question(target, habits, options, system, situation, images=images, weights=weights)]
         views = "\n".join(_line(here, candidate) for candidate in decision.candidates)
         situation = self.situation(target=target, views=views, options=names)
-        return [Question(target, habits, options, system, situation, self.cloze(target=target))]
+        return [Question(target, habits, options, system, situation, self.cloze(target=target), weights=weights)]
 
 
 def angle_of(here: View, heading: int) -> int:

@@ -152,6 +152,12 @@ class Context:
         who = self.asker if self.user is None else f"{self.user} ({self.asker})"
         return f"{when}, and this is asked by {who}."
 
+    @property
+    def occasion_and_user(self) -> str:
+        """What is special about it, as words of a retrieval query: ``when there is film night for Ines``."""
+        what = "" if self.occasion is None else f"when there is {self.occasion.partition('/')[2].replace('-', ' ')}"
+        return f"{what} for {self.user}".strip() if self.user else what
+
     def to_json(self) -> dict[str, Any]:
         """The context as JSON data."""
         data: dict[str, Any] = {

@@ -53,24 +53,24 @@ class Reading(Shared):
         target: category that is looked for.
         texts: the habits.
         trusted: True if all habits are about the target (level ``gt``).
-        context: that was told, or None.
+        holds: (H,) how much each habit counts in the told context; None: none was told.
     """
 
     def __init__(
-        self, reader: AnchorReader, target: str, texts: tuple[str, ...], trusted: bool, context: Context | None = None
+        self, reader: AnchorReader, target: str, texts: tuple[str, ...], trusted: bool, holds: Array | None = None
     ) -> None:
         self.target = target
         self.texts = texts
         self._reader = reader
         self._evidence: Evidence = reader.evidence.read(texts)
         gate = np.ones(len(texts)) if trusted else relevance(target, texts, reader.pairs, reader.weights)
-        self._gate = gate if context is None else gate * reader.conditions.weights(texts, context, "fitted")
-        self.relevance: Array = np.minimum(self._gate, 1.0)
+        gate = gate if holds is None else gate * holds
+        self._gate: Array = gate
+        self.relevance: Array = np.minimum(gate, 1.0)
         """(H,) probability that each habit is about the target; 1 if trusted. Lower where a habit does not hold in the
         told context."""
         self.telling: Array = self.relevance * self._evidence.place
         """(H,) how much each habit says where the target is: relevance times probability of speaking for a place."""
-        gate = self._gate
         self.context = (float(trusted and len(texts) > 0), float(np.log1p((gate * self._evidence.place).sum())))
         self.known_features = reader.mix_features(
             reader.prior(target), gate[:, None] * self._evidence.anchor, np.ones(len(reader.known)), self.context
@@ -174,7 +174,8 @@ class AnchorReader(Shared):
             trusted: True if all of them are about the target (habit level ``gt``): they are not gated.
             context: that was told: habits that do not hold in it count less, those that do count more.
         """
-        return Reading(self, target, tuple(texts), trusted, context)
+        holds = None if context is None else self.conditions.weights(texts, context, "fitted")
+        return Reading(self, target, tuple(texts), trusted, holds)
 
     def belief(
         self, target: str, texts: Sequence[str], candidates: Sequence[str], *, trusted: bool = False

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Protocol
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,3 +72,18 @@ class Reader(Protocol):
             context: that was told; None: none.
         """
         ...
+
+
+def read_info(reader: Reader, info: Mapping[str, Any]) -> Read:
+    """Read the habits of an episode as the info of its reset gives them.
+
+    Args:
+        reader: of habits.
+        info: ``target``, ``habits``, ``habit_level`` (at ``gt`` all habits are about the target) and, where a context
+            is told, ``told``.
+    """
+    told = info.get("told")
+    more: dict[str, Any] = {} if told is None else {"context": told}
+    return reader.read(
+        str(info["target"]), tuple(info["habits"]), trusted=info.get("habit_level") == "gt", **more
+    )

@@ -1,4 +1,8 @@
-"""Retrieval in a told context: sentences that hold in it move up, those that do not move down."""
+"""Retrieval in a told context: the query names occasion and user, and sentences that do not hold move down.
+
+Day, hour and season are not in the query: they liken it to what everybody does at that time (measured in
+``docs/decisions/retrieval.md``).
+"""
 
 from __future__ import annotations
 
@@ -29,11 +33,16 @@ class ToldRetriever(Shared):
         self.retriever, self.told = retriever, context
         self._conditions = conditions or default_conditions()
 
-    def scores(self, target: str, kb: KnowledgeBase) -> NDArray[np.float64]:
-        """Scores (N,) float64 in the order of ``kb.rows``."""
-        plain = self.retriever.scores(target, kb)
-        return plain + float(plain.std()) * np.log(self._conditions.weights(kb.texts, self.told, "retrieval"))
+    def scores(self, target: str, kb: KnowledgeBase, told: str = "") -> NDArray[np.float64]:
+        """Scores (N,) float64 in the order of ``kb.rows``; ``told`` is the context's own."""
+        plain = self.retriever.scores(target, kb, self.told.occasion_and_user)
+        return lifted(plain, self._conditions.weights(kb.texts, self.told, "retrieval"))
 
     def rank(self, target: str, kb: KnowledgeBase) -> NDArray[np.int32]:
         """Rows of the knowledge base, best first, (N,) int32."""
         return ranked(self.scores(target, kb), kb.rows)
+
+
+def lifted(scores: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Scores (N,) raised by the logarithm of weights (N,), in standard deviations of the scores."""
+    return scores + float(scores.std()) * np.log(weights)
