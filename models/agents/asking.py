@@ -1,9 +1,9 @@
 """Base of the agents that ask a language model to choose: LGX, PixelNav and L3MVN.
 
-The habits, and before them the context where one is told, are in the constant part of the prompt, delimited as data, so that a prefix cache keeps them for a whole
-episode. At habit level ``context`` the habits are ranked again by what was seen before each choice, and the constant
-part is rewritten only where that changes the list. An unusable answer is replaced by a random candidate (as in LGX and
-PixelNav) and counted as a fallback.
+The habits, and before them the context where one is told, are in the constant part of the prompt, delimited as data, so
+that a prefix cache keeps them for a whole episode. At habit level ``context`` the habits are ranked again by what was
+seen before each choice, and the constant part is rewritten only where that changes the list. An unusable answer is
+replaced by a random candidate (as in LGX and PixelNav) and counted as a fallback.
 """
 
 from __future__ import annotations

@@ -136,7 +136,9 @@ class Context:
         if self.season not in SEASONS:
             raise ConfigError(f"context: {unknown_name('season', str(self.season), SEASONS)}")
         for name, text in (("asker", self.asker), ("user", self.user), ("occasion", self.occasion)):
-            if not (isinstance(text, str) and text.strip() and is_shown(text)) and (text is not None or name == "asker"):
+            if not (isinstance(text, str) and text.strip() and is_shown(text)) and (
+                text is not None or name == "asker"
+            ):
                 raise ConfigError(f"context: {name} {brief(repr(text))}, expected a text")
         group, _, what = (self.occasion or "other/none").partition("/")
         if group not in (*EVENT_GROUPS, "other") or not _SLUG.fullmatch(what):
@@ -198,9 +200,7 @@ def part_of_day(hour: int) -> str:
     return "morning" if hour < 12 else "afternoon" if hour < 18 else "evening"
 
 
-def draw_context(
-    rng: np.random.Generator, occasions: Iterable[str], asker: str, users: Iterable[str] = ()
-) -> Context:
+def draw_context(rng: np.random.Generator, occasions: Iterable[str], asker: str, users: Iterable[str] = ()) -> Context:
     """Draw a random context; half of them have an occasion.
 
     Args:
@@ -268,7 +268,9 @@ def _condition(where: str, text: str) -> Condition:
     for part in text.split(";"):
         kind, _, value = part.strip().partition(" ")
         if kind not in _PARSERS:
-            raise DataError(f"{where}: condition '{part.strip()[:60]}', expected day, time, season, event, user or other")
+            raise DataError(
+                f"{where}: condition '{part.strip()[:60]}', expected day, time, season, event, user or other"
+            )
         field, parse = _PARSERS[kind]
         if field in found:
             raise DataError(f"{where}: two conditions of one kind ('{part.strip()[:60]}'); join them")

@@ -57,8 +57,8 @@ class Question:
     things: tuple[str, ...] = ()
     """Where the question is which option is kept at a place (L3MVN): categories of the things there, with spaces."""
     weights: tuple[float, ...] = ()
-    """How much each habit counts in the context that the agent was told, for models that compare texts; empty where none
-    was told. Models that read prose find the context in ``system``."""
+    """How much each habit counts in the context that the agent was told, for models that compare texts; empty where
+    none was told. Models that read prose find the context in ``system``."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -60,9 +60,7 @@ class Reader(Protocol):
         """Anchors in its training data."""
         ...
 
-    def read(
-        self, target: str, texts: Sequence[str], *, trusted: bool = False, context: Context | None = None
-    ) -> Read:
+    def read(self, target: str, texts: Sequence[str], *, trusted: bool = False, context: Context | None = None) -> Read:
         """Read the habits of an episode once.
 
         Args:
@@ -84,6 +82,4 @@ def read_info(reader: Reader, info: Mapping[str, Any]) -> Read:
     """
     told = info.get("told")
     more: dict[str, Any] = {} if told is None else {"context": told}
-    return reader.read(
-        str(info["target"]), tuple(info["habits"]), trusted=info.get("habit_level") == "gt", **more
-    )
+    return reader.read(str(info["target"]), tuple(info["habits"]), trusted=info.get("habit_level") == "gt", **more)

@@ -44,6 +44,8 @@ GRID: Final = tuple(Strength(*pair) for pair in product(HOLDS, FAILS))
 #: Retrieval fails to tell strengths apart that differ by less than this share.
 _SAME: Final = 0.005
 
+_DENSE: Final = DenseRetriever()
+
 #: From target, sentences and (G, H) weights of them to (G,) probability of an anchor.
 Likelihood = Callable[[str, tuple[str, ...], Array, str], Array]
 
@@ -173,7 +175,9 @@ def fitted() -> tuple[ConditionReader, Mapping[str, Mapping[str, float]]]:
         conditions.strengths[use] = GRID[chosen]
         sys.stderr.write(f"{use}: {GRID[chosen]}\n")
         figures[use] = {
-            f"{level} {what}": float(values[k]) for level, values in levels.items() for what, k in (("unweighted", 0), ("chosen", chosen))
+            f"{level} {what}": float(values[k])
+            for level, values in levels.items()
+            for what, k in (("unweighted", 0), ("chosen", chosen))
         }
     return conditions, figures
 
@@ -204,6 +208,3 @@ def main(words: Sequence[str]) -> None:
     for part in ("val", "test"):
         for kind, values in measure(conditions, book(), part).items():  # type: ignore[arg-type]
             sys.stdout.write(f"{part} {kind:<9} " + "  ".join(f"{n} {v:.3f}" for n, v in values.items()) + "\n")
-
-
-_DENSE: Final = DenseRetriever()

@@ -46,7 +46,11 @@ def said_in(dataset: HabitDataset, part: Split) -> list[Said]:
     """The supporting sentences of a part's entries."""
     parts = entry_parts(dataset)
     return [
-        Said(habit.text, None if (told := entry.placements[habit.supports[0]].context) is None else condition_of(told), entry.category)
+        Said(
+            habit.text,
+            None if (told := entry.placements[habit.supports[0]].context) is None else condition_of(told),
+            entry.category,
+        )
         for entry in dataset.entries
         if parts[entry.id] == part
         for habit in entry.habits
@@ -84,9 +88,7 @@ def labels(condition: Condition | None, context: Context) -> tuple[int, ...]:
         one.seasons is not None and context.season in one.seasons,
         one.occasion == context.occasion,
     )
-    return tuple(
-        2 if part is None else int(not holds) for part, holds in zip(_parts(condition), right, strict=True)
-    )
+    return tuple(2 if part is None else int(not holds) for part, holds in zip(_parts(condition), right, strict=True))
 
 
 def shown_in(said: Sequence[Said], occasions: Sequence[str], seed: int) -> list[tuple[int, Context]]:

@@ -35,9 +35,7 @@ def fit_conditions(dataset: HabitDataset) -> ConditionReader:
     """
     said = said_in(dataset, "train")
     occasions, words = known_occasions(dataset)
-    reader = ConditionReader(
-        np.zeros((1, len(KINDS))), np.zeros((len(KINDS), N_FEATURES, 3)), occasions, words, _EVEN
-    )
+    reader = ConditionReader(np.zeros((1, len(KINDS))), np.zeros((len(KINDS), N_FEATURES, 3)), occasions, words, _EVEN)
     vectors = np.stack([one.vector for one in reader.sentences([one.text for one in said])])
     has, fold = has_conditions(said), _folds(said)
     mention = np.zeros_like(has)
@@ -95,7 +93,7 @@ def measure(reader: ConditionReader, dataset: HabitDataset, part: Split) -> Mapp
 
 
 def fit_probe(vectors: Array, has: Array) -> Array:
-    """Weights and bias (D + 1, 4) of logistic regressions from sentence vectors (n, D) to kinds of conditions (n, 4)."""
+    """Weights and bias (D + 1, 4) of logistic regressions from vectors (n, D) to kinds of conditions (n, 4)."""
     x, y = torch.tensor(np.c_[vectors, np.ones(len(vectors))]), torch.tensor(has)
 
     def loss(weight: torch.Tensor) -> torch.Tensor:

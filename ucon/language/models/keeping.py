@@ -69,7 +69,9 @@ class LocationScores:
         self._encode = encode
         self._weights = weights or LocationWeights()
         self._furniture: Vectors | None = None
-        self._readings: OrderedDict[tuple[tuple[str, ...], tuple[str, ...], tuple[float, ...]], _Reading] = OrderedDict()
+        self._readings: OrderedDict[tuple[tuple[str, ...], tuple[str, ...], tuple[float, ...]], _Reading] = (
+            OrderedDict()
+        )
 
     def logits(self, question: Question) -> Vectors:
         """Log odds of the options; the odds of an option's labels are added up.

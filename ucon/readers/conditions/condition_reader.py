@@ -114,9 +114,7 @@ class ConditionReader(Shared):
 
     def __reduce_ex__(self, protocol: Any) -> Any:
         """Pickles name the shipped reader, whose weights are checked wherever they are loaded."""
-        return (
-            (default_conditions, ()) if is_the_one(default_conditions, self) else super().__reduce_ex__(protocol)
-        )
+        return (default_conditions, ()) if is_the_one(default_conditions, self) else super().__reduce_ex__(protocol)
 
     def holding(self, texts: Sequence[str], context: Context) -> Holding:
         """Read H sentences in a context.

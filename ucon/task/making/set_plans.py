@@ -120,7 +120,9 @@ def set_cells(name: str) -> tuple[Cell, ...]:
             Cell("val_category/seen_scene", "val", "val", seen, count),
             Cell("val_category/val_scene", "val", "val", generated(RESERVED_SEED - 10_000, 20), count),
         )
-    raise ConfigError(unknown_name("episode set to make", name, (*TEST_SETS, "val", "mini", TRAIN, *CONTEXT_SETS, *OFFICIAL_SETS)))
+    raise ConfigError(
+        unknown_name("episode set to make", name, (*TEST_SETS, "val", "mini", TRAIN, *CONTEXT_SETS, *OFFICIAL_SETS))
+    )
 
 
 def generated(first_seed: int, count: int) -> tuple[str, ...]:
