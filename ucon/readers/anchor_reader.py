@@ -53,23 +53,20 @@ class Reading(Shared):
         target: category that is looked for.
         texts: the habits.
         trusted: True if all habits are about the target (level ``gt``).
-        holds: (H,) how much each habit counts in the told context; None: none was told.
     """
 
-    def __init__(
-        self, reader: AnchorReader, target: str, texts: tuple[str, ...], trusted: bool, holds: Array | None = None
-    ) -> None:
+    def __init__(self, reader: AnchorReader, target: str, texts: tuple[str, ...], trusted: bool) -> None:
         self.target = target
         self.texts = texts
         self._reader = reader
         self._evidence: Evidence = reader.evidence.read(texts)
         gate = np.ones(len(texts)) if trusted else relevance(target, texts, reader.pairs, reader.weights)
-        gate = gate if holds is None else gate * holds
         self._gate: Array = gate
-        self.relevance: Array = np.minimum(gate, 1.0)
+        self._told: _Told | None = None
+        self.relevance: Array = gate
         """(H,) probability that each habit is about the target; 1 if trusted. Lower where a habit does not hold in the
         told context."""
-        self.telling: Array = self.relevance * self._evidence.place
+        self.telling: Array = gate * self._evidence.place
         """(H,) how much each habit says where the target is: relevance times probability of speaking for a place."""
         self.context = (float(trusted and len(texts) > 0), float(np.log1p((gate * self._evidence.place).sum())))
         self.known_features = reader.mix_features(
@@ -77,6 +74,20 @@ class Reading(Shared):
         )
         self._columns: dict[str, Array] = {}
         self._x: dict[str, Array] = {}
+
+    def weighed(self, holds: Array, sharpness: float) -> Reading:
+        """The same reading in a told context.
+
+        Args:
+            holds: (H,) how much each habit counts.
+            sharpness: power of what that changes.
+        """
+        other = object.__new__(Reading)
+        other.__dict__.update(self.__dict__)
+        other._told = _Told(self._gate, holds, sharpness)
+        other.relevance = np.minimum(self._gate * holds, 1.0)
+        other.telling = other.relevance * self._evidence.place
+        return other
 
     def belief(self, candidates: Sequence[str]) -> AnchorBelief:
         """Distribution over candidate anchor categories; the target itself gets 0.
@@ -91,6 +102,8 @@ class Reading(Shared):
         hidden = [name for name in self._reader.known if name not in set(names)]
         x += [self.known_features[number[name]] for name in hidden]
         logits = self._reader.mix(np.stack(x))
+        if self._told is not None:
+            logits += self._told.change(np.stack([self._column(name) for name in (*names, *hidden)], axis=1))
         logits[[i for i, name in enumerate((*names, *hidden)) if name == self.target]] = -60.0
         p = softmax(logits)
         unseen = {name: float(value) for name, value in zip(hidden, p[len(names) :], strict=True)}
@@ -127,9 +140,25 @@ class Reading(Shared):
         if not names:
             return np.zeros((0, len(RELATIONS)))
         prior = np.stack([self._reader.relation_prior(name) for name in names])
-        speaks = np.stack([self._column(name) for name in names], axis=1) * self._gate[:, None]
+        speaks = (
+            np.stack([self._column(name) for name in names], axis=1)
+            * (self._gate if self._told is None else self._told.gate)[:, None]
+        )
         total = RELATION_PRIOR * prior + (speaks.T @ self._evidence.relation) * (prior > 0)
         return total / total.sum(axis=1, keepdims=True)
+
+
+class _Told(Shared):
+    """What a told context changes: the weights that mix were fitted on habits that all count alike, so it is added."""
+
+    def __init__(self, plain: Array, holds: Array, sharpness: float) -> None:
+        """``plain`` (H,): relevance of the habits; ``holds`` (H,): how much each counts."""
+        self.plain, self.gate, self._sharpness = plain, plain * holds, sharpness
+
+    def change(self, said: Array) -> Array:
+        """(C,) added to the logits of C candidates for which the habits speak with ``said`` (H, C)."""
+        before, now = (np.log(SUPPORT_FLOOR + gate @ said) for gate in (self.plain, self.gate))
+        return self._sharpness * (now - before)
 
 
 class AnchorReader(Shared):
@@ -174,8 +203,11 @@ class AnchorReader(Shared):
             trusted: True if all of them are about the target (habit level ``gt``): they are not gated.
             context: that was told: habits that do not hold in it count less, those that do count more.
         """
-        holds = None if context is None else self.conditions.weights(texts, context, "fitted")
-        return Reading(self, target, tuple(texts), trusted, holds)
+        plain = Reading(self, target, tuple(texts), trusted)
+        if context is None:
+            return plain
+        holds, strength = self.conditions.weights(texts, context, "fitted"), self.conditions.strengths["fitted"]
+        return plain.weighed(holds, strength.sharpness)
 
     def belief(
         self, target: str, texts: Sequence[str], candidates: Sequence[str], *, trusted: bool = False

@@ -12,7 +12,7 @@ import argparse
 import io
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from itertools import product
 from typing import Final
 
@@ -27,7 +27,7 @@ from ucon.habits.knowledge import KnowledgeBase
 from ucon.language.models.encoder import EncoderModel
 from ucon.language.phrases import phrase
 from ucon.language.store import write_manifest_of
-from ucon.readers.anchor_reader import AnchorReader, Reading, default_reader
+from ucon.readers.anchor_reader import AnchorReader, default_reader
 from ucon.readers.conditions.condition_reader import USES, WEIGHTS, ConditionReader, Holding, Strength
 from ucon.readers.household import Household
 from ucon.readers.reader_weights import Array, pack_names, softmax
@@ -40,14 +40,17 @@ from ucon.task.sets import load_episodes
 SET: Final = "val_context"
 HOLDS: Final = (1.0, 2.0, 4.0, 8.0)
 FAILS: Final = (1.0, 0.3, 0.1, 0.03)
+SHARPNESS: Final = (1.0, 2.0, 3.0)
 GRID: Final = tuple(Strength(*pair) for pair in product(HOLDS, FAILS))
+#: For the fitted reader, whose mixing weights are not fitted to habits that count differently.
+SHARPER: Final = tuple(Strength(*three) for three in product(HOLDS, FAILS, SHARPNESS))
 #: Retrieval fails to tell strengths apart that differ by less than this share.
 _SAME: Final = 0.005
 
 _DENSE: Final = DenseRetriever()
 
-#: From target, sentences and (G, H) weights of them to (G,) probability of an anchor.
-Likelihood = Callable[[str, tuple[str, ...], Array, str], Array]
+#: From target, sentences, (G, H) weights of them by G strengths, the strengths and an anchor to its (G,) probability.
+Likelihood = Callable[[str, tuple[str, ...], Array, Sequence[Strength], str], Array]
 
 
 @dataclass(frozen=True)
@@ -98,13 +101,16 @@ def retrieved_shares(found: Sequence[Case], conditions: ConditionReader) -> dict
     return {strength: float(np.mean(of)) for strength, of in shares.items()}
 
 
-def nats(found: Sequence[Case], conditions: ConditionReader, likelihood: Likelihood) -> dict[str, Array]:
-    """Mean nats (G,) of the true anchor by strength of :data:`GRID`, at levels retrieval and full.
+def nats(
+    found: Sequence[Case], conditions: ConditionReader, likelihood: Likelihood, grid: Sequence[Strength]
+) -> dict[str, Array]:
+    """Mean nats (G,) of the true anchor by G strengths, at levels retrieval and full.
 
     Args:
         found: the searches.
         conditions: fitted, with its strength of retrieval.
         likelihood: of the reader.
+        grid: the strengths.
     """
     out: dict[str, list[Array]] = {"retrieval": [], "full": []}
     for case in found:
@@ -112,16 +118,19 @@ def nats(found: Sequence[Case], conditions: ConditionReader, likelihood: Likelih
         for level, rows in (("retrieval", best), ("full", case.base.rows)):
             texts = tuple(case.base.dataset.texts[row] for row in rows)
             holding: Holding = conditions.holding(texts, case.context)
-            weights = np.stack([holding.weights(strength) for strength in GRID])
-            out[level].append(-np.log(np.maximum(likelihood(case.target, texts, weights, case.anchor), 1e-9)))
+            weights = np.stack([holding.weights(strength) for strength in grid])
+            p = likelihood(case.target, texts, weights, grid, case.anchor)
+            out[level].append(-np.log(np.maximum(p, 1e-9)))
     return {level: np.mean(values, axis=0) for level, values in out.items()}
 
 
 def by_fitted_reader(reader: AnchorReader) -> Likelihood:
     """Likelihoods by the fitted anchor reader."""
 
-    def likelihood(target: str, texts: tuple[str, ...], weights: Array, anchor: str) -> Array:
-        beliefs = (Reading(reader, target, texts, False, row).belief(reader.known) for row in weights)
+    def likelihood(target: str, texts: tuple[str, ...], weights: Array, grid: Sequence[Strength], anchor: str) -> Array:
+        plain = reader.read(target, texts)
+        readings = (plain.weighed(row, one.sharpness) for row, one in zip(weights, grid, strict=True))
+        beliefs = (reading.belief(reader.known) for reading in readings)
         return np.asarray([belief.p[belief.candidates.index(anchor)] for belief in beliefs])
 
     return likelihood
@@ -130,7 +139,7 @@ def by_fitted_reader(reader: AnchorReader) -> Likelihood:
 def by_head(reader: HeadReader) -> Likelihood:
     """Likelihoods by the belief head, all strengths in one forward pass."""
 
-    def likelihood(target: str, texts: tuple[str, ...], weights: Array, anchor: str) -> Array:
+    def likelihood(target: str, texts: tuple[str, ...], weights: Array, grid: Sequence[Strength], anchor: str) -> Array:
         household = Household(reader.parts, texts)
         readings = [HeadReading(reader, target, household, False, row) for row in weights]
         reader.fill(readings, reader.known)
@@ -144,7 +153,7 @@ def by_encoder(anchors: Sequence[str]) -> Likelihood:
     """Likelihoods by the sentence encoder as a language model, among all anchors."""
     model = EncoderModel()
 
-    def likelihood(target: str, texts: tuple[str, ...], weights: Array, anchor: str) -> Array:
+    def likelihood(target: str, texts: tuple[str, ...], weights: Array, grid: Sequence[Strength], anchor: str) -> Array:
         logits = [
             [model.label_logit(phrase(target), texts, tuple(row.tolist()), phrase(name)) for name in anchors]
             for row in weights
@@ -170,10 +179,11 @@ def fitted() -> tuple[ConditionReader, Mapping[str, Mapping[str, float]]]:
         "language": by_encoder(default_reader().known),
     }
     for use, likelihood in likelihoods.items():
-        levels = nats(found, conditions, likelihood)
+        grid = SHARPER if use == "fitted" else GRID
+        levels = nats(found, conditions, likelihood, grid)
         chosen = int(np.argmin(levels["retrieval"] + levels["full"]))
-        conditions.strengths[use] = GRID[chosen]
-        sys.stderr.write(f"{use}: {GRID[chosen]}\n")
+        conditions.strengths[use] = grid[chosen]
+        sys.stderr.write(f"{use}: {grid[chosen]}\n")
         figures[use] = {
             f"{level} {what}": float(values[k])
             for level, values in levels.items()
@@ -197,7 +207,7 @@ def main(words: Sequence[str]) -> None:
         shares=conditions.shares,
         occasions=pack_names(conditions.occasions),
         words=pack_names([" ".join(sorted(words)) for words in conditions.words]),
-        strengths=np.asarray([(conditions.strengths[use].holds, conditions.strengths[use].fails) for use in USES]),
+        strengths=np.asarray([astuple(conditions.strengths[use]) for use in USES]),
     )
     write_atomic(WEIGHTS, buffer.getvalue())
     write_manifest_of(WEIGHTS.parent)

@@ -63,10 +63,14 @@ class Holding:
 
 @dataclass(frozen=True)
 class Strength:
-    """Weights of a sentence whose condition holds or fails for certain; fitted for each use."""
+    """How a reader follows conditions; fitted for each use."""
 
     holds: float
+    """Weight of a sentence whose condition holds for certain."""
     fails: float
+    """Weight of one whose condition fails for certain."""
+    sharpness: float = 1.0
+    """Power to which the fitted anchor reader raises what weighing changes; others do not use it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,7 +235,7 @@ def default_conditions() -> ConditionReader:
         DataError: its weights are missing or altered.
     """
     arrays, _ = load_arrays(WEIGHTS)
-    strengths = zip(USES, arrays["strengths"].astype(np.float64).tolist(), strict=True)
+    strengths = zip(USES, arrays["strengths"].astype(np.float64).tolist(), strict=True)  # (4, 3)
     return ConditionReader(
         arrays["probe"].astype(np.float64),
         arrays["shares"].astype(np.float64),
