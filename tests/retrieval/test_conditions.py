@@ -25,7 +25,7 @@ MONDAY = replace(SATURDAY, day=0)
     ("text", "days", "hours", "seasons"),
     [
         ("Monday to Friday it rides in the bag.", range(5), (), ()),
-        ("From Friday night to Sunday night nobody may clear it.", (4, 5, 6), (22, 23, *range(6)), ()),
+        ("From Friday to Sunday nobody may clear it at night.", (4, 5, 6), (22, 23, *range(6)), ()),
         ("On Saturdays and at weekends", (5, 6), (), ()),
         ("School mornings begin in July.", range(5), range(6, 10), (1,)),
         ("After supper in December I may go.", (), range(18, 22), (3,)),
@@ -132,9 +132,10 @@ def test_the_fitted_reader_follows_the_told_day():
 def test_what_holds_is_retrieved_first(plain):
     base = household("shoulder_bag")
     holds = [k for k, text in enumerate(base.texts) if "weekend" in text and "shut it in" in text]
-    for context, better in ((SATURDAY, True), (MONDAY, False)):
-        scores = ToldRetriever(plain, context).scores("shoulder_bag", base) - plain.scores("shoulder_bag", base)
-        assert (scores[holds[0]] > 0) is better
+    before = plain.scores("shoulder_bag", base)
+    saturday, monday = (ToldRetriever(plain, now).scores("shoulder_bag", base) - before for now in (SATURDAY, MONDAY))
+    assert len(holds) == 1
+    assert saturday[holds[0]] > monday[holds[0]] + 0.5 * before.std()
 
 
 def test_the_query_names_occasion_and_user():

@@ -182,9 +182,9 @@ class Context:
         day = data["day"]
         if day not in DAYS:
             raise ValueError(f"context: {unknown_name('day', str(day), DAYS)}")
-        fields = (data[name] for name in ("hour", "season", "occasion", "asker"))
+        hour, season, occasion, asker = (data[name] for name in ("hour", "season", "occasion", "asker"))
         try:
-            return cls(DAYS.index(day), *fields, user=data.get("user"))
+            return cls(DAYS.index(day), hour, season, occasion, asker, data.get("user"))
         except ConfigError as error:
             raise ValueError(str(error)) from None
 

@@ -1,4 +1,4 @@
-"""Retrieval in a told context: the query names occasion and user, and sentences that do not hold move down.
+"""Retrieval in a told context: the query names occasion and user, and sentences that hold move up.
 
 Day, hour and season are not in the query: they liken it to what everybody does at that time (measured in
 ``docs/decisions/retrieval.md``).
