@@ -10,7 +10,7 @@ only enter through sums, so neither order nor number of either matters.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Final
+from typing import Any, Final
 
 import torch
 from torch import Tensor, nn
@@ -54,7 +54,8 @@ class Inputs:
     def of(cls, inputs: HeadInputs) -> Inputs:
         """Convert arrays to tensors, without copies where possible."""
         values = {f.name: getattr(inputs, f.name) for f in fields(cls)}
-        return cls(**{name: None if value is None else torch.as_tensor(value) for name, value in values.items()})
+        tensors: dict[str, Any] = {name: v if v is None else torch.as_tensor(v) for name, v in values.items()}
+        return cls(**tensors)
 
 
 @dataclass(frozen=True, eq=False)
