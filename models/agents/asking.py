@@ -1,9 +1,9 @@
 """Base of the agents that ask a language model to choose: LGX, PixelNav and L3MVN.
 
-The habits are in the constant part of the prompt, delimited as data, so that a prefix cache keeps them for a whole
-episode. At habit level ``context`` the habits are ranked again by what was seen before each choice, and the constant
-part is rewritten only where that changes the list. An unusable answer is replaced by a random candidate (as in LGX and
-PixelNav) and counted as a fallback.
+The habits, and before them the context where one is told, are in the constant part of the prompt, delimited as data, so
+that a prefix cache keeps them for a whole episode. At habit level ``context`` the habits are ranked again by what was
+seen before each choice, and the constant part is rewritten only where that changes the list. An unusable answer is
+replaced by a random candidate (as in LGX and PixelNav) and counted as a fallback.
 """
 
 from __future__ import annotations
@@ -17,9 +17,11 @@ from models.agents.waypoint import Chosen, WaypointAgent
 from ucon.core.errors import ConfigError
 from ucon.core.files import canonical_json, sha256_bytes
 from ucon.core.fingerprint import fingerprint_of
+from ucon.habits.contexts import Context
 from ucon.language.choice import Answer, LanguageModel, Question
 from ucon.language.phrases import phrase
-from ucon.language.prompt import Prompt, habit_block
+from ucon.language.prompt import Prompt, habit_block, neutral
+from ucon.readers.conditions.condition_reader import default_conditions
 from ucon.retrieval.context import ContextHabits
 from ucon.search import Decision, Manner
 from ucon.task.agent import Info
@@ -58,6 +60,8 @@ class AskingAgent(WaypointAgent):
         self._temperature = temperature
         self._constant_prompt: dict[int, tuple[str, tuple[str, ...], str]] = {}
         self._rankings: dict[int, ContextHabits | None] = {}
+        self._told: dict[int, Context | None] = {}
+        self._habit_weights: dict[int, tuple[float, ...]] = {}
 
     def check(self) -> None:
         """Raise an error of one line if the model's weights or its server's key are missing."""
@@ -78,12 +82,16 @@ class AskingAgent(WaypointAgent):
             slot: of the episode.
             info: of its reset; has the target and the habits.
         """
-        self._rankings[slot] = info.get("reranking")
+        self._rankings[slot], self._told[slot] = info.get("reranking"), info.get("told")
         self._write_constant_prompt(slot, phrase(str(info["target"])), tuple(info["habits"]))
 
     def _write_constant_prompt(self, slot: int, target: str, habits: tuple[str, ...]) -> None:
         """Write the constant part of a slot's prompt."""
-        values = {"target": target, "habits": habit_block(habits)}
+        told = self._told[slot]
+        counts = () if told is None else default_conditions().weights(habits, told, "language").tolist()
+        self._habit_weights[slot] = tuple(counts)  # how much each habit counts in the told context
+        now = [] if told is None else [neutral(told.sentence())]
+        values = {"target": target, "habits": "\n\n".join([*now, *filter(None, [habit_block(habits)])])}
         self._constant_prompt[slot] = target, habits, self.prompt.system(**_values_for(self.prompt, "system", values))
 
     def _update_habits(self, decision: Decision, slot: int) -> None:

@@ -102,21 +102,23 @@ class L3MVNAgent(AskingAgent):
             slot: of the decision.
         """
         target, habits, system = self._constant_prompt[slot]
+        weights = self._habit_weights[slot]
         options = tuple(Option(name, (name,)) for name in label_set(decision.target, self._n_labels))
         out = []
         for candidate in decision.candidates:
             things = tuple(phrase(name) for name, _ in candidate.things[:MOST_THINGS])
             if things:
-                told = partial(self._told, target, ", ".join(things), options)
+                told = partial(self._situation_in, target, ", ".join(things), options)
                 cloze = self.cloze(target=target, things=", ".join(things))
+                situation = told(range(len(options)))
                 out.append(
                     Question(
-                        target, habits, options, system, told(range(len(options))), cloze, listed=told, things=things
+                        target, habits, options, system, situation, cloze, listed=told, things=things, weights=weights
                     )
                 )
         return out
 
-    def _told(self, target: str, things: str, options: Sequence[Option], order: Sequence[int]) -> str:
+    def _situation_in(self, target: str, things: str, options: Sequence[Option], order: Sequence[int]) -> str:
         return self.situation(target=target, things=things, options=", ".join(options[k].name for k in order))
 
     def conclude(self, decision: Decision, questions: Sequence[Question], answers: Sequence[Answer]) -> Chosen:

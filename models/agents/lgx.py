@@ -118,6 +118,7 @@ class LGXAgent(AskingAgent):
                 situation=told(range(len(options))),
                 cloze=self.cloze(target=target),
                 listed=told,
+                weights=self._habit_weights[slot],
             )
         ]
 

@@ -99,7 +99,7 @@ class PixelNavAgent(AskingAgent):
             slot: of the decision.
         """
         target, habits, system = self._constant_prompt[slot]
-        known = decision.known
+        weights, known = self._habit_weights[slot], decision.known
         options = tuple(
             Option(str(angle_of(known, c.view.heading)), tuple(phrase(name) for name, _ in c.things))
             for c in decision.candidates
@@ -112,8 +112,10 @@ class PixelNavAgent(AskingAgent):
 
         situation = told(range(len(options)))
         if self._inputs == "images":
-            return [Question(target, habits, options, system, situation, images=(mosaic(decision),))]
-        return [Question(target, habits, options, system, situation, self.cloze(target=target), listed=told)]
+            images = (mosaic(decision),)
+            return [Question(target, habits, options, system, situation, images=images, weights=weights)]
+        cloze = self.cloze(target=target)
+        return [Question(target, habits, options, system, situation, cloze, listed=told, weights=weights)]
 
 
 def angle_of(known: SemanticMap, heading: int) -> int:

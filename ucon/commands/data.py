@@ -13,6 +13,7 @@ _ACTIONS: Final[dict[str, tuple[str, str]]] = {
     "fit-place-encoder": ("ucon.fitting.place_encoder", "teach the encoder which place a sentence speaks for"),
     "fit-language-encoder": ("ucon.fitting.language_encoder", "fit the embedded language model's figures"),
     "fit-location-model": ("ucon.fitting.location_model", "fit its answers about places"),
+    "fit-conditions": ("models.nets.belief.fit_conditions", "fit which sentences hold in a told context"),
     "fit-verifier": ("ucon.fitting.verifier", "fit the verifier of proposed habits"),
     "measure-verifiers": ("ucon.fitting.verifiers.measure", "measure it, and a language model in its place"),
     "ship-retriever": ("ucon.fitting.ship_retriever", "make a run of learner=retriever the shipped one"),

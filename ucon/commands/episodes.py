@@ -27,7 +27,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     maker.add_argument(
         "name",
         metavar="SET",
-        help="mini, train, val, test, test_large, official, official_held_out (with --habits PATH)",
+        help="mini, train, val, test, test_large, val_context, test_context, official, official_held_out (with "
+        "--habits PATH)",
     )
     maker.add_argument(
         "--task", default="paper", help="rules that the episodes are made under: paper, released_code, real_robot"
@@ -62,15 +63,17 @@ def _make(args: argparse.Namespace) -> int:
     from ucon.configuration.wiring import load_dataset
     from ucon.core.errors import ConfigError
     from ucon.core.files import require_writable
+    from ucon.habits.book import contexts_book
     from ucon.task.making.make_sets import hosted_orders, make_episodes
-    from ucon.task.making.set_plans import OFFICIAL_SETS, set_orders
+    from ucon.task.making.set_plans import CONTEXT_SETS, OFFICIAL_SETS, set_orders
     from ucon.task.sets import check_suffix, save_episodes, set_name, set_path
 
     # The official sets need --habits, so they may be written to their own place; a part of a set may not.
     other = [("--habits", args.habits and args.name not in OFFICIAL_SETS), ("--limit", args.limit is not None)]
     if args.out is None and (given := [option for option, value in other if value]):
         raise ConfigError(f"{given[0]} without --out: set '{args.name}' itself would be replaced; give --out FILE")
-    dataset = load_dataset(args.habits)
+    of_contexts = args.name in CONTEXT_SETS
+    dataset = contexts_book() if of_contexts and not args.habits else load_dataset(args.habits)
     name = set_name(args.name, args.task, context=args.context)
     planned = set_orders(args.name, dataset, args.task, context=args.context, left_out=_say)
     if args.habits and args.name not in OFFICIAL_SETS:
@@ -85,13 +88,14 @@ def _make(args: argparse.Namespace) -> int:
     check_suffix(path)
     journal = path.with_name(f"{path.name}.part")
     require_writable(journal)
-    custom = dataset if args.habits else None
+    custom = dataset if args.habits or of_contexts else None
     with _bar(f"making {name}", len(orders)) as progress:
         episodes = make_episodes(
             orders,
             custom,
             task=args.task,
-            context=args.context,
+            context=args.context or of_contexts,
+            even=of_contexts,
             workers=args.workers,
             progress=progress,
             journal=journal,

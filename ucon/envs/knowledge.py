@@ -16,6 +16,7 @@ from ucon.core.sharing import PartlyShared, Shared
 from ucon.envs.told.edits import Edits
 from ucon.envs.told.falsehoods import Falsehoods
 from ucon.habits.book import book
+from ucon.habits.contexts import Context, condition_of
 from ucon.habits.knowledge import MODES, KnowledgeBase
 from ucon.habits.types import Entry, HabitDataset
 from ucon.language.encoder import Progress
@@ -25,6 +26,7 @@ from ucon.retrieval.base import PreparedRetriever, Retriever, mrr, recall_at
 from ucon.retrieval.context import ContextHabits, ContextRetriever, ContextWeights
 from ucon.retrieval.dense import DenseRetriever, dataset_vectors
 from ucon.retrieval.levels import LEVELS, RANKED_LEVELS, TOP_P, habits_at_level
+from ucon.retrieval.told import ToldRetriever
 from ucon.sim.house import House
 from ucon.task.episode import Episode
 
@@ -81,6 +83,7 @@ class HabitSource(Shared):
         falsehoods: str | None = None,
         false_share: float = 0.0,
         edits: str | None = None,
+        tell_context: bool = True,
     ) -> None:
         """Choose dataset and retriever; embeddings are computed at first use.
 
@@ -94,6 +97,7 @@ class HabitSource(Shared):
             falsehoods: kind of false sentences among the habits, see :class:`Falsehoods`; None: none.
             false_share: share of them.
             edits: file of sentences that are not told, or others in their place (:class:`Edits`); None: none.
+            tell_context: tell the context of episodes that state one, to the agent and to the retriever.
 
         Raises:
             ConfigError: an unknown mode or kind of falsehoods, ``top_p`` below 1, or a share that is none or of
@@ -110,7 +114,7 @@ class HabitSource(Shared):
         self._edits = None if edits is None else Edits.read(edits)
         self.mode, self.top_p = mode, top_p
         self._dataset, self._retriever, self._encoder = dataset, retriever, encoder
-        self._context = context
+        self._context, self._tells = context, tell_context
 
     @cached_property
     def dataset(self) -> HabitDataset:
@@ -127,9 +131,14 @@ class HabitSource(Shared):
         """The retriever of levels ``retrieval`` and ``context``."""
         return self._retriever or DenseRetriever(self.encoder)
 
+    def reranking(self, told: Context | None) -> ContextRetriever:
+        """The retriever that ranks again at level ``context``; one for all episodes that tell no context."""
+        if told is not None:
+            return ContextRetriever(ToldRetriever(self.retriever, told), self._context)
+        return self._reranking
+
     @cached_property
-    def context(self) -> ContextRetriever:
-        """The retriever that ranks again at level ``context``."""
+    def _reranking(self) -> ContextRetriever:
         return ContextRetriever(self.retriever, self._context)
 
     @property
@@ -217,6 +226,10 @@ class HabitSource(Shared):
         counts = Counter((place.relation, place.anchor) for place in found)
         return tuple((relation, anchor, n / len(found)) for (relation, anchor), n in sorted(counts.items()))
 
+    def told(self, episode: Episode) -> Context | None:
+        """The context that is told in an episode; None where it states none, or none is told."""
+        return episode.context if self._tells else None
+
     def knowledge(self, episode: Episode, level: str) -> Knowledge:
         """The habits of an episode at a level.
 
@@ -225,7 +238,8 @@ class HabitSource(Shared):
             level: a habit level.
 
         Raises:
-            EpisodeError: the episode was made with another dataset, or an edit is of a sentence that it is not told.
+            EpisodeError: the episode was made with another dataset, its context names a user whom it does not have, or
+                an edit is of a sentence that it is not told.
             ConfigError: edits at level ``context``, or falsehoods of a dataset without labels.
         """
         dataset = self.dataset
@@ -244,14 +258,17 @@ class HabitSource(Shared):
         base = KnowledgeBase.build(dataset, drawn, episode.seed)
         if self._falsehoods is not None:
             base = self._falsehoods.among(base, episode)
-        target = episode.target_category
+        target, told = episode.target_category, self.told(episode)
+        if episode.context is not None:
+            check_user(episode.context, base, f"episode {episode.id}")
+        retriever = self.retriever if told is None else ToldRetriever(self.retriever, told)
         return Knowledge(
             base=base,
-            rows=self._edited(episode, level, habits_at_level(level, base, target, self.retriever, self.top_p)),
+            rows=self._edited(episode, level, habits_at_level(level, base, target, retriever, self.top_p)),
             target_embedding=self.encoder.encode_half([phrase(target)])[0],
-            retriever=self.retriever,
+            retriever=retriever,
             target=target,
-            reranking=ContextHabits(self.context, base, target, self.top_p) if level == "context" else None,
+            reranking=ContextHabits(self.reranking(told), base, target, self.top_p) if level == "context" else None,
             edited=() if self._edits is None else self._edits.texts,
         )
 
@@ -263,3 +280,22 @@ class HabitSource(Shared):
             raise ConfigError("env.source.edits at level context, whose list changes; choose another habit level")
         said = self.dataset.texts
         return self._edits.applied(episode.id, rows, tuple(said[row] for row in rows), len(said))
+
+
+def check_user(context: Context, base: KnowledgeBase, where: str) -> None:
+    """Refuse a context whose user is not among the people on whom placements of the household depend.
+
+    Args:
+        context: of an episode.
+        base: all habits of the household.
+        where: names the episode in the error.
+
+    Raises:
+        EpisodeError: naming the user, and those who are known.
+    """
+    if context.user is None:
+        return
+    places = [place for entries in base.entries.values() for entry in entries for place in entry.placements]
+    users = {user for place in places if place.context and (user := condition_of(place.context).user)}
+    if context.user not in users:
+        raise EpisodeError(f"{where}: {unknown_name('user', context.user, users or {'nobody'})}")

@@ -75,13 +75,14 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
 
     ### Info
     ``target`` (category), ``camera_m`` (its height), ``fov_deg`` (its width); at reset ``task`` (name of the rules),
-    ``context`` (a sentence or None), ``habits`` (texts), ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for
-    seeds and logs), at level ``context`` ``reranking`` (:class:`ucon.retrieval.ContextHabits`: ranks the habits again
-    by what was seen), with ``planner="true"`` ``nav`` (free grid in the agent's frame); with a detector (True: ``gt``)
-    ``detections``, ``tracks`` and ``opened`` (tracks); at the end ``episode_metrics`` and ``is_success``. With
-    ``privileged=True`` also ``privileged`` (scene, episode, solution, locations, target instance, pose): for trainers
-    and oracles only. With ``texts=False`` info has numbers and arrays only. This is the default in worker processes of
-    Gymnasium's ``AsyncVectorEnv``, since TorchRL accepts nothing else.
+    ``context`` (a sentence or None; ``told``: the same as :class:`ucon.habits.contexts.Context`), ``habits`` (texts),
+    ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for seeds and logs), at level ``context`` ``reranking``
+    (:class:`ucon.retrieval.ContextHabits`: ranks the habits again by what was seen), with ``planner="true"`` ``nav``
+    (free grid in the agent's frame); with a detector (True: ``gt``) ``detections``, ``tracks`` and ``opened`` (tracks);
+    at the end ``episode_metrics`` and ``is_success``. With ``privileged=True`` also ``privileged`` (scene, episode,
+    solution, locations, target instance, pose): for trainers and oracles only. With ``texts=False`` info has numbers
+    and arrays only. This is the default in worker processes of Gymnasium's ``AsyncVectorEnv``, since TorchRL accepts
+    nothing else.
 
     ### Rewards
     :class:`ucon.task.reward.Reward`: +10 for a successful Done and -0.01 a step by default.
@@ -253,14 +254,17 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         self._tour = Tour(self.search, self._renderer, self._detector, self._frame, self._fov_deg)
         obs, info = self._look(opened=())
         self._ledger = new_ledger(self.episode, self.search)
+        told = self.source.told(self.episode)
         info |= {
             "episode": self.episode.id,
             "task": self.rules.name,
-            "context": self.episode.context and self.episode.context.sentence(),
+            "context": told and told.sentence(),
             "habit_level": level,
             "habits": self._knowledge.texts,
             "habit_rows": tuple(self._knowledge.rows.tolist()),
         }
+        if told is not None:
+            info["told"] = told
         if self._knowledge.reranking is not None:
             info["reranking"] = self._knowledge.reranking
         if self._detector is not None and hasattr(self._detector, "errors"):  # others never err

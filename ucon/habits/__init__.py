@@ -1,6 +1,6 @@
 """Habits of households: sentences, the placements they support, knowledge bases and datasets (paper, section III)."""
 
-from ucon.habits.book import BOOK_FOLDER, book, parse_book, read_anchors
+from ucon.habits.book import BOOK_FOLDER, book, contexts_book, parse_book, read_anchors
 from ucon.habits.hosting import Hosted, hosted, household
 from ucon.habits.knowledge import KnowledgeBase
 from ucon.habits.official import ImportReport, Located, ReleaseProblem, official
@@ -23,6 +23,7 @@ __all__ = [
     "ReleaseProblem",
     "book",
     "category_split",
+    "contexts_book",
     "hosted",
     "household",
     "official",

@@ -15,7 +15,7 @@ from __future__ import annotations
 import copyreg
 import re
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, Final, cast
@@ -36,12 +36,17 @@ from ucon.habits.rules import (
     line_fault,
     placement_fault,
 )
+from ucon.habits.splits import category_split
 from ucon.habits.types import Entry, Habit, HabitDataset, Placement
+from ucon.habits.verdicts import Verdicts
 from ucon.objects.model import RELATIONS, Relation
 
 BOOK_FOLDER: Final = Path(__file__).parent / "book"
 BOOK_FILE: Final = Path(__file__).parent / "data" / "book.habits.xz"
 """The book as ``python -m ucon habits build`` makes it from the text: entries with PyBullet's verdicts."""
+CONTEXTS_FOLDER: Final = Path(__file__).parent / "book_contexts"
+"""Text of the book's second part, whose placements contradict each other by context."""
+CONTEXTS_FILE: Final = Path(__file__).parent / "data" / "contexts.habits.xz"
 ANCHORS: Final = "anchors.txt"
 #: Most faults of a dataset that one error lists.
 MOST_TOLD: Final = 20
@@ -312,24 +317,49 @@ def book() -> HabitDataset:
     return load_dataset_file(BOOK_FILE, verified=True)
 
 
+@cache
+def contexts_book() -> HabitDataset:
+    """The shipped book with its second part, entries whose placements contradict each other by context; read once.
+
+    The second part takes the place of all other entries of its categories, so that whoever is asked about such a thing
+    has one household with several places for it. Its entries are of the parts val (categories of val) and test (all
+    others): nothing learns from them.
+    """
+    first, second = book(), load_dataset_file(CONTEXTS_FILE, verified=True)
+    own = set(second.categories)
+    count = {name: len(first.entries_of(name)) if name in first.categories else 0 for name in own}
+    added = tuple(replace(e, id=f"{e.category}/{count[e.category]}") for e in second.entries)
+    return HabitDataset(
+        "contexts",
+        (*(e for e in first.entries if e.category not in own), *added),
+        verdicts=Verdicts({**first.verdicts.of, **second.verdicts.of}),
+        parts={e.id: "val" if category_split(e.category) == "val" else "test" for e in added},
+    )
+
+
 def _pickled(dataset: HabitDataset) -> Any:
-    """Pickles name the habit book, which every installation has; other datasets they hold."""
-    return (the_book, (dataset.sha256,)) if is_the_one(book, dataset) else dataset.__reduce_ex__(4)
+    """Pickles name the shipped books, which every installation has; other datasets they hold."""
+    if is_the_one(book, dataset):
+        return the_book, (dataset.sha256,)
+    if is_the_one(contexts_book, dataset):
+        return the_book, (dataset.sha256, True)
+    return dataset.__reduce_ex__(4)
 
 
 copyreg.pickle(HabitDataset, _pickled)
 
 
-def the_book(sha256: str) -> HabitDataset:
-    """The shipped book, for unpickling.
+def the_book(sha256: str, contexts: bool = False) -> HabitDataset:
+    """A shipped book, for unpickling.
 
     Args:
         sha256: hash of the book when it was pickled.
+        contexts: the book with its second part.
 
     Raises:
         DataError: this installation has another edition.
     """
-    found = book()
+    found = contexts_book() if contexts else book()
     if found.sha256 != sha256:
         raise DataError(
             f"pickled with the habit book {sha256[:12]}, here it is {found.sha256[:12]}; load it where it was made"
@@ -358,7 +388,8 @@ def read_book(folder: Path, categories: Collection[str] | None = None, *, verifi
         raise DataError(
             f"{folder}: a file; a book is a folder of *.txt files, give the folder {folder.absolute().parent}"
         )
-    limits = BOOK_LIMITS if folder.resolve() == BOOK_FOLDER.resolve() else OWN_LIMITS
+    shipped = {BOOK_FOLDER.resolve(), CONTEXTS_FOLDER.resolve()}
+    limits = BOOK_LIMITS if folder.resolve() in shipped else OWN_LIMITS
     own, faults = folder / ANCHORS, Faults()
     anchors = _anchors(own, _read(own, verified), categories, faults) if own.is_file() else book_anchors()
     paths = sorted(path for path in folder.glob("*.txt") if path.name != ANCHORS)

@@ -1,9 +1,10 @@
-"""Contexts: the day, hour, season or occasion in which a household keeps a thing elsewhere.
+"""Contexts: the day, hour, season, occasion or user for which a household keeps a thing elsewhere.
 
 The book's contexts are free text. ``data/contexts.txt`` maps each of them, reviewed by hand, to conditions:
 
     summer evenings = season summer; time 18-22
     when guests come = event guests/visit
+    for Ines = user Ines
 
 All conditions of a line must hold. A context that the table does not list (in a user's own files) holds only where an
 episode states it word for word.
@@ -20,7 +21,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from ucon.core.errors import DataError
+from ucon.core.errors import ConfigError, DataError, brief, unknown_name
 from ucon.core.text import is_shown
 
 DAYS: Final = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
@@ -55,24 +56,26 @@ class Condition:
         seasons: of :data:`SEASONS`.
         occasion: an event such as ``guests/visit``, or ``other/...`` for texts that name neither day, time, season nor
             event.
+        user: who asks, of the people in the household, such as ``Ines``.
     """
 
     days: frozenset[int] | None = None
     hours: tuple[int, int] | None = None
     seasons: frozenset[str] | None = None
     occasion: str | None = None
+    user: str | None = None
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """Which of day, time, season, event, other the condition is about."""
-        found = [name for name, value in zip(("day", "time", "season"), self._calendar, strict=True) if value]
+        """Which of day, time, season, user, event, other the condition is about."""
+        found = [name for name, value in zip(("day", "time", "season", "user"), self._plain, strict=True) if value]
         if self.occasion:
             found.append("other" if self.occasion.startswith("other/") else "event")
         return tuple(found)
 
     @property
-    def _calendar(self) -> tuple[object, ...]:
-        return self.days, self.hours, self.seasons
+    def _plain(self) -> tuple[object, ...]:
+        return self.days, self.hours, self.seasons, self.user
 
     def holds(self, context: Context) -> bool:
         """Whether a context fulfils all parts of the condition."""
@@ -82,7 +85,24 @@ class Condition:
             return False
         if self.seasons is not None and context.season not in self.seasons:
             return False
+        if self.user is not None and self.user != context.user:
+            return False
         return self.occasion is None or self.occasion == context.occasion
+
+    def excludes(self, other: Condition) -> bool:
+        """Whether no context can fulfil both conditions. Of occasions an episode has one at most."""
+        if self.days is not None and other.days is not None and not self.days & other.days:
+            return True
+        if self.seasons is not None and other.seasons is not None and not self.seasons & other.seasons:
+            return True
+        if self.hours is not None and other.hours is not None:
+            mine, theirs = self.hours, other.hours
+            if not any(between(hour, *mine) and between(hour, *theirs) for hour in range(24)):
+                return True
+        return any(
+            mine is not None and theirs is not None and mine != theirs
+            for mine, theirs in ((self.user, other.user), (self.occasion, other.occasion))
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +115,10 @@ class Context:
         season: of :data:`SEASONS`.
         occasion: such as ``guests/visit``, or None.
         asker: household of the entry that the target's placement follows.
+        user: who of that household asks, where its placements depend on it; else None.
+
+    Raises:
+        ConfigError: a value outside the calendar, an occasion of no known group, or a text that cannot be shown.
     """
 
     day: int
@@ -102,23 +126,50 @@ class Context:
     season: str
     occasion: str | None
     asker: str
+    user: str | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what is on no calendar."""
+        for name, value, most in (("day", self.day, 6), ("hour", self.hour, 23)):
+            if type(value) is not int or not 0 <= value <= most:
+                raise ConfigError(f"context: {name} {brief(value)}, expected 0 to {most}")
+        if self.season not in SEASONS:
+            raise ConfigError(f"context: {unknown_name('season', str(self.season), SEASONS)}")
+        for name, text in (("asker", self.asker), ("user", self.user), ("occasion", self.occasion)):
+            if not (isinstance(text, str) and text.strip() and is_shown(text)) and (
+                text is not None or name == "asker"
+            ):
+                raise ConfigError(f"context: {name} {brief(repr(text))}, expected a text")
+        group, _, what = (self.occasion or "other/none").partition("/")
+        if group not in (*EVENT_GROUPS, "other") or not _SLUG.fullmatch(what):
+            known = ", ".join(EVENT_GROUPS)
+            raise ConfigError(f"context: occasion '{brief(str(self.occasion))}', expected GROUP/NAME of {known}")
 
     def sentence(self) -> str:
         """The context as a person would say it, for prompts and info."""
-        told = f"It is {_DAY_NAMES[self.day]}, about {self.hour} o'clock, in {self.season}."
+        when = f"It is {_DAY_NAMES[self.day]} {part_of_day(self.hour)}, about {self.hour} o'clock, in {self.season}"
         if self.occasion:
-            told += f" Occasion: {self.occasion.partition('/')[2].replace('-', ' ')}."
-        return f"{told} Asking: {self.asker}."
+            group, _, what = self.occasion.partition("/")
+            when += f", on the occasion '{what.replace('-', ' ')}' ({group})"
+        who = self.asker if self.user is None else f"{self.user} ({self.asker})"
+        return f"{when}, and this is asked by {who}."
+
+    @property
+    def occasion_and_user(self) -> str:
+        """What is special about it, as words of a retrieval query: ``when there is film night for Ines``."""
+        what = "" if self.occasion is None else f"when there is {self.occasion.partition('/')[2].replace('-', ' ')}"
+        return f"{what} for {self.user}".strip() if self.user else what
 
     def to_json(self) -> dict[str, Any]:
         """The context as JSON data."""
-        return {
+        data: dict[str, Any] = {
             "day": DAYS[self.day],
             "hour": self.hour,
             "season": self.season,
             "occasion": self.occasion,
             "asker": self.asker,
         }
+        return data if self.user is None else data | {"user": self.user}
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> Context:
@@ -128,29 +179,44 @@ class Context:
             ValueError: a value is out of its range.
             KeyError: a field is missing.
         """
-        hour, season = int(data["hour"]), str(data["season"])
-        if not 0 <= hour < 24 or season not in SEASONS:
-            raise ValueError(f"context of hour {hour} and season '{season}'")
-        occasion = data["occasion"]
-        return cls(
-            DAYS.index(data["day"]), hour, season, None if occasion is None else str(occasion), str(data["asker"])
-        )
+        day = data["day"]
+        if day not in DAYS:
+            raise ValueError(f"context: {unknown_name('day', str(day), DAYS)}")
+        hour, season, occasion, asker = (data[name] for name in ("hour", "season", "occasion", "asker"))
+        try:
+            return cls(DAYS.index(day), hour, season, occasion, asker, data.get("user"))
+        except ConfigError as error:
+            raise ValueError(str(error)) from None
 
 
-def draw_context(rng: np.random.Generator, occasions: Iterable[str], asker: str) -> Context:
+def part_of_day(hour: int) -> str:
+    """Morning, afternoon, evening or night.
+
+    Args:
+        hour: 0 to 23.
+    """
+    if between(hour, 22, 6):
+        return "night"
+    return "morning" if hour < 12 else "afternoon" if hour < 18 else "evening"
+
+
+def draw_context(rng: np.random.Generator, occasions: Iterable[str], asker: str, users: Iterable[str] = ()) -> Context:
     """Draw a random context; half of them have an occasion.
 
     Args:
         rng: random numbers.
         occasions: those that matter to the household.
         asker: the household that asks.
+        users: the people in it on whom placements depend.
     """
     known = sorted(set(occasions))
     day, hour = int(rng.integers(7)), int(rng.choice(_WAKING_HOURS))
     season = SEASONS[int(rng.integers(len(SEASONS)))]
     pick, happens = rng.random(), rng.random() < EVENT_P
     occasion = known[int(pick * len(known))] if known and happens else None
-    return Context(day, hour, _SEASON_OF.get(occasion or "", season), occasion, asker)
+    people = sorted(set(users))
+    user = people[int(rng.integers(len(people)))] if people else None
+    return Context(day, hour, _SEASON_OF.get(occasion or "", season), occasion, asker, user)
 
 
 def condition_of(text: str) -> Condition:
@@ -202,7 +268,9 @@ def _condition(where: str, text: str) -> Condition:
     for part in text.split(";"):
         kind, _, value = part.strip().partition(" ")
         if kind not in _PARSERS:
-            raise DataError(f"{where}: condition '{part.strip()[:60]}', expected day, time, season, event or other")
+            raise DataError(
+                f"{where}: condition '{part.strip()[:60]}', expected day, time, season, event, user or other"
+            )
         field, parse = _PARSERS[kind]
         if field in found:
             raise DataError(f"{where}: two conditions of one kind ('{part.strip()[:60]}'); join them")
@@ -244,12 +312,19 @@ def _other(text: str) -> str:
     return f"other/{text}"
 
 
+def _user(text: str) -> str:
+    if not text:
+        raise ValueError(text)
+    return text
+
+
 _PARSERS: Final[dict[str, tuple[str, Any]]] = {
     "day": ("days", _days),
     "time": ("hours", _hours),
     "season": ("seasons", _seasons),
     "event": ("occasion", _event),
     "other": ("occasion", _other),
+    "user": ("user", _user),
 }
 
 

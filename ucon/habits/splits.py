@@ -14,7 +14,7 @@ import json
 from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Final, Literal
+from typing import Final, Literal, cast
 from weakref import WeakKeyDictionary
 
 from ucon.core.rng import stream
@@ -65,6 +65,7 @@ def entry_parts(dataset: HabitDataset) -> dict[str, Split]:
         for category in dataset.categories:
             free = [e for e in dataset.entries_of(category) if e.scene is None]
             parts |= _category_parts(category_split(category), free)
+        parts |= cast("dict[str, Split]", dict(dataset.parts))
         _PARTS[dataset] = parts
     return _PARTS[dataset]
 

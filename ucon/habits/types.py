@@ -77,6 +77,9 @@ class HabitDataset(Shared):
     part of the hash."""
     standing: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Categories in each scene, where the source lists them. Not part of the hash."""
+    parts: Mapping[str, str] = field(default_factory=dict)
+    """Part (train, val, test) of entries, by id, where it is not left to the hash (:mod:`ucon.habits.splits`). Not part
+    of the hash."""
 
     @cached_property
     def sha256(self) -> str:

@@ -58,6 +58,9 @@ class Question:
     """The user message with the options in another order, given as their numbers; None where it lists none."""
     things: tuple[str, ...] = ()
     """Where the question is which option is kept at a place (L3MVN): categories of the things there, with spaces."""
+    weights: tuple[float, ...] = ()
+    """How much each habit counts in the context that the agent was told, for models that compare texts; empty where
+    none was told. Models that read prose find the context in ``system``."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,11 @@ def phrase(category: str) -> str:
     return category.replace("_", " ")
 
 
-def query_text(target: str) -> str:
-    """The paper's retrieval query for a target category."""
-    return QUERY.format(target=phrase(target))
+def query_text(target: str, told: str = "") -> str:
+    """The paper's retrieval query for a target category.
+
+    Args:
+        target: the category.
+        told: what is added to it, such as ``when there is film night``.
+    """
+    return QUERY.format(target=f"{phrase(target)} {told}".rstrip())

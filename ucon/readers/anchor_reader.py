@@ -15,10 +15,12 @@ from typing import Any
 import numpy as np
 
 from ucon.core.sharing import Shared, is_the_one
+from ucon.habits.contexts import Context
 from ucon.language.pairs import PairReader, default_pair_reader
 from ucon.language.phrases import phrase
 from ucon.objects.model import RELATIONS
 from ucon.readers.anchor_prior import UNKNOWN_PRIOR
+from ucon.readers.conditions.condition_reader import ConditionReader, default_conditions
 from ucon.readers.evidence import SUPPORT_FLOOR, Evidence, EvidenceReader
 from ucon.readers.gate import relevance
 from ucon.readers.reader_weights import Array, ReaderWeights, default_weights, softmax, two_layers
@@ -59,8 +61,11 @@ class Reading(Shared):
         self._reader = reader
         self._evidence: Evidence = reader.evidence.read(texts)
         gate = np.ones(len(texts)) if trusted else relevance(target, texts, reader.pairs, reader.weights)
+        self._gate: Array = gate
+        self._told: _Told | None = None
         self.relevance: Array = gate
-        """(H,) probability that each habit is about the target; 1 if trusted."""
+        """(H,) probability that each habit is about the target; 1 if trusted. Lower where a habit does not hold in the
+        told context."""
         self.telling: Array = gate * self._evidence.place
         """(H,) how much each habit says where the target is: relevance times probability of speaking for a place."""
         self.context = (float(trusted and len(texts) > 0), float(np.log1p((gate * self._evidence.place).sum())))
@@ -69,6 +74,20 @@ class Reading(Shared):
         )
         self._columns: dict[str, Array] = {}
         self._x: dict[str, Array] = {}
+
+    def weighed(self, holds: Array, sharpness: float) -> Reading:
+        """The same reading in a told context.
+
+        Args:
+            holds: (H,) how much each habit counts.
+            sharpness: power of what that changes.
+        """
+        other = object.__new__(Reading)
+        other.__dict__.update(self.__dict__)
+        other._told = _Told(self._gate, holds, sharpness)
+        other.relevance = np.minimum(self._gate * holds, 1.0)
+        other.telling = other.relevance * self._evidence.place
+        return other
 
     def belief(self, candidates: Sequence[str]) -> AnchorBelief:
         """Distribution over candidate anchor categories; the target itself gets 0.
@@ -83,6 +102,8 @@ class Reading(Shared):
         hidden = [name for name in self._reader.known if name not in set(names)]
         x += [self.known_features[number[name]] for name in hidden]
         logits = self._reader.mix(np.stack(x))
+        if self._told is not None:
+            logits += self._told.change(np.stack([self._column(name) for name in (*names, *hidden)], axis=1))
         logits[[i for i, name in enumerate((*names, *hidden)) if name == self.target]] = -60.0
         p = softmax(logits)
         unseen = {name: float(value) for name, value in zip(hidden, p[len(names) :], strict=True)}
@@ -109,7 +130,7 @@ class Reading(Shared):
             return
         said = self._reader.evidence.unknown(self.texts, new, self._evidence.place)
         prior = np.full(len(new), UNKNOWN_PRIOR)
-        x = self._reader.mix_features(prior, self.relevance[:, None] * said, np.zeros(len(new)), self.context)
+        x = self._reader.mix_features(prior, self._gate[:, None] * said, np.zeros(len(new)), self.context)
         for i, name in enumerate(new):
             self._columns[name] = said[:, i]
             self._x[name] = x[i]
@@ -119,9 +140,25 @@ class Reading(Shared):
         if not names:
             return np.zeros((0, len(RELATIONS)))
         prior = np.stack([self._reader.relation_prior(name) for name in names])
-        speaks = np.stack([self._column(name) for name in names], axis=1) * self.relevance[:, None]
+        speaks = (
+            np.stack([self._column(name) for name in names], axis=1)
+            * (self._gate if self._told is None else self._told.gate)[:, None]
+        )
         total = RELATION_PRIOR * prior + (speaks.T @ self._evidence.relation) * (prior > 0)
         return total / total.sum(axis=1, keepdims=True)
+
+
+class _Told(Shared):
+    """What a told context changes: the weights that mix were fitted on habits that all count alike, so it is added."""
+
+    def __init__(self, plain: Array, holds: Array, sharpness: float) -> None:
+        """``plain`` (H,): relevance of the habits; ``holds`` (H,): how much each counts."""
+        self.plain, self.gate, self._sharpness = plain, plain * holds, sharpness
+
+    def change(self, said: Array) -> Array:
+        """(C,) added to the logits of C candidates for which the habits speak with ``said`` (H, C)."""
+        before, now = (np.log(SUPPORT_FLOOR + gate @ said) for gate in (self.plain, self.gate))
+        return self._sharpness * (now - before)
 
 
 class AnchorReader(Shared):
@@ -130,28 +167,47 @@ class AnchorReader(Shared):
     Args:
         weights: of the fitted parts; the shipped ones by default.
         pairs: encodes sentences and pairs; the default one if not given.
+        conditions: reads which sentences hold in a told context; the shipped one, loaded at first use.
     """
 
-    def __init__(self, weights: ReaderWeights | None = None, pairs: PairReader | None = None) -> None:
+    def __init__(
+        self,
+        weights: ReaderWeights | None = None,
+        pairs: PairReader | None = None,
+        conditions: ConditionReader | None = None,
+    ) -> None:
         self.weights = weights or default_weights()
         self.pairs = pairs or default_pair_reader()
         self.evidence = EvidenceReader(self.weights, self.pairs)
         self.known = self.weights.anchors
         self.number = {name: i for i, name in enumerate(self.known)}
+        self._conditions = conditions
+
+    @property
+    def conditions(self) -> ConditionReader:
+        """Reads which sentences hold in a told context."""
+        return self._conditions or default_conditions()
 
     def __reduce_ex__(self, protocol: Any) -> Any:
         """Pickles name the shipped reader, whose weights are checked wherever they are loaded."""
         return (default_reader, ()) if is_the_one(default_reader, self) else super().__reduce_ex__(protocol)
 
-    def read(self, target: str, texts: Sequence[str], *, trusted: bool = False) -> Reading:
+    def read(
+        self, target: str, texts: Sequence[str], *, trusted: bool = False, context: Context | None = None
+    ) -> Reading:
         """Read habits once for an episode.
 
         Args:
             target: category that is looked for.
             texts: the habits that an agent is given.
             trusted: True if all of them are about the target (habit level ``gt``): they are not gated.
+            context: that was told: habits that do not hold in it count less, those that do count more.
         """
-        return Reading(self, target, tuple(texts), trusted)
+        plain = Reading(self, target, tuple(texts), trusted)
+        if context is None:
+            return plain
+        holds, strength = self.conditions.weights(texts, context, "fitted"), self.conditions.strengths["fitted"]
+        return plain.weighed(holds, strength.sharpness)
 
     def belief(
         self, target: str, texts: Sequence[str], candidates: Sequence[str], *, trusted: bool = False

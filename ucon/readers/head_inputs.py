@@ -63,6 +63,8 @@ class HeadInputs:
     """(T,) True if all given habits are about the target (level gt)."""
     open: NDArray[np.bool_]
     """(T, C) True for candidates that may be the anchor; the target itself may not."""
+    holds: Float32 | None = None
+    """(T, H) how much each habit counts in the told context (:mod:`ucon.readers.conditions`); None: none was told."""
 
 
 def pair_columns(features: NDArray[np.floating], said: Array, known: NDArray[np.bool_]) -> Float32:

@@ -190,6 +190,7 @@ class Household:
         given: NDArray[np.bool_],
         trusted: NDArray[np.bool_],
         pair: NDArray[np.float32] | None = None,
+        holds: Array | None = None,
     ) -> HeadInputs:
         """All inputs of the head.
 
@@ -199,6 +200,7 @@ class Household:
             given: (T, H) bool, True for sentences that the target is given.
             trusted: (T,) bool, True if all of them are about the target.
             pair: :meth:`columns` of the candidates, if they were computed before.
+            holds: (T, H) how much each sentence counts in the told context; None: none was told.
         """
         self.look_up(targets)
         relevance = np.zeros((len(targets), len(self.texts), N_RELEVANCE), np.float32)
@@ -222,6 +224,7 @@ class Household:
             open=np.asarray([[name != target for name in candidates.names] for target in targets], bool).reshape(
                 len(targets), len(candidates.names)
             ),
+            holds=None if holds is None else holds.astype(np.float32),
         )
 
 

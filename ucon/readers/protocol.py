@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Protocol
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ucon.habits.contexts import Context
 
 
 class Belief(Protocol):
@@ -58,12 +60,26 @@ class Reader(Protocol):
         """Anchors in its training data."""
         ...
 
-    def read(self, target: str, texts: Sequence[str], *, trusted: bool = False) -> Read:
+    def read(self, target: str, texts: Sequence[str], *, trusted: bool = False, context: Context | None = None) -> Read:
         """Read the habits of an episode once.
 
         Args:
             target: category that is looked for.
             texts: the habits.
             trusted: True if all of them are about the target (level ``gt``).
+            context: that was told; None: none.
         """
         ...
+
+
+def read_info(reader: Reader, info: Mapping[str, Any]) -> Read:
+    """Read the habits of an episode as the info of its reset gives them.
+
+    Args:
+        reader: of habits.
+        info: ``target``, ``habits``, ``habit_level`` (at ``gt`` all habits are about the target) and, where a context
+            is told, ``told``.
+    """
+    told = info.get("told")
+    more: dict[str, Any] = {} if told is None else {"context": told}
+    return reader.read(str(info["target"]), tuple(info["habits"]), trusted=info.get("habit_level") == "gt", **more)

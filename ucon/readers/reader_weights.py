@@ -61,9 +61,9 @@ class ReaderWeights:
         if missing:
             raise DataError(f"reader weights: no {', '.join(missing)}; make them with `{made_by}`")
         self.sha256 = sha256
-        self.anchors: tuple[str, ...] = tuple(_names(arrays["anchors"]))
+        self.anchors: tuple[str, ...] = tuple(unpacked_names(arrays["anchors"]))
         """Anchor categories in the training data, sorted."""
-        self.vocabulary: dict[str, int] = {word: i for i, word in enumerate(_names(arrays["vocabulary"]))}
+        self.vocabulary: dict[str, int] = {word: i for i, word in enumerate(unpacked_names(arrays["vocabulary"]))}
         self._arrays = {k: np.asarray(v, np.float64) for k, v in arrays.items() if v.dtype.kind == "f" and k != "bow"}
         self.bow: NDArray[np.float32] = arrays["bow"].astype(np.float32)
         """(V, A + 5), a row per word or word pair; columns are the anchors, "no place" and the four relations."""
@@ -77,7 +77,8 @@ def pack_names(names: list[str] | tuple[str, ...]) -> NDArray[np.uint8]:
     return np.frombuffer("\n".join(names).encode(), np.uint8)
 
 
-def _names(packed: NDArray) -> list[str]:
+def unpacked_names(packed: NDArray) -> list[str]:
+    """The names that :func:`pack_names` packed."""
     return packed.tobytes().decode().split("\n")
 
 

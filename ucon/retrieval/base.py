@@ -21,12 +21,13 @@ DECIMALS: Final = 4
 class Retriever(Protocol):
     """Scores the N habits of a knowledge base for a target."""
 
-    def scores(self, target: str, kb: KnowledgeBase) -> NDArray[np.float64]:
+    def scores(self, target: str, kb: KnowledgeBase, told: str = "") -> NDArray[np.float64]:
         """Scores (N,) float64 in the order of ``kb.rows``; larger is better.
 
         Args:
             target: category that is looked for.
             kb: the knowledge base.
+            told: what is added to the query, such as ``when there is film night``.
         """
         ...
 

@@ -86,25 +86,25 @@ class BgeRetriever(Shared):
         texts = _texts(dataset)
         self.store.encode_half(self.store.missing(texts), progress)
 
-    def scores(self, target: str, kb: KnowledgeBase) -> NDArray[np.float64]:
+    def scores(self, target: str, kb: KnowledgeBase, told: str = "") -> NDArray[np.float64]:
         """Scores (N,) float64 in the order of ``kb.rows``."""
         out = np.zeros(len(kb))
         if self._sparse_weight:  # first, because it also stores the dense vectors
-            out += self._sparse_weight * self._match(target, kb)
+            out += self._sparse_weight * self._match(target, kb, told)
         if self._dense_weight:
-            out += self._dense_weight * DenseRetriever(self.store).scores(target, kb)
+            out += self._dense_weight * DenseRetriever(self.store).scores(target, kb, told)
         return out
 
     def rank(self, target: str, kb: KnowledgeBase) -> NDArray[np.int32]:
         """Rows of the knowledge base, best first, (N,) int32."""
         return ranked(self.scores(target, kb), kb.rows)
 
-    def _match(self, target: str, kb: KnowledgeBase) -> NDArray[np.float64]:
+    def _match(self, target: str, kb: KnowledgeBase, told: str) -> NDArray[np.float64]:
         rows, dataset = self._sparse(kb.dataset), kb.dataset
-        if target in dataset.categories:
+        if target in dataset.categories and not told:
             query = rows.row(len(dataset.texts) + dataset.categories.index(target))
         else:
-            query = self.encoder.encode_both([query_text(target)])[1].row(0)
+            query = self.encoder.encode_both([query_text(target, told)])[1].row(0)
         return rows.dot(*query)[kb.rows]
 
     def _sparse(self, dataset: HabitDataset, progress: Progress | None = None) -> SparseRows:

@@ -25,10 +25,10 @@ class BM25Retriever(Shared):
         self._b = b
         self._index: Remembered[KnowledgeBase, tuple[object, dict[str, int]]] = Remembered()
 
-    def scores(self, target: str, kb: KnowledgeBase) -> NDArray[np.float64]:
+    def scores(self, target: str, kb: KnowledgeBase, told: str = "") -> NDArray[np.float64]:
         """Scores (N,) float64 in the order of ``kb.rows``; 0 where no stem is shared."""
         index, vocabulary = self._indexed(kb)
-        query = [vocabulary[stem] for stem in content_stems(phrase(target)) if stem in vocabulary]
+        query = [vocabulary[stem] for stem in content_stems(f"{phrase(target)} {told}") if stem in vocabulary]
         if not query:
             return np.zeros(len(kb))
         return np.asarray(index.get_scores(query), np.float64)  # type: ignore[attr-defined]

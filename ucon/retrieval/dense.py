@@ -75,9 +75,9 @@ class DenseRetriever(Shared):
         dataset_vectors(dataset, self.encoder, progress)
         self.encoder.encode_half([query_text(category) for category in dataset.categories], progress)
 
-    def scores(self, target: str, kb: KnowledgeBase) -> NDArray[np.float64]:
+    def scores(self, target: str, kb: KnowledgeBase, told: str = "") -> NDArray[np.float64]:
         """Cosines (N,) float64 in the order of ``kb.rows``."""
-        query = self.encoder.encode_half([query_text(target)])[0].astype(np.float64)
+        query = self.encoder.encode_half([query_text(target, told)])[0].astype(np.float64)
         vectors = self._vectors(kb)
         scores = np.empty(len(vectors))
         products(vectors, query, scores)

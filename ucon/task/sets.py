@@ -23,6 +23,8 @@ from ucon.task.rules import PAPER, RULES, task_rules
 
 SUFFIX = ".jsonl.xz"
 CONTEXT = "context"
+#: Ending of sets whose episodes all state a context: they have no other version.
+STATING = "_context"
 #: Folder of episode sets in a pack, see :func:`pack_sets`.
 IN_PACK = "episodes"
 #: Largest set when unpacked, bytes: some thirty thousand episodes.
@@ -40,7 +42,8 @@ def set_name(name: str, task: str = PAPER.name, *, context: bool = False) -> str
         context: whether its episodes state their context.
     """
     rules = task_rules(task)
-    return name + (f".{rules.name}" if rules != PAPER else "") + (f".{CONTEXT}" if context else "")
+    suffix = f".{CONTEXT}" if context and not name.endswith(STATING) else ""
+    return name + (f".{rules.name}" if rules != PAPER else "") + suffix
 
 
 def episode_sets() -> dict[str, Path]:

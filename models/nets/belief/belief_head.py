@@ -10,7 +10,7 @@ only enter through sums, so neither order nor number of either matters.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Final
+from typing import Any, Final
 
 import torch
 from torch import Tensor, nn
@@ -48,11 +48,14 @@ class Inputs:
     given: Tensor
     trusted: Tensor
     open: Tensor
+    holds: Tensor | None = None
 
     @classmethod
     def of(cls, inputs: HeadInputs) -> Inputs:
         """Convert arrays to tensors, without copies where possible."""
-        return cls(**{f.name: torch.as_tensor(getattr(inputs, f.name)) for f in fields(cls)})
+        values = {f.name: getattr(inputs, f.name) for f in fields(cls)}
+        tensors: dict[str, Any] = {name: v if v is None else torch.as_tensor(v) for name, v in values.items()}
+        return cls(**tensors)
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,9 +199,13 @@ class BeliefHead(nn.Module):
         return Inputs(**values)
 
     def _gate(self, relevance: Tensor, x: Inputs) -> Tensor:
-        """(T, H) weight of each habit for each target, 0 to 1; 0 where the habit is not given."""
+        """(T, H) weight of each habit for each target, 0 where the habit is not given.
+
+        It is at most 1, but above where the habit's condition holds in the told context.
+        """
         known = torch.ones_like(relevance) if not self.gate else relevance.sigmoid()
-        return torch.where(x.trusted[:, None], 1.0, known) * x.given
+        gate = torch.where(x.trusted[:, None], 1.0, known) * x.given
+        return gate if x.holds is None else gate * x.holds
 
     def _context(self, gate: Tensor, x: Inputs) -> Tensor:
         """(T, 5) how much text there is: logs of counts, and whether the habits are trusted and any are given."""

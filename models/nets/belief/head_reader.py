@@ -20,12 +20,14 @@ from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import MANIFEST, read_verified, sha256_file
 from ucon.core.tensor_files import check_header, header
 from ucon.core.untrusted.strict_json import JsonError, parse_json
+from ucon.habits.contexts import Context
 from ucon.language.encoder import one_thread
 from ucon.learning.belief_head.learner import CONFIG, PRIOR, WEIGHTS, head_tensors
 from ucon.learning.run.run_folder import MODEL
 from ucon.objects.model import RELATIONS
 from ucon.readers.anchor_prior import AnchorPrior
 from ucon.readers.anchor_reader import AnchorBelief
+from ucon.readers.conditions.condition_reader import ConditionReader, default_conditions
 from ucon.readers.household import Candidates, FittedParts, Household, default_parts, parts_with
 from ucon.readers.reader_weights import Array, sigmoid, softmax
 
@@ -46,11 +48,14 @@ class HeadReading:
         target: category that is looked for.
         household: the habits as the fitted parts read them.
         trusted: True if all habits are about the target.
+        holds: (H,) how much each habit counts in the told context; None: none was told.
     """
 
-    def __init__(self, reader: HeadReader, target: str, household: Household, trusted: bool) -> None:
+    def __init__(
+        self, reader: HeadReader, target: str, household: Household, trusted: bool, holds: Array | None = None
+    ) -> None:
         self.target, self.texts = target, household.texts
-        self.household, self.trusted, self._reader = household, trusted, reader
+        self.household, self.trusted, self.holds, self._reader = household, trusted, holds, reader
         self._score: dict[str, float] = {}
         self._relation: dict[str, Array] = {}
         self._support: dict[str, Array] = {}
@@ -106,6 +111,8 @@ class HeadReading:
         if not self._score:
             self.null = float(np.round(float(outputs.unseen[row]), DECIMALS))
             self.relevance = np.ones(len(self.texts)) if self.trusted else sigmoid(gate)
+            if self.holds is not None:
+                self.relevance = np.minimum(self.relevance * self.holds, 1.0)
         said, usual = self.household.spoken(candidates), softmax(relation)
         for i, name in enumerate(candidates.names):
             self._score[name] = NEVER if name == self.target else float(scores[i])
@@ -121,13 +128,20 @@ class HeadReading:
 class HeadReader:
     """Reads habits with a trained belief head."""
 
-    def __init__(self, head: BeliefHead, parts: FittedParts | None = None, weights: str = "") -> None:
+    def __init__(
+        self,
+        head: BeliefHead,
+        parts: FittedParts | None = None,
+        weights: str = "",
+        conditions: ConditionReader | None = None,
+    ) -> None:
         """Wrap a head.
 
         Args:
             head: trained; is set to evaluation mode.
             parts: fitted parts that read the sentences for it; the shipped ones by default.
             weights: hash of its files.
+            conditions: reads which sentences hold in a told context; the shipped one, loaded at first use.
         """
         self.head = head.eval()
         self.parts = parts or default_parts()
@@ -136,6 +150,7 @@ class HeadReader:
         self.number = self.parts.number
         self.pairs = self.parts.pairs
         self.evidence = self.parts.evidence
+        self._conditions = conditions
         self._last: tuple[tuple[str, ...], Household] | None = None
 
     @classmethod
@@ -158,26 +173,37 @@ class HeadReader:
             raise DataError(f"{path}: trained on other fitted parts than are shipped; train it again (learner=belief)")
         return cls(head, parts, sha256_file(path / MANIFEST))
 
+    @property
+    def conditions(self) -> ConditionReader:
+        """Reads which sentences hold in a told context."""
+        return self._conditions or default_conditions()
+
     def fingerprint(self) -> str:
         """Hash of the head's files; see :mod:`ucon.evaluation.playing.needed_weights`."""
         return self._weights
 
-    def read(self, target: str, texts: Sequence[str], *, trusted: bool = False) -> HeadReading:
+    def read(
+        self, target: str, texts: Sequence[str], *, trusted: bool = False, context: Context | None = None
+    ) -> HeadReading:
         """Read habits once for an episode.
 
         Args:
             target: category that is looked for.
             texts: the habits.
             trusted: True if all of them are about the target (level ``gt``).
+            context: that was told: habits that do not hold in it count less, those that do count more.
         """
-        return self.read_all([target], texts, trusted=trusted)[0]
+        return self.read_all([target], texts, trusted=trusted, context=context)[0]
 
-    def read_all(self, targets: Sequence[str], texts: Sequence[str], *, trusted: bool = False) -> list[HeadReading]:
+    def read_all(
+        self, targets: Sequence[str], texts: Sequence[str], *, trusted: bool = False, context: Context | None = None
+    ) -> list[HeadReading]:
         """Read the same habits for several targets in one forward pass; arguments as of :meth:`read`."""
         given = tuple(texts)
         if self._last is None or self._last[0] != given:
             self._last = (given, Household(self.parts, given))
-        readings = [HeadReading(self, target, self._last[1], trusted) for target in targets]
+        holds = None if context is None else self.conditions.weights(given, context, "head")
+        readings = [HeadReading(self, target, self._last[1], trusted, holds) for target in targets]
         self.fill(readings, self.known)
         return readings
 
@@ -193,7 +219,9 @@ class HeadReader:
         household, candidates = readings[0].household, Candidates.of(names, self.parts)
         given = np.ones((len(readings), len(household.texts)), bool)
         trusted = np.asarray([reading.trusted for reading in readings])
-        inputs = household.inputs([reading.target for reading in readings], candidates, given, trusted)
+        told = [reading.holds for reading in readings if reading.holds is not None]
+        holds = np.stack(told) if told else None
+        inputs = household.inputs([reading.target for reading in readings], candidates, given, trusted, holds=holds)
         with torch.inference_mode(), one_thread():
             outputs = self.head(inputs)
         for row, reading in enumerate(readings):

@@ -19,7 +19,7 @@ from ucon.language.store import StoredEncoder, default_encoder
 from ucon.objects.catalogue import catalogue
 from ucon.objects.model import RELATIONS
 from ucon.perception.places.affordances import affordance, sight_range_m
-from ucon.readers.protocol import Read, Reader
+from ucon.readers.protocol import Read, Reader, read_info
 
 N_HABITS = 24
 """Number of habits given as vectors: those with the largest support for places of the target."""
@@ -97,7 +97,7 @@ def read_habits(
     target, texts = str(info["target"]), tuple(info["habits"])
     trusted = info.get("habit_level") == "gt"
     encoder = encoder or default_encoder()
-    reading = reader.read(target, texts, trusted=trusted)
+    reading = read_info(reader, info)
     belief, known = reading.belief(reader.known), tuple(reader.known)
     joint = np.zeros((len(words().number), len(RELATIONS)), np.float16)
     for name, p, relation in zip(known, belief.p, belief.relation, strict=True):

@@ -21,7 +21,7 @@ from models.nets.end_to_end.read_habits import kept_habits, words
 from ucon.learning.policies.action_policy import Tensors
 from ucon.objects.catalogue import catalogue
 from ucon.objects.model import RELATIONS
-from ucon.readers.protocol import Reader
+from ucon.readers.protocol import Reader, read_info
 from ucon.task.actions import Action
 
 _NEAR = 6
@@ -136,7 +136,7 @@ def _speaking(reader: Reader, info: Mapping[str, Any], anchors: Sequence[str]) -
     texts: Sequence[str] = tuple(info["habits"])
     if not texts:
         return ()
-    reading = reader.read(str(info["target"]), texts, trusted=info.get("habit_level") == "gt")
+    reading = read_info(reader, info)
     for anchor in (name for name in anchors if name in tuple(reader.known)):
         support = np.asarray(reading.support(anchor))
         if support.max() > _SPEAKS:

@@ -50,7 +50,7 @@ def run(args: argparse.Namespace) -> int:
     from ucon.core.output import stdout_to_stderr
     from ucon.core.progress import Progress
     from ucon.generation.build import build
-    from ucon.habits.book import BOOK_FILE, BOOK_FOLDER
+    from ucon.habits.book import BOOK_FILE, BOOK_FOLDER, CONTEXTS_FILE, CONTEXTS_FOLDER
     from ucon.habits.datafile import SUFFIX
     from ucon.language.store import write_manifest_of
 
@@ -81,7 +81,7 @@ def run(args: argparse.Namespace) -> int:
             verifier=verifier,
             progress=show,
         )
-    if (book, out) == (BOOK_FOLDER, BOOK_FILE):
+    if (book.resolve(), out.resolve()) in ((BOOK_FOLDER, BOOK_FILE), (CONTEXTS_FOLDER, CONTEXTS_FILE)):
         for folder in {out.parent, book}:
             write_manifest_of(folder)
     if doubts:

@@ -63,10 +63,12 @@ class EncoderWeights:
 class _Reading:
     """What the habits of one episode say: a logit for each label, computed once."""
 
-    def __init__(self, target: Vector, habits: Vector, weights: EncoderWeights) -> None:
-        """``target`` (D,), ``habits`` (H, D) unit vectors; H may be 0."""
+    def __init__(self, target: Vector, habits: Vector, weights: EncoderWeights, counts: Sequence[float] = ()) -> None:
+        """``target`` (D,), ``habits`` (H, D) unit vectors; H may be 0. ``counts`` (H,): how much each counts, or ()."""
         self._target, self._habits, self._w = target, habits, weights
         about = habits @ target / weights.tau_habit  # (H,)
+        if counts:
+            about = about + np.log(counts)
         self._log_share = about - np.logaddexp.reduce(about) if len(about) else about
         self.logits: dict[str, float] = {}
 
@@ -107,7 +109,7 @@ class EncoderModel:
         self._weights = weights or EncoderWeights()
         self._encoder = encoder
         self._vectors: dict[str, Vector] = {}
-        self._readings: OrderedDict[tuple[str, tuple[str, ...]], _Reading] = OrderedDict()
+        self._readings: OrderedDict[tuple[str, tuple[str, ...], tuple[float, ...]], _Reading] = OrderedDict()
         self._keeping = LocationScores(self._encode, keeping)
 
     def check(self) -> None:
@@ -127,9 +129,13 @@ class EncoderModel:
         start = time.perf_counter()
         if question.things:
             return from_scores(self._keeping.logits(question), seconds=time.perf_counter() - start)
-        reading = self._reading(question.target, question.habits)
+        reading = self._reading(question.target, question.habits, question.weights)
         logits = np.asarray([self._option(reading, option) for option in question.options])
         return from_scores(logits, seconds=time.perf_counter() - start)
+
+    def label_logit(self, target: str, habits: tuple[str, ...], counts: tuple[float, ...], label: str) -> float:
+        """Log odds of one label; ``counts``: how much each habit counts, or ()."""
+        return self._reading(target, habits, counts).logit(self._vector(label))
 
     def _option(self, reading: _Reading, option: Option) -> float:
         labels = option.labels or _catalogue_name(option.name)
@@ -140,12 +146,12 @@ class EncoderModel:
                 reading.logits[label] = reading.logit(self._vector(label))
         return float(np.logaddexp.reduce([reading.logits[label] for label in dict.fromkeys(labels)]))
 
-    def _reading(self, target: str, habits: tuple[str, ...]) -> _Reading:
-        key = (target, habits)
+    def _reading(self, target: str, habits: tuple[str, ...], counts: tuple[float, ...] = ()) -> _Reading:
+        key = (target, habits, counts)
         if key in self._readings:
             self._readings.move_to_end(key)
             return self._readings[key]
-        reading = self._readings[key] = _Reading(self._vector(target), self._encode(habits), self._weights)
+        reading = self._readings[key] = _Reading(self._vector(target), self._encode(habits), self._weights, counts)
         reading.logits[target] = FOUND
         if len(self._readings) > _EPISODES:
             self._readings.popitem(last=False)

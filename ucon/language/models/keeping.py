@@ -69,7 +69,9 @@ class LocationScores:
         self._encode = encode
         self._weights = weights or LocationWeights()
         self._furniture: Vectors | None = None
-        self._readings: OrderedDict[tuple[tuple[str, ...], tuple[str, ...]], _Reading] = OrderedDict()
+        self._readings: OrderedDict[tuple[tuple[str, ...], tuple[str, ...], tuple[float, ...]], _Reading] = (
+            OrderedDict()
+        )
 
     def logits(self, question: Question) -> Vectors:
         """Log odds of the options; the odds of an option's labels are added up.
@@ -82,18 +84,18 @@ class LocationScores:
         """
         named = [option.labels or (phrase(option.name),) for option in question.options]
         labels = tuple(dict.fromkeys(label for names in named for label in names))
-        reading = self._reading(labels, question.habits)
+        reading = self._reading(labels, question.habits, question.weights)
         by_label = dict(zip(labels, reading.logits(question.things).tolist(), strict=True))
         return np.array([np.logaddexp.reduce([by_label[label] for label in dict.fromkeys(names)]) for names in named])
 
-    def _reading(self, labels: tuple[str, ...], habits: tuple[str, ...]) -> _Reading:
-        key = (labels, habits)
+    def _reading(self, labels: tuple[str, ...], habits: tuple[str, ...], counts: tuple[float, ...]) -> _Reading:
+        key = (labels, habits, counts)
         if key in self._readings:
             self._readings.move_to_end(key)
             return self._readings[key]
         if self._furniture is None:
             self._furniture = self._encode(furniture_names())
-        reading = self._readings[key] = _Reading(labels, habits, self._furniture, self._encode, self._weights)
+        reading = self._readings[key] = _Reading(labels, habits, self._furniture, self._encode, self._weights, counts)
         if len(self._readings) > _EPISODES:
             self._readings.popitem(last=False)
         return reading
@@ -109,8 +111,9 @@ class _Reading:
         furniture: Vectors,
         encode: Callable[[Sequence[str]], Vectors],
         weights: LocationWeights,
+        counts: tuple[float, ...] = (),
     ) -> None:
-        """``furniture`` (F, D); there may be no habits."""
+        """``furniture`` (F, D); there may be no habits. ``counts`` (H,): how much each counts, or ()."""
         self._encode, self._w = encode, weights
         self._labels, self._habits = encode(labels), encode(habits)  # (L, D), (H, D)
         near = self._labels @ furniture.T  # (L, F)
@@ -119,6 +122,8 @@ class _Reading:
         top = np.maximum(about.max(0), weights.named / weights.about)
         odds = np.exp(about - top)
         share = odds / (odds.sum(0) + np.exp(weights.named / weights.about - top))  # (L, H)
+        if counts:
+            share = share * np.asarray(counts)
         self._number = share.sum(1)  # (L,)
         fits = np.exp(furniture @ self._habits.T / weights.sigma)  # (F, H)
         self._share = share / (np.exp(-weights.other * near / weights.sigma) @ fits / len(furniture))  # (L, H)

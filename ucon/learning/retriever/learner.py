@@ -80,8 +80,8 @@ class _Ranker:
     def __init__(self, vectors: Mapping[str, NDArray[np.float64]]) -> None:
         self._vectors = vectors
 
-    def scores(self, target: str, kb: KnowledgeBase) -> NDArray[np.float64]:
-        return np.stack([self._vectors[text] for text in kb.texts]) @ self._vectors[query_text(target)]
+    def scores(self, target: str, kb: KnowledgeBase, told: str = "") -> NDArray[np.float64]:
+        return np.stack([self._vectors[text] for text in kb.texts]) @ self._vectors[query_text(target, told)]
 
     def rank(self, target: str, kb: KnowledgeBase) -> NDArray[np.int32]:
         return ranked(self.scores(target, kb), kb.rows)

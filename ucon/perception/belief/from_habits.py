@@ -17,7 +17,7 @@ from ucon.perception.belief.target_belief import BeliefWeights, Locations, Targe
 from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.perception.places.target_places import Places
 from ucon.readers.anchor_reader import default_reader
-from ucon.readers.protocol import Reader
+from ucon.readers.protocol import Reader, read_info
 
 Info = Mapping[str, Any]
 #: A function from the info at an episode's reset to the distribution over the target's anchor and relation.
@@ -47,7 +47,7 @@ class ReadHabits(Shared):
         return str(fingerprint_of(self._reader))
 
     def __call__(self, info: Info) -> Locations:
-        """Read ``info["habits"]`` about ``info["target"]``.
+        """Read ``info["habits"]`` about ``info["target"]``, in the context ``info["told"]`` where there is one.
 
         At habit level ``gt`` the reader is told that all habits are about the target.
 
@@ -56,8 +56,7 @@ class ReadHabits(Shared):
         """
         if self._reader is None:
             self._reader = default_reader()
-        target, texts = str(info["target"]), tuple(info["habits"])
-        reading = self._reader.read(target, texts, trusted=info.get("habit_level") == "gt")
+        texts, reading = tuple(info["habits"]), read_info(self._reader, info)
         belief = reading.belief(self._reader.known)
         where = belief.p[:, None] * belief.relation
         return Locations(belief.candidates, where, texts, reading.telling, reading.support)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -20,6 +21,8 @@ from ucon.task.making.draft import bearing_categories
 #: By category that can be sampled in a home: the entries of its household.
 Living = Mapping[str, tuple[Hosted, ...]]
 _OUTSIDE = frozenset({"garage", "sauna"})
+#: Contexts among which one is looked for in which a placement is used.
+_CONTEXTS_TRIED = 200
 
 
 @dataclass(frozen=True)
@@ -130,7 +133,9 @@ def occasions_of(living: Living, names: Iterable[str]) -> list[str]:
     return sorted(occasion for occasion in found if occasion)
 
 
-def drawn_context(living: Living, names: Sequence[str], target: str, rng: np.random.Generator) -> Context:
+def drawn_context(
+    living: Living, names: Sequence[str], target: str, rng: np.random.Generator, *, even: bool = False
+) -> Context:
     """A random context for an episode: the asker uses the target, and the occasion matters to some placement.
 
     Args:
@@ -138,10 +143,40 @@ def drawn_context(living: Living, names: Sequence[str], target: str, rng: np.ran
         names: categories to be placed.
         target: the category to be found.
         rng: random numbers.
+        even: one of the placements that the asker's entry uses at some time is drawn first, and then a context in which
+            it is used; so rare conditions hold as often as frequent ones.
     """
     hosts = [host for host in living[target] if host.ok]
-    asker = hosts[int(rng.integers(len(hosts)))].entry.household
-    return draw_context(rng, occasions_of(living, [target]) or occasions_of(living, names), asker)
+    host = hosts[int(rng.integers(len(hosts)))]
+    users = {condition_of(place.context).user for place in host.placements if place.context}
+    occasions = occasions_of(living, [target]) or occasions_of(living, names)
+
+    def drawn() -> Context:
+        return draw_context(rng, occasions, host.entry.household, filter(None, users))
+
+    if not even:
+        return drawn()
+    some = [drawn() for _ in range(_CONTEXTS_TRIED)]
+    used = [_used(host, context) for context in some]
+    wanted = sorted(set().union(*used))
+    if not wanted:
+        return some[0]
+    place = wanted[int(rng.integers(len(wanted)))]
+    return next(context for context, places in zip(some, used, strict=True) if place in places)
+
+
+def contradictory(entry: Entry) -> bool:
+    """Whether habits of an entry speak for two places that no context has both."""
+    told = {k for habit in entry.habits for k in habit.supports}
+    conditions = [
+        condition_of(place.context) for k, place in enumerate(entry.placements) if place.context and k in told
+    ]
+    return any(one.excludes(other) for one, other in combinations(conditions, 2))
+
+
+def _used(host: Hosted, context: Context) -> set[int]:
+    """Indices of the placements that an entry uses in a context."""
+    return {drawn.index for drawn in next((group for group in _active(host, context) if group), [])}
 
 
 def _active(host: Hosted, context: Context) -> tuple[list[Drawn], list[Drawn]]:

@@ -45,6 +45,7 @@ def make_episodes(
     *,
     task: str = PAPER.name,
     context: bool = False,
+    even: bool = False,
     workers: int = 2,
     progress: Callable[[int, int], None] | None = None,
     journal: Path | None = None,
@@ -56,6 +57,7 @@ def make_episodes(
         dataset: the habits; the habit book by default.
         task: rule set under which episodes must be solvable.
         context: whether episodes state their context.
+        even: see :class:`ucon.task.making.sampler.EpisodeSampler`.
         workers: processes.
         progress: called with (done, total).
         journal: file to which episodes are appended as they are made; those of an interrupted call are not made again.
@@ -67,7 +69,7 @@ def make_episodes(
         EpisodeError: no seed satisfies an order.
     """
     done = [] if journal is None else _noted(journal, orders, (dataset or book()).sha256)
-    with _mapping(workers, dataset, task, context) as over:
+    with _mapping(workers, dataset, task, context, even) as over:
         return _collect(over(_sample, orders[len(done) :]), done, len(orders), progress, journal)
 
 
@@ -161,10 +163,10 @@ def _noted(journal: Path, orders: Sequence[Order], habits_hash: str) -> list[Epi
     return found
 
 
-def _begin(dataset: HabitDataset | None, task: str, context: bool) -> None:
+def _begin(dataset: HabitDataset | None, task: str, context: bool, even: bool = False) -> None:
     """Make this process's sampler; a worker is sent the dataset once, not with every order."""
     global _sampler
-    _sampler = EpisodeSampler(dataset or book(), rules=task_rules(task), context=context)
+    _sampler = EpisodeSampler(dataset or book(), rules=task_rules(task), context=context, even=even)
 
 
 _sampler: EpisodeSampler | None = None

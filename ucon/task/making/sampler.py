@@ -44,6 +44,7 @@ class EpisodeSampler:
         rules: TaskRules = PAPER,
         context: bool = False,
         spots: Spots | None = None,
+        even: bool = False,
     ) -> None:
         """Choose dataset and rules.
 
@@ -53,8 +54,9 @@ class EpisodeSampler:
             rules: rule set under which the episode must be solvable.
             context: whether episodes state day, hour, season, occasion and asker, and placements follow them.
             spots: by category, relation and anchor; what is missing may be anywhere.
+            even: contexts are drawn so that each place of the target is used equally often, however rare its condition.
         """
-        self.dataset, self.k, self.rules, self.context = dataset, k, rules, context
+        self.dataset, self.k, self.rules, self.context, self.even = dataset, k, rules, context, even
         self.spots: Spots = spots or {}
         self._eyes = RasterRenderer(fov_deg=rules.fov_deg, counting_fov_deg=rules.fov_deg)
         self._living: dict[tuple[str, Split | None], Living] = {}
@@ -153,7 +155,7 @@ class EpisodeSampler:
             first = sorted(wanted)[int(rng.integers(len(wanted)))]
             order.remove(first)
             order.insert(0, first)
-        context = drawn_context(living, order[: self.k], order[0], rng) if self.context else None
+        context = drawn_context(living, order[: self.k], order[0], rng, even=self.even) if self.context else None
         draft, chosen = self._place_all(house, order, living, context, rng)
         if not draft.objects:
             return None

@@ -5,26 +5,33 @@
 differences too small for 1,000. Seen scenes are the canonical layouts of the 20 official training scenes; unseen ones
 are the two official test scenes and generated homes from a reserved range of seeds.
 
+``test_context`` (1,000 episodes on the homes of ``test``) and ``val_context`` (200 on those of ``val``): their targets
+are the things of the book's second part (:func:`ucon.habits.book.contexts_book`), whose habits contradict each other by
+context, and each episode states its context.
+
 ``train``: 4,000 episodes to learn from, in 800 homes that no other set uses (other furnishings of the seen scenes, and
 generated homes), with targets and households of the ``train`` part alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 from ucon.core.errors import ConfigError, UconError, brief, unknown_name
 from ucon.core.rng import derived_seed
 from ucon.habits.splits import Split, entry_parts, split_categories
 from ucon.habits.types import HabitDataset
 from ucon.scenes import SCENES, scene_split
+from ucon.task.making.living import contradictory
 from ucon.task.making.sampler import EpisodeSampler
 from ucon.task.rules import PAPER
 from ucon.task.sets import set_name
 
 #: By test set: episodes in each cell, and generated homes.
 TEST_SETS = {"test": (250, 20), "test_large": (500, 40)}
+#: Sets whose episodes all state a context, and the sets whose homes they use.
+CONTEXT_SETS = {"test_context": "test", "val_context": "val"}
 #: First seed of the generated homes kept for testing; validation homes start 10,000 below.
 RESERVED_SEED = 900_000
 TRAIN = "train"
@@ -88,6 +95,10 @@ def set_cells(name: str) -> tuple[Cell, ...]:
         ConfigError: no such set, or an official one, which has none.
     """
     seen = tuple(scene for scene in SCENES if scene_split(scene) == "seen")
+    if name == "val_context":
+        return tuple(replace(cell, count=100) for cell in set_cells("val"))
+    if name in CONTEXT_SETS:
+        return set_cells(CONTEXT_SETS[name])
     if name in TEST_SETS:
         count, homes = TEST_SETS[name]
         unseen = tuple(scene for scene in SCENES if scene_split(scene) == "unseen") + generated(RESERVED_SEED, homes)
@@ -109,7 +120,9 @@ def set_cells(name: str) -> tuple[Cell, ...]:
             Cell("val_category/seen_scene", "val", "val", seen, count),
             Cell("val_category/val_scene", "val", "val", generated(RESERVED_SEED - 10_000, 20), count),
         )
-    raise ConfigError(unknown_name("episode set to make", name, (*TEST_SETS, "val", "mini", TRAIN, *OFFICIAL_SETS)))
+    raise ConfigError(
+        unknown_name("episode set to make", name, (*TEST_SETS, "val", "mini", TRAIN, *CONTEXT_SETS, *OFFICIAL_SETS))
+    )
 
 
 def generated(first_seed: int, count: int) -> tuple[str, ...]:
@@ -151,11 +164,25 @@ def set_orders(
         yield from _official_orders(name, dataset, label, left_out)
         return
     for cell in set_cells(name):
-        targets = split_categories(dataset.categories, cell.category_split)
+        targets = split_categories(_targets(name, dataset), cell.category_split)
         for number in range(cell.count):
             scene = cell.scenes[number % len(cell.scenes)]
             seed = derived_seed(0, "set", name, cell.label, number) % (1 << 31)
             yield Order(f"{label}/{cell.label}/{number:03d}", scene, seed, cell.label, targets, cell.part)
+
+
+def _targets(name: str, dataset: HabitDataset) -> Sequence[str]:
+    """Categories that a set looks for: all of the dataset's, or those whose habits contradict each other.
+
+    Raises:
+        ConfigError: the set needs contradictory habits, and the dataset has no entries with parts of their own.
+    """
+    if name not in CONTEXT_SETS:
+        return dataset.categories
+    found = {entry.category for entry in dataset.entries if entry.id in dataset.parts and contradictory(entry)}
+    if not found:
+        raise ConfigError(f"episode set '{name}' with dataset '{dataset.name}': it is made of the shipped book alone")
+    return sorted(found)
 
 
 def _official_orders(name: str, dataset: HabitDataset, label: str, left_out: Callable[[str], None]) -> Iterator[Order]:

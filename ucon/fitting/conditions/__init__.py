@@ -1,0 +1,1 @@
+"""Fits the condition reader (:mod:`ucon.readers.conditions`): ``python -m ucon data fit-conditions``."""

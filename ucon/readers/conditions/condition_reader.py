@@ -1,0 +1,260 @@
+"""The condition reader: does what a sentence says hold in the told context?
+
+For each kind of condition (day, hour, season, occasion) a softmax regression divides one among three: the sentence
+holds, fails, or is silent about it. Its features are the calendar's words, the likeness of the sentence to what was
+told and to the rest of the calendar, and a linear probe that tells whether the sentence has a condition of that kind at
+all. Fitted on train entries (:mod:`ucon.fitting.conditions`). Who asks is read by name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.sharing import Shared, is_the_one
+from ucon.habits.contexts import SEASONS, Context, part_of_day
+from ucon.language.store import StoredEncoder, default_encoder
+from ucon.language.words import stems
+from ucon.readers.conditions.calendar_words import days_named, hours_named, names_in, seasons_named
+from ucon.readers.reader_weights import Array, load_arrays, softmax, unpacked_names
+
+WEIGHTS: Final = Path(__file__).parents[1] / "data" / "conditions.npz"
+KINDS: Final = ("day", "time", "season", "occasion")
+"""Kinds of conditions that are fitted; who asks is the fifth column of :class:`Holding`."""
+N_FEATURES: Final = 8
+USES: Final = ("fitted", "head", "retrieval", "language")
+"""Who weighs sentences: the fitted reader, the belief head, retrieval, the sentence encoder as a language model."""
+PARTS_OF_DAY: Final = ("morning", "afternoon", "evening", "night")
+DECIMALS: Final = 4
+#: Likeness of a sentence and a time of the calendar is multiplied by this, so that features are of one size.
+_SCALE: Final = 10.0
+_REMEMBERED: Final = 60_000
+_PHRASES: Final[Mapping[str, Sequence[str]]] = {
+    "day": ("on weekdays, from Monday to Friday", "at the weekend, on Saturday and Sunday"),
+    "time": ("in the morning, at breakfast", "in the afternoon", "in the evening, after supper", "at night, in bed"),
+    "season": tuple(f"in {season}" for season in SEASONS),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Holding:
+    """What H sentences say of the told context, by kind: day, time, season, occasion, user."""
+
+    holds: Array
+    """(H, 5) probability that a sentence has a condition of this kind and that it holds."""
+    fails: Array
+    """(H, 5) probability that it has one and that it does not hold."""
+
+    def weights(self, strength: Strength) -> Array:
+        """(H,) how much each sentence counts: 1 where it is silent, above 1 where it holds, below where it fails.
+
+        Args:
+            strength: of the reader that uses them.
+        """
+        parts = 1.0 + (strength.holds - 1.0) * self.holds - (1.0 - strength.fails) * self.fails
+        return np.round(np.prod(parts, axis=1), DECIMALS)
+
+
+@dataclass(frozen=True)
+class Strength:
+    """How a reader follows conditions; fitted for each use."""
+
+    holds: float
+    """Weight of a sentence whose condition holds for certain."""
+    fails: float
+    """Weight of one whose condition fails for certain."""
+    sharpness: float = 1.0
+    """Power to which the fitted anchor reader raises what weighing changes; others do not use it."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Sentence:
+    """What is read of a sentence before any context is told."""
+
+    named: Mapping[str, NDArray[np.bool_]]
+    """By kind: which days (7), hours (24), seasons (4) or known occasions (O) it names."""
+    likeness: Mapping[str, Array]
+    """By kind: cosine with each phrase of the calendar, or each known occasion."""
+    vector: Array
+    stems: frozenset[str]
+    names: frozenset[str]
+
+
+class ConditionReader(Shared):
+    """Reads conditions of sentences. One per process; it keeps what it read by text.
+
+    Args:
+        probe: (D + 1, 4) weights and bias of the probes, one a kind.
+        shares: (4, N_FEATURES, 3) weights of holds, fails and silent, by kind.
+        occasions: O occasions that are known.
+        words: (O,) stems that speak of each occasion.
+        strengths: by use (:data:`USES`).
+        encoder: of sentences.
+    """
+
+    def __init__(
+        self,
+        probe: Array,
+        shares: Array,
+        occasions: Sequence[str],
+        words: Sequence[frozenset[str]],
+        strengths: Mapping[str, Strength],
+        encoder: StoredEncoder | None = None,
+    ) -> None:
+        self.probe, self.shares, self.strengths = probe, shares, dict(strengths)
+        self.occasions, self.words = tuple(occasions), tuple(words)
+        self.encoder = encoder or default_encoder()
+        phrases = {**_PHRASES, "occasion": [occasion_phrase(name) for name in self.occasions]}
+        self._calendar = {kind: self.encoder.encode_half(texts).astype(np.float64) for kind, texts in phrases.items()}
+        self._read: dict[str, _Sentence] = {}
+        known = zip(self._calendar["occasion"], self.words, strict=True)
+        self._told_occasions = dict(zip(self.occasions, known, strict=True))
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        """Pickles name the shipped reader, whose weights are checked wherever they are loaded."""
+        return (default_conditions, ()) if is_the_one(default_conditions, self) else super().__reduce_ex__(protocol)
+
+    def holding(self, texts: Sequence[str], context: Context) -> Holding:
+        """Read H sentences in a context.
+
+        Args:
+            texts: the sentences.
+            context: that was told.
+        """
+        read = self.sentences(texts)
+        holds, fails = np.zeros((len(read), len(KINDS) + 1)), np.zeros((len(read), len(KINDS) + 1))
+        if not read:
+            return Holding(holds, fails)
+        mention = self.mentions(read)
+        for k, kind in enumerate(KINDS):
+            x = self.features(read, context, kind, mention[:, k])
+            share = softmax(np.round(x @ self.shares[k], DECIMALS))
+            holds[:, k], fails[:, k] = share[:, 0], share[:, 1]
+        if context.user is not None:
+            mine = names_in(context.user)
+            others = names_in(context.asker) - mine
+            holds[:, -1] = [bool(one.names & mine) for one in read]
+            fails[:, -1] = [bool(one.names & others) and not one.names & mine for one in read]
+        return Holding(holds, fails)
+
+    def weights(self, texts: Sequence[str], context: Context, use: str) -> Array:
+        """(H,) how much each sentence counts in the told context.
+
+        Args:
+            texts: H sentences.
+            context: that was told.
+            use: whose strength, of :data:`USES`.
+        """
+        return self.holding(texts, context).weights(self.strengths[use])
+
+    def mentions(self, read: Sequence[_Sentence]) -> Array:
+        """(H, 4) logit that each sentence has a condition, by kind, whatever was told."""
+        return np.stack([one.vector for one in read]) @ self.probe[:-1] + self.probe[-1]
+
+    def features(self, read: Sequence[_Sentence], context: Context, kind: str, mention: Array) -> Array:
+        """What H sentences are judged by in a context, (H, N_FEATURES).
+
+        Bias; told time named; other times named; another day, but of the same part of the week, named; likeness to what
+        was told, and beyond the likest other; whether no occasion was told; the probe's logit.
+
+        Args:
+            read: of :meth:`sentences`.
+            context: that was told.
+            kind: of :data:`KINDS`.
+            mention: (H,) of :meth:`mentions`.
+        """
+        named = np.stack([one.named[kind] for one in read])
+        like = np.stack([one.likeness[kind] for one in read])
+        x = np.zeros((len(read), N_FEATURES))
+        x[:, 0], x[:, 7] = 1.0, mention
+        if kind == "occasion" and context.occasion is None:
+            x[:, 2], x[:, 5], x[:, 6] = named.any(1), -_SCALE * like.max(1), 1.0
+            return x
+        if kind == "occasion":
+            vector, words = self._occasion(str(context.occasion))
+            others = [k for k, name in enumerate(self.occasions) if name != context.occasion]
+            hit = np.asarray([not one.stems.isdisjoint(words) for one in read])
+            told = np.round(np.stack([one.vector for one in read]) @ vector, DECIMALS)
+            rest = like[:, others].max(1)
+        else:
+            value, phrase = _told(context, kind)
+            hit, told, rest = named[:, value], like[:, phrase], np.delete(like, phrase, 1).max(1)
+        x[:, 1], x[:, 2] = hit, named.any(1) & ~hit
+        if kind == "day":
+            week, end = named[:, :5].any(1), named[:, 5:].any(1)
+            x[:, 3] = (x[:, 2] > 0) & ((end & ~week) if context.day > 4 else (week & ~end))
+        x[:, 4], x[:, 5] = _SCALE * told, _SCALE * (told - rest)
+        return x
+
+    def _occasion(self, name: str) -> tuple[Array, frozenset[str]]:
+        """Vector and stems of an occasion; of one that no train entry names, by its own words."""
+        if name not in self._told_occasions:
+            vector = self.encoder.encode_half([occasion_phrase(name)])[0].astype(np.float64)
+            self._told_occasions[name] = vector, frozenset(stems(name.replace("/", " ").replace("-", " ")))
+        return self._told_occasions[name]
+
+    def sentences(self, texts: Sequence[str]) -> list[_Sentence]:
+        """What H sentences say of the calendar, each read once."""
+        new = [text for text in dict.fromkeys(texts) if text not in self._read]
+        if len(self._read) + len(new) > _REMEMBERED:
+            self._read.clear()
+            new = list(dict.fromkeys(texts))
+        if new:
+            vectors = self.encoder.encode_half(new).astype(np.float64)
+            self._read.update((text, self._sentence(text, vector)) for text, vector in zip(new, vectors, strict=True))
+        return [self._read[text] for text in texts]
+
+    def _sentence(self, text: str, vector: Array) -> _Sentence:
+        said = frozenset(stems(text))
+        named = {
+            "day": _mask(days_named(text), 7),
+            "time": _mask(hours_named(text), 24),
+            "season": _mask(seasons_named(text), len(SEASONS)),
+            "occasion": np.asarray([not said.isdisjoint(words) for words in self.words], bool),
+        }
+        likeness = {kind: np.round(times @ vector, DECIMALS) for kind, times in self._calendar.items()}
+        return _Sentence(named, likeness, vector, said, names_in(text))
+
+
+def _mask(numbers: frozenset[int], n: int) -> NDArray[np.bool_]:
+    """(n,) True at the numbers."""
+    return np.isin(np.arange(n), list(numbers))
+
+
+@cache
+def default_conditions() -> ConditionReader:
+    """The shipped reader, one per process.
+
+    Raises:
+        DataError: its weights are missing or altered.
+    """
+    arrays, _ = load_arrays(WEIGHTS)
+    strengths = zip(USES, arrays["strengths"].astype(np.float64).tolist(), strict=True)  # (4, 3)
+    return ConditionReader(
+        arrays["probe"].astype(np.float64),
+        arrays["shares"].astype(np.float64),
+        unpacked_names(arrays["occasions"]),
+        [frozenset(line.split()) for line in unpacked_names(arrays["words"])],
+        {use: Strength(*pair) for use, pair in strengths},
+    )
+
+
+def _told(context: Context, kind: str) -> tuple[int, int]:
+    """The told time: its number, and the number of its phrase."""
+    if kind == "day":
+        return context.day, int(context.day > 4)
+    if kind == "time":
+        return context.hour, PARTS_OF_DAY.index(part_of_day(context.hour))
+    return SEASONS.index(context.season), SEASONS.index(context.season)
+
+
+def occasion_phrase(occasion: str) -> str:
+    """An occasion as a text to compare sentences with: ``when there is visit (guests)``."""
+    group, _, name = occasion.partition("/")
+    return f"when there is {name.replace('-', ' ')} ({group})"

@@ -1,0 +1,48 @@
+"""Retrieval in a told context: the query names occasion and user, and sentences that hold move up.
+
+Day, hour and season are not in the query: they liken it to what everybody does at that time (measured in
+``docs/decisions/retrieval.md``).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.sharing import Shared
+from ucon.habits.contexts import Context
+from ucon.habits.knowledge import KnowledgeBase
+from ucon.readers.conditions.condition_reader import ConditionReader, default_conditions
+from ucon.retrieval.base import Retriever, ranked
+
+
+class ToldRetriever(Shared):
+    """Adds to a retriever's scores the logarithm of how much each sentence counts in the told context.
+
+    The unit is a standard deviation of the knowledge base's scores, so it fits any retriever.
+    """
+
+    def __init__(self, retriever: Retriever, context: Context, conditions: ConditionReader | None = None) -> None:
+        """Combine a retriever and a context.
+
+        Args:
+            retriever: scores by the query.
+            context: that was told.
+            conditions: says which sentences hold; the shipped reader by default.
+        """
+        self.retriever, self.told = retriever, context
+        self._conditions = conditions or default_conditions()
+
+    def scores(self, target: str, kb: KnowledgeBase, told: str = "") -> NDArray[np.float64]:
+        """Scores (N,) float64 in the order of ``kb.rows``; ``told`` is the context's own."""
+        plain = self.retriever.scores(target, kb, self.told.occasion_and_user)
+        return lifted(plain, self._conditions.weights(kb.texts, self.told, "retrieval"))
+
+    def rank(self, target: str, kb: KnowledgeBase) -> NDArray[np.int32]:
+        """Rows of the knowledge base, best first, (N,) int32."""
+        return ranked(self.scores(target, kb), kb.rows)
+
+
+def lifted(scores: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Scores (N,) raised by the logarithm of weights (N,), in standard deviations of the scores."""
+    return scores + float(scores.std()) * np.log(weights)
