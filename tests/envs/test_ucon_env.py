@@ -168,7 +168,7 @@ def test_a_stated_context_tells_when_and_who_and_no_place() -> None:
     for episode in episodes:
         told = env.reset(options={"episode": episode})[1]["context"]
         asker = episode.context.asker  # type: ignore[union-attr]
-        assert told.endswith(f" Asking: {asker}.")
+        assert told.endswith(f", and this is asked by {asker}.")
         rest = told.removesuffix(f" Asking: {asker}.")
         assert re.fullmatch(r"It is \w+day, about \d+ o'clock, in \w+\.( Occasion: [\w ]+\.)?", rest), rest
 
