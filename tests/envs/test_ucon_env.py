@@ -168,9 +168,10 @@ def test_a_stated_context_tells_when_and_who_and_no_place() -> None:
     for episode in episodes:
         told = env.reset(options={"episode": episode})[1]["context"]
         asker = episode.context.asker  # type: ignore[union-attr]
-        assert told.endswith(f" Asking: {asker}.")
-        rest = told.removesuffix(f" Asking: {asker}.")
-        assert re.fullmatch(r"It is \w+day, about \d+ o'clock, in \w+\.( Occasion: [\w ]+\.)?", rest), rest
+        assert told.endswith(f", and this is asked by {asker}.")
+        rest = told.removesuffix(f", and this is asked by {asker}.")
+        when = r"It is \w+day \w+, about \d+ o'clock, in \w+(, on the occasion '[\w ]+' \(\w+\))?"
+        assert re.fullmatch(when, rest), rest
 
 
 def test_observation_does_not_depend_on_where_the_target_is(episodes: tuple[Episode, ...]) -> None:
