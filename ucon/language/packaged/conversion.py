@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import importlib.util
 from pathlib import Path
-from typing import Any
 
 from ucon.core.errors import ConfigError, DataError, brief
 from ucon.core.files import write_manifest
@@ -40,11 +39,14 @@ def convert(gguf: Path, model: PackagedModel, folder: Path) -> None:
     import torch
     import transformers
 
-    source: dict[str, Any] = {"gguf_file": gguf.name, "local_files_only": True, "trust_remote_code": False}
     try:
         with quiet(transformers):
-            tokenizer = transformers.AutoTokenizer.from_pretrained(gguf.parent, **source)
-            read = transformers.AutoModelForCausalLM.from_pretrained(gguf.parent, dtype=torch.float32, **source)
+            tokenizer = transformers.AutoTokenizer.from_pretrained(
+                gguf.parent, gguf_file=gguf.name, local_files_only=True, trust_remote_code=False
+            )
+            read = transformers.AutoModelForCausalLM.from_pretrained(
+                gguf.parent, gguf_file=gguf.name, local_files_only=True, trust_remote_code=False, dtype=torch.float32
+            )
     except Exception as error:  # a file of another kind can fail in any way
         line = brief(" ".join(str(error).split()))
         raise DataError(f"{gguf}: cannot be read as a model ({type(error).__name__}: {line}); not used") from None
