@@ -42,7 +42,7 @@ def one(number: int, with_it: tuple[bool, float], without: tuple[bool, float], *
 
 
 def test_what_sentences_are_about() -> None:
-    """By the episode's own data: another thing beside the target, where the sentence says it is."""
+    """A sentence is about a thing beside the target if the episode put that thing there."""
     dataset, kinds = book(), {}
     for episode in EPISODES:
         for row in SOURCE.knowledge(episode, "retrieval").rows.tolist():

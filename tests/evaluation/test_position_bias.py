@@ -1,4 +1,4 @@
-"""What summaries and tables say about the places that a model chooses in lists."""
+"""Position bias in summaries and tables: how often a model chooses each place of a list."""
 
 from __future__ import annotations
 

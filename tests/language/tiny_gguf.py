@@ -104,7 +104,7 @@ def pack_wheel(member: Path, out: Path) -> Path:
 
 
 def described(wheel: Path, member: Path, **changed: object) -> PackagedModel:
-    """What is expected of a wheel and of the file in it."""
+    """The packaged model of a wheel: its hashes, and those of the file in it."""
     return replace(
         SMOLLM2,
         name="tiny",

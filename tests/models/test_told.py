@@ -1,4 +1,4 @@
-"""What is told of the context: to whom, by which option, and what it changes."""
+"""Told contexts: which agents are told, by which option, and what changes in prompts and beliefs."""
 
 from __future__ import annotations
 

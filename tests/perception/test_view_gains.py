@@ -80,7 +80,7 @@ def shown(node: tuple[int, int], xyz: np.ndarray, headings: int = 4) -> np.ndarr
 
 @pytest.mark.parametrize("headings", [4, 6])
 def test_views_are_worth_the_places_in_their_picture(headings: int) -> None:
-    """Of 90 degrees with four headings, of 60 with six."""
+    """Four headings have views of 90 degrees, six have views of 60."""
     xyz, weight = places()
     found = Home(NODES).places(xyz, weight, headings)
     for row, node in enumerate(NODES):

@@ -21,6 +21,9 @@ DIRECTIONS: Final[NDArray[np.float64]] = np.zeros((7, 6, 2))
 DIRECTIONS[4, :4] = np.stack([HEADING_COS, HEADING_SIN], 1)
 DIRECTIONS[6, :, 0] = (1.0, 0.5, -0.5, -1.0, -0.5, 0.5)
 DIRECTIONS[6, :, 1] = (0.0, _HALF_ROOT_3, _HALF_ROOT_3, 0.0, -_HALF_ROOT_3, -_HALF_ROOT_3)
+#: The node (da, db) of the triangular lattice that a move along heading h of six leads to. Node (a, b) of it is at
+#: ``start + move (a e0 + b e1)``, with e0 along heading 0 and e1 along heading 1.
+LATTICE_STEPS: Final[NDArray[np.int32]] = np.array([(1, 0), (0, 1), (-1, 1), (-1, 0), (0, -1), (1, -1)], np.int32)
 #: Tangent of half the width of a view, by the number of headings; 1 for four.
 TAN_HALF: Final[NDArray[np.float64]] = np.array([0.0, 0.0, 0.0, 0.0, 1.0, 0.0, math.sqrt(1.0 / 3.0)])
 

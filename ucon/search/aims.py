@@ -129,8 +129,9 @@ def thing(known: SemanticMap, track: int) -> str:
 
 def _away(known: SemanticMap, view: View) -> str:
     """Straight distance to a pose, as text."""
-    metres = math.dist(known.view.xy, view.xy)
-    return f"{metres:.1f} m away" if metres else "a turn away"
+    if (view.i, view.j) == (known.view.i, known.view.j):
+        return "a turn away"
+    return f"{math.dist(known.view.xy, view.xy):.1f} m away"
 
 
 def _actions(n: int) -> str:

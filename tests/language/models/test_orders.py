@@ -84,7 +84,7 @@ def test_two_orders_are_averaged(folder):
 
 
 def test_a_model_that_knows_places_alone_is_left_without_a_preference():
-    """It gives the first place .7 whatever stands there: in two orders, the first and the last option share it."""
+    """A model that always gives the first place .7: asked in two orders, first and last option share it."""
     by_place = tuple(np.log([0.7, 0.2, 0.1]).tolist())
     both = averaged([(2, 0, 1), (1, 0, 2)], [Answer(0, by_place), Answer(0, by_place)])
     assert np.exp(both.scores) == pytest.approx([0.2, 0.4, 0.4], abs=1e-3)

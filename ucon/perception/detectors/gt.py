@@ -65,8 +65,11 @@ class GtDetector(PartlyShared):
             Tracks, categories, canonical pixel counts, and the track of every pixel. ``score`` is None: never wrong.
         """
         counts = frame.counts
-        far = self._far(frame)
-        seen = np.flatnonzero((counts >= self._min_pixels) & ~far[:-1])
+        shown, tracks = counts >= self._min_pixels, self._track
+        if self._range_m is not None:
+            far = self._far(frame, self._range_m)
+            shown = shown & ~far[:-1]
+        seen = np.flatnonzero(shown)
         new = seen[self._track[seen] < 0]
         if len(new):
             for instance in new[np.lexsort((new, -counts[new]))]:
@@ -74,17 +77,17 @@ class GtDetector(PartlyShared):
                 self._known += 1
         seen = seen[np.argsort(self._track[seen])]
         names = tuple(self._categories[k] for k in seen.tolist())
-        image = np.where(far, -1, self._track).take(frame.instance, mode="wrap")  # -1 is the last entry
+        if self._range_m is not None:
+            tracks = np.where(far, -1, tracks)
+        image = tracks.take(frame.instance, mode="wrap")  # -1 is the last entry
         return Detections(self._track[seen], names, counts[seen], image)
 
-    def _far(self, frame: Frame) -> NDArray[np.bool_]:
+    def _far(self, frame: Frame, range_m: float) -> NDArray[np.bool_]:
         """(n + 1,) whether each instance is out of range; the last entry stands for pixels of no instance."""
-        if self._range_m is None:
-            return np.zeros(len(self._track), bool)
         nearest = np.full(len(self._track), np.inf, np.float32)
         shown = frame.depth > 0.0
         np.minimum.at(nearest, frame.instance[shown], frame.depth[shown])
-        return nearest > self._range_m
+        return nearest > range_m
 
     def tracks_of(self, instances: tuple[int, ...]) -> tuple[int, ...]:
         """Tracks of instances; instances never seen are left out."""

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.core.compass import DIRECTIONS
+from ucon.core.compass import DIRECTIONS, LATTICE_STEPS
 from ucon.core.jit import I32, Flags, jit
 from ucon.core.sharing import PartlyShared
 from ucon.perception.mapping.map_kernels import CELL_M
@@ -22,8 +22,6 @@ from ucon.perception.mapping.obstacle_kernels import cell as fine_cell
 _SPAN = 128
 _SIDE = 2 * _SPAN + 1
 HEADINGS = 6
-#: The lattice node that each heading leads to.
-_STEP = ((1, 0), (0, 1), (-1, 1), (-1, 0), (0, -1), (1, -1))
 
 
 class Lattice(PartlyShared):
@@ -79,7 +77,8 @@ class Lattice(PartlyShared):
             node, h = divmod(state, HEADINGS)
             if action == 0:
                 a, b = divmod(node, _SIDE)
-                node = (a - _STEP[h][0]) * _SIDE + b - _STEP[h][1]
+                da, db = LATTICE_STEPS[h].tolist()
+                node = (a - da) * _SIDE + b - db
             else:
                 h = (h - (1 if action == 1 else -1)) % HEADINGS
             state = node * HEADINGS + h
@@ -119,7 +118,7 @@ def _search(
         for action in range(3):
             a, b, turned = a0, b0, h
             if action == 0:
-                a, b = a0 + _STEP[h][0], b0 + _STEP[h][1]
+                a, b = a0 + LATTICE_STEPS[h, 0], b0 + LATTICE_STEPS[h, 1]
                 if not (0 <= a < _SIDE and 0 <= b < _SIDE):
                     continue
             else:

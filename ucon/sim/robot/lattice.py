@@ -12,14 +12,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.compass import LATTICE_STEPS
 from ucon.core.jit import F64, I32, jit
 from ucon.core.sharing import Shared
 from ucon.sim.robot.floor import Floor
 from ucon.sim.robot.floor_kernels import FloorTables, free_way
 
 HEADINGS: Final = 6
-#: (da, db) of a move at heading k, k times 60 degrees to the left of the start's.
-AHEAD: Final = np.array([(1, 0), (0, 1), (-1, 1), (-1, 0), (0, -1), (1, -1)], np.int32)
 #: A move counts in full moves first: no path has so many turns.
 MOVE_COST: Final = 4096
 NEVER: Final = np.int32(2**30)
@@ -86,7 +85,7 @@ class Lattice(Shared):
         found: list[int] = []
         a, b, k = place[0], place[1], heading
         while cost[a, b, k] > 0:
-            da, db = AHEAD[k].tolist()
+            da, db = LATTICE_STEPS[k].tolist()
             if cost[a - da, b - db, k] + MOVE_COST == cost[a, b, k] and self._passes(a - da, b - db, k):
                 a, b = a - da, b - db
                 found.append(0)
@@ -122,7 +121,7 @@ def _costs(
             if d + 1 < cost[a, b, other]:
                 cost[a, b, other] = d + 1
                 heapq.heappush(queue, (np.int32(d + 1), a, b, other))
-        i, j = a + AHEAD[k, 0], b + AHEAD[k, 1]
+        i, j = a + LATTICE_STEPS[k, 0], b + LATTICE_STEPS[k, 1]
         if 0 <= i < n and 0 <= j < n and d + MOVE_COST < cost[i, j, k]:
             x = start[0] + (a - half) * steps[0, 0] + (b - half) * steps[1, 0]
             y = start[1] + (a - half) * steps[0, 1] + (b - half) * steps[1, 1]
