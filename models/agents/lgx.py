@@ -98,7 +98,7 @@ class LGXAgent(AskingAgent):
         options = self._options(decision)
         lines = [self._line(decision, candidate) for candidate in decision.candidates]
         things = list(dict.fromkeys(name for c in decision.candidates for name, _ in c.things))
-        directions = options[0].name in SIDES  # else the things are the options
+        directions = options[0].name in SIDES[decision.known.body.headings]  # else the things are the options
 
         def told(order: Sequence[int]) -> str:
             of_things, of_lines = (range(len(things)), order) if directions else (order, range(len(lines)))

@@ -11,7 +11,7 @@ import torch
 
 from models.agents.belief import BeliefAgent
 from tests.learning.test_imitation import files
-from tests.learning.tiny_policy import ENV, TinyPolicy, tiny_dagger
+from tests.learning.tiny_policy import ENV, Stays, TinyPolicy, on_a_gpu, tiny_dagger
 from ucon.core.errors import ConfigError, DataError
 from ucon.learning.imitation.dagger import DaggerRollouts
 from ucon.learning.imitation.demonstrators import AgentDemonstrator
@@ -122,6 +122,17 @@ def test_collections_are_the_same_with_any_number_of_workers(learner):
         assert collected == found[0][0]
         assert all(torch.equal(tensor, found[0][1][name]) for name, tensor in tensors.items())
     assert len(found[0][0]) == 12
+
+
+@pytest.mark.parametrize(("wanted", "found"), [("cpu", "cpu"), ("auto", "cuda"), ("cuda:0", "cuda:0")])
+def test_a_collection_is_played_on_the_device_of_one_s_choice(learner, monkeypatch, wanted, found):
+    on_a_gpu(monkeypatch)
+    monkeypatch.setattr(torch.cuda, "device_count", lambda: 1)
+    one = learner(Stays(), play_device=wanted)
+    one.step()
+    assert one.feeder._collector._policy.sent == found
+    assert one.policy.sent == "cpu"
+    assert one.resolved_options.get("play_device", wanted) == found
 
 
 def test_what_was_seen_in_a_collection_is_what_is_seen_when_it_is_played_again(learner):

@@ -79,16 +79,19 @@ class EpisodeCollector:
     """Plays parts of collections, in this process.
 
     Args:
-        policy: plays, with the weights of each part; on the CPU.
+        policy: plays, with the weights of each part.
         make_env: makes an environment of ``UcON-v0``; called when the first part comes.
         rollouts: how it is played.
+        device: that the policy plays on; it is moved there when the first part comes.
 
     Attributes:
         replayer: plays trajectories again.
     """
 
-    def __init__(self, policy: nn.Module, make_env: Callable[[], Any], rollouts: EpisodeRollouts) -> None:
-        self._policy, self._rollouts = policy, rollouts
+    def __init__(
+        self, policy: nn.Module, make_env: Callable[[], Any], rollouts: EpisodeRollouts, device: str = "cpu"
+    ) -> None:
+        self._policy, self._rollouts, self._device = policy, rollouts, device
         self.replayer = Replayer(cast("ActionPolicy", policy), make_env)
         self._players = Players(policy, make_env, rollouts.slots, rollouts.max_steps, keep_frames=True)
 
@@ -98,7 +101,7 @@ class EpisodeCollector:
         Returns:
             For each job, what was done and what the policy saw, in the order of the jobs.
         """
-        self._policy.load_state_dict(part.weights)
+        self._policy.to(self._device).load_state_dict(part.weights)
         given, chooser = self._rollouts, _Remembering(part, self._rollouts.temperature)
         played = []
         for number, one in enumerate(self._players.play(part.jobs, chooser, "collecting")):

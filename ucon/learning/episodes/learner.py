@@ -148,7 +148,7 @@ class EpisodePPOLearner(CollectingLearner):
         super()._collect(iteration)
 
     def _made_feeder(self, **options: Any) -> Feeder:
-        collector = EpisodeCollector(copy.deepcopy(self.policy).cpu(), self.make_env, self.rollouts)
+        collector = EpisodeCollector(copy.deepcopy(self.policy).cpu(), self.make_env, self.rollouts, self.play_device)
         return super()._made_feeder(collector=collector, **options)
 
 

@@ -51,20 +51,27 @@ class Collector:
     """Plays parts of collections, in this process.
 
     Args:
-        policy: plays, with the weights of each part; on the CPU.
+        policy: plays, with the weights of each part.
         make_env: makes an environment of ``UcON-v0``; called when the first part comes.
         expert: labels every step.
         slots: most episodes of a part, which are played at once.
         max_steps: episodes are cut off after this many actions.
+        device: that the policy plays on; it is moved there when the first part comes.
 
     Attributes:
         replayer: plays trajectories again; the expert labels views anew, if the policy learns from them.
     """
 
     def __init__(
-        self, policy: nn.Module, make_env: Callable[[], Any], expert: Corrector, slots: int, max_steps: int
+        self,
+        policy: nn.Module,
+        make_env: Callable[[], Any],
+        expert: Corrector,
+        slots: int,
+        max_steps: int,
+        device: str = "cpu",
     ) -> None:
-        self._policy, self._expert = policy, expert
+        self._policy, self._expert, self._device = policy, expert, device
         self.replayer = Replayer(cast("ActionPolicy", policy), make_env, expert if learns_views(policy) else None)
         self._players = Players(policy, make_env, slots, max_steps, keep_frames=True)
 
@@ -74,7 +81,7 @@ class Collector:
         Returns:
             For each job, its trajectory and what the policy saw along it, in the order of the jobs.
         """
-        self._policy.load_state_dict(part.weights)
+        self._policy.to(self._device).load_state_dict(part.weights)
         chooser = _Mixture(part, self._expert, views=learns_views(self._policy))
         played = []
         for number, one in enumerate(self._players.play(part.jobs, chooser, "collecting")):

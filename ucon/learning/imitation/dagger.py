@@ -146,6 +146,7 @@ class DaggerLearner(CollectingLearner):
     def _made_feeder(self, **options: Any) -> Feeder:
         rollouts = self.rollouts
         collector = Collector(
-            copy.deepcopy(self.policy).cpu(), self.make_env, self.expert, rollouts.slots, rollouts.max_steps
-        )
+            copy.deepcopy(self.policy).cpu(), self.make_env, self.expert, rollouts.slots, rollouts.max_steps,
+            self.play_device,
+        )  # fmt: skip
         return super()._made_feeder(collector=collector, **options)

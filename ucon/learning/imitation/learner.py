@@ -79,6 +79,7 @@ class ImitationLearner:
             scorer = type(policy).__name__
             raise ConfigError(f"{scorer} scores views, and stored solutions name actions; train it with learner=ppo")
         self.device = torch_device(given.device, "learner.device")
+        self.play_device = torch_device(given.play_device, "learner.play_device")
         self._precision = torch_precision(given.precision, self.device, on_cpu=True)
         self.demonstrator = demonstrator or SolutionDemonstrator()
         batch = batch_size(given.batch, self.device, self.demonstrator.batch)
@@ -132,7 +133,8 @@ class ImitationLearner:
         The run stores them, so that it goes on with the same values on another machine.
         """
         precision = str(self._precision).removeprefix("torch.")
-        return {"device": self.device, "precision": precision, "batch": self.batch}
+        chosen: dict[str, str | int] = {"device": self.device, "precision": precision, "batch": self.batch}
+        return chosen | ({} if self.options.play_device == self.play_device else {"play_device": self.play_device})
 
     @property
     def n_labels(self) -> int:

@@ -67,7 +67,7 @@ class PolicyOptions(LearnerOptions):
         levels: habit levels, mixed in every batch; ignored for a policy that reads no habits.
         chunk: steps through which gradients flow in a policy with memory.
         clip: largest norm of a gradient; larger ones are scaled down to it.
-        device: ``cpu``, ``cuda``, or ``auto``: a GPU if there is one. Episodes are played on the CPU in any case.
+        device: ``cpu``, ``cuda``, or ``auto``: a GPU if there is one. It does not concern who plays.
         precision: ``float32``, or ``bfloat16`` for the network's passes (the loss stays in float32); ``auto``: bfloat16
             where the GPU, or for imitation the processor, has it.
         half: store the trained policy as float16.
@@ -101,6 +101,8 @@ class ImitationOptions(PolicyOptions):
         workers: processes that play episodes ahead; 0 plays them in this one. The result does not depend on it.
         worker_timeout_s: seconds that workers may take for the next batch; then they and the run are ended.
         memory_gb: memory for replays, compressed, that are kept for the next epoch.
+        play_device: device of the policy that plays collections: ``cpu``, or ``cuda``, which many episodes at once of a
+            network with images are worth; actions then depend on the GPU in their last bits.
     """
 
     lr: float = 3e-4
@@ -113,6 +115,7 @@ class ImitationOptions(PolicyOptions):
     workers: int = 0
     worker_timeout_s: float = WORKER_TIMEOUT_S
     memory_gb: float = 1.0
+    play_device: str = "cpu"
 
     def __post_init__(self) -> None:
         super().__post_init__()
