@@ -17,12 +17,15 @@ from ucon.language.models.conversation import window_of
 from ucon.language.packaged.models import PackagedModel
 
 _RECORD = "quantization_config"
+#: Packages by which transformers reads GGUF files.
+_READERS = ("gguf", "accelerate")
 
 
 def require_reader() -> None:
-    """Raise :class:`ConfigError` where the package that reads GGUF files is not installed."""
-    if importlib.util.find_spec("gguf") is None:
-        raise ConfigError('package gguf: not installed; `pip install "ucon-nav[smollm2]"` installs it')
+    """Raise :class:`ConfigError` where a package that GGUF files are read by is not installed."""
+    for name in _READERS:
+        if importlib.util.find_spec(name) is None:
+            raise ConfigError(f'package {name}: not installed; `pip install "ucon-nav[smollm2]"` installs it')
 
 
 def convert(gguf: Path, model: PackagedModel, folder: Path) -> None:
