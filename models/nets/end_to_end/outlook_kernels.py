@@ -2,28 +2,53 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from models.nets.end_to_end.ego_kernels import EXPLORED, OPAQUE
 from models.nets.end_to_end.memory_kernels import TARGET
 from models.nets.end_to_end.way_kernels import FAR
-from ucon.core.jit import F32, I16, I32, U8, jit, merged
+from ucon.core.jit import F32, I16, I32, U8, U16, jit, leaf, merged
 from ucon.perception.views.space_kernels import RAY_AREA, RAY_CELL, RAYS
 
 #: What is counted of every pose, see :data:`models.nets.end_to_end.floor_memory.OUTLOOK`.
 N_OUTLOOK = 10
 ON, BESIDE, INSIDE, USED, CLOSED, SPACE, THIN, TARGETED, BEEN, AROUND = range(N_OUTLOOK)
 #: Cells of a ray (5.5 m).
-_MOST = 22
+_MOST: Final = 22
 #: Weight of each further unexplored cell of a ray relative to the one before, and how many count.
 _DEEPER, _DEEP_CELLS = np.float32(0.8825), 12
 #: Containers can be opened from so many cells away, and the target is taken from there.
 _REACH_CELLS = 4
 _CELL_M2 = 0.0625
-#: Square metres that each cell of a ray stands for.
-_AREA = RAY_AREA.astype(np.float32)
+#: Bits of a cell of the window, as rays read it.
+_KNOWN, _END, _AIM, _FRESH, _HOLDS, _SHUT = 1, 2, 4, 8, 16, 32
+_COUNTS = _AIM | _FRESH | _HOLDS
+
+
+def _fans() -> tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.int32], NDArray[np.int32], int]:
+    """The rays of each heading, in the order in which they are read.
+
+    Returns:
+        Offsets (4, R, _MOST, 2) int32 of the cells of R rays; the square metres (4, R, _MOST) float32 that each stands
+        for; a number (4, R, _MOST) int32 of each cell among those of its heading; with how many cells (4, R) int32 each
+        ray begins as the ray before it; and how many cells a heading has at most.
+    """
+    heading = ((np.arange(RAYS) + RAYS // 8) % RAYS) // (RAYS // 4)
+    order = np.stack([np.flatnonzero(heading == h) for h in range(4)])
+    cell, area = RAY_CELL[order][:, :, :_MOST], RAY_AREA[order][:, :, :_MOST].astype(np.float32)
+    number = np.stack(
+        [np.unique(fan.reshape(-1, 2), axis=0, return_inverse=True)[1].reshape(-1, _MOST) for fan in cell]
+    )
+    alike = (cell[:, 1:] == cell[:, :-1]).all(-1).cumprod(-1).sum(-1)
+    same = np.concatenate([np.zeros((4, 1), np.int64), alike], 1)
+    whole = [np.ascontiguousarray(part) for part in (cell, area, number.astype(np.int32), same.astype(np.int32))]
+    return whole[0], whole[1], whole[2], whole[3], int(number.max()) + 1
+
+
+_CELL, _AREA, _NUMBER, _SAME, _N_CELLS = _fans()
 
 
 @jit
@@ -50,95 +75,177 @@ def look_out(
     """
     size, coarse = flags.shape[1], cell.shape[1]
     half, reach = size // 2, coarse - 1
-    counted, asked = np.zeros((size, size), np.int32), np.zeros(extent.shape[1], np.int32)
+    side = 2 * (coarse + _MOST)
+    window, mass = np.empty((side, side), np.uint8), np.zeros((side, side, 4), np.float32)
+    counted, asked = np.zeros(_N_CELLS, np.uint16), np.zeros(extent.shape[1], np.int32)
     found = np.zeros((N_OUTLOOK, 4), np.float32)
     mark = 0
     out[:] = 0.0
     for b in range(flags.shape[0]):
-        maps = (flags[b], look[b], who[b], share[b], extent[b])
+        i0, j0 = pose[b, 0] + half - reach - _MOST, pose[b, 1] + half - reach - _MOST
+        _open_window(i0, j0, flags[b], look[b], who[b], enough[b], window)
+        _lay_out(i0, j0, who[b], share[b], window, mass)
+        things = (i0, j0, who[b], share[b], extent[b])
         for a in range(coarse):
             for c in range(coarse):
                 if steps[b, 0, a, c] == FAR:
                     continue
-                i = pose[b, 0] + half - reach + 2 * a + (cell[b, a, c] >> 1)
-                j = pose[b, 1] + half - reach + 2 * c + (cell[b, a, c] & 1)
+                u, v = _MOST + 2 * a + (cell[b, a, c] >> 1), _MOST + 2 * c + (cell[b, a, c] & 1)
+                i, j = i0 + u, j0 + v
                 if not (0 < i < size - 1 and 0 < j < size - 1):
                     continue
-                beside = flags[b, i - 1, j] | flags[b, i + 1, j] | flags[b, i, j - 1] | flags[b, i, j + 1]
-                if not (flags[b, i, j] | beside) & EXPLORED:
+                beside = window[u - 1, v] | window[u + 1, v] | window[u, v - 1] | window[u, v + 1]
+                if not (window[u, v] | beside) & _KNOWN:
                     continue
-                found[:] = 0.0
-                _look_from(i, j, maps, sight[b], enough[b], counted, asked, mark, found)
-                mark += 4
                 for h in range(4):
+                    mark += 1
+                    if mark & 0xFFFF == 0:  # marks begin anew, and 0 is no mark
+                        counted[:] = 0
+                        mark += 1
                     if visits[b, h, i, j] >= patience:
                         found[:, h] = 0.0
+                    else:
+                        _look_from(u, v, h, (window, mass), things, sight[b], counted, asked, mark, found)
                 _been(i, j, visits[b], found)
                 for k in range(N_OUTLOOK):
                     for h in range(4):
                         out[b, k, h, a, c] = found[k, h]
 
 
-@jit
-def _look_from(
-    i0: int, j0: int, maps: Any, sight: int, enough: int, counted: I32, asked: I32, mark: int, out: F32
-) -> None:
-    """Count what a node would show in each heading; cells and containers count once a heading.
+@leaf
+def _open_window(i0: int, j0: int, flags: U8, look: U8, who: I16, enough: int, window: U8) -> None:
+    """Write what rays ask of the cells around an agent; beyond the map they are unexplored.
 
     Args:
-        i0: of the node.
-        j0: of the node.
-        maps: flags, look, who, share and extent of one map.
-        sight: how many cells away the target would be seen.
-        enough: what was seen as closely as this would have shown it.
-        counted: (S, S) scratch: the last (node, heading) that counted each cell.
-        asked: (N,) scratch, the same of containers.
-        mark: number of (node, heading) pairs before this node.
-        out: (N_OUTLOOK, 4) updated.
+        i0: of the map's cell in the window's corner.
+        j0: of it.
+        flags: (S, S).
+        look: (S, S).
+        who: (2, S, S).
+        enough: what was seen as closely as this would have shown the target.
+        window: (W, W) written: ``_KNOWN`` for explored, ``_END`` for opaque, ``_AIM`` for the target, ``_FRESH`` for
+            not seen closely, ``_HOLDS`` for a cell with things.
     """
-    flags, look, who, share, extent = maps
-    for ray in range(RAYS):
-        h = ((ray + RAYS // 8) % RAYS) // (RAYS // 4)
-        trust, deep = np.float32(1.0), 0
-        for k in range(_MOST):
-            i, j = i0 + RAY_CELL[ray, k, 0], j0 + RAY_CELL[ray, k, 1]
-            inside = 0 <= i < flags.shape[0] and 0 <= j < flags.shape[0]
-            bits = flags[i, j] if inside else np.uint8(0)
-            if not bits & EXPLORED:
-                if not bits & OPAQUE:
-                    out[SPACE, h] += _AREA[ray, k] * trust
+    size = flags.shape[0]
+    window[:] = 0
+    first, last = max(0, -j0), min(window.shape[1], size - j0)
+    for u in range(max(0, -i0), min(window.shape[0], size - i0)):
+        for v in range(first, last):  # without branches, so that many cells are done at once
+            i, j = i0 + u, j0 + v
+            known, end, aim = flags[i, j] & EXPLORED != 0, flags[i, j] & OPAQUE != 0, flags[i, j] & TARGET != 0
+            holds = (who[0, i, j] >= 0) | (who[1, i, j] >= 0)
+            window[u, v] = known * _KNOWN | end * _END | aim * _AIM | (look[i, j] < enough) * _FRESH | holds * _HOLDS
+
+
+@leaf
+def _lay_out(i0: int, j0: int, who: I16, share: F32, window: U8, mass: F32) -> None:
+    """Write the belief in each cell of a window: on, beside and in what is there, or that in what was seen closely.
+
+    Args:
+        i0: of the map's cell in the window's corner.
+        j0: of it.
+        who: (2, S, S).
+        share: (N, 4).
+        window: (W, W) of :func:`_open_window`; ``_SHUT`` is added where some belief is behind closed doors.
+        mass: (W, W, 4) written where the window holds things.
+    """
+    for u in range(window.shape[0]):
+        for v in range(window.shape[1]):
+            if not window[u, v] & _HOLDS:
+                continue
+            on, beside, inside, shut = np.float32(0.0), np.float32(0.0), np.float32(0.0), np.float32(0.0)
+            for layer in range(2):
+                track = who[layer, i0 + u, j0 + v]
+                if track >= 0:
+                    on += share[track, 0]
+                    beside += share[track, 1]
+                    inside += share[track, 2]
+                    shut += share[track, 3]
+            if shut > 0:
+                window[u, v] |= _SHUT
+            fresh = window[u, v] & _FRESH != 0
+            mass[u, v, 0] = on if fresh else np.float32(0.0)
+            mass[u, v, 1] = beside if fresh else np.float32(0.0)
+            mass[u, v, 2] = inside if fresh else np.float32(0.0)
+            mass[u, v, 3] = np.float32(0.0) if fresh else on + beside + inside
+
+
+@leaf
+def _look_from(  # noqa: C901 (one loop over the cells of rays; parts of it would be called for every cell)
+    u0: int, v0: int, h: int, seen: Any, things: Any, sight: int, counted: U16, asked: I32, mark: int, out: F32
+) -> None:
+    """Count what a node would show in a heading; cells and containers count once.
+
+    Where a ray begins as the one before did, and that met nothing but explored space there, nothing is read again.
+
+    Args:
+        u0: of the node in the window.
+        v0: of it.
+        h: the heading.
+        seen: (W, W) of :func:`_open_window`, and (W, W, 4) of :func:`_lay_out`.
+        things: the window's corner (i, j), who, share and extent of one map.
+        sight: how many cells away the target would be seen.
+        counted: (_N_CELLS,) scratch: the last node and heading that counted each cell.
+        asked: (N,) scratch, the same of containers.
+        mark: number of the node and heading, from 1.
+        out: (N_OUTLOOK, 4), column ``h`` written.
+    """
+    window, mass = seen
+    space, aim, fresh, clear = np.float32(0.0), np.float32(0.0), 0, 0
+    on, beside, inside, used = np.float32(0.0), np.float32(0.0), np.float32(0.0), np.float32(0.0)
+    out[CLOSED, h] = 0.0
+    label = np.uint16(mark & 0xFFFF)
+    for ray in range(_CELL.shape[1]):
+        start = min(_SAME[h, ray], abs(clear))
+        if clear < 0 and start == -clear:
+            continue  # it ends where the ray before ended
+        trust, deep, clear = np.float32(1.0), 0, start
+        for k in range(start, _MOST):
+            u, v = u0 + _CELL[h, ray, k, 0], v0 + _CELL[h, ray, k, 1]
+            bits = window[u, v]
+            if not bits & _KNOWN:
+                if not bits & _END:
+                    space += _AREA[h, ray, k] * trust
                     trust *= _DEEPER
                     deep += 1
-            elif counted[i, j] != mark + h + 1:
-                counted[i, j] = mark + h + 1
-                _count(i, j, k, h, look[i, j] < enough, sight, who, share, extent, asked, mark, out)
-                if bits & TARGET:
-                    out[TARGETED, h] = max(out[TARGETED, h], np.float32(1.0 if k < _REACH_CELLS else 2.0 / (k + 1)))
-            if bits & OPAQUE or deep >= _DEEP_CELLS:
+            else:
+                if clear == k:
+                    clear = k + 1
+                if bits & _COUNTS and counted[_NUMBER[h, ray, k]] != label:
+                    counted[_NUMBER[h, ray, k]] = label
+                    if k < sight and bits & _FRESH:
+                        fresh += 1
+                    if bits & _HOLDS:
+                        if k < sight:
+                            on += mass[u, v, 0]
+                            beside += mass[u, v, 1]
+                            inside += mass[u, v, 2]
+                            used += mass[u, v, 3]
+                        if k < _REACH_CELLS and bits & _SHUT:
+                            out[CLOSED, h] += _closed(u, v, things, asked, mark)
+                    if bits & _AIM:
+                        aim = max(aim, np.float32(1.0 if k < _REACH_CELLS else 2.0 / (k + 1)))
+            if bits & _END:
+                if clear == k + 1:
+                    clear = -clear
                 break
+            if deep >= _DEEP_CELLS:
+                break
+    out[ON, h], out[BESIDE, h], out[INSIDE, h], out[USED, h] = on, beside, inside, used
+    out[SPACE, h], out[TARGETED, h], out[THIN, h] = space, aim, np.float32(_CELL_M2) * np.float32(fresh)
 
 
-@jit
-def _count(
-    i: int, j: int, k: int, h: int, fresh: bool, sight: int, who: I16, share: F32, extent: I32, asked: I32, mark: int,
-    out: F32,
-) -> None:  # fmt: skip
-    """Count one cell that shows in a heading, k + 1 cells away."""
-    if k < sight and fresh:
-        out[THIN, h] += np.float32(_CELL_M2)
+@leaf
+def _closed(u: int, v: int, things: Any, asked: I32, mark: int) -> np.float32:
+    """Belief behind the closed doors of what is in a cell, once for each container."""
+    i0, j0, who, share, extent = things
+    belief = np.float32(0.0)
     for layer in range(2):
-        track = who[layer, i, j]
-        if track < 0:
-            continue
-        if k < sight and fresh:
-            out[ON, h] += share[track, 0]
-            out[BESIDE, h] += share[track, 1]
-            out[INSIDE, h] += share[track, 2]
-        elif k < sight:
-            out[USED, h] += share[track, 0] + share[track, 1] + share[track, 2]
-        if k < _REACH_CELLS and share[track, 3] > 0 and asked[track] != mark + h + 1:
-            asked[track] = mark + h + 1
-            out[CLOSED, h] += share[track, 3] * extent[track]
+        track = who[layer, i0 + u, j0 + v]
+        if track >= 0 and share[track, 3] > 0 and asked[track] != mark:
+            asked[track] = mark
+            belief += share[track, 3] * np.float32(extent[track])
+    return belief
 
 
 @merged

@@ -100,11 +100,24 @@ class PlacesToGo(nn.Module):
         return Ways(_by_first(log_goal, first), log_goal.view(shape), aim)
 
     def _scores(self, seen: Outlook, given: Tensor) -> Tensor:
-        """Scores (N, 4 * C * C) of all poses without loyalty; only those with a way to them are computed."""
-        there = seen.steps.flatten(1) != FAR
-        agent, at = there.nonzero(as_tuple=True)
-        counts = seen.counts.flatten(2)[agent, :, at]  # (P, len(OUTLOOK))
-        steps = seen.steps.flatten(1)[agent, at].float()
+        """Scores (N, 4 * C * C) of all poses without loyalty, ``_NEVER`` where there is no way.
+
+        Most poses show nothing. Their score depends on nothing but the way there, so it is computed once for each
+        number of steps.
+        """
+        counts, steps = seen.counts.flatten(2), seen.steps.flatten(1)  # (N, len(OUTLOOK), P), (N, P)
+        there = steps != FAR
+        agent, at = (there & (counts != 0).any(1)).nonzero(as_tuple=True)
+        shows = self._score_of(counts[agent, :, at], steps[agent, at].float(), given, agent)
+        farthest = int(steps[there].max()) if bool(there.any()) else 0
+        every = torch.arange(len(given), device=given.device).repeat_interleave(farthest + 1)
+        numbers = torch.arange(farthest + 1, device=given.device, dtype=torch.float32).repeat(len(given))
+        empty = self._score_of(counts.new_zeros(len(every), counts.shape[1]), numbers, given, every)
+        score = empty.view(len(given), farthest + 1).gather(1, steps.long().clamp(max=farthest))
+        return torch.where(there, score, _NEVER).index_put((agent, at), shows)
+
+    def _score_of(self, counts: Tensor, steps: Tensor, given: Tensor, agent: Tensor) -> Tensor:
+        """Scores (Q,) of poses, from their counts (Q, len(OUTLOOK)), the steps there (Q,) and the agents (Q,)."""
         n = len(_WORTH)
         with torch.autocast(given.device.type, enabled=False):
             worth = (counts[:, :n] * self.worths(given.float()).float().exp()[agent]).sum(-1)
@@ -112,8 +125,7 @@ class PlacesToGo(nn.Module):
             score = torch.log(worth + _NOTHING) - cost - counts[:, n:] @ self.stale
         logs = torch.log1p(100.0 * counts[:, :n]) / 4
         numbers = torch.cat([logs, counts[:, n:], cost[:, None], steps[:, None] / 50], 1)
-        score = score + self.also(self.numbers(numbers) + self.globals(given)[agent]).squeeze(-1).float()
-        return torch.full(there.shape, _NEVER, device=score.device).index_put((agent, at), score)
+        return score + self.also(self.numbers(numbers) + self.globals(given)[agent]).squeeze(-1).float()  # type: ignore[no-any-return]
 
     def _loyal(self, score: Tensor, aim: Tensor, pose: Tensor) -> Tensor:
         """Scores (B, 4 * C * C) with that of the block of the pose that it is on its way to raised."""

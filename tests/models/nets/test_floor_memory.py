@@ -214,6 +214,33 @@ def test_doors_count_within_reach() -> None:
     assert found[0, HERE - 2, HERE] == 0, "seven cells away"
 
 
+def test_all_headings_count_alike() -> None:
+    """A map at random, turned around the agent: what was counted to one side is counted to the next."""
+    draw = np.random.default_rng(5)
+    around = slice(HALF - 30, HALF + 31)  # the agent's cell is in the middle
+    state = initial_maps(1, torch.device("cpu"))
+    bits = draw.choice(np.array([0, EXPLORED, EXPLORED, EXPLORED, EXPLORED | OPAQUE], np.uint8), (61, 61))
+    maps = {
+        "flags": bits | np.uint8(memory_kernels.TARGET) * (draw.random((61, 61)) < 0.02),
+        "look": draw.integers(0, 256, (61, 61)),
+        "who": np.where(draw.random((2, 61, 61)) < 0.3, draw.integers(0, 40, (2, 61, 61)), -1),
+    }
+    maps["flags"][26:35, 26:35] |= EXPLORED
+    maps["flags"][26:35, 26:35] &= ~np.uint8(OPAQUE)
+    state["extent"][0, :40] = torch.from_numpy(np.array([(maps["who"] == k).sum() for k in range(40)]))
+    mass = torch.from_numpy(draw.random((1, N_TRACKS, 4), np.float32))
+    found = []
+    for turns in range(4):
+        for name, values in maps.items():
+            turned = np.ascontiguousarray(np.rot90(values, turns, (-1, -2)))
+            state[name][0][..., around, around] = torch.from_numpy(turned).to(state[name].dtype)
+        here = outlook(state, mass, torch.zeros(1, 4, dtype=torch.long), torch.tensor([3.0])).counts[0, :, :, HERE, HERE]
+        found.append(here.roll(turns, 1))
+    assert all((found[0][OUTLOOK.index(name)] > 0).any() for name in OUTLOOK if name not in ("been", "around"))
+    for other in found[1:]:
+        assert other.numpy() == pytest.approx(found[0].numpy(), rel=1e-5)
+
+
 def test_a_pose_that_it_was_in_for_long_shows_nothing_more() -> None:
     state = written(*[step((cell(3), 4, CUPBOARD), floor=8)] * 8)
     mass, at = track_belief(state, BELIEF, OPENABLE), (torch.tensor([[0, 0, 0, 0]]), torch.tensor([3.0]))

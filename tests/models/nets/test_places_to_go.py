@@ -45,6 +45,24 @@ def test_it_goes_to_what_is_worth_it(at: tuple[int, int, int], action: int) -> N
     assert int(found.log_goal[0, 0].argmax()) == (h * BLOCKS + HERE + i) * BLOCKS + HERE + j
 
 
+def test_poses_that_show_nothing_are_scored_as_all_others() -> None:
+    draw, places = torch.Generator().manual_seed(3), PlacesToGo(3, sharpness=3.0)
+    shown = torch.rand(1, len(OUTLOOK), 4, BLOCKS, BLOCKS, generator=draw)
+    seen = outlook_of({}, reach=9)._replace(counts=shown * (torch.rand(1, 1, 4, BLOCKS, BLOCKS, generator=draw) < 0.2))
+    given = torch.randn(1, 3, generator=draw)
+    counts, steps = seen.counts[0].flatten(1).T, seen.steps[0].flatten()
+    one_by_one = places._score_of(counts, steps.float(), given, torch.zeros(len(steps), dtype=torch.long))
+    wanted = torch.where(steps != FAR, one_by_one, -1e4)
+    found = places._scores(seen, given)[0]
+    assert 0 < int((counts == 0).all(1).sum()) < len(steps)
+    assert torch.equal(found, wanted)
+    for one in (found, wanted):
+        places.zero_grad()
+        one.clamp(min=-30).square().sum().backward(retain_graph=True)
+        one.grads = [weight.grad.clone() for weight in places.parameters() if weight.grad is not None]
+    assert all(torch.allclose(a, b, rtol=1e-4, atol=1e-3) for a, b in zip(found.grads, wanted.grads, strict=True))
+
+
 def test_the_nearer_of_two_alike_is_better() -> None:
     found = go(outlook_of({("on", 0, 2, 0): 0.5, ("on", 1, 0, 8): 0.5}))
     assert int(found.log_p[0, 0].argmax()) == 0
