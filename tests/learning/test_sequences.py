@@ -7,7 +7,7 @@ import torch
 from tests.learning.tiny_policy import ENV, TinyPolicy
 from ucon.core.errors import ConfigError
 from ucon.learning.imitation.feeding import Feeder
-from ucon.learning.imitation.sequence_loss import SequenceLoss
+from ucon.learning.imitation.sequence_loss import SequenceLoss, _told
 from ucon.learning.imitation.trajectories import IGNORED, Trajectory, demonstration
 from ucon.learning.policies.sequences import Batch, detached_state
 from ucon.task.sets import load_episodes
@@ -99,6 +99,12 @@ def test_the_loss_is_that_of_torch_over_labels_and_steps(pairs):
     assert figures["loss"] == pytest.approx(float(total.detach()), rel=1e-4)
     right = (logits.argmax(-1) == labels)[labels != IGNORED]
     assert figures["accuracy"] == pytest.approx(float(right.float().mean()))
+
+
+def test_sums_are_where_the_frames_are():
+    """There is no GPU here; tensors without memory show where they would be."""
+    assert _told({"rgb": torch.zeros(2, 3, device="meta")}).device.type == "meta"
+    assert not _told({"rgb": torch.zeros(2, 3)}).any()
 
 
 def test_augmentation_is_one_for_an_episode(pairs):

@@ -143,7 +143,7 @@ class SequenceLoss:
 def _told(frames: Mapping[str, Tensor]) -> Tensor:
     """Steps (...) bool in which the expert says what it thinks of views."""
     if "views" not in frames:
-        return torch.zeros(1, dtype=torch.bool)
+        return torch.zeros(1, dtype=torch.bool, device=next(iter(frames.values())).device)
     return frames["views"][..., 3].amax(-1) > 0
 
 
