@@ -78,6 +78,18 @@ def content(folder):
     return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
+def test_a_run_of_a_gpu_can_be_played_on_the_processor(tmp_path):
+    """Its networks run where it is said; there is no GPU here to play it as it is stored."""
+    folder = tmp_path / "kept"
+    shutil.copytree(RESULTS / "learned-habit_policy-retrieval", folder)
+    altered(folder, agent={**OmegaConf.load(folder / "config.yaml").agent, "device": "cuda:9"})
+    words = (folder, "--every", "500")
+    assert "torch sees no such GPU" in replay(tmp_path, *words).stderr
+    assert "2 episodes played" in replay(tmp_path, *words, "--device", "cpu").stdout
+    told = user_error(replay(tmp_path, *words, "--device", "gpu"))
+    assert told == "error: --device=gpu: expected cpu, cuda, cuda:NUMBER or auto"
+
+
 def test_every_time_it_is_really_played_and_what_is_kept_stays_as_it_is(kept, tmp_path):
     """Beside it, beside what was played before, whole or in part."""
     before, found = content(kept), []

@@ -23,6 +23,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--every", type=int, default=1, metavar="K", help="play every K-th of their episodes (default: all)"
     )
     add_places(parser)
+    parser.add_argument(
+        "--device",
+        help="where networks run, such as cpu for a run of a GPU, whose last bits may differ (default: as stored)",
+    )
     parser.add_argument("--workers", default="auto", help="processes (default: one a core); changes nothing")
     parser.add_argument("--out", type=Path, default=Path("runs/replay"), help="folder of the new runs (runs/replay)")
     parser.add_argument("--json", action="store_true", help="print one JSON object a line")
@@ -43,6 +47,7 @@ def run(args: argparse.Namespace) -> int:
     from hydra.errors import HydraException
 
     from ucon.configuration.stored import said_in
+    from ucon.core.device import torch_device
     from ucon.core.errors import UconError
     from ucon.evaluation.playing.crew import WorkerError
 
@@ -53,7 +58,10 @@ def run(args: argparse.Namespace) -> int:
     for folder in args.runs:
         out = args.out / folder.resolve().name
         try:
-            again = _replay(folder, out, args.every, configuration_of(folder, places, said), args.workers)
+            config = configuration_of(folder, places, said)
+            if args.device is not None:
+                config = _on_device(config, torch_device(args.device, "--device"))
+            again = _replay(folder, out, args.every, config, args.workers)
         except (UconError, HydraException, WorkerError) as error:
             ok = False
             # A WorkerError is a bug and keeps its traceback; other errors are printed as one line.
@@ -99,6 +107,15 @@ def _replay(folder: Path, out: Path, every: int, config: dict[str, Any], workers
         kept.check([episode.id for episode in run.episodes], every)
         run.play()
     return _Again(replayed(kept, read_records(run.out), every), run.n_new, run.out)
+
+
+def _on_device(config: Any, device: str) -> Any:
+    """A configuration all of whose parts run on one device."""
+    if isinstance(config, list):
+        return [_on_device(part, device) for part in config]
+    if not isinstance(config, dict):
+        return config
+    return {name: device if name == "device" else _on_device(part, device) for name, part in config.items()}
 
 
 def _line(again: _Again) -> str:

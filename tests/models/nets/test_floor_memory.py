@@ -234,7 +234,9 @@ def test_all_headings_count_alike() -> None:
         for name, values in maps.items():
             turned = np.ascontiguousarray(np.rot90(values, turns, (-1, -2)))
             state[name][0][..., around, around] = torch.from_numpy(turned).to(state[name].dtype)
-        here = outlook(state, mass, torch.zeros(1, 4, dtype=torch.long), torch.tensor([3.0])).counts[0, :, :, HERE, HERE]
+        here = outlook(state, mass, torch.zeros(1, 4, dtype=torch.long), torch.tensor([3.0])).counts[
+            0, :, :, HERE, HERE
+        ]
         found.append(here.roll(turns, 1))
     assert all((found[0][OUTLOOK.index(name)] > 0).any() for name in OUTLOOK if name not in ("been", "around"))
     for other in found[1:]:
