@@ -54,13 +54,14 @@ def run(args: argparse.Namespace) -> int:
     if args.every < 1:
         raise bad("--every", str(args.every), "a whole number from 1 up")
     places, said = places_in(args), said_in(args)
+    device = None if args.device is None else torch_device(args.device, "--device")
     ok = True
     for folder in args.runs:
         out = args.out / folder.resolve().name
         try:
             config = configuration_of(folder, places, said)
-            if args.device is not None:
-                config = _on_device(config, torch_device(args.device, "--device"))
+            if device is not None:
+                config = _on_device(config, device)
             again = _replay(folder, out, args.every, config, args.workers)
         except (UconError, HydraException, WorkerError) as error:
             ok = False
