@@ -26,13 +26,14 @@ from ucon.evaluation.figures.bias_table import bias_line
 from ucon.evaluation.figures.report import failure_line, precision_line, results_table
 from ucon.programs.errors import one_line_errors, run_entry
 from ucon.programs.evaluating import Evaluation
+from ucon.programs.sweep import folder_of
 
 
 @hydra.main(version_base="1.3", config_path="configs", config_name="eval")
 def main(cfg: DictConfig) -> None:
     """One run. Hydra calls it once for each combination of a sweep."""
     hydra_config = HydraConfig.get()
-    swept = Path(hydra_config.runtime.output_dir) if hydra_config.mode == RunMode.MULTIRUN else None
+    swept = folder_of(hydra_config, str(cfg.episodes)) if hydra_config.mode == RunMode.MULTIRUN else None
     with one_line_errors("eval", swept):
         evaluate_and_report(cfg, swept or Path(str(cfg.out)).absolute(), sweep=swept is not None)
 

@@ -171,6 +171,18 @@ def test_context_is_the_same_bytes_with_any_workers(tmp_path):
     assert swept.read_bytes() == (tmp_path / "alone" / "episodes.jsonl").read_bytes()
 
 
+def test_a_sweep_over_sets_keeps_them_apart(tmp_path):
+    result = evaluate("-m", "agent=frontier", "episodes=mini,val", "limit=2", "workers=0", f"out={tmp_path}/sweep")
+    assert result.returncode == 0, result.stderr[-2000:]
+    folders = {path.name: path / "episodes.jsonl" for path in (tmp_path / "sweep").iterdir() if path.is_dir()}
+    assert {name.partition("+")[2] for name in folders} == {"episodes-mini", "episodes-val"}
+    for name, file in folders.items():
+        assert {json.loads(line)["episode"].split("/")[0] for line in file.read_text().splitlines()} == {
+            name[-4:].strip("-")
+        }
+        assert f"{tmp_path}/sweep: {name.rpartition('-')[2]}" in result.stdout
+
+
 def test_a_sweep_ends_in_a_comparison_and_plays_once_who_reads_no_habits(tmp_path):
     sweep = ("-m", "agent=frontier_nearest,lgx", "habit_level=none,gt", *QUICK[:-1], f"out={tmp_path}/sweep")
     result = evaluate(*sweep)

@@ -1,13 +1,34 @@
-"""Hydra callback for sweeps (``eval.py -m``)."""
+"""Sweeps (``eval.py -m``): the folders of their runs, and what is printed at the end."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from contextlib import suppress
 from itertools import permutations
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from hydra.experimental.callback import Callback
-from omegaconf import DictConfig
+from omegaconf import DictConfig, OmegaConf
+
+#: Before the name of the set, in the names of folders.
+_SET: Final = "+episodes-"
+
+
+def folder_of(hydra_config: Any, episodes: str) -> Path:
+    """Folder of one run of a sweep: its overrides, and the set of episodes where the sweep plays several.
+
+    Args:
+        hydra_config: of the run.
+        episodes: its set, or file of episodes.
+    """
+    folder, asked = Path(hydra_config.runtime.output_dir), Path(hydra_config.sweep.dir) / "multirun.yaml"
+    words = OmegaConf.load(asked).hydra.overrides.task if asked.is_file() else ()
+    if not any(word.startswith("episodes=") and "," in word for word in words):
+        return folder
+    with suppress(OSError):  # another run is in it
+        folder.rmdir()  # Hydra made it
+    return folder.with_name(f"{folder.name}{_SET}{Path(episodes).name.partition('.')[0]}")
 
 
 class CompareAtEnd(Callback):
@@ -24,25 +45,35 @@ class CompareAtEnd(Callback):
 
 
 def print_sweep(folder: Path) -> None:
-    """Print the tables of all finished runs of a sweep: results, and the paired differences worth comparing.
+    """Print the tables of all finished runs of a sweep, for each set of episodes that it played.
 
     Args:
         folder: of the sweep; its subfolders are runs.
     """
-    from ucon.core.output import wide_console
-    from ucon.evaluation.figures.paired import compare_records, comparison_table
-    from ucon.evaluation.figures.report import results_table
-    from ucon.evaluation.kept.finished import FinishedRun
-    from ucon.evaluation.kept.naming import agent_label, is_worth_comparing, level
     from ucon.evaluation.kept.seal import SUMMARY
 
     paths = sorted(p.parent for p in folder.glob(f"*/{SUMMARY}"))
     if len(paths) < 2:
         return
+    for played in sorted({_set_of(path) for path in paths}):
+        _print_set(
+            [path for path in paths if _set_of(path) == played], f"{folder}: {played}" if played else str(folder)
+        )
+    print(f"see all of them, episode by episode: python -m ucon report {folder}")
+
+
+def _print_set(paths: Sequence[Path], title: str) -> None:
+    """Print the results of runs on one set, and the paired differences worth comparing."""
+    from ucon.core.output import wide_console
+    from ucon.evaluation.figures.paired import compare_records, comparison_table
+    from ucon.evaluation.figures.report import results_table
+    from ucon.evaluation.kept.finished import FinishedRun
+    from ucon.evaluation.kept.naming import agent_label, is_worth_comparing, level
+
     runs = [(run.summary, run.records or ()) for run in map(FinishedRun.read, paths)]
     runs.sort(key=lambda run: (agent_label(run[0]), _LEVEL_ORDER.get(level(run[0]), 9)))
     console = wide_console()
-    console.print(results_table([summary for summary, _ in runs], title=str(folder)))
+    console.print(results_table([summary for summary, _ in runs], title=title))
     pairs = [
         compare_records(records_a, records_b, (f"{agent_label(a)} {level(a)}", f"{agent_label(b)} {level(b)}"))
         for (a, records_a), (b, records_b) in permutations(runs, 2)
@@ -50,7 +81,11 @@ def print_sweep(folder: Path) -> None:
     ]
     if pairs:
         console.print(comparison_table(pairs, ("success_rate", "spl")))
-    print(f"see all of them, episode by episode: python -m ucon report {folder}")
+
+
+def _set_of(path: Path) -> str:
+    """Set of episodes that a run's folder is named by; "" where the sweep played one."""
+    return path.name.partition(_SET)[2]
 
 
 _LEVEL_ORDER = {"none": 0, "full": 1, "gt": 2, "retrieval": 3, "context": 4}
