@@ -38,14 +38,15 @@ def _fans() -> tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.int32], 
     """
     heading = ((np.arange(RAYS) + RAYS // 8) % RAYS) // (RAYS // 4)
     order = np.stack([np.flatnonzero(heading == h) for h in range(4)])
-    cell, area = RAY_CELL[order][:, :, :_MOST], RAY_AREA[order][:, :, :_MOST].astype(np.float32)
+    cell, area = RAY_CELL[order][:, :, :_MOST], RAY_AREA[order][:, :, :_MOST]
     number = np.stack(
         [np.unique(fan.reshape(-1, 2), axis=0, return_inverse=True)[1].reshape(-1, _MOST) for fan in cell]
     )
     alike = (cell[:, 1:] == cell[:, :-1]).all(-1).cumprod(-1).sum(-1)
     same = np.concatenate([np.zeros((4, 1), np.int64), alike], 1)
-    whole = [np.ascontiguousarray(part) for part in (cell, area, number.astype(np.int32), same.astype(np.int32))]
-    return whole[0], whole[1], whole[2], whole[3], int(number.max()) + 1
+    # Contiguous, so that they become constants of the kernels.
+    whole = np.ascontiguousarray(cell, np.int32), np.ascontiguousarray(area, np.float32)
+    return *whole, np.ascontiguousarray(number, np.int32), np.ascontiguousarray(same, np.int32), int(number.max()) + 1
 
 
 _CELL, _AREA, _NUMBER, _SAME, _N_CELLS = _fans()
