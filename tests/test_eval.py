@@ -16,6 +16,7 @@ from tests.language.tiny_models import save_causal
 from ucon.core.errors import ConfigError
 from ucon.evaluation.kept.record import read_records
 from ucon.programs.evaluating import chosen_episodes
+from ucon.programs.sweep import folder_name
 
 ROOT = Path(__file__).parents[1]
 QUICK = ("episodes=mini", "limit=4", "pictures=0", "progress=false")
@@ -172,15 +173,26 @@ def test_context_is_the_same_bytes_with_any_workers(tmp_path):
 
 
 def test_a_sweep_over_sets_keeps_them_apart(tmp_path):
-    result = evaluate("-m", "agent=frontier", "episodes=mini,val", "limit=2", "workers=0", f"out={tmp_path}/sweep")
-    assert result.returncode == 0, result.stderr[-2000:]
-    folders = {path.name: path / "episodes.jsonl" for path in (tmp_path / "sweep").iterdir() if path.is_dir()}
-    assert {name.partition("+")[2] for name in folders} == {"episodes-mini", "episodes-val"}
-    for name, file in folders.items():
-        assert {json.loads(line)["episode"].split("/")[0] for line in file.read_text().splitlines()} == {
-            name[-4:].strip("-")
+    """Named by their overrides, or by the set alone."""
+    for overrides, before in ((("agent=frontier",), "agent-frontier+"), ((), "")):
+        folder = tmp_path / f"sweep{len(overrides)}"
+        result = evaluate("-m", *overrides, "episodes=mini,val", "limit=2", "workers=0", f"out={folder}")
+        assert result.returncode == 0, result.stderr[-2000:]
+        assert {path.name for path in folder.iterdir() if path.is_dir()} == {
+            f"{before}episodes-{name}" for name in ("mini", "val")
         }
-        assert f"{tmp_path}/sweep: {name.rpartition('-')[2]}" in result.stdout
+        for name in ("mini", "val"):
+            rows = (folder / f"{before}episodes-{name}" / "episodes.jsonl").read_text().splitlines()
+            assert {json.loads(row)["episode"].split("/")[0] for row in rows} == {name}
+            assert f"{name} " in "".join(line for line in result.stdout.splitlines() if line.startswith(f"{folder}"))
+
+
+def test_files_of_one_name_have_folders_of_their_own():
+    assert folder_name("mini") == "mini"
+    one, other = folder_name("a/test.jsonl.xz"), folder_name("b/test.jsonl.xz")
+    assert one != other
+    assert one.startswith("test-")
+    assert folder_name("my.home.yaml").startswith("my.home-")
 
 
 def test_a_sweep_ends_in_a_comparison_and_plays_once_who_reads_no_habits(tmp_path):

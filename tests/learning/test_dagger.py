@@ -132,7 +132,7 @@ def test_a_collection_is_played_on_the_device_of_one_s_choice(learner, monkeypat
     one.step()
     assert one.feeder._collector._policy.sent == found
     assert one.policy.sent == "cpu"
-    assert one.resolved_options.get("play_device", wanted) == found
+    assert one.resolved_options["play_device"] == found
 
 
 def test_what_was_seen_in_a_collection_is_what_is_seen_when_it_is_played_again(learner):

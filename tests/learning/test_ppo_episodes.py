@@ -10,7 +10,7 @@ import torch
 from torchrl.objectives.value.functional import generalized_advantage_estimate
 
 from tests.learning.test_imitation import files
-from tests.learning.tiny_policy import TinyPolicy, tiny_ppo_episodes
+from tests.learning.tiny_policy import Stays, TinyPolicy, on_a_gpu, tiny_ppo_episodes
 from ucon.core.errors import ConfigError, DataError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.learning.episodes.collecting import EpisodeRollouts
@@ -47,6 +47,14 @@ def test_advantages_are_those_of_torchrl():
     after = torch.cat([value[1:], torch.zeros(1, 1)])
     wanted, _ = generalized_advantage_estimate(0.97, 0.9, value, after, reward, over, over)
     assert np.allclose(generalised_advantages(rewards, values, 0.97, 0.9), wanted[:, 0].numpy(), atol=1e-5)
+
+
+def test_a_collection_is_played_on_the_device_of_one_s_choice(learner, monkeypatch):
+    on_a_gpu(monkeypatch)
+    found = learner(Stays(), play_device="auto")
+    found.step()
+    assert found.feeder._collector._policy.sent == found.resolved_options["play_device"] == "cuda"
+    assert found.policy.sent == "cpu"
 
 
 def test_what_is_remembered_of_a_collection_is_what_the_policy_that_played_thinks_of_it(learner):

@@ -25,7 +25,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_places(parser)
     parser.add_argument(
         "--device",
-        help="where networks run, such as cpu for a run of a GPU, whose last bits may differ (default: as stored)",
+        help="device of all networks, such as cpu for a run of a GPU; on another device than the stored one single "
+        "episodes may differ (default: as stored)",
     )
     parser.add_argument("--workers", default="auto", help="processes (default: one a core); changes nothing")
     parser.add_argument("--out", type=Path, default=Path("runs/replay"), help="folder of the new runs (runs/replay)")

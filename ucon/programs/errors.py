@@ -109,7 +109,8 @@ def _unused_removed(swept: Path | None) -> Iterator[None]:
     except BaseException:
         if swept is not None:
             with suppress(OSError):
-                swept.rmdir()
+                if swept.is_dir():
+                    swept.rmdir()
                 if [path.name for path in swept.parent.iterdir()] == [_OF_SWEEPS]:
                     (swept.parent / _OF_SWEEPS).unlink()
                     swept.parent.rmdir()

@@ -8,31 +8,51 @@ from itertools import permutations
 from pathlib import Path
 from typing import Any, Final
 
+from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.experimental.callback import Callback
 from omegaconf import DictConfig, OmegaConf
 
+from ucon.core.files import sha256_bytes
+
 #: Before the name of the set, in the names of folders.
-_SET: Final = "+episodes-"
+_SET: Final = "episodes-"
+#: Endings of files of episodes, which the names leave out.
+_ENDINGS: Final = (".jsonl.xz", ".jsonl", ".yaml", ".yml")
 
 
 def folder_of(hydra_config: Any, episodes: str) -> Path:
-    """Folder of one run of a sweep: its overrides, and the set of episodes where the sweep plays several.
+    """Folder of one run of a sweep, named by its overrides, and by its set where the sweep plays several.
 
     Args:
         hydra_config: of the run.
         episodes: its set, or file of episodes.
     """
-    folder, asked = Path(hydra_config.runtime.output_dir), Path(hydra_config.sweep.dir) / "multirun.yaml"
-    words = OmegaConf.load(asked).hydra.overrides.task if asked.is_file() else ()
-    if not any(word.startswith("episodes=") and "," in word for word in words):
+    folder, sweep = (
+        Path(hydra_config.runtime.cwd, path) for path in (hydra_config.runtime.output_dir, hydra_config.sweep.dir)
+    )
+    if not _sweeps_over_sets(sweep / "multirun.yaml"):
         return folder
-    with suppress(OSError):  # another run is in it
-        folder.rmdir()  # Hydra made it
-    return folder.with_name(f"{folder.name}{_SET}{Path(episodes).name.partition('.')[0]}")
+    name = _SET + folder_name(episodes)
+    return sweep / name if folder == sweep else folder.with_name(f"{folder.name}+{name}")
+
+
+def _sweeps_over_sets(asked: Path) -> bool:
+    """Whether a sweep, by the file in which Hydra keeps its overrides, plays more than one set of episodes."""
+    words = OmegaConf.load(asked).hydra.overrides.task if asked.is_file() else ()
+    over = OverridesParser.create().parse_overrides(list(words))
+    return any(one.key_or_group == "episodes" and one.is_sweep_override() for one in over)
+
+
+def folder_name(episodes: str) -> str:
+    """A named set, or the name of a file with digits of its path: files in several folders may have one name."""
+    ending = next(filter(episodes.endswith, _ENDINGS), "")
+    if not ending:
+        return episodes
+    return f"{Path(episodes).name.removesuffix(ending)}-{sha256_bytes(episodes.encode())[:6]}"
 
 
 class CompareAtEnd(Callback):
-    """Prints a table of all runs and their paired differences after a sweep."""
+    """Prints a table of all runs and their paired differences after a sweep, and removes folders that nothing is in."""
 
     def on_multirun_end(self, config: DictConfig, **kwargs: Any) -> None:
         """Print the tables of the sweep's folder. Called by Hydra.
@@ -41,7 +61,11 @@ class CompareAtEnd(Callback):
             config: of the sweep.
             kwargs: unused.
         """
-        print_sweep(Path(config.hydra.sweep.dir))
+        folder = Path(config.hydra.sweep.dir)
+        for path in filter(Path.is_dir, folder.iterdir()):  # Hydra makes one for each run, by its overrides alone
+            with suppress(OSError):
+                path.rmdir()
+        print_sweep(folder)
 
 
 def print_sweep(folder: Path) -> None:
@@ -85,7 +109,8 @@ def _print_set(paths: Sequence[Path], title: str) -> None:
 
 def _set_of(path: Path) -> str:
     """Set of episodes that a run's folder is named by; "" where the sweep played one."""
-    return path.name.partition(_SET)[2]
+    *_, last = path.name.split("+")
+    return last.removeprefix(_SET) if last.startswith(_SET) else ""
 
 
 _LEVEL_ORDER = {"none": 0, "full": 1, "gt": 2, "retrieval": 3, "context": 4}

@@ -126,14 +126,15 @@ def _check_device(learner: Mapping[str, Any], resume: str) -> None:
     Raises:
         ConfigError: torch does not see the run's device here.
     """
-    device = learner.get("device", "cpu")
-    try:
-        torch_device(device)
-    except ConfigError:
-        raise ConfigError(
-            f"resume={resume}: it began on learner.device={brief(device)}, which torch does not see here; go on where "
-            "it is, or start a run anew"
-        ) from None
+    for name in ("device", "play_device"):
+        device = learner.get(name, "cpu")
+        try:
+            torch_device(device)
+        except ConfigError:
+            raise ConfigError(
+                f"resume={resume}: it began on learner.{name}={brief(device)}, which torch does not see here; go on "
+                "where it is, or start a run anew"
+            ) from None
 
 
 #: Options of agents that concern playing, and what to give instead in training.

@@ -102,8 +102,8 @@ class PlacesToGo(nn.Module):
     def _scores(self, seen: Outlook, given: Tensor) -> Tensor:
         """Scores (N, 4 * C * C) of all poses without loyalty, ``_NEVER`` where there is no way.
 
-        Most poses show nothing. Their score depends on nothing but the way there, so it is computed once for each
-        number of steps.
+        Most poses show nothing. Their score depends on the agent's features and the number of steps alone, so it is
+        computed once for each number.
         """
         counts, steps = seen.counts.flatten(2), seen.steps.flatten(1)  # (N, len(OUTLOOK), P), (N, P)
         there = steps != FAR

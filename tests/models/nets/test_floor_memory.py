@@ -26,6 +26,7 @@ from models.nets.end_to_end.floor_memory import (
     track_belief,
     write,
 )
+from ucon.perception.views.space_kernels import RAY_AREA, RAY_CELL, RAYS
 from ucon.task.actions import Action
 
 #: Categories of these tests: a table, and a cupboard with doors; the last row is for names outside the catalogue.
@@ -214,33 +215,86 @@ def test_doors_count_within_reach() -> None:
     assert found[0, HERE - 2, HERE] == 0, "seven cells away"
 
 
-def test_all_headings_count_alike() -> None:
-    """A map at random, turned around the agent: what was counted to one side is counted to the next."""
+def one_by_one(  # noqa: C901 (the definition, cell by cell)
+    maps: dict[str, np.ndarray], share: np.ndarray, at: tuple[int, int], sight: int, enough: int
+) -> np.ndarray:
+    """What a node would show in each heading, (8, 4), by reading every cell of every ray as the definition says."""
+    out = np.zeros((8, 4))
+    for h in range(4):
+        cells, containers, best = set(), set(), 0.0
+        for ray in range(RAYS):
+            if ((ray + RAYS // 8) % RAYS) // (RAYS // 4) != h:
+                continue
+            trust, deep = 1.0, 0
+            for k in range(22):
+                i, j = (int(c) for c in np.array(at) + RAY_CELL[ray, k])
+                within = 0 <= i < SIZE and 0 <= j < SIZE
+                bits = int(maps["flags"][i, j]) if within else 0
+                if not bits & EXPLORED:
+                    if not bits & OPAQUE:
+                        out[5, h] += RAY_AREA[ray, k] * trust
+                        trust, deep = trust * 0.8825, deep + 1
+                elif (i, j) not in cells:
+                    cells.add((i, j))
+                    fresh = maps["look"][i, j] < enough
+                    out[6, h] += 0.0625 * (k < sight and fresh)
+                    for track in maps["who"][:, i, j]:
+                        if track < 0:
+                            continue
+                        if k < sight and fresh:
+                            out[:3, h] += share[track, :3]
+                        elif k < sight:
+                            out[3, h] += share[track, :3].sum()
+                        if k < 4 and track not in containers:
+                            containers.add(track)
+                            out[4, h] += share[track, 3] * maps["extent"][track]
+                    if bits & memory_kernels.TARGET:
+                        best = max(best, 1.0 if k < 4 else 2.0 / (k + 1))
+                if bits & OPAQUE or deep >= 12:
+                    break
+        out[7, h] = best
+    return out
+
+
+@pytest.mark.parametrize("reach_m", [1.0, 3.0, 5.0])
+@pytest.mark.parametrize("pose", [(0, 0), (HALF - 2, 3), (-HALF + 1, -HALF + 3), (40, HALF - 4)], ids=str)
+def test_poses_show_what_the_definition_says(pose: tuple[int, int], reach_m: float) -> None:
+    """Maps at random, also at their edges, with so many poses that the marks of counted cells begin anew."""
     draw = np.random.default_rng(5)
-    around = slice(HALF - 30, HALF + 31)  # the agent's cell is in the middle
-    state = initial_maps(1, torch.device("cpu"))
-    bits = draw.choice(np.array([0, EXPLORED, EXPLORED, EXPLORED, EXPLORED | OPAQUE], np.uint8), (61, 61))
+    bits = np.array([0, EXPLORED, EXPLORED, EXPLORED, EXPLORED | OPAQUE, OPAQUE], np.uint8)
     maps = {
-        "flags": bits | np.uint8(memory_kernels.TARGET) * (draw.random((61, 61)) < 0.02),
-        "look": draw.integers(0, 256, (61, 61)),
-        "who": np.where(draw.random((2, 61, 61)) < 0.3, draw.integers(0, 40, (2, 61, 61)), -1),
+        "flags": draw.choice(bits, (SIZE, SIZE), p=(0.2, 0.25, 0.25, 0.2, 0.05, 0.05))
+        | np.uint8(memory_kernels.TARGET) * (draw.random((SIZE, SIZE)) < 0.02),
+        "look": draw.integers(0, 256, (SIZE, SIZE)).astype(np.uint8),
+        "who": np.where(draw.random((2, SIZE, SIZE)) < 0.2, draw.integers(0, 40, (2, SIZE, SIZE)), -1).astype(np.int16),
+        "extent": np.zeros(N_TRACKS, np.int32),
     }
-    maps["flags"][26:35, 26:35] |= EXPLORED
-    maps["flags"][26:35, 26:35] &= ~np.uint8(OPAQUE)
-    state["extent"][0, :40] = torch.from_numpy(np.array([(maps["who"] == k).sum() for k in range(40)]))
-    mass = torch.from_numpy(draw.random((1, N_TRACKS, 4), np.float32))
-    found = []
-    for turns in range(4):
-        for name, values in maps.items():
-            turned = np.ascontiguousarray(np.rot90(values, turns, (-1, -2)))
-            state[name][0][..., around, around] = torch.from_numpy(turned).to(state[name].dtype)
-        here = outlook(state, mass, torch.zeros(1, 4, dtype=torch.long), torch.tensor([3.0])).counts[
-            0, :, :, HERE, HERE
+    maps["extent"][:40] = draw.integers(1, 30, 40)
+    batch = 20  # of one map: 20 * 4 * some 1,600 marks
+    state = initial_maps(batch, torch.device("cpu"))
+    for name, values in maps.items():
+        state[name][:] = torch.from_numpy(values)
+    mass = torch.from_numpy(draw.random((1, N_TRACKS, 4), np.float32)).expand(batch, -1, -1)
+    at = torch.tensor([[*pose, 0, 0]]).expand(batch, -1)
+    found = outlook(state, mass, at, torch.full((batch,), reach_m))
+    assert torch.equal(found.counts[0], found.counts[-1])
+    share = (mass[0] / state["extent"][0].clamp(min=1)[:, None]).numpy()
+    there = (found.steps[0, 0] != way_kernels.FAR).nonzero().tolist()
+    checked = 0
+    for a, c in (there[int(k)] for k in draw.choice(len(there), 30, replace=False)):
+        which = int(found.cell[0, a, c])
+        i, j = (pose[n] + HALF - REACH + 2 * block + bit for n, block, bit in ((0, a, which >> 1), (1, c, which & 1)))
+        around = [
+            maps["flags"][u, v]
+            for u, v in ((i, j), (i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1))
+            if 0 < i < SIZE - 1 and 0 < j < SIZE - 1
         ]
-        found.append(here.roll(turns, 1))
-    assert all((found[0][OUTLOOK.index(name)] > 0).any() for name in OUTLOOK if name not in ("been", "around"))
-    for other in found[1:]:
-        assert other.numpy() == pytest.approx(found[0].numpy(), rel=1e-5)
+        if not any(int(flag) & EXPLORED for flag in around):
+            continue
+        wanted = one_by_one(maps, share, (i, j), int(reach_m * 4), int(255 * np.exp(-reach_m / 2)))
+        assert found.counts[0, :8, :, a, c].numpy() == pytest.approx(wanted, rel=1e-4, abs=1e-5)
+        checked += 1
+    assert checked > 5
 
 
 def test_a_pose_that_it_was_in_for_long_shows_nothing_more() -> None:

@@ -9,15 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any, Final, cast
 
 from torch import Tensor
 
+from ucon.core.device import torch_device
 from ucon.core.errors import DataError
 from ucon.core.progress import part as progress
 from ucon.learning.imitation.learner import ImitationLearner
 from ucon.learning.imitation.trajectories import Trajectory, trajectories_from_json
 from ucon.learning.policies.playing import Job
+from ucon.learning.run.options import CollectingOptions
 from ucon.learning.run.protocol import State
 from ucon.learning.run.updates import require_finite
 from ucon.task.episode import Episode
@@ -36,6 +38,8 @@ class CollectingLearner(ImitationLearner):
         options: arguments of :class:`ucon.learning.imitation.learner.ImitationLearner`.
     """
 
+    options_of = CollectingOptions
+
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
         self.collected: list[Trajectory] = []
@@ -44,6 +48,16 @@ class CollectingLearner(ImitationLearner):
         self._ahead: list[Callable[[], list[Any]]] = []
         """Parts of the next collection, once asked for."""
         self._length = self.options.steps
+
+    @property
+    def play_device(self) -> str:
+        """Device of the policy that plays."""
+        return torch_device(cast(CollectingOptions, self.options).play_device, "learner.play_device")
+
+    @property
+    def resolved_options(self) -> Mapping[str, str | int]:
+        """As of imitation, and ``play_device``."""
+        return {**super().resolved_options, "play_device": self.play_device}
 
     @property
     def per_iteration(self) -> int:

@@ -60,7 +60,7 @@ class ImitationLearner:
 
     title = "imitation"
 
-    options_of = ImitationOptions
+    options_of: type[ImitationOptions] = ImitationOptions
     """Dataclass of the options that ``**options`` may hold; read by the check of configurations."""
 
     def __init__(
@@ -72,14 +72,13 @@ class ImitationLearner:
         demonstrator: Demonstrator | None = None,
         **options: Any,
     ) -> None:
-        self.options = given = ImitationOptions(**options)
+        self.options = given = self.options_of(**options)
         if not isinstance(policy, nn.Module):
             raise ConfigError("agent has no policy that can be trained; choose one that has, such as agent=vtn")
         if scores_views(policy):
             scorer = type(policy).__name__
             raise ConfigError(f"{scorer} scores views, and stored solutions name actions; train it with learner=ppo")
         self.device = torch_device(given.device, "learner.device")
-        self.play_device = torch_device(given.play_device, "learner.play_device")
         self._precision = torch_precision(given.precision, self.device, on_cpu=True)
         self.demonstrator = demonstrator or SolutionDemonstrator()
         batch = batch_size(given.batch, self.device, self.demonstrator.batch)
@@ -133,8 +132,7 @@ class ImitationLearner:
         The run stores them, so that it goes on with the same values on another machine.
         """
         precision = str(self._precision).removeprefix("torch.")
-        chosen: dict[str, str | int] = {"device": self.device, "precision": precision, "batch": self.batch}
-        return chosen | ({} if self.options.play_device == self.play_device else {"play_device": self.play_device})
+        return {"device": self.device, "precision": precision, "batch": self.batch}
 
     @property
     def n_labels(self) -> int:

@@ -94,15 +94,13 @@ class PolicyOptions(LearnerOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class ImitationOptions(PolicyOptions):
-    """Options of ``learner=imitation`` and ``learner=dagger``.
+    """Options of ``learner=imitation``.
 
     Args:
         batch: episodes of one step; ``auto``: the demonstrator's number, four times as many on a GPU.
         workers: processes that play episodes ahead; 0 plays them in this one. The result does not depend on it.
         worker_timeout_s: seconds that workers may take for the next batch; then they and the run are ended.
         memory_gb: memory for replays, compressed, that are kept for the next epoch.
-        play_device: device of the policy that plays collections: ``cpu``, or ``cuda``, which many episodes at once of a
-            network with images are worth; actions then depend on the GPU in their last bits.
     """
 
     lr: float = 3e-4
@@ -115,7 +113,6 @@ class ImitationOptions(PolicyOptions):
     workers: int = 0
     worker_timeout_s: float = WORKER_TIMEOUT_S
     memory_gb: float = 1.0
-    play_device: str = "cpu"
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -123,6 +120,18 @@ class ImitationOptions(PolicyOptions):
         check(wanted, lambda x: 0 <= x <= MOST_WORKERS, (int,), workers=self.workers)
         check("at least 0", lambda x: 0 <= x < _MOST, memory_gb=self.memory_gb)
         check_timeout("learner.worker_timeout_s", self.worker_timeout_s)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CollectingOptions(ImitationOptions):
+    """Options of ``learner=dagger`` and ``learner=ppo_episodes``, which play what they learn from.
+
+    Args:
+        play_device: device of the policy that plays: ``cpu``, ``cuda`` or ``auto``. A GPU is worth it to networks with
+            images; what is played then depends on it in the last bits.
+    """
+
+    play_device: str = "cpu"
 
 
 @dataclass(frozen=True, kw_only=True)
