@@ -84,7 +84,8 @@ def test_a_run_of_a_gpu_can_be_played_on_the_processor(tmp_path):
     shutil.copytree(RESULTS / "learned-habit_policy-retrieval", folder)
     altered(folder, agent={**OmegaConf.load(folder / "config.yaml").agent, "device": "cuda:9"})
     words = (folder, "--every", "500")
-    assert "torch sees no such GPU" in replay(tmp_path, *words).stderr
+    told = replay(tmp_path, *words).stderr
+    assert told.endswith("torch sees no such GPU here; replay --device cpu plays it here\n")
     assert "2 episodes played" in replay(tmp_path, *words, "--device", "cpu").stdout
     told = user_error(replay(tmp_path, *words, "--device", "gpu"))
     assert told == "error: --device=gpu: expected cpu, cuda, cuda:NUMBER or auto"

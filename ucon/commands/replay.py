@@ -48,7 +48,7 @@ def run(args: argparse.Namespace) -> int:
     from hydra.errors import HydraException
 
     from ucon.configuration.stored import said_in
-    from ucon.core.device import torch_device
+    from ucon.core.device import NO_GPU, torch_device
     from ucon.core.errors import UconError
     from ucon.evaluation.playing.crew import WorkerError
 
@@ -68,6 +68,8 @@ def run(args: argparse.Namespace) -> int:
             ok = False
             # A WorkerError is a bug and keeps its traceback; other errors are printed as one line.
             why = str(error) if isinstance(error, WorkerError) else " ".join(str(error).split())
+            if NO_GPU in why and device is None:
+                why = f"{why.partition(';')[0]}; replay --device cpu plays it here"
             print(f"{folder}: not played: {why}", file=sys.stderr, flush=True)
         else:
             ok = ok and again.found.same

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     import torch
 
 AUTO: Final = "auto"
+NO_GPU: Final = "torch sees no such GPU here"
+"""What errors say where a device is missing."""
 PRECISIONS: Final = ("float32", "bfloat16")
 #: Batch size on a GPU relative to a CPU, for ``auto``.
 _LARGER: Final = 4
@@ -36,7 +38,7 @@ def torch_device(name: str, option: str = "device") -> str:
         raise ConfigError(f"{option}={brief(name)}: expected cpu, cuda, cuda:NUMBER or auto")
     kind = torch.device(name)
     if kind.type == "cuda" and (kind.index or 0) >= torch.cuda.device_count():
-        raise ConfigError(f"{option}={name}: torch sees no such GPU here; give {option}=cpu")
+        raise ConfigError(f"{option}={name}: {NO_GPU}; give {option}=cpu")
     return name
 
 
