@@ -70,8 +70,9 @@ def arguments_of(target: str) -> dict[str, tuple[Kind, Any]]:
                 if kind is None or known or parameter.kind is parameter.VAR_KEYWORD:
                     continue  # the first class that annotates an argument decides
                 out[parameter.name] = (_NARROWER.get(parameter.name, kind), parameter.default)
-            if not any(parameter.kind is parameter.VAR_KEYWORD for parameter in parameters):
-                break
+            passes_on = any(parameter.kind is parameter.VAR_KEYWORD for parameter in parameters)
+            if not passes_on and (not inspect.isclass(found) or issubclass(found, one)):
+                break  # a class of options takes nothing further, the bases of its owner do
     except Exception:  # not importable or not callable: building it gives the error
         return {}
     return out
