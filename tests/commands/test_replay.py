@@ -25,9 +25,9 @@ SHIPPED = ("runs/e2e-searches", "checkpoints/habit_policy_e2e")
 
 
 def asks_for_more_than_is_shipped(folder: Path) -> bool:
-    """Trained weights of one's own, or other data."""
+    """Trained weights of one's own, other data, or a language model that has to be fetched."""
     text = (folder / "config.yaml").read_text().replace("\nout: runs/", "").replace(SHIPPED[0], "")
-    return "runs/" in text or "PATH/" in text
+    return any(asked in text for asked in ("runs/", "PATH/", "path: smollm2"))
 
 
 RECORDED = sorted(path.parent for path in RESULTS.glob("*/episodes.jsonl.xz"))
