@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 AUTO: Final = "auto"
 NO_GPU: Final = "torch sees no such GPU here"
-"""What errors say where a device is missing."""
+"""Error text for a GPU that torch does not see."""
 PRECISIONS: Final = ("float32", "bfloat16")
 #: Batch size on a GPU relative to a CPU, for ``auto``.
 _LARGER: Final = 4

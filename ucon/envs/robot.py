@@ -1,4 +1,4 @@
-"""What an environment does otherwise under ``task=real_robot``."""
+"""Differences of an environment under ``task=real_robot``."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ class CompareAtEnd(Callback):
             kwargs: unused.
         """
         folder = Path(config.hydra.sweep.dir)
-        for path in filter(Path.is_dir, folder.iterdir()):  # Hydra makes one for each run, by its overrides alone
+        for path in filter(Path.is_dir, folder.glob("*")):  # Hydra makes one for each run, by its overrides alone
             with suppress(OSError):
                 path.rmdir()
         print_sweep(folder)

@@ -218,7 +218,7 @@ def test_doors_count_within_reach() -> None:
 def one_by_one(  # noqa: C901 (the definition, cell by cell)
     maps: dict[str, np.ndarray], share: np.ndarray, at: tuple[int, int], sight: int, enough: int
 ) -> np.ndarray:
-    """What a node would show in each heading, (8, 4), by reading every cell of every ray as the definition says."""
+    """Counts of a node by heading, (8, 4): every cell of every ray is read, with nothing shared."""
     out = np.zeros((8, 4))
     for h in range(4):
         cells, containers, best = set(), set(), 0.0

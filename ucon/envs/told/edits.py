@@ -37,7 +37,7 @@ class Edit:
     habit: str
     """The sentence, which has to be among those that the agent is given."""
     instead: str | None
-    """What is told in its place; None: nothing."""
+    """Sentence told in its place; None: nothing."""
 
     def to_line(self) -> str:
         """One line of canonical JSON, without the line break."""

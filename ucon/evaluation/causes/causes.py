@@ -55,7 +55,7 @@ class Tried:
 
     @property
     def gain(self) -> tuple[int, float]:
-        """What the sentence is worth to the search: success and SPL with it less those without it."""
+        """Gain of the search by the sentence: success and SPL with it less those without it."""
         return int(self.success[0]) - int(self.success[1]), round(self.spl[0] - self.spl[1], 6)
 
     @property
@@ -113,7 +113,7 @@ def tried(
 
 
 def about(episode: Episode, dataset: HabitDataset, row: int) -> About:
-    """What a sentence is about in an episode."""
+    """Kind of thing that a sentence is about in an episode."""
     entry = dataset.entry_of(row)
     if entry.category == episode.target_category:
         return "target"

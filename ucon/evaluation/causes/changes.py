@@ -1,4 +1,4 @@
-"""What may be told in the place of a sentence: the same thing kept elsewhere, or its landmark by another name."""
+"""Sentences that may stand in the place of another: the same thing kept elsewhere, or its landmark by another name."""
 
 from __future__ import annotations
 
