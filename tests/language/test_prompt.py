@@ -4,6 +4,7 @@ import pytest
 
 from tests.language.tiny_models import HABITS, INJECTED, PROMPT
 from ucon.core.errors import ConfigError, DataError
+from ucon.language.models.conversation import most_habits
 from ucon.language.prompt import END, START, Prompt, first_habits, habit_block, habits_in, neutral
 
 
@@ -107,3 +108,19 @@ def test_habits_are_dropped_whole_and_from_the_end(prompt):
         assert first_habits(system, n) == prompt.system(habits=habit_block(HABITS[:n]))
         assert habits_in(first_habits(system, n)) == n
     assert first_habits("no block", 0) == "no block"
+
+
+@pytest.mark.parametrize("room", [0, 1, 3, len(HABITS) - 1, len(HABITS)])
+@pytest.mark.parametrize("likely", [0, 1, 2, len(HABITS), len(HABITS) + 5])
+def test_the_largest_number_of_habits_is_kept_whatever_was_kept_before(prompt, room, likely):
+    system = prompt.system(habits=habit_block(HABITS))
+    tried = []
+
+    def fits(message):
+        tried.append(message)
+        return habits_in(message) <= room
+
+    assert most_habits(system, fits, likely) == (first_habits(system, room), len(HABITS) - room)
+    if likely == len(HABITS) - room > 0:
+        assert len(tried) == 2
+    assert most_habits(system, lambda message: False, likely) is None

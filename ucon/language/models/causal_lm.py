@@ -83,6 +83,8 @@ class CausalModel(LikelihoodModel[_Ready]):
         self._keep, self._orders = prefixes, Orders(orders, seed)
         self._prefixes: OrderedDict[Ids, Past] = OrderedDict()
         self._systems: OrderedDict[str, Ids] = OrderedDict()
+        # Of the last question: most likely as many must be left out of the next one, too.
+        self._dropped = 0
 
     @property
     def name(self) -> str:
@@ -102,12 +104,14 @@ class CausalModel(LikelihoodModel[_Ready]):
         # Room is left for longer messages, so that all questions of an episode drop the same habits and share the rest.
         own = len(self._ids(question.situation))
         room = self._window - max(map(len, answers)) - max(self._window // _SPARE - own, 0)
-        found = most_habits(question.system, lambda system: len(self._prompt(system, question.situation)) <= room)
+        found = most_habits(
+            question.system, lambda system: len(self._prompt(system, question.situation)) <= room, self._dropped
+        )
         if found is None:
             return None
-        system, dropped = found
+        system, self._dropped = found
         prompt = self._prompt(system, question.situation)
-        return _Ready(prompt, dropped, self._shared(system, prompt), answers)
+        return _Ready(prompt, self._dropped, self._shared(system, prompt), answers)
 
     def _prompt(self, system: str, situation: str) -> Ids:
         return self._ids(self._template.render(system, situation))

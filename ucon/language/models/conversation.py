@@ -74,19 +74,25 @@ class ChatTemplate:
         )
 
 
-def most_habits(system: str, fits: Callable[[str], bool]) -> tuple[str, int] | None:
+def most_habits(system: str, fits: Callable[[str], bool], likely: int = 0) -> tuple[str, int] | None:
     """Cut the habits of a system message to the largest number that fits.
 
     Args:
         system: message with a habit block.
-        fits: whether a system message fits into the window.
+        fits: whether a system message fits into the window; fewer habits always do where more do.
+        likely: habits that were dropped the last time; the result does not depend on it, but is found by two trials
+            where it holds again.
 
     Returns:
         The message, and how many habits were dropped at its end; None if it does not fit without habits either.
     """
+    n = habits_in(system)
+    if 0 < likely <= n:
+        cut, longer = (first_habits(system, n - left_out) for left_out in (likely, likely - 1))
+        if fits(cut) and not fits(longer):
+            return cut, likely
     if fits(system):
         return system, 0
-    n = habits_in(system)
     low, high = 0, n - 1
     if n == 0 or not fits(first_habits(system, 0)):
         return None
