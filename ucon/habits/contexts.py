@@ -216,7 +216,12 @@ def draw_context(rng: np.random.Generator, occasions: Iterable[str], asker: str,
     occasion = known[int(pick * len(known))] if known and happens else None
     people = sorted(set(users))
     user = people[int(rng.integers(len(people)))] if people else None
-    return Context(day, hour, _SEASON_OF.get(occasion or "", season), occasion, asker, user)
+    return Context(day, hour, season_of(occasion or "") or season, occasion, asker, user)
+
+
+def season_of(occasion: str) -> str | None:
+    """The season to which an occasion belongs; None where it may be in any."""
+    return _SEASON_OF.get(occasion)
 
 
 def condition_of(text: str) -> Condition:

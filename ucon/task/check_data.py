@@ -55,12 +55,12 @@ def check_data(episode: Any, where: str) -> None:
         right = _is_text(context.asker) and (context.occasion is None or _is_text(context.occasion))
         expect(right, where, "context", context, "an asker and an occasion that are texts")
     for number, placed in enumerate(objects):
-        _check_object(placed, f"{where}: object {number}")
+        check_object(placed, f"{where}: object {number}")
     same = [o.category for o in objects].count(episode.target_category)
     expect(same == 1, where, f"number of {episode.target_category}", same, "1, since it is to be found")
 
 
-def _check_object(placed: PlacedObject, where: str) -> None:
+def check_object(placed: PlacedObject, where: str) -> None:
     """Check one placed object."""
     if placed.category not in catalogue():
         try:

@@ -45,12 +45,12 @@ class Draft:
             placed: the object.
             origin: entry id and index of its placement.
         """
-        self.arrangement = with_object(self.house, self.arrangement, _rounded(placed))
+        self.arrangement = with_object(self.house, self.arrangement, rounded(placed))
         self.origins.append(origin)
 
 
-def _rounded(placed: PlacedObject) -> PlacedObject:
-    """The object with its pose rounded to 6 decimals."""
+def rounded(placed: PlacedObject) -> PlacedObject:
+    """The object with its pose rounded to 6 decimals, as it is stored."""
     x, y, z = (round(v, 6) + 0.0 for v in placed.position)
     a, b, c, d = (round(v, 6) + 0.0 for v in placed.quat_xyzw)
     return replace(placed, position=(x, y, z), quat_xyzw=(a, b, c, d))

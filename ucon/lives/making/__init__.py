@@ -1,0 +1,1 @@
+"""Making lives: places for each thing, days of use, requests."""
