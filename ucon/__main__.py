@@ -36,7 +36,7 @@ COMMANDS = {
     "scenes": "list and draw the homes",
     "habits": "import a habit dataset, or print a dataset's statistics",
     "episodes": "make or verify fixed episode sets",
-    "lives": "make, list or verify sets of lives: days in one home, in which people use their things and a robot is asked for them",
+    "lives": "make, list or verify sets of lives: days in a home whose people use their things",
     "check-env": "check that an environment, or a wrapper of one of ours, keeps what the task promises",
     "models": "download a language model once, check it, and convert it",
     "data": "fit, measure and ship the weights and tables that come with the package",

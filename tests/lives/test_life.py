@@ -140,7 +140,7 @@ def test_a_robot_steps_aside_for_what_was_put_where_it_stood(life):
 )
 def test_what_cannot_be_is_refused_in_one_line(life, edit, said):
     data = json.loads(json.dumps(life.to_json())) | edit
-    with pytest.raises(EpisodeError, match="^lives.xz:3: ") as raised:
+    with pytest.raises(EpisodeError, match=r"^lives\.xz:3: ") as raised:
         Life.from_json(data, where="lives.xz:3")
     assert said in str(raised.value)
     assert "\n" not in str(raised.value)
@@ -160,9 +160,9 @@ def test_a_life_of_another_home_or_other_habits_is_refused(life):
         check_life_home(replace(life, home_hash="0" * 64), house)
     with pytest.raises(EpisodeError, match="dock"):
         check_life_home(replace(life, dock=Start(0, 0, 0)), house)
+    far = replace(life, fixed=(replace(life.fixed[0], anchor=10_000), *life.fixed[1:]))
     with pytest.raises(EpisodeError, match="which never moves"):
-        far = replace(life.fixed[0], anchor=10_000)
-        check_life_home(replace(life, fixed=(far, *life.fixed[1:])), house)
+        check_life_home(far, house)
     with pytest.raises(EpisodeError, match="the dataset in use is"):
         Asking(replace(life, habits_hash="0" * 64), contexts_book())
 

@@ -49,6 +49,7 @@ EVALUATION: Final[Mapping[str, Kind]] = {
     "detector": PART,
     "habits": PART,
     "language": PART,
+    "memory": either([PART, NOTHING]),
     "retriever": PART,
     "env": PART,
     "env.detector": PART,

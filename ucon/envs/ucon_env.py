@@ -223,7 +223,9 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         Args:
             seed: draws the episode, unless one is given.
             options: ``episode``, an Episode, an id or an index; ``habit_level``, the level of this episode alone;
-                ``hide_target``, True: the detector never shows the target. For trainers.
+                ``hide_target``, True: the detector never shows the target (for trainers); ``frame``, a Start: poses and
+                the grid are relative to it in place of the episode's own; ``same_home``, True: the detector goes on
+                with the tracks of the episode before, whose home had the same instances.
 
         Returns:
             Observation and info; see the class.
@@ -237,15 +239,16 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         self.episode = self._choose(options or {})
         self._hides_target = bool((options or {}).get("hide_target", False))
         level = self.source.check_level((options or {}).get("habit_level", self.habit_level))
+        tracked = self._world is not None and bool((options or {}).get("same_home", False))
         house = load_house(self.episode.scene)
         check_home(self.episode, house)
         self._enter(house)
         self.search = begun_search(self.episode, self._world, self._renderer, self.rules, self._rig)
-        self._frame = StartFrame(self.episode.start)
+        self._frame = StartFrame((options or {}).get("frame", self.episode.start))
         self._knowledge = self.source.knowledge(self.episode, level)
         self._give_habits()
         self._target_embedding = self._knowledge.target_embedding.astype(np.float32)
-        if self._detector is not None:
+        if self._detector is not None and not tracked:
             self._detector.reset(self.episode.id, self._world.categories)
         self._last_action, self._collision = NO_ACTION, 0
         self._over = False

@@ -53,6 +53,16 @@ class Asking(Shared):
             found += [(name, life.change_day) for one in life.possessions for name in one.later]
         return tuple(found)
 
+    def obeys(self, number: int) -> bool:
+        """Whether a sentence that was told until a request speaks for the place of what is asked for."""
+        asked = self.life.requests[number]
+        told = dict(self.told_entries(day_and_slot(asked.time)[0]))
+        for name, index in self.timeline.place(asked.possession, asked.time).origins:
+            habits = self.dataset.entries[self.dataset.entry_number[name]].habits
+            if name in told and any(index in habit.supports for habit in habits):
+                return True
+        return False
+
     def standing(self, number: int, at: Start) -> Start:
         """Where the robot stands at a request: where it stopped, or beside it where something was put there since."""
         free = SceneState(self.house, self.timeline.arrangement(self.life.requests[number].time)).free

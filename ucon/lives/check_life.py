@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,7 @@ from ucon.task.check_data import check_object, expect
 from ucon.task.rules import task_rules
 
 if TYPE_CHECKING:
-    from ucon.lives.life import Life, Possession
+    from ucon.lives.life import Life, Move, Possession, Request
 
 _TEXTS = ("id", "scene", "home_hash", "habits", "habits_hash", "task", "split", "season")
 #: Longest life, days.
@@ -90,7 +91,8 @@ def _check_calendar(life: Life, where: str) -> None:
 def _check_times(life: Life, where: str) -> None:
     end, count = N_SLOTS * life.days, len(life.possessions)
     expect(len(life.requests) > 0, where, "number of requests", 0, "at least one")
-    for name, rows in (("move", life.moves), ("request", life.requests)):
+    kinds: dict[str, Sequence[Move | Request]] = {"move": life.moves, "request": life.requests}
+    for name, rows in kinds.items():
         for one in rows:
             expect(_is_number(one.time, 0, end - 1), where, f"time of a {name}", one.time, f"0 to {end - 1}")
             right = _is_number(one.possession, 0, count - 1)

@@ -28,10 +28,14 @@ from ucon.evaluation.playing.pictures import worth_filming
 from ucon.evaluation.playing.play import PlayedEpisode, RunSpec
 from ucon.evaluation.playing.progress_bar import EvaluationProgress, embedding_progress
 from ucon.evaluation.playing.runner import OnPlayed, evaluate
+from ucon.lives.asked import Asked, asked_of, example
+from ucon.lives.sets import load_lives
 from ucon.retrieval.levels import check_level
 from ucon.task.episode import Episode
 from ucon.task.rules import PAPER
 
+#: Name of the task of lives.
+RESIDENT = "resident"
 _BOOK, _FOLDER = "ucon.habits.book", "ucon.configuration.wiring.folder_habits"
 
 
@@ -56,14 +60,21 @@ class Evaluation:
         task = config["task"]
         self.level = str(config["habit_level"]["name"])
         check_level(self.level)
-        self.episodes = chosen_episodes(
-            config["episodes"], config["limit"], task["name"], context=task["context"], every=config["every"]
+        resident = task["name"] == RESIDENT
+        chosen = config["episodes"], config["limit"]
+        self.episodes: Sequence[Any] = (
+            chosen_requests(*chosen, every=config["every"])
+            if resident
+            else chosen_episodes(*chosen, task["name"], context=task["context"], every=config["every"])
         )
+        """Episodes, or the requests of lives."""
         if is_home_file(config["episodes"]):
             say_made(Path(config["episodes"]), own_set(Path(config["episodes"]), task["name"]))
-        warn_of_other_rules(self.episodes, task["name"])
+        warn_of_other_rules(self.episodes, config["env"]["task"])
         agent, detector = Factory(config["agent"])(), Factory(config["env"]["detector"])()
-        self.parts, self.source = parts_of(agent, detector), Factory(config["env"]["source"])()
+        memory = _memory(config.get("memory"), resident=resident)
+        self.parts = parts_of(agent, detector, None if memory is None else memory())
+        self.source = Factory(config["env"]["source"])()
         self.label = agent_label({"agent": agent.name, **self.parts.to_json()})
         """Label of the agent, as in tables."""
         self.source.check_edits(self.episodes)
@@ -81,16 +92,19 @@ class Evaluation:
         self.config = config | {"out": str(self.out)} if anew else config
         self.spec = RunSpec(
             agent=Factory(config["agent"]),
-            env=Factory(config["env"], {"episodes": self.episodes[:1]}),
+            env=Factory(config["env"], _played_by(self.episodes[0])),
             habit_level=self.level,
             seed=config["seed"],
             batch=config["batch"],
+            memory=memory,
         )
         self.n_new, self.seconds = 0, 0.0
         """Episodes that :meth:`play` played, and how long that took."""
 
-    def given(self, episode: Episode) -> tuple[str, ...] | None:
+    def given(self, episode: Episode | Asked) -> tuple[str, ...] | None:
         """Habits that the agent is given at an episode's start, in order; None for an agent that reads none."""
+        if isinstance(episode, Asked):
+            episode = example(episode, self.source.dataset)
         return self.source.knowledge(episode, self.level).texts if self.parts.uses_habits else None
 
     def twin(self) -> Path | None:
@@ -186,6 +200,12 @@ class Evaluation:
             )
 
 
+def chosen_requests(name: str, limit: int | None, every: int = 1) -> tuple[Asked, ...]:
+    """All requests of every ``every``-th life of a set or file, and of these lives the first ``limit``."""
+    check_part(limit, every)
+    return asked_of(load_lives(name)[::every][:limit])
+
+
 def chosen_episodes(name: str, limit: int | None, task: str, *, context: bool, every: int = 1) -> tuple[Episode, ...]:
     """Every ``every``-th episode of a set, and of these the first ``limit``.
 
@@ -197,7 +217,27 @@ def chosen_episodes(name: str, limit: int | None, task: str, *, context: bool, e
         every: 1 for all.
     """
     check_part(limit, every)
+    if task == RESIDENT:
+        raise ConfigError(f"episodes={name}: lives of task=resident, expected episodes")
     return episodes_of(name, task, context=context)[::every][:limit]
+
+
+def _played_by(one: Episode | Asked) -> dict[str, Any]:
+    """Argument of the environment that plays an episode, or a request's life."""
+    return {"lives": [one.life]} if isinstance(one, Asked) else {"episodes": [one]}
+
+
+def _memory(config: Any, *, resident: bool) -> Factory | None:
+    """Makes the memory of a robot in one home; None: it has none.
+
+    Raises:
+        ConfigError: a memory for a robot that does not live there.
+    """
+    if config is None:
+        return None
+    if not resident:
+        raise ConfigError("memory: only a robot that lives in a home remembers it; add task=resident")
+    return Factory(config)
 
 
 def with_own_habits(config: dict[str, Any]) -> dict[str, Any]:
@@ -224,7 +264,7 @@ def check_part(limit: Any, every: Any) -> None:
     check_options({"limit": limit, "every": every}, EVALUATION)
 
 
-def warn_of_other_rules(episodes: tuple[Episode, ...], task: str) -> None:
+def warn_of_other_rules(episodes: Sequence[Episode | Asked], task: str) -> None:
     """Warn if episodes were made under other rules than they are played under.
 
     A file given by path is played as it is; its shortest paths hold only under the rules that it was made under.

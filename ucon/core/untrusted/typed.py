@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import types
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from functools import lru_cache
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -41,7 +41,7 @@ def parse_line(raw: bytes | str, where: str, remedy: str = _ALTERED) -> Any:
 def read_as(cls: type[T], data: Any, where: str, what: str, *, without: tuple[str, ...] = (), remedy: str = "") -> T:
     """An instance of a dataclass from a JSON object with exactly its fields.
 
-    Fields may be ``str``, ``bool``, ``int``, ``float``, one of these or None, or a tuple of them.
+    Fields may be ``str``, ``bool``, ``int``, ``float``, such a dataclass, one of these or None, or a tuple of them.
 
     Args:
         cls: the dataclass.
@@ -89,6 +89,8 @@ def _reader(kind: Any) -> Callable[[Any], Any]:
     inner = get_args(kind)
     if get_origin(kind) is tuple and inner[1:] == (...,):
         return _sequence(_reader(inner[0]))
+    if is_dataclass(kind):
+        return _nested(kind)
     if get_origin(kind) in (Union, types.UnionType) and len(inner) == 2 and type(None) in inner:
         return _or_none(_reader(next(one for one in inner if one is not type(None))))
     raise TypeError(f"no reader for {kind}")
@@ -99,6 +101,16 @@ def _sequence(read: Callable[[Any], Any]) -> Callable[[Any], Any]:
         if type(value) is not list:
             raise _WrongTypeError("a list")
         return tuple(map(read, value))
+
+    return inner
+
+
+def _nested(kind: Any) -> Callable[[Any], Any]:
+    def inner(value: Any) -> Any:
+        try:
+            return read_as(kind, value, kind.__name__, "one")
+        except DataError:
+            raise _WrongTypeError(f"an object with {', '.join(_readers(kind))}") from None
 
     return inner
 

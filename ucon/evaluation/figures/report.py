@@ -18,6 +18,7 @@ from ucon.evaluation.figures.metrics import summarise
 from ucon.evaluation.kept.decisions import language_figures, seconds_per_decision
 from ucon.evaluation.kept.naming import ANY_LEVEL, NameParts, agent_label, level
 from ucon.evaluation.playing.play import PlayedEpisode
+from ucon.lives.asked import Asked
 from ucon.task.episode import Episode
 
 #: Packages whose version can change a record.
@@ -31,7 +32,9 @@ _FEW: Final = 30
 NEUTRAL_OPTIONS = ("out", "workers", "worker_timeout_s", "pictures", "progress")
 
 
-def run_hashes(config: dict[str, Any], episodes: Sequence[Episode], weights: Sequence[str] | None) -> dict[str, str]:
+def run_hashes(
+    config: dict[str, Any], episodes: Sequence[Episode | Asked], weights: Sequence[str] | None
+) -> dict[str, str]:
     """SHA-256 of everything that decides the records: configuration, episodes, habits, code and weights.
 
     Args:
@@ -51,7 +54,7 @@ def run_hashes(config: dict[str, Any], episodes: Sequence[Episode], weights: Seq
     } | ({} if weights is None else {"weights": sha256_bytes(canonical_json(list(weights)).encode())})
 
 
-def episodes_hash(episodes: Sequence[Episode]) -> str:
+def episodes_hash(episodes: Sequence[Episode | Asked]) -> str:
     """SHA-256 of episodes in their order, as ``summary.json`` names it."""
     return sha256_bytes("".join(episode.hash for episode in episodes).encode())
 

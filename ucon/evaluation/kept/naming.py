@@ -22,21 +22,25 @@ class NameParts:
     """Name of the agent's language model; None if it has none."""
     detector: str | None = None
     uses_habits: bool = True
+    memory: str | None = None
+    """Of a robot that lives in a home; None, and not in the file, without one."""
 
     def to_json(self) -> dict[str, Any]:
         """Plain values by name."""
-        return asdict(self)
+        return {name: value for name, value in asdict(self).items() if name != "memory" or value is not None}
 
 
-def parts_of(agent: Any, detector: Any) -> NameParts:
-    """Names of an agent's language model and of its environment's detector.
+def parts_of(agent: Any, detector: Any, memory: Any = None) -> NameParts:
+    """Names of an agent's language model, of its environment's detector, and of its memory.
 
     Args:
         agent: may have ``language`` and ``uses_habits``.
         detector: may have ``name``.
+        memory: may have ``name``.
     """
     model, uses_habits = getattr(agent, "language", None), getattr(agent, "uses_habits", True)
-    return NameParts(getattr(model, "name", None), getattr(detector, "name", None), bool(uses_habits))
+    model_name, detector_name, memory_name = (getattr(part, "name", None) for part in (model, detector, memory))
+    return NameParts(model_name, detector_name, bool(uses_habits), memory_name)
 
 
 def agent_label(summary: Mapping[str, Any]) -> str:
@@ -46,7 +50,9 @@ def agent_label(summary: Mapping[str, Any]) -> str:
         summary: content of ``summary.json``.
     """
     detector = summary.get("detector")
+    memory = summary.get("memory")
     parts = [summary["agent"], summary.get("language_model"), None if detector == "gt" else detector]
+    parts.append(memory and f"memory of {memory}")
     return " + ".join(part for part in parts if part)
 
 

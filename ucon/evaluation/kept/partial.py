@@ -75,7 +75,7 @@ def line_of_played(played: PlayedEpisode, seconds: float, first: bytes) -> bytes
     value: dict[str, Any] = {
         "index": played.index,
         "seconds": round(float(seconds), 3),
-        "record": asdict(played.record),
+        "record": played.record.to_json(),
         "timing": asdict(played.timing),
         "decisions": [d.to_json() for d in played.decisions],
     }

@@ -14,6 +14,7 @@ from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json
 from ucon.core.untrusted.typed import parse_line, read_as
 from ucon.evaluation.kept.seal import RECORDS, has_summary, read_bytes, read_file, read_files, refuse_unfinished
+from ucon.lives.request_record import LifeFacts
 from ucon.retrieval.levels import LEVELS
 from ucon.task.outcome import FailureCause
 
@@ -65,6 +66,8 @@ class EpisodeRecord:
     """Reciprocal rank of the first habit about the target."""
     language_calls: int = 0
     language_tokens: int = 0
+    life: LifeFacts | None = None
+    """Of a request of a life; None, and not in the file, for episodes."""
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -73,7 +76,12 @@ class EpisodeRecord:
 
     def to_line(self) -> str:
         """One line of canonical JSON, without the line break."""
-        return canonical_json(asdict(self))
+        return canonical_json(self.to_json())
+
+    def to_json(self) -> dict[str, Any]:
+        """The record as JSON data."""
+        data = asdict(self)
+        return data if self.life is not None else {name: value for name, value in data.items() if name != "life"}
 
     @classmethod
     def from_json(cls, data: Any, *, where: str = "record") -> EpisodeRecord:
@@ -86,7 +94,8 @@ class EpisodeRecord:
         Raises:
             DataError: it has another form, or contradicts itself.
         """
-        record = read_as(cls, data, where, "an episode record")
+        without = () if isinstance(data, dict) and "life" in data else ("life",)
+        record = read_as(cls, data, where, "an episode record", without=without)
         if problem := next(_contradictions(record), None):
             raise DataError(f"{where}: {problem}; the file is altered, evaluate again")
         return record

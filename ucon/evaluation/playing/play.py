@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, cast
 
 import gymnasium as gym
 import numpy as np
@@ -21,6 +21,9 @@ import numpy as np
 from ucon.core.errors import ConfigError, brief
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.evaluation.kept.record import EpisodeRecord, EpisodeTiming
+from ucon.lives.asked import Asked
+from ucon.lives.request_record import LifeFacts
+from ucon.memory.protocol import Memory
 from ucon.retrieval.levels import RANKED_LEVELS
 from ucon.task.actions import Action
 from ucon.task.agent import Agent
@@ -28,6 +31,8 @@ from ucon.task.episode import Episode
 from ucon.task.spoken import target_place
 
 Env = gym.Env[Any, Any]
+Job = tuple[int, Episode | Asked]
+"""What is played, with its index in the evaluated list."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +54,8 @@ class RunSpec:
     """
     films: Path | None = None
     """Folder for the map and the video of every episode; None: no films."""
+    memory: Callable[[], Memory | None] | None = None
+    """Of a robot that lives in a home; None: it begins every request without any."""
 
     def __post_init__(self) -> None:
         if type(self.batch) is not int or self.batch < 1:
@@ -101,14 +108,19 @@ class _Slot:
         return bool(terminated or truncated)
 
 
-def play(spec: RunSpec, jobs: Sequence[tuple[int, Episode]]) -> Iterator[PlayedEpisode]:
+def play(spec: RunSpec, jobs: Sequence[Job]) -> Iterator[PlayedEpisode]:
     """Play episodes in order and yield each as it ends. The result of one does not depend on the others.
 
     Args:
         spec: agent, environment, habit level.
-        jobs: (index, episode) pairs.
+        jobs: (index, episode) pairs, or (index, request of a life).
     """
     if not jobs:
+        return
+    if isinstance(jobs[0][1], Asked):
+        from ucon.evaluation.playing.play_lives import play_lives
+
+        yield from play_lives(spec, cast("Sequence[tuple[int, Asked]]", jobs))
         return
     agent = spec.agent()
     one_thread()
@@ -125,7 +137,7 @@ def play(spec: RunSpec, jobs: Sequence[tuple[int, Episode]]) -> Iterator[PlayedE
                 _append_agent_picture(slot, agent)
                 ended = slot.step(action)
                 if ended:
-                    yield _played(slot, agent, spec)
+                    yield played(slot, agent, spec, slot.info["episode_metrics"])
                 if not ended or _begin(slot, waiting, agent, spec):
                     still.append(slot)
             running = still
@@ -147,23 +159,54 @@ def one_thread() -> None:
         sys.modules["torch"].set_num_threads(1)
 
 
-def _begin(slot: _Slot, waiting: Iterator[tuple[int, Episode]], agent: Agent, spec: RunSpec) -> bool:
+def _begin(slot: _Slot, waiting: Iterator[Job], agent: Agent, spec: RunSpec) -> bool:
     job = next(waiting, None)
     if job is None:
         return False
     index, episode = job
+    assert isinstance(episode, Episode)
     slot.start(index, episode, spec.seed, film=spec.films is not None)
     agent.reset([slot.info], [slot.number])
     return True
 
 
-def _played(slot: _Slot, agent: Agent, spec: RunSpec) -> PlayedEpisode:
+class Ended(Protocol):
+    """A search that has just ended, in one environment of the batch."""
+
+    number: int
+    """Of the environment in the batch."""
+    env: Env
+    index: int
+    """Of the episode in the evaluated list."""
+    episode: Episode | None
+    first_info: Any
+    """Info of the reset."""
+    actions: list[int]
+    frames: list[Any] | None
+    """Frames of its film; None without one."""
+    started: float
+    """Of the process's clock, seconds."""
+
+
+def played(
+    slot: Ended, agent: Agent, spec: RunSpec, metrics: Mapping[str, Any], life: LifeFacts | None = None
+) -> PlayedEpisode:
+    """Record, timing and decisions of a search that has just ended; writes its film, if one is made.
+
+    Args:
+        slot: the search.
+        agent: the agent, before it begins another search there.
+        spec: of the run.
+        metrics: of the search, as the environment's ``episode_metrics``.
+        life: of a request in a life.
+    """
     seconds = time.perf_counter() - slot.started
     episode = slot.episode
     assert episode is not None
     usage = getattr(agent, "language_usage", None)
     calls, tokens, language_s = usage(slot.number) if usage else (0, 0, 0.0)
-    record = _record(slot, episode, agent.name, spec, calls, tokens)
+    record = _record(slot, episode, agent.name, spec, metrics)
+    record = replace(record, language_calls=int(calls), language_tokens=int(tokens), life=life)
     if slot.frames is not None and spec.films is not None:
         from ucon.evaluation.playing.pictures import save_film
 
@@ -190,9 +233,9 @@ def _captions(record: EpisodeRecord, place: str) -> list[str]:
     return lines
 
 
-def _record(slot: _Slot, episode: Episode, agent: str, spec: RunSpec, calls: int, tokens: int) -> EpisodeRecord:
-    m = slot.info["episode_metrics"]
+def _record(slot: Ended, episode: Episode, agent: str, spec: RunSpec, m: Mapping[str, Any]) -> EpisodeRecord:
     success, steps = bool(m["success"]), int(m["steps"])
+    ranked = _retrieval(slot.env, episode, spec.habit_level)
     return EpisodeRecord(
         episode=episode.id,
         scene=episode.scene,
@@ -218,16 +261,15 @@ def _record(slot: _Slot, episode: Episode, agent: str, spec: RunSpec, calls: int
         first_seen_step=int(m["first_seen_step"]),
         failure_cause=str(m["failure_cause"]),
         n_habits=len(slot.first_info["habits"]),
-        language_calls=int(calls),
-        language_tokens=int(tokens),
-        **_retrieval(slot.env, episode, spec.habit_level),
+        recall_10=ranked["recall_at_10"],
+        recall_20=ranked["recall_at_20"],
+        mrr=ranked["mrr"],
     )
 
 
-def _retrieval(env: Env, episode: Episode, level: str) -> dict[str, float | None]:
+def _retrieval(env: Env, episode: Episode, level: str) -> Mapping[str, float | None]:
     """How well the retriever ranks the target's habits among the episode's; None at levels that do not rank."""
     if level not in RANKED_LEVELS:
-        return {"recall_10": None, "recall_20": None, "mrr": None}
-    found = env.unwrapped.source.knowledge(episode, "none").retrieval_metrics()  # type: ignore[attr-defined]
-    names = {"recall_10": "recall_at_10", "recall_20": "recall_at_20", "mrr": "mrr"}
-    return {name: float(found[of]) for name, of in names.items()}
+        return {"recall_at_10": None, "recall_at_20": None, "mrr": None}
+    found: dict[str, float] = env.unwrapped.source.knowledge(episode, "none").retrieval_metrics()  # type: ignore[attr-defined]
+    return {name: float(value) for name, value in found.items()}

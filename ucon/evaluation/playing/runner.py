@@ -10,11 +10,12 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any
+from typing import Any, cast
 
 from ucon.core.errors import ConfigError, brief
 from ucon.evaluation.playing.crew import WorkerPool
-from ucon.evaluation.playing.play import PlayedEpisode, RunSpec, play
+from ucon.evaluation.playing.play import Job, PlayedEpisode, RunSpec, play
+from ucon.lives.asked import Asked, by_life
 from ucon.task.episode import Episode
 
 OnPlayed = Callable[[PlayedEpisode], None]
@@ -44,7 +45,7 @@ def resolve_workers(workers: int | str, n_episodes: int) -> int:
 
 def evaluate(
     spec: RunSpec,
-    episodes: Sequence[Episode],
+    episodes: Sequence[Episode | Asked],
     *,
     workers: int | str = "auto",
     skip: Sequence[int] = (),
@@ -70,7 +71,7 @@ def evaluate(
         WorkerError: a worker failed in another way or died.
     """
     done = set(skip)
-    jobs = [(i, episode) for i, episode in enumerate(episodes) if i not in done]
+    jobs: list[Job] = [(i, episode) for i, episode in enumerate(episodes) if i not in done]
     count = resolve_workers(workers, len(jobs))
     limit = _limit(worker_timeout_s)
     source = play(spec, jobs) if count == 0 else _parallel(spec, jobs, count, limit)
@@ -91,11 +92,18 @@ def _limit(timeout_s: Any) -> float:
     return float(timeout_s)
 
 
-def _parallel(
-    spec: RunSpec, jobs: Sequence[tuple[int, Episode]], count: int, timeout_s: float
-) -> Iterator[PlayedEpisode]:
+def _shares(jobs: Sequence[Job], count: int) -> list[list[Job]]:
+    """Jobs of each worker: every ``count``-th episode, or life."""
+    if not isinstance(jobs[0][1], Asked):
+        return [list(jobs[number::count]) for number in range(count)]
+    lives = by_life(cast("Sequence[tuple[int, Asked]]", jobs))
+    shares = [[job for life in lives[number::count] for job in life] for number in range(count)]
+    return cast("list[list[Job]]", [share for share in shares if share])
+
+
+def _parallel(spec: RunSpec, jobs: Sequence[Job], count: int, timeout_s: float) -> Iterator[PlayedEpisode]:
     pool = WorkerPool(spec, timeout_s)
     try:
-        yield from pool.play([jobs[number::count] for number in range(count)])
+        yield from pool.play(_shares(jobs, count))
     finally:
         pool.close()

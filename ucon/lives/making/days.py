@@ -1,7 +1,7 @@
 """Days of a life: who uses what and where it is put, what people ask for.
 
-At every slot each possession is used with probability :data:`USED` by one of the people. Then it is put where a placement
-of the user's entry says whose context is fulfilled, else where one without context says; with probability
+At every slot each possession is used with probability :data:`USED` by one of the people. Then it is put where a
+placement of the user's entry says whose context is fulfilled, else where one without context says; with probability
 :data:`MISTAKEN` it is left somewhere else instead. What is not used stays.
 """
 
@@ -80,7 +80,8 @@ class Days:
 
     def moves(self) -> tuple[Move, ...]:
         """What people put somewhere, in the order of time; nothing where it stays in its place."""
-        life, found, now = self.life, [], list(self.life.at_first)
+        life, now = self.life, list(self.life.at_first)
+        found: list[Move] = []
         for time in range(N_SLOTS * life.days):
             for k in range(len(life.possessions)):
                 rng = stream(life.seed, "life", "use", time, k)
@@ -95,6 +96,8 @@ class Days:
     def requests(self, wanted: Sequence[int], can_be_found: Callable[[int, int], bool]) -> tuple[Request, ...]:
         """What the robot is asked for, in the order of time: some things often, others seldom (Zipf).
 
+        Nothing is asked for twice in a slot.
+
         Args:
             wanted: numbers of the possessions that may be asked for.
             can_be_found: of (possession, time), whether a robot can find it there.
@@ -105,11 +108,13 @@ class Days:
         life = self.life
         order = stream(life.seed, "life", "zipf").permutation(np.array(wanted))
         weight = 1.0 / np.arange(1, len(order) + 1)
-        found = []
+        found: list[Request] = []
         for day in range(life.days):
             rng = stream(life.seed, "life", "ask", day)
             for slot in sorted(int(slot) for slot in rng.integers(N_SLOTS, size=REQUESTS_A_DAY)):
-                found.append(self._request(time_of(day, slot), order, weight, can_be_found, rng))
+                time = time_of(day, slot)
+                asked = {one.possession for one in found if one.time == time}
+                found.append(self._request(time, order, weight * ~np.isin(order, list(asked)), can_be_found, rng))
         return tuple(found)
 
     def _request(

@@ -14,8 +14,8 @@ import numpy as np
 from ucon.core.errors import PlacementError
 from ucon.habits.hosting import Hosted
 from ucon.lives.life import Place
-from ucon.lives.meeting import meet, object_boxes
 from ucon.lives.making.possessions import Owned
+from ucon.lives.meeting import meet, object_boxes
 from ucon.objects.model import Relation
 from ucon.sim.arrangement import Arrangement, PlacedObject
 from ucon.sim.house import House

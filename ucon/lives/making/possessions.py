@@ -38,7 +38,7 @@ class Owned:
     elsewhere: tuple[Hosted, ...]
 
     def to_change(self) -> Owned | None:
-        """The thing if it is to change: where there is no other entry, its last one is kept for that. None if neither."""
+        """The thing if it is to change: without another entry its last one is kept for that. None if it has but one."""
         if self.other is None and len(self.hosts) > 1:
             return replace(self, hosts=self.hosts[:-1], other=self.hosts[-1])
         return None if self.other is None else self

@@ -60,6 +60,25 @@ class Hypotheses(PartlyShared):
         self._state = np.zeros((n, self._keys), np.uint8)
         self._lost: dict[tuple[int, int], float] = {}
 
+    def search_again(self, target: str, stale: list[int]) -> None:
+        """Begin another search in the same home.
+
+        Args:
+            target: what is searched for now.
+            stale: tracks of things that may have been moved: what was seen of them no longer counts.
+        """
+        self._target = _rows().get(target, -1)
+        self._prior = log_prior(self.errors, self._target)
+        self._reserve(max(stale, default=0) + 1)
+        for column in (self._evidence, self._absent, self._found, self._state):
+            column[stale] = 0
+        for track in stale:
+            self.looks.pop(track, None)
+        self._lost = {key: lost for key, lost in self._lost.items() if key[0] in self.looks}
+        self.p_target[:] = self.exists[stale] = 0.0
+        self._log_p[stale] = -np.inf
+        self._judge(np.array(sorted(self.looks), np.int32), [])
+
     def _reserve(self, n: int) -> None:
         """Make room for n tracks."""
         if n > len(self.exists):
@@ -171,7 +190,7 @@ class Hypotheses(PartlyShared):
         self.looks[track].append((-1, 0.0, away))
 
     def _judge(self, tracks: NDArray[np.int32], category: list[str]) -> dict[int, str]:
-        """Compute the posterior of some tracks; returns the names that changed."""
+        """Compute the posterior of some tracks; returns the names that changed from ``category``, if that is given."""
         log_p = self._prior + self._evidence[tracks]
         best = log_p.argmax(1)
         top = log_p.max(1)
@@ -185,7 +204,7 @@ class Hypotheses(PartlyShared):
         names = vocabulary()
         changed = {}
         for track, k, there in zip(tracks.tolist(), best.tolist(), exists.tolist(), strict=True):
-            if track in self.looks:
+            if category and track in self.looks:
                 name = names[k] if there >= _LEAST and self._found[track] else ""
                 if name != category[track]:
                     changed[track] = name

@@ -19,6 +19,7 @@ from ucon.core.compass import TAN_HALF
 from ucon.core.errors import ConfigError
 from ucon.core.geometry import HEADING_COS, HEADING_SIN
 from ucon.core.sharing import PartlyShared, Shared
+from ucon.objects.catalogue import catalogue
 from ucon.perception.errors.model import DetectorErrors
 from ucon.perception.hypotheses.hypotheses import Hypotheses
 from ucon.perception.mapping import map_kernels as kernels
@@ -40,6 +41,8 @@ NO_ERRORS = (
 )
 #: Points that a real camera sees at more than this depth are too uncertain for the cells of the map, metres.
 SURE_M = 4.0
+#: Box of a track of which no point was seen.
+_NO_BOX = np.array([1e3, 1e3, 1e3, -1e3, -1e3, -1e3])
 _PITCH = {p: (float(np.cos(np.deg2rad(p))), float(np.sin(np.deg2rad(p)))) for p in (-60, -30, 0, 30, 60)}
 
 
@@ -111,6 +114,7 @@ class SemanticMap(PartlyShared):
         inexact: whether the detector finds boxes, so that what was seen of a thing may be something else in part.
         hypotheses: what the tracks may be, where the detector errs; None where it does not.
         named_at: (>= T,) int32, step at which the name of a track last changed, -1 never.
+        stale: (>= T,) bool, things that may be moved and were last seen in an earlier search of this home.
         obstacles: what a robot that moves continuously steers around; None on the grid.
     """
 
@@ -146,23 +150,27 @@ class SemanticMap(PartlyShared):
 
     @classmethod
     def of(cls, info: Mapping[str, Any]) -> SemanticMap:
-        """The empty map of an episode whose info at the reset is given.
+        """The map with which an episode begins: the kept one of a robot that lives there, else an empty one.
 
         Args:
-            info: ``task``, ``target``, and ``detector_errors`` where the detector errs.
+            info: of the reset: ``task``, ``target``; where there are any ``detector_errors`` and ``kept_map``.
         """
+        kept = info.get("kept_map")
+        if isinstance(kept, cls):
+            return kept
         return cls(Body.of(info), info.get("detector_errors"), str(info["target"]))
 
     def _grow(self, capacity: int) -> None:
         """Give the arrays of tracks room for ``capacity`` rows."""
         old = len(self.category)
         blank: dict[str, NDArray[Any]] = {
-            "box": np.tile(np.array([1e3, 1e3, 1e3, -1e3, -1e3, -1e3]), (capacity, 1)),
+            "box": np.tile(_NO_BOX, (capacity, 1)),
             "kind": np.zeros(capacity, np.uint8),
             "opened": np.zeros(capacity, bool),
             "pixels": np.zeros(capacity, np.int32),
             "last_seen": np.full(capacity, -1, np.int32),
             "named_at": np.full(capacity, -1, np.int32),
+            "stale": np.zeros(capacity, bool),
         }
         for name, array in blank.items():
             if old:
@@ -175,6 +183,7 @@ class SemanticMap(PartlyShared):
     pixels: NDArray[np.int32]
     last_seen: NDArray[np.int32]
     named_at: NDArray[np.int32]
+    stale: NDArray[np.bool_]
 
     @property
     def n_tracks(self) -> int:
@@ -225,6 +234,27 @@ class SemanticMap(PartlyShared):
         self.visited[:], self.pixels[:], self.last_seen[:] = 0, 0, -1
         self.named_at[self.named_at > 0] = 0
 
+    def search_again(self, target: str) -> None:
+        """Begin another search in the same home, later.
+
+        Rooms and furniture stay known, poses and steps begin anew, containers are closed. Small things may have been
+        moved: the target counts as unseen, of the others the old box holds until they are seen again.
+
+        Args:
+            target: what is searched for now.
+        """
+        self.views.clear()
+        self.step = self.fresh = 0
+        self.visited[:], self.bumped[:] = 0, 0
+        self.pixels[:], self.last_seen[:], self.opened[:] = 0, -1, False
+        self.named_at[self.named_at > 0] = 0
+        small = [name for name in self.instances if name in catalogue() and catalogue()[name].role == "movable"]
+        tracks = sorted(track for name in small for track in self.instances[name])
+        self.stale[tracks] = True
+        self.box[self.instances.get(target, [])] = _NO_BOX
+        if self.hypotheses is not None:
+            self.hypotheses.search_again(target, tracks)
+
     def _register(self, detections: Detections) -> None:
         """Enter the tracks of a frame: names, pixels, step."""
         self.pixels[:] = 0
@@ -242,6 +272,8 @@ class SemanticMap(PartlyShared):
             if self.named_at[track] < 0 and (detections.score is None or name in STRUCTURE_KINDS):
                 self.kind[track] = STRUCTURE_KINDS.get(name, 0)
                 self._name(track, name)
+            if self.stale[track]:
+                self.stale[track], self.box[track] = False, _NO_BOX
             self.pixels[track] = pixels
             self.last_seen[track] = self.step
 

@@ -1,0 +1,32 @@
+"""What a request of a life has beside an episode's record: when it was, and what the robot could know."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class LifeFacts:
+    """One request within a life. Privileged, for tables alone."""
+
+    life: str
+    """Id of the life."""
+    request: int
+    """Number of the request in the life, from 0."""
+    day: int
+    """From 0."""
+    slot: int
+    """0: morning, 1: midday, 2: evening."""
+    seen_days_ago: float | None
+    """Days since the robot last saw the thing, in thirds (slots); None: never."""
+    moved: bool | None
+    """Whether it is elsewhere than the robot last saw it; None: never seen."""
+    obeys: bool
+    """Whether its place is one that a told sentence's entry names."""
+    changed: bool
+    """Whether its habits have changed."""
+
+    def to_json(self) -> dict[str, Any]:
+        """The facts as JSON data."""
+        return asdict(self)

@@ -1,0 +1,40 @@
+"""The interface of what a robot remembers from one request to the next."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+Info = Mapping[str, Any]
+Observation = Mapping[str, Any]
+
+
+class Memory(Protocol):
+    """One robot's memory in one home. Around each request of a life :meth:`begin` and :meth:`end` are called."""
+
+    name: str
+    """Name in tables."""
+
+    def begin(self, info: Info) -> dict[str, Any]:
+        """Begin a request.
+
+        Args:
+            info: of its first frame.
+
+        Returns:
+            The info for the agent's reset, with what the agent may use of the memory.
+        """
+        ...
+
+    def look(self, observation: Observation, info: Info) -> None:
+        """Take in a frame, after the agent has.
+
+        Args:
+            observation: of the frame.
+            info: of the frame.
+        """
+        ...
+
+    def end(self) -> None:
+        """End a request."""
+        ...
