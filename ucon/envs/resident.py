@@ -52,7 +52,7 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
 
     ### Info
     As ``UcON-v0``. At the first step of every request it is that of a reset, and ``new_request`` is True; there
-    ``habit_days`` has the day on which each habit was told. Once a request has ended, ``request_record`` has its
+    ``clock`` is as in the observation, and ``habit_days`` has the day on which each habit was told. Once a request has ended, ``request_record`` has its
     metrics and, as ``life``, :class:`ucon.lives.request_record.LifeFacts`; ``is_success`` is of the request.
 
     ### Rewards
@@ -218,7 +218,9 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
         info["habit_days"] = tuple(
             days.get(dataset.entry_of(row).id, 0) if row < len(dataset) else 0 for row in info["habit_rows"]
         )
-        return self._with_clock(observation), info | {"new_request": True, "request": number}
+        observation = self._with_clock(observation)
+        clock = tuple(observation["clock"].tolist())
+        return observation, info | {"new_request": True, "request": number, "clock": clock}
 
     def _stopped(self) -> Start:
         """Where the robot is for the next request: at the dock in the morning, otherwise where it stopped."""

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.sharing import PartlyShared
+from ucon.memory.recalled import remembering
 from ucon.objects.catalogue import catalogue
 from ucon.perception.belief.protocol import Expecting
 from ucon.perception.mapping.planner import Planner
@@ -95,7 +96,7 @@ class Searcher(PartlyShared):
         self.viewpoints = Viewpoints(sight_range_m(self.target), costs)
         self.containers = Containers()
         self.homing = Homing()
-        self.expecting = expecting
+        self.expecting = remembering(expecting, info)
         self.miss = miss
         self.choice: Choice | None = None
         self.refused: dict[int, int] = {}

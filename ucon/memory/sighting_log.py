@@ -1,0 +1,70 @@
+"""Where things were seen, and where they were looked for in vain: the facts that a robot keeps of its home.
+
+A thing's places are points in the frame of the dock; sightings within :data:`SAME_M` are of one place. Times count
+slots, see :func:`ucon.lives.clock.time_of`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+#: Sightings of a thing nearer to one another than this are of one place, metres.
+SAME_M = 0.4
+
+
+@dataclass
+class SeenThing:
+    """What is known of one thing.
+
+    Attributes:
+        name: category.
+        places: (n, 3) points, metres; one for each place where it was seen.
+        seen: (time, place) of each request in which it was seen, in the order of time.
+        absent: (time, place) of each request that showed a place without it.
+    """
+
+    name: str
+    places: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
+    seen: list[tuple[int, int]] = field(default_factory=list)
+    absent: list[tuple[int, int]] = field(default_factory=list)
+
+    def place_at(self, xyz: NDArray[np.float64]) -> int:
+        """Number of the place at a point; a new one where it was never seen near there."""
+        if len(self.places):
+            away = np.linalg.norm(self.places - xyz, axis=1)
+            if away.min() <= SAME_M:
+                return int(away.argmin())
+        self.places = np.vstack([self.places, xyz])
+        return len(self.places) - 1
+
+
+class SightingLog:
+    """All things of one home."""
+
+    def __init__(self) -> None:
+        """Start with nothing seen."""
+        self.things: dict[str, SeenThing] = {}
+
+    def saw(self, name: str, xyz: NDArray[np.float64], time: int) -> None:
+        """Note where a thing was seen in a request; of several sightings the last one counts.
+
+        Args:
+            name: category.
+            xyz: (3,) middle of what was seen of it, metres in the frame of the dock.
+            time: of the request.
+        """
+        thing = self.things.setdefault(name, SeenThing(name))
+        thing.seen.append((time, thing.place_at(xyz)))
+
+    def missed(self, name: str, place: int, time: int) -> None:
+        """Note that a request showed a place of a thing without it.
+
+        Args:
+            name: category.
+            place: its number.
+            time: of the request.
+        """
+        self.things[name].absent.append((time, place))

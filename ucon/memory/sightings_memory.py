@@ -1,0 +1,83 @@
+"""The memory of a robot that keeps its map and where it saw things."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ucon.lives.clock import time_of
+from ucon.memory.map_memory import MapMemory
+from ucon.memory.place_model import PlaceModel, PlaceWeights
+from ucon.memory.protocol import Info, Observation
+from ucon.memory.recalled import Recalled
+from ucon.memory.sighting_log import SightingLog
+from ucon.objects.catalogue import catalogue
+from ucon.perception.mapping.map_kernels import look
+from ucon.perception.mapping.semantic_map import camera_of, frame_depth
+from ucon.perception.places.affordances import sight_range_m
+from ucon.perception.places.hollows import ALL_OPEN
+
+
+class SightingsMemory(MapMemory):
+    """Remembers where things were, and where they were not; see :mod:`ucon.memory.place_model`."""
+
+    name = "map and sightings"
+
+    def __init__(self, weights: PlaceWeights | None = None) -> None:
+        """Start without a home.
+
+        Args:
+            weights: of the place model; fitted ones by default.
+        """
+        super().__init__()
+        self.log = SightingLog()
+        self._weights = weights
+        self._model: PlaceModel | None = None
+        self._time = -1
+        self._shown: dict[str, np.ndarray[Any, np.dtype[np.float64]]] = {}
+
+    def begin(self, info: Info) -> dict[str, Any]:
+        """The info for the agent's reset, with ``kept_map``, and with ``recalled`` where the target was seen before."""
+        day, weekday, slot = info["clock"]
+        self._time = time_of(day, slot)
+        if self._model is None:
+            self._model = PlaceModel(self._weights, (weekday - day) % 7)
+        # 1 where a place of a thing was not shown yet in this request.
+        self._shown = {name: np.ones(len(thing.places)) for name, thing in self.log.things.items()}
+        known, target = super().begin(info), str(info["target"])
+        thing = self.log.things.get(target)
+        if thing is None:
+            return known
+        return known | {"recalled": Recalled(thing.places, self._model.now(thing, self._time))}
+
+    def look(self, observation: Observation, info: Info) -> None:
+        """Note which remembered places the frame shows."""
+        assert self.map is not None
+        depth = self.map.body.farthest(frame_depth(observation, info))
+        camera = camera_of(self.map.view, depth, self.map.body)
+        for name, left in self._shown.items():
+            active = left > 0.0
+            if active.any():
+                n = len(left)
+                hollow, faces = np.zeros((n, 6)), np.full(n, ALL_OPEN, np.uint8)
+                places = self.log.things[name].places[:n]
+                look(depth, camera, sight_range_m(name), places, hollow, faces, active, left, 0.0)
+
+    def end(self) -> None:
+        """Enter what this request showed into the log."""
+        assert self.map is not None
+        known, book = self.map, catalogue()
+        for name, tracks in known.instances.items():
+            if name not in book or book[name].role != "movable":
+                continue
+            seen = [track for track in tracks if known.last_seen[track] >= 0 and known.seen(track)]
+            if seen:
+                box = known.box[max(seen, key=lambda track: (int(known.last_seen[track]), -track))]
+                self.log.saw(name, 0.5 * (box[:3] + box[3:]), self._time)
+        for name, left in self._shown.items():
+            thing = self.log.things[name]
+            here = thing.seen[-1][1] if thing.seen and thing.seen[-1][0] == self._time else -1
+            for place in np.flatnonzero(left == 0.0).tolist():
+                if place != here:
+                    self.log.missed(name, place, self._time)
