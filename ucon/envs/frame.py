@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ucon.core.geometry import HEADING_COS, HEADING_SIN
 from ucon.core.sharing import Shared
 from ucon.scenes.spec import GRID_M
+from ucon.sim.navgrid import NavGrid
 from ucon.task.episode import Start
 from ucon.task.robot.pose import half_turn
 from ucon.task.search import Pose
@@ -45,6 +46,20 @@ class StartFrame(Shared):
         c, s = HEADING_COS[self.start.heading], HEADING_SIN[self.start.heading]
         yaw = np.radians(half_turn(yaw_deg - 90 * self.start.heading))
         return np.array([c * dx + s * dy, c * dy - s * dx, yaw, np.radians(pitch_deg)], np.float32)
+
+    def point(self, xyz: NDArray[np.float64], grid: NavGrid) -> NDArray[np.float64]:
+        """A point of the world in the start frame.
+
+        Args:
+            xyz: (3,) metres in the world frame.
+            grid: of the home.
+
+        Returns:
+            (3,) metres.
+        """
+        dx, dy = xyz[:2] - grid.xy((self.start.i, self.start.j))
+        c, s = HEADING_COS[self.start.heading], HEADING_SIN[self.start.heading]
+        return np.array([c * dx + s * dy, c * dy - s * dx, xyz[2]])
 
     def nodes(self, ahead: NDArray[np.int64], left: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """World nodes of nodes given in the start frame.

@@ -52,8 +52,9 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
 
     ### Info
     As ``UcON-v0``. At the first step of every request it is that of a reset, and ``new_request`` is True; there
-    ``clock`` is as in the observation, and ``habit_days`` has the day on which each habit was told. Once a request has ended, ``request_record`` has its
-    metrics and, as ``life``, :class:`ucon.lives.request_record.LifeFacts`; ``is_success`` is of the request.
+    ``clock`` is as in the observation, and ``habit_days`` has the day on which each habit was told. Once a request has
+    ended, ``request_record`` has its metrics and, as ``life``, :class:`ucon.lives.request_record.LifeFacts`, and
+    ``is_success`` says whether the thing was found.
 
     ### Rewards
     Those of ``UcON-v0``, request by request.

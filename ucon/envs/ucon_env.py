@@ -403,12 +403,18 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
                 "episode": self.episode,
                 "locations": self._locations,
                 "tour": self._tour,
+                "target_xyz": self._target_xyz(),
             }
         obs["target"] = self._target_embedding.copy()
         obs["habits"], obs["habits_mask"] = self._habits.copy(), self._habits_mask.copy()
         obs["last_action"] = encoded_action(self._last_action)
         obs["collision"], obs["step"] = np.array([self._collision], np.int8), np.zeros(1, np.int64)
         return obs, info
+
+    def _target_xyz(self) -> NDArray[np.float64]:
+        """Middle of the target, (3,) metres in the frame of poses."""
+        box = self._world.boxes[self.search.target]
+        return self._frame.point(0.5 * (box[:3] + box[3:]), self._world.house.grid)
 
     def _draw(self) -> tuple[NDArray[np.float32] | None, NDArray[np.uint8] | None]:
         """Depth (H, W) and colours (H, W, 3), each if it is needed; instances and pixel counts are kept."""

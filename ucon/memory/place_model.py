@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,17 +39,41 @@ class PlaceWeights(Shared):
     """What a sighting counts after a day."""
 
 
-class PlaceModel(Shared):
+class Model(Protocol):
+    """Says where a thing is, from what was seen of it."""
+
+    name: str
+    """Name in tables."""
+
+    def begin(self, first_weekday: int) -> None:
+        """Begin a life; see :meth:`PlaceModel.begin`."""
+        ...
+
+    def now(self, thing: SeenThing, time: int) -> NDArray[np.float64]:
+        """Probability (n,) of each known place; see :meth:`PlaceModel.now`."""
+        ...
+
+
+class PlaceModel:
     """The probability of each known place of a thing."""
 
-    def __init__(self, weights: PlaceWeights | None = None, first_weekday: int = 0) -> None:
+    name = "sightings"
+
+    def __init__(self, weights: PlaceWeights | None = None) -> None:
         """Choose weights.
 
         Args:
             weights: numbers; fitted ones by default.
+        """
+        self.weights, self._first = weights or PlaceWeights(), 0
+
+    def begin(self, first_weekday: int) -> None:
+        """Begin a life.
+
+        Args:
             first_weekday: of day 0: 0 (Monday) to 6.
         """
-        self.weights, self._first = weights or PlaceWeights(), first_weekday
+        self._first = first_weekday
 
     def now(self, thing: SeenThing, time: int) -> NDArray[np.float64]:
         """Probability (n,) that a thing is at each of its n known places at a time; the rest is elsewhere.

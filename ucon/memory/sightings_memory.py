@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ucon.lives.clock import time_of
 from ucon.memory.map_memory import MapMemory
-from ucon.memory.place_model import PlaceModel, PlaceWeights
+from ucon.memory.place_model import Model, PlaceModel
 from ucon.memory.protocol import Info, Observation
 from ucon.memory.recalled import Recalled
 from ucon.memory.sighting_log import SightingLog
@@ -22,27 +23,25 @@ from ucon.perception.places.hollows import ALL_OPEN
 class SightingsMemory(MapMemory):
     """Remembers where things were, and where they were not; see :mod:`ucon.memory.place_model`."""
 
-    name = "map and sightings"
-
-    def __init__(self, weights: PlaceWeights | None = None) -> None:
+    def __init__(self, model: Model | None = None) -> None:
         """Start without a home.
 
         Args:
-            weights: of the place model; fitted ones by default.
+            model: says where a thing is, from what was seen of it; :class:`ucon.memory.place_model.PlaceModel` by
+                default.
         """
         super().__init__()
         self.log = SightingLog()
-        self._weights = weights
-        self._model: PlaceModel | None = None
+        self._model = model or PlaceModel()
+        self.name = f"map and {self._model.name}"
         self._time = -1
-        self._shown: dict[str, np.ndarray[Any, np.dtype[np.float64]]] = {}
+        self._shown: dict[str, NDArray[np.float64]] = {}
 
     def begin(self, info: Info) -> dict[str, Any]:
         """The info for the agent's reset, with ``kept_map``, and with ``recalled`` where the target was seen before."""
         day, weekday, slot = info["clock"]
         self._time = time_of(day, slot)
-        if self._model is None:
-            self._model = PlaceModel(self._weights, (weekday - day) % 7)
+        self._model.begin((weekday - day) % 7)
         # 1 where a place of a thing was not shown yet in this request.
         self._shown = {name: np.ones(len(thing.places)) for name, thing in self.log.things.items()}
         known, target = super().begin(info), str(info["target"])

@@ -17,6 +17,7 @@ from ucon.evaluation.figures.gap_closed import CELLS, DISTANCES, carried_over, d
 from ucon.evaluation.figures.intervals import Interval, mean_interval, rate_interval
 from ucon.evaluation.figures.paired import Comparison
 from ucon.evaluation.figures.subsets import is_against_common_sense
+from ucon.evaluation.figures.units import lives_of
 from ucon.evaluation.kept.finished import FinishedRun, figures_only
 from ucon.evaluation.kept.naming import agent_label, level
 from ucon.evaluation.kept.record import EpisodeRecord, read_records
@@ -184,7 +185,9 @@ def _percent(share: Interval) -> str:
 
 
 def _run_row(label: str, records: Sequence[EpisodeRecord]) -> tuple[str, ...]:
-    success, spl = rate_interval([r.success for r in records]), mean_interval([r.spl for r in records])
+    lives = lives_of(records)
+    success = rate_interval([r.success for r in records], clusters=lives)
+    spl = mean_interval([r.spl for r in records], clusters=lives)
     hidden = [r for r in records if r.contained]
     return (
         label,

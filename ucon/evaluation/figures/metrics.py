@@ -12,6 +12,7 @@ from typing import Any
 
 from ucon.core.errors import DataError
 from ucon.evaluation.figures.intervals import mean_interval, rate_interval
+from ucon.evaluation.figures.units import lives_of
 from ucon.evaluation.kept.record import EpisodeRecord, episode_spl
 
 #: Figures that can be compared between runs: value of one record by name.
@@ -41,8 +42,9 @@ def summarise(records: Sequence[EpisodeRecord]) -> dict[str, Any]:
         expected = episode_spl(record.success, record.shortest_path_m, record.path_length_m)
         if abs(expected - record.spl) > 1e-5:
             raise DataError(f"episode {record.episode}: SPL {record.spl:.6f}, its own lengths give {expected:.6f}")
-    success = rate_interval([r.success for r in records])
-    spl = mean_interval([r.spl for r in records])
+    lives = lives_of(records)
+    success = rate_interval([r.success for r in records], clusters=lives)
+    spl = mean_interval([r.spl for r in records], clusters=lives)
     figures: dict[str, Any] = {
         "n": len(records),
         "success_rate": success.mean,

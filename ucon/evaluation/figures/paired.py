@@ -11,6 +11,7 @@ from rich.table import Table
 from ucon.core.errors import ConfigError
 from ucon.evaluation.figures.intervals import Interval, paired_difference
 from ucon.evaluation.figures.metrics import MEASURES
+from ucon.evaluation.figures.units import lives_of
 from ucon.evaluation.kept.record import EpisodeRecord
 
 
@@ -48,7 +49,7 @@ def compare_records(
         first: records of one run.
         second: records of the other.
         names: their labels.
-        by_scene: True: the bootstrap resamples whole homes.
+        by_scene: True: the bootstrap resamples whole homes. Of lives it always resamples whole lives.
 
     Raises:
         ConfigError: no common episode, or an episode twice in one run.
@@ -57,7 +58,7 @@ def compare_records(
     common = sorted(a.keys() & b.keys())
     if not common:
         raise ConfigError(f"{names[0]} and {names[1]} have no episode in common; compare runs on the same episodes")
-    clusters = [a[i].scene for i in common] if by_scene else None
+    clusters = [a[i].scene for i in common] if by_scene else lives_of([a[i] for i in common])
     differences = {
         name: paired_difference([measure(a[i]) for i in common], [measure(b[i]) for i in common], clusters=clusters)
         for name, measure in MEASURES.items()

@@ -9,6 +9,7 @@ from ucon.evaluation.figures.groups import GROUPS
 from ucon.evaluation.figures.intervals import Interval, mean_interval, rate_interval
 from ucon.evaluation.figures.markdown import Run
 from ucon.evaluation.figures.paired import compare_records
+from ucon.evaluation.figures.units import lives_of
 from ucon.evaluation.kept.record import EpisodeRecord
 
 #: Resamples of the intervals within groups, of which there are hundreds.
@@ -22,11 +23,11 @@ def figures_of(records: Sequence[EpisodeRecord], resamples: int = 10_000) -> dic
         records: at least one.
         resamples: of the bootstrap.
     """
-    n = len(records)
+    n, lives = len(records), lives_of(records)
     return {
         "n": n,
-        "sr": _interval(rate_interval([r.success for r in records], resamples=resamples)),
-        "spl": _interval(mean_interval([r.spl for r in records], resamples=resamples)),
+        "sr": _interval(rate_interval([r.success for r in records], clusters=lives, resamples=resamples)),
+        "spl": _interval(mean_interval([r.spl for r in records], clusters=lives, resamples=resamples)),
         "steps": round(sum(r.steps for r in records) / n, 1),
         "seen": round(sum(r.first_seen_step >= 0 for r in records) / n, 4),
     }

@@ -1,0 +1,13 @@
+"""What a bootstrap draws: episodes, or whole lives, whose requests depend on one another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ucon.evaluation.kept.record import EpisodeRecord
+
+
+def lives_of(records: Sequence[EpisodeRecord]) -> list[str] | None:
+    """Clusters for intervals: the life of each record; None where they are of episodes."""
+    found = [record.life.life for record in records if record.life is not None]
+    return found if found and len(found) == len(records) else None

@@ -1,0 +1,57 @@
+"""Baselines of remembering: where a thing was last seen, and where it was seen most often."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.sharing import Shared
+from ucon.memory.sighting_log import SeenThing
+
+
+class LastSeen(Shared):
+    """A thing is where it was last seen; once that turns out wrong, nothing is known."""
+
+    name = "last seen"
+
+    def __init__(self, trust: float = 0.9) -> None:
+        """Choose the trust.
+
+        Args:
+            trust: probability that it is still there.
+        """
+        self._trust = trust
+
+    def begin(self, first_weekday: int) -> None:
+        """Nothing depends on the calendar."""
+
+    def now(self, thing: SeenThing, time: int) -> NDArray[np.float64]:
+        """See :meth:`ucon.memory.place_model.PlaceModel.now`."""
+        p = np.zeros(len(thing.places))
+        if thing.seen:
+            when, place = thing.seen[-1]
+            if not any(empty == place and then > when for then, empty in thing.absent):
+                p[place] = self._trust
+        return p
+
+
+class MostSeen(Shared):
+    """A thing is where it was seen most often: a histogram of places, whatever the time."""
+
+    name = "most seen"
+
+    def __init__(self, trust: float = 0.9) -> None:
+        """Choose the trust.
+
+        Args:
+            trust: probability that it is at a known place.
+        """
+        self._trust = trust
+
+    def begin(self, first_weekday: int) -> None:
+        """Nothing depends on the calendar."""
+
+    def now(self, thing: SeenThing, time: int) -> NDArray[np.float64]:
+        """See :meth:`ucon.memory.place_model.PlaceModel.now`."""
+        count = np.bincount([place for _, place in thing.seen], minlength=len(thing.places)).astype(np.float64)
+        return self._trust * count / max(float(count.sum()), 1.0)
