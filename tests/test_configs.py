@@ -70,7 +70,7 @@ def test_progress_calls_a_learner_as_its_option_does(name):
 def test_every_option_composes(group, name):
     extra = MANDATORY.get((group, name))
     config = composed(f"{group}={name}", *([extra] if extra else []))
-    assert config["env"]["_target_"].endswith("UcONEnv")
+    assert config["env"]["_target_"].endswith((".UcONEnv", ".UcONResidentEnv"))
     assert config["env"]["habit_level"] == config["habit_level"]["name"]
 
 

@@ -1,4 +1,6 @@
-"""``python -m ucon lives make SET``, ``lives sets``, ``lives verify SET``: makes, lists and verifies sets of lives.
+"""``python -m ucon lives make SET``, ``lives sets``, ``lives verify SET``, ``lives table RUN``.
+
+Makes, lists and verifies sets of lives, and prints the tables of runs by day and by what the robot could know.
 
 Lives made so far are stored in a file beside the set's (``.part``): the same command continues after an interruption.
 """
@@ -21,6 +23,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     maker.add_argument("--limit", type=int, help="only the first so many lives")
     maker.add_argument("--workers", type=int, default=2, help="processes (default 2)")
     actions.add_parser("sets", help="list the sets")
+    tables = actions.add_parser("table", help="SR and SPL of runs of lives, by day and by what the robot could know")
+    tables.add_argument("runs", metavar="RUN", nargs="+", type=Path, help="folder of a finished run")
+    form = tables.add_mutually_exclusive_group()
+    form.add_argument("--markdown", action="store_true", help="one table of SPL, a column a run")
+    form.add_argument("--json", action="store_true", help="all figures as JSON")
     verifier = actions.add_parser("verify", help="check places, moves and every request")
     verifier.add_argument("names", metavar="SET", nargs="+", help="named set or file")
 
@@ -38,6 +45,8 @@ def run(args: argparse.Namespace) -> int:
 
     if args.action == "sets":
         return _list()
+    if args.action == "table":
+        return _table(args)
     with stdout_to_stderr():
         return _make(args) if args.action == "make" else _verify(args.names)
 
@@ -52,6 +61,37 @@ def _list() -> int:
         sys.stdout.write(
             f"{name:12} {len(lives):3} lives, {days:4} days, {asked:5} requests; habits change in {changing}\n"
         )
+    return 0
+
+
+def _table(args: argparse.Namespace) -> int:
+    import json
+
+    from rich.console import Console
+
+    from ucon.core.errors import DataError
+    from ucon.evaluation.figures.lives_table import figures_of, grouped, lives_markdown, lives_table
+    from ucon.evaluation.kept.finished import FinishedRun
+    from ucon.evaluation.kept.naming import agent_label, level
+
+    found = []
+    for path in args.runs:
+        run = FinishedRun.read(path)
+        records = run.records or ()
+        if not records or any(record.life is None for record in records):
+            raise DataError(f"{path}: no records of lives; expected a run of python eval.py task=resident")
+        found.append((f"{agent_label(run.summary)}, {level(run.summary)}", records))
+    if args.json:
+        data = [
+            {"run": str(path), "label": label, "groups": {name: figures_of(part) for name, part in grouped(records)}}
+            for path, (label, records) in zip(args.runs, found, strict=True)
+        ]
+        sys.stdout.write(json.dumps(data, indent=2) + "\n")
+    elif args.markdown:
+        sys.stdout.write(lives_markdown(found) + "\n")
+    else:
+        for label, records in found:
+            Console().print(lives_table(label, records))
     return 0
 
 

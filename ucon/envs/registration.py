@@ -12,6 +12,8 @@ def register_envs() -> None:
     """
     if "UcON-v0" not in gym.registry:
         gym.register(id="UcON-v0", entry_point="ucon.envs.ucon_env:UcONEnv")
+    if "UcONResident-v0" not in gym.registry:
+        gym.register(id="UcONResident-v0", entry_point="ucon.envs.resident:UcONResidentEnv")
     if "UcONSearch-v0" not in gym.registry:
         gym.register(id="UcONSearch-v0", entry_point="ucon.envs.search.env:UcONSearchEnv")
     if "UcONImageGoal-v0" not in gym.registry:

@@ -152,6 +152,7 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
             EpisodeError: no such life, or it does not fit its home or the habits in use.
         """
         super().reset(seed=seed)
+        self._asking = None  # a reset that fails leaves nothing to go on with
         self.life = self._choose(options or {})
         check_life_home(self.life, load_house(self.life.scene))
         self._asking = Asking(self.life, self.source.dataset, told=self._told)

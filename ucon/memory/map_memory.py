@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from ucon.core.errors import ConfigError
 from ucon.memory.protocol import Info, Observation
 from ucon.perception.mapping.body import Body
 from ucon.perception.mapping.semantic_map import SemanticMap
@@ -28,7 +29,13 @@ class MapMemory:
         return {**info, "kept_map": self.map}
 
     def look(self, observation: Observation, info: Info) -> None:
-        """Nothing to do: the agent enters its frames in the map."""
+        """Check that the agent, which enters its frames in the map, does so.
+
+        Raises:
+            ConfigError: it keeps no map.
+        """
+        if self.map is None or not self.map.views:
+            raise ConfigError(f"memory of {self.name}: this agent maps nothing that could be kept; leave memory off")
 
     def end(self) -> None:
         """Nothing to do."""

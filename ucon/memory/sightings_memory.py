@@ -52,6 +52,7 @@ class SightingsMemory(MapMemory):
 
     def look(self, observation: Observation, info: Info) -> None:
         """Note which remembered places the frame shows."""
+        super().look(observation, info)
         assert self.map is not None
         depth = self.map.body.farthest(frame_depth(observation, info))
         camera = camera_of(self.map.view, depth, self.map.body)

@@ -218,7 +218,7 @@ def chosen_episodes(name: str, limit: int | None, task: str, *, context: bool, e
     """
     check_part(limit, every)
     if task == RESIDENT:
-        raise ConfigError(f"episodes={name}: lives of task=resident, expected episodes")
+        raise ConfigError(f"{name}: a run of lives (task=resident); see python -m ucon lives table RUN")
     return episodes_of(name, task, context=context)[::every][:limit]
 
 

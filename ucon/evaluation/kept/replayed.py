@@ -41,7 +41,7 @@ class StoredRun:
                 raise DataError(f"{self.label}: no episodes are kept, only figures of all of them; play all (every 1)")
             same = self.figures.get("n", len(episodes)) == len(episodes)
         else:
-            same = [record.episode for record in self.records[::every]] == list(episodes)
+            same = [record.episode for record in sampled(self.records, every)] == list(episodes)
         if not same:
             raise DataError(f"{self.label}: other episodes are kept than its configuration names now")
 
@@ -88,9 +88,18 @@ def replayed(kept: StoredRun, now: Sequence[EpisodeRecord], every: int = 1) -> R
     if kept.records is None:
         names = [name for name in new if name in kept.figures and not same_figures(new[name], kept.figures[name])]
         return ReplayResult(kept.label, len(now), "figures", tuple(names), _main(kept.figures), _main(new))
-    chosen = kept.records[::every]
+    chosen = sampled(kept.records, every)
     differing = [b.episode for a, b in zip(chosen, now, strict=True) if a.to_line() != b.to_line()]
     return ReplayResult(kept.label, len(now), "episodes", tuple(differing), _main(summarise(chosen)), _main(new))
+
+
+def sampled(records: Sequence[EpisodeRecord], every: int) -> list[EpisodeRecord]:
+    """Records of every ``every``-th episode, or of all requests of every ``every``-th life."""
+    lives = list(dict.fromkeys(record.life.life for record in records if record.life is not None))
+    if not lives:
+        return list(records[::every])
+    chosen = set(lives[::every])
+    return [record for record in records if record.life is not None and record.life.life in chosen]
 
 
 def _main(figures: dict[str, Any]) -> dict[str, float]:

@@ -48,7 +48,8 @@ class _Resident:
         self.observation, _, over, _, self.info = self.env.step(int(action))
         if "request_record" not in self.info:
             return
-        metrics = dict(self.info["request_record"])
+        # Privileged: it is for the record alone, and the info may be the one with which the next request begins.
+        metrics = dict(self.info.pop("request_record"))
         facts = LifeFacts(**metrics.pop("life"))
         if self.memory is not None:
             self.memory.end()

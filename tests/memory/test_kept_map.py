@@ -1,0 +1,188 @@
+"""The map of a home between two searches, and expected mass where a thing was seen before, in a home of boxes."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ucon.memory.map_memory import MapMemory
+from ucon.memory.recalled import NEAR_M, Recalled, Remembering, remembering
+from ucon.perception.belief.coverage import Coverage, CoverageWeights
+from ucon.perception.mapping.semantic_map import SemanticMap
+from ucon.perception.places.target_places import Places
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "perception"))
+from toy import Thing, ToyEnv, ToyHome, two_rooms
+
+BOWL = (2.2, 2.9, 0.45, 2.35, 3.05, 0.53)
+BOWL_LATER = (2.2, 2.6, 0.45, 2.35, 2.75, 0.53)
+ONTOP = 0
+
+
+def home(bowl: tuple[float, ...] = BOWL) -> ToyHome:
+    made = two_rooms()
+    made.things = [Thing("bowl", bowl) if thing.category == "bowl" else thing for thing in made.things]  # type: ignore[arg-type]
+    return made
+
+
+def looked(env: ToyEnv, known: SemanticMap, actions: tuple[int, ...], frame: Any = None) -> None:
+    obs, info = frame or env.reset()
+    known.update(obs, info)
+    for action in actions:
+        obs, _, _, _, info = env.step(action)
+        known.update(obs, info)
+
+
+#: Look around from the door of the living room.
+AROUND = (2, 2, 2, 2)
+
+
+@pytest.fixture
+def known() -> SemanticMap:
+    found = SemanticMap(target="teapot")
+    looked(ToyEnv(home(), "teapot", (14, 4, 2)), found, AROUND)
+    return found
+
+
+def second_look(known: SemanticMap, bowl: tuple[float, ...]) -> None:
+    """Look again, where the detector goes on with the tracks of before."""
+    before, after = ToyEnv(home(), "teapot", (14, 4, 2)), ToyEnv(home(bowl), "teapot", (14, 4, 2))
+    before.reset()
+    for action in AROUND:
+        before.step(action)
+    after.reset()
+    after.tracks = dict(before.tracks)
+    looked(after, known, AROUND[:3], after._look(()))
+
+
+def test_rooms_and_furniture_stay_known(known: SemanticMap) -> None:
+    explored, floor, walls = known.explored.copy(), known.floor.copy(), known.walls.copy()
+    sofa = known.box[known.instances["sofa"][0]].copy()
+    known.search_again("teapot")
+    assert (known.explored == explored).all()
+    assert (known.box[known.instances["sofa"][0]] == sofa).all()
+    second_look(known, BOWL)
+    for before, after in ((explored, known.explored), (floor, known.floor), (walls, known.walls)):
+        assert (after >= before).all()
+        assert before.any()
+
+
+def test_poses_and_steps_begin_anew(known: SemanticMap) -> None:
+    known.bumped[3, 3] = 1
+    known.opened[known.instances["sofa"]] = True
+    known.search_again("teapot")
+    assert (known.step, known.views) == (0, [])
+    assert not known.visited.any()
+    assert not known.bumped.any()
+    assert not known.opened.any()
+    assert (known.last_seen == -1).all()
+    second_look(known, BOWL)
+    assert known.step == 3
+
+
+def test_the_target_counts_as_unseen_and_others_where_they_were(known: SemanticMap) -> None:
+    (bowl,) = known.instances["bowl"]
+    box = known.box[bowl].copy()
+    known.search_again("teapot")
+    assert known.seen(bowl)
+    assert (known.box[bowl] == box).all()
+    known.search_again("bowl")
+    assert known.instances["bowl"] == [bowl]
+    assert not known.seen(bowl)
+    second_look(known, BOWL)
+    assert known.box[bowl] == pytest.approx(box, abs=0.02)
+
+
+def test_a_small_thing_that_was_moved_is_where_it_is_seen(known: SemanticMap) -> None:
+    (bowl,) = known.instances["bowl"]
+    before = known.box[bowl].copy()
+    known.search_again("teapot")
+    second_look(known, BOWL_LATER)
+    moved, sofa = known.box[bowl], known.instances["sofa"][0]
+    assert np.linalg.norm((moved - before)[:3]) == pytest.approx(0.3, abs=0.05)
+    assert (moved[3:] - moved[:3]).max() < 0.2, "a box around both places"
+    assert not known.stale[bowl]
+    assert not known.stale[sofa]
+
+
+def test_furniture_is_not_forgotten_when_seen_again(known: SemanticMap) -> None:
+    sofa = known.instances["sofa"][0]
+    before = known.box[sofa].copy()
+    known.search_again("bowl")
+    second_look(known, BOWL)
+    assert (known.box[sofa][:3] <= before[:3]).all()
+    assert (known.box[sofa][3:] >= before[3:]).all()
+
+
+def test_map_memory_gives_the_same_map_to_every_search() -> None:
+    memory, env = MapMemory(), ToyEnv(home(), "teapot", (14, 4, 2))
+    obs, info = env.reset()
+    info = info | {"target": "teapot", "task": "paper"}
+    first = memory.begin(info)
+    assert "kept_map" not in info
+    kept = SemanticMap.of(first)
+    looked(env, kept, AROUND, (obs, info))
+    memory.look(obs, info)
+    memory.end()
+    again = SemanticMap.of(memory.begin(info | {"target": "bowl"}))
+    assert again is kept
+    assert not again.views
+    assert not again.seen(again.instances["bowl"][0])
+    assert SemanticMap.of(info) is not kept
+
+
+@pytest.fixture
+def places(known: SemanticMap) -> Places:
+    made = Places(0.1)
+    made.refresh(known)
+    return made
+
+
+def point_on(known: SemanticMap, places: Places, category: str) -> np.ndarray:
+    (track,) = known.instances[category]
+    rows = np.flatnonzero((places.track == track) & (places.relation == ONTOP) & (places.share > 0.0))
+    return places.xyz[rows[0]].copy()
+
+
+def test_remembered_places_have_their_mass_and_the_rest_is_scaled(known: SemanticMap, places: Places) -> None:
+    inner = Coverage("bowl", CoverageWeights())
+    table, sofa = known.instances["coffee_table"][0], known.instances["sofa"][0]
+    xyz = np.array([point_on(known, places, "coffee_table") + np.array([0.0, 0.0, 0.05]), point_on(known, places, "sofa")])
+    plain = inner.expect(known, places)
+    found = Remembering(inner, Recalled(xyz, np.array([0.5, 0.2]))).expect(known, places)
+    added = np.zeros_like(plain.mass)
+    added[table, ONTOP], added[sofa, ONTOP] = 0.5 * plain.unit, 0.2 * plain.unit
+    assert found.mass == pytest.approx(0.3 * plain.mass + added)
+    assert found.unknown_per_m2 == pytest.approx(0.3 * plain.unknown_per_m2)
+    assert found.near_per_m2 == pytest.approx(0.3 * plain.near_per_m2)
+    assert found.unit == plain.unit
+    assert (inner.expect(known, places).mass == plain.mass).all(), "what is expected without memory was written to"
+
+
+def test_two_memories_of_one_place_add_up(known: SemanticMap, places: Places) -> None:
+    inner, table = Coverage("bowl", CoverageWeights()), known.instances["coffee_table"][0]
+    xyz = np.tile(point_on(known, places, "coffee_table"), (2, 1))
+    found = Remembering(inner, Recalled(xyz, np.array([0.25, 0.5]))).expect(known, places)
+    plain = inner.expect(known, places)
+    assert found.mass[table, ONTOP] == pytest.approx(0.25 * plain.mass[table, ONTOP] + 0.75 * plain.unit)
+
+
+def test_a_place_that_the_map_lacks_says_nothing(known: SemanticMap, places: Places) -> None:
+    inner = Coverage("bowl", CoverageWeights())
+    far = places.xyz[places.share > 0.0].max(0) + np.array([0.0, 0.0, 1.1 * NEAR_M])
+    found = Remembering(inner, Recalled(far[None], np.array([0.9]))).expect(known, places)
+    assert (found.mass == inner.expect(known, places).mass).all()
+    empty, nothing = SemanticMap(), Places(0.1)
+    assert Remembering(inner, Recalled(far[None], np.array([0.9])))._at(empty, nothing)[2].shape == (0,)
+
+
+def test_a_search_remembers_where_there_is_something() -> None:
+    inner = Coverage("bowl", CoverageWeights())
+    assert remembering(inner, {"target": "bowl"}) is inner
+    made = remembering(inner, {"recalled": Recalled(np.zeros((0, 3)), np.zeros(0))})
+    assert isinstance(made, Remembering)
+    assert made.locations is None

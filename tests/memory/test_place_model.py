@@ -1,0 +1,150 @@
+"""Where a thing is now, by what was seen of it: the place model, and the baselines."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ucon.lives.clock import time_of
+from ucon.memory.place_model import PlaceModel, PlaceWeights
+from ucon.memory.sighting_log import SAME_M, SeenThing, SightingLog
+from ucon.memory.simple_models import LastSeen, MostSeen
+
+DESK, SOFA, SHELF = range(3)
+PLACES = np.array([[0.0, 0.0, 0.7], [3.0, 0.0, 0.4], [0.0, 3.0, 1.2]])
+MORNING, MIDDAY, EVENING = range(3)
+#: A thing is used half of the time, and everything counts the same.
+PLAIN = PlaceWeights(use=0.5, doubt=1.0, other_slot=1.0, other_days=1.0, fade=1.0)
+
+
+def thing(*seen: tuple[int, int], absent: tuple[tuple[int, int], ...] = ()) -> SeenThing:
+    return SeenThing("book", PLACES, list(seen), list(absent))
+
+
+def now(one: SeenThing, time: int, weights: PlaceWeights | None = None, first_weekday: int = 0) -> np.ndarray:
+    model = PlaceModel(weights)
+    model.begin(first_weekday)
+    return model.now(one, time)
+
+
+def test_by_hand() -> None:
+    """Seen at the desk, one slot ago: it stays by 0.5, else it is put there as often as elsewhere."""
+    assert now(thing((0, DESK)), 1, PLAIN) == pytest.approx([0.5 + 0.5 * 0.5, 0.0, 0.0])
+    # Used in one of both slots by 0.75; put by (1 + 0.5) / 2.5: the second sighting may be nobody's doing.
+    assert now(thing((0, DESK), (1, DESK)), 3, PLAIN)[DESK] == pytest.approx(0.25 + 0.75 * 1.5 / 2.5)
+
+
+def test_what_was_never_seen_has_no_place() -> None:
+    assert now(SeenThing("book"), 5).shape == (0,)
+    assert (now(thing(), 5) == 0.0).all()
+
+
+def test_probabilities_leave_something_for_elsewhere() -> None:
+    rng = np.random.default_rng(0)
+    for _ in range(200):
+        times = np.sort(rng.choice(60, rng.integers(1, 12), replace=False))
+        seen = tuple((int(t), int(rng.integers(3))) for t in times)
+        absent = tuple((int(rng.integers(60)), int(rng.integers(3))) for _ in range(rng.integers(6)))
+        p = now(thing(*seen, absent=absent), int(times[-1] + rng.integers(90)), first_weekday=int(rng.integers(7)))
+        assert (p >= 0.0).all()
+        assert p.sum() <= 1.0 + 1e-12
+
+
+def test_the_last_place_decays_with_time() -> None:
+    one = thing((0, SOFA), (3, SOFA), (6, SOFA), (9, DESK))
+    p = np.array([now(one, time) for time in (9, 10, 12, 15, 21, 30)])
+    assert p[0, DESK] == pytest.approx(1.0 - p[0, SOFA], abs=1e-6)
+    assert (np.diff(p[:, DESK]) < 0.0).all()
+    assert p[0].argmax() == DESK
+    assert p[-1].argmax() == SOFA
+
+
+def test_an_empty_look_removes_a_place_until_a_later_use() -> None:
+    one, empty = thing((0, SOFA), (3, DESK)), thing((0, SOFA), (3, DESK), absent=((5, DESK),))
+    assert now(one, 5)[DESK] > 0.3
+    assert now(empty, 5)[DESK] == 0.0
+    assert now(empty, 5)[SOFA] > now(one, 5)[SOFA]
+    later = [now(empty, time)[DESK] for time in (5, 6, 8, 12)]
+    assert later == sorted(later)
+    assert 0.0 < later[-1] < 0.5
+
+
+def test_an_empty_look_before_it_was_seen_there_says_nothing() -> None:
+    assert now(thing((3, DESK), absent=((2, DESK), (3, SOFA))), 4)[DESK] == now(thing((3, DESK)), 4)[DESK]
+
+
+def test_all_known_places_empty_is_elsewhere() -> None:
+    assert now(thing((0, DESK), (2, SOFA), absent=((4, DESK), (4, SOFA))), 4).tolist() == [0.0, 0.0, 0.0]
+
+
+def test_slots_of_the_day_shift_it() -> None:
+    """Of a thing that is on the desk in the morning and on the sofa in the evening."""
+    seen = [(time_of(day, slot), place) for day in range(3) for slot, place in ((MORNING, DESK), (EVENING, SOFA))]
+    model = PlaceModel(replace(PlaceWeights(), other_slot=0.2))
+    put = {slot: model.put(thing(*seen), time_of(3, slot)) for slot in (MORNING, MIDDAY, EVENING)}
+    assert put[MORNING][DESK] > 2.0 * put[MORNING][SOFA]
+    assert put[EVENING][SOFA] > 2.0 * put[EVENING][DESK]
+    assert put[MIDDAY][DESK] == pytest.approx(put[MIDDAY][SOFA])
+    assert all(p.sum() == pytest.approx(1.0) for p in put.values())
+
+
+@pytest.mark.parametrize("first_weekday", [0, 3])
+def test_weekends_shift_it(first_weekday: int) -> None:
+    """Of a thing that is on the shelf at weekends and on the desk on workdays, by the calendar of the life."""
+    weekend = {day for day in range(14) if (first_weekday + day) % 7 >= 5}
+    seen = [(time_of(day, MORNING), SHELF if day in weekend else DESK) for day in range(7)]
+    model = PlaceModel(replace(PlaceWeights(), other_days=0.1, fade=1.0))
+    model.begin(first_weekday)
+    for day in range(7, 14):
+        put = model.put(thing(*seen), time_of(day, MORNING))
+        assert (put[SHELF] > put[DESK]) == (day in weekend)
+
+
+def test_old_sightings_fade() -> None:
+    one = thing((time_of(0, MORNING), SHELF), (time_of(20, MORNING), DESK))
+    put = PlaceModel(replace(PLAIN, fade=0.9)).put(one, time_of(21, MORNING))
+    assert put[SHELF] / put[DESK] == pytest.approx(0.9**20)
+    kept = PlaceModel(PLAIN).put(one, time_of(21, MORNING))
+    assert kept[SHELF] == pytest.approx(kept[DESK])
+
+
+def test_a_place_seen_again_at_once_counts_less() -> None:
+    again, later = (PlaceModel(PLAIN).put(thing((0, DESK), (gap, DESK)), gap)[DESK] for gap in (0, 20))
+    assert again == pytest.approx(1.0 / 2.0)
+    assert later == pytest.approx(2.0 / 3.0, abs=1e-4)
+
+
+def test_after_long_only_what_is_usual_counts() -> None:
+    one = thing((0, DESK), (1, SOFA))
+    assert now(one, 1000, PLAIN) == pytest.approx([1 / 3, 1 / 3, 0.0])
+
+
+def test_last_seen_trusts_until_it_is_wrong() -> None:
+    model = LastSeen(trust=0.8)
+    model.begin(0)
+    one = thing((0, SOFA), (3, DESK), absent=((2, DESK), (3, SOFA)))
+    assert model.now(one, 40).tolist() == [0.8, 0.0, 0.0]
+    assert not model.now(thing((0, SOFA), (3, DESK), absent=((4, DESK),)), 5).any()
+    assert not model.now(thing(), 5).any()
+
+
+def test_most_seen_is_a_histogram() -> None:
+    model = MostSeen(trust=0.8)
+    model.begin(0)
+    one = thing((0, SOFA), (3, DESK), (4, SOFA), (7, SOFA), absent=((8, SOFA),))
+    assert model.now(one, 9) == pytest.approx([0.2, 0.6, 0.0])
+    assert model.now(one, 99).tolist() == model.now(one, 9).tolist()
+    assert not model.now(thing(), 5).any()
+
+
+def test_sightings_near_one_another_are_of_one_place() -> None:
+    log = SightingLog()
+    for time, x in enumerate((0.0, 0.5 * SAME_M, 2.0, 2.0 + 0.9 * SAME_M, 0.0)):
+        log.saw("book", np.array([x, 0.0, 0.5]), time)
+    log.missed("book", 1, 5)
+    one = log.things["book"]
+    assert one.places[:, 0].tolist() == [0.0, 2.0]
+    assert one.seen == [(0, 0), (1, 0), (2, 1), (3, 1), (4, 0)]
+    assert one.absent == [(5, 1)]

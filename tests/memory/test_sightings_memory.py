@@ -1,0 +1,132 @@
+"""What a robot keeps of the requests of a life is what was there, checked against the true home."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+
+from models.agents.frontier import FrontierAgent
+from tests.lives.short import short_life
+from ucon.envs.frame import StartFrame
+from ucon.envs.resident import UcONResidentEnv
+from ucon.evaluation.playing.play import PlayedEpisode, RunSpec
+from ucon.evaluation.playing.runner import evaluate
+from ucon.lives.asked import asked_of
+from ucon.lives.life import Life
+from ucon.lives.timeline import Timeline
+from ucon.memory.protocol import Info
+from ucon.memory.recalled import Recalled
+from ucon.memory.sighting_log import SAME_M
+from ucon.memory.sightings_memory import SightingsMemory
+from ucon.sim.cache import load_house
+from ucon.sim.state import SceneState
+
+
+class Kept(SightingsMemory):
+    """The memory, with what it gave to each search, and how much of the home was known then."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.given: list[dict[str, Any]] = []
+        self.known: list[int] = []
+
+    def begin(self, info: Info) -> dict[str, Any]:
+        self.given.append(super().begin(info))
+        assert self.map is not None
+        self.known.append(int(self.map.explored.sum()))
+        return self.given[-1]
+
+
+class Lived:
+    """A life as the frontier agent played it."""
+
+    def __init__(self, life: Life) -> None:
+        self.life, self.memory = life, Kept()
+        env = partial(UcONResidentEnv, [life], observe="symbolic", detector=True, planner="true")
+        spec = RunSpec(FrontierAgent, env, "none", memory=lambda: self.memory)
+        self.played: list[PlayedEpisode] = evaluate(spec, asked_of([life]), workers=0)
+
+    def where(self, name: str, time: int) -> Any:
+        """Middle of a possession at a time, metres in the frame of the dock."""
+        house = load_house(self.life.scene)
+        number = [one.category for one in self.life.possessions].index(name)
+        state = SceneState(house, Timeline(self.life).arrangement(time))
+        box = state.boxes[house.n_instances + len(self.life.fixed) + number]
+        return StartFrame(self.life.dock).point(0.5 * (box[:3] + box[3:]), house.grid)
+
+
+@pytest.fixture(scope="module", params=[1, 3])
+def lived(request: pytest.FixtureRequest) -> Lived:
+    return Lived(short_life(request.param, requests=10, days=3))
+
+
+def test_things_are_remembered_where_they_were(lived: Lived) -> None:
+    owned = {one.category for one in lived.life.possessions}
+    sightings = [(name, *seen) for name, one in lived.memory.log.things.items() if name in owned for seen in one.seen]
+    assert len(sightings) > 15
+    away = [
+        np.linalg.norm(lived.memory.log.things[name].places[place] - lived.where(name, time))
+        for name, time, place in sightings
+    ]
+    # A place is known by the first sighting of it, perhaps from one side alone.
+    assert np.median(away) < 0.1
+    assert max(away) < SAME_M + 0.25
+
+
+def test_places_that_were_shown_empty_were_empty(lived: Lived) -> None:
+    owned = {one.category for one in lived.life.possessions}
+    log = lived.memory.log.things
+    empty = [(name, *absent) for name, one in log.items() if name in owned for absent in one.absent]
+    assert all(np.linalg.norm(log[name].places[place] - lived.where(name, time)) > 0.1 for name, time, place in empty)
+
+
+def test_what_was_found_is_remembered_at_that_time(lived: Lived) -> None:
+    for played in lived.played:
+        life, record = played.record.life, played.record
+        assert life is not None
+        if record.success:
+            thing = lived.memory.log.things[record.target]
+            assert 3 * life.day + life.slot in [time for time, _ in thing.seen]
+
+
+def test_times_never_go_back_and_places_exist(lived: Lived) -> None:
+    for one in lived.memory.log.things.values():
+        for rows in (one.seen, one.absent):
+            times = [time for time, _ in rows]
+            assert times == sorted(times)
+            assert all(0 <= place < len(one.places) for _, place in rows)
+        assert not set(one.seen) & set(one.absent)
+
+
+def test_searches_are_given_what_was_seen_before(lived: Lived) -> None:
+    told = 0
+    for number, (played, given) in enumerate(zip(lived.played, lived.memory.given, strict=True)):
+        assert played.record.life is not None
+        assert given["kept_map"] is lived.memory.map
+        if played.record.life.seen_days_ago is None:
+            continue
+        recalled = given.get("recalled")
+        if recalled is not None:
+            assert isinstance(recalled, Recalled)
+            assert len(recalled.p) == len(recalled.xyz)
+            assert recalled.p.sum() <= 1.0
+            told += 1
+        assert number > 0
+    assert "recalled" not in lived.memory.given[0]
+    assert told >= 2
+
+
+def test_explored_floor_never_shrinks(lived: Lived) -> None:
+    assert lived.memory.known[0] == 0
+    assert lived.memory.known == sorted(lived.memory.known)
+    assert lived.memory.known[-1] >= lived.memory.known[1] > 100
+
+
+def test_a_look_at_where_a_thing_was_is_noted() -> None:
+    """Beside the two lives above, one in which things that were moved are looked for where they were."""
+    lived = Lived(short_life(1, requests=14, days=4))
+    owned = {one.category for one in lived.life.possessions}
+    assert any(one.absent for name, one in lived.memory.log.things.items() if name in owned)
