@@ -14,6 +14,7 @@ from ucon.configuration.wiring import Factory
 from ucon.core.errors import ConfigError, UconError
 from ucon.evaluation.figures.report import run_hashes
 from ucon.language.choice import LanguageModel, sees_images
+from ucon.lives.making.plans import LIFE_SETS
 from ucon.programs.training import learner_name
 from ucon.retrieval import Retriever
 from ucon.retrieval.levels import check_level
@@ -143,7 +144,7 @@ def test_what_the_evaluation_lists_is_there():
     """The comments name options; a new file is an option without being named there."""
     defaults = (CONFIGS / "eval.yaml").read_text().partition("defaults:")[2].partition("- override")[0]
     listed = set(re.findall(r"\b[a-z]+[\w]*_\w+\b", " ".join(re.findall(r"#(.*)", defaults))))
-    assert listed <= {name for _, name in OPTIONS}
+    assert listed <= {name for _, name in OPTIONS} | set(LIFE_SETS)
     assert {"pixelnav_images", "masked_lm", "yolo_world"} <= listed
 
 

@@ -28,6 +28,7 @@ from ucon.__main__ import COMMANDS, _module, main
 from ucon.configuration.arguments import check_arguments
 from ucon.configuration.known_options import EVALUATION, check_options
 from ucon.core.errors import ConfigError
+from ucon.lives.making.plans import LIFE_SETS
 from ucon.programs.training import chosen_run
 from ucon.task.own_home.shipped import CASES, HOMES
 
@@ -130,7 +131,9 @@ def check_evaluation(words: list[str]) -> None:
     for part in (config["env"], config["agent"]):
         get_object(part["_target_"])
         check_arguments(part)
-    assert config["episodes"] in {*SETS, *HOMES, *CASES} or config["episodes"].endswith((".jsonl.xz", ".yaml"))
+    assert config["episodes"] in {*SETS, *LIFE_SETS, *HOMES, *CASES} or config["episodes"].endswith(
+        (".jsonl.xz", ".yaml")
+    )
 
 
 @pytest.mark.parametrize("words", starting("python", "eval.py"))

@@ -14,9 +14,9 @@ ROOT = Path(__file__).resolve().parents[1]
 #: From the bottom up; a part imports those below it.
 LAYERS = (
     "ucon.core", "ucon.objects", "ucon.habits", "ucon.language", "ucon.scenes", "ucon.sim", "ucon.task",
-    "ucon.readers", "ucon.retrieval", "ucon.perception", "ucon.search", "ucon.envs", "ucon.generation",
-    "ucon.evaluation", "ucon.fitting", "ucon.learning", "ucon.configuration", "ucon.programs", "ucon.pages",
-    "ucon.commands", "ucon.__main__", "models",
+    "ucon.lives", "ucon.readers", "ucon.retrieval", "ucon.perception", "ucon.memory", "ucon.search", "ucon.envs",
+    "ucon.generation", "ucon.evaluation", "ucon.fitting", "ucon.learning", "ucon.configuration", "ucon.programs",
+    "ucon.pages", "ucon.commands", "ucon.__main__", "models",
 )  # fmt: skip
 #: Files of a folder; shapes are one file a family of objects.
 MOST, WITHOUT_END = 20, "ucon/objects/shapes"

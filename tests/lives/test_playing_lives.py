@@ -20,8 +20,9 @@ from ucon.envs.resident import UcONResidentEnv
 from ucon.evaluation.kept.folder import RunFolder
 from ucon.evaluation.kept.record import read_records, to_lines
 from ucon.evaluation.kept.seal import DECISIONS, PARTIAL, RECORDS, SUMMARY
+from ucon.evaluation.playing.jobs import shares
 from ucon.evaluation.playing.play import RunSpec
-from ucon.evaluation.playing.runner import _shares, evaluate
+from ucon.evaluation.playing.runner import evaluate
 from ucon.lives.asked import asked_of
 from ucon.lives.sets import save_lives
 from ucon.memory.map_memory import MapMemory
@@ -104,15 +105,16 @@ def test_interrupted_within_a_life_and_continued_it_is_the_same_run(
 def test_a_memory_makes_another_run(base: Path, whole: Path) -> None:
     again = shutil.copytree(whole, base / "again")
     with pytest.raises(ConfigError, match="another run"):
-        run_of(base, again, memory="off").play()
+        run_of(base, again, memory="none").play()
 
 
 @pytest.mark.slow
 def test_belief_with_habits_plays_alike_in_workers(base: Path, tmp_path: Path) -> None:
     found = []
-    for word in ("workers=0", "workers=2"):
-        run_of(base, tmp_path / word, word, "habit_level=retrieval", agent="belief").play()
-        found.append((tmp_path / word / RECORDS).read_bytes())
+    for count in (0, 2):
+        out = tmp_path / str(count)
+        run_of(base, out, f"workers={count}", "habit_level=retrieval", agent="belief").play()
+        found.append((out / RECORDS).read_bytes())
     assert found[0] == found[1]
 
 
@@ -199,9 +201,9 @@ def test_who_is_told_the_place_walks_there() -> None:
 
 def test_shares_hold_whole_lives() -> None:
     jobs = list(enumerate(asked_of([short_life(1, requests=3), short_life(3, requests=2)])))
-    assert _shares(jobs, 2) == [jobs[:3], jobs[3:]]
-    assert _shares(jobs, 5) == [jobs[:3], jobs[3:]]
-    assert _shares(jobs, 1) == [jobs]
+    assert shares(jobs, 2) == [jobs[:3], jobs[3:]]
+    assert shares(jobs, 5) == [jobs[:3], jobs[3:]]
+    assert shares(jobs, 1) == [jobs]
 
 
 def test_a_request_goes_as_it_went_whatever_else_is_wanted() -> None:

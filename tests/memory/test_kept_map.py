@@ -151,7 +151,9 @@ def point_on(known: SemanticMap, places: Places, category: str) -> np.ndarray:
 def test_remembered_places_have_their_mass_and_the_rest_is_scaled(known: SemanticMap, places: Places) -> None:
     inner = Coverage("bowl", CoverageWeights())
     table, sofa = known.instances["coffee_table"][0], known.instances["sofa"][0]
-    xyz = np.array([point_on(known, places, "coffee_table") + np.array([0.0, 0.0, 0.05]), point_on(known, places, "sofa")])
+    xyz = np.array(
+        [point_on(known, places, "coffee_table") + np.array([0.0, 0.0, 0.05]), point_on(known, places, "sofa")]
+    )
     plain = inner.expect(known, places)
     found = Remembering(inner, Recalled(xyz, np.array([0.5, 0.2]))).expect(known, places)
     added = np.zeros_like(plain.mass)

@@ -17,13 +17,15 @@ PLACES = np.array([[0.0, 0.0, 0.7], [3.0, 0.0, 0.4], [0.0, 3.0, 1.2]])
 MORNING, MIDDAY, EVENING = range(3)
 #: A thing is used half of the time, and everything counts the same.
 PLAIN = PlaceWeights(use=0.5, doubt=1.0, other_slot=1.0, other_days=1.0, fade=1.0)
+#: As usual, whatever the fitted numbers are.
+SOME = PlaceWeights(use=0.3, doubt=1.5, other_slot=0.6, other_days=0.7, fade=0.97)
 
 
 def thing(*seen: tuple[int, int], absent: tuple[tuple[int, int], ...] = ()) -> SeenThing:
     return SeenThing("book", PLACES, list(seen), list(absent))
 
 
-def now(one: SeenThing, time: int, weights: PlaceWeights | None = None, first_weekday: int = 0) -> np.ndarray:
+def now(one: SeenThing, time: int, weights: PlaceWeights | None = SOME, first_weekday: int = 0) -> np.ndarray:
     model = PlaceModel(weights)
     model.begin(first_weekday)
     return model.now(one, time)
@@ -47,9 +49,11 @@ def test_probabilities_leave_something_for_elsewhere() -> None:
         times = np.sort(rng.choice(60, rng.integers(1, 12), replace=False))
         seen = tuple((int(t), int(rng.integers(3))) for t in times)
         absent = tuple((int(rng.integers(60)), int(rng.integers(3))) for _ in range(rng.integers(6)))
-        p = now(thing(*seen, absent=absent), int(times[-1] + rng.integers(90)), first_weekday=int(rng.integers(7)))
-        assert (p >= 0.0).all()
-        assert p.sum() <= 1.0 + 1e-12
+        time, first_weekday = int(times[-1] + rng.integers(90)), int(rng.integers(7))
+        for weights in (None, SOME, PLAIN):
+            p = now(thing(*seen, absent=absent), time, weights, first_weekday)
+            assert (p >= 0.0).all()
+            assert p.sum() <= 1.0 + 1e-12
 
 
 def test_the_last_place_decays_with_time() -> None:
@@ -82,7 +86,7 @@ def test_all_known_places_empty_is_elsewhere() -> None:
 def test_slots_of_the_day_shift_it() -> None:
     """Of a thing that is on the desk in the morning and on the sofa in the evening."""
     seen = [(time_of(day, slot), place) for day in range(3) for slot, place in ((MORNING, DESK), (EVENING, SOFA))]
-    model = PlaceModel(replace(PlaceWeights(), other_slot=0.2))
+    model = PlaceModel(replace(SOME, other_slot=0.2))
     put = {slot: model.put(thing(*seen), time_of(3, slot)) for slot in (MORNING, MIDDAY, EVENING)}
     assert put[MORNING][DESK] > 2.0 * put[MORNING][SOFA]
     assert put[EVENING][SOFA] > 2.0 * put[EVENING][DESK]
@@ -95,7 +99,7 @@ def test_weekends_shift_it(first_weekday: int) -> None:
     """Of a thing that is on the shelf at weekends and on the desk on workdays, by the calendar of the life."""
     weekend = {day for day in range(14) if (first_weekday + day) % 7 >= 5}
     seen = [(time_of(day, MORNING), SHELF if day in weekend else DESK) for day in range(7)]
-    model = PlaceModel(replace(PlaceWeights(), other_days=0.1, fade=1.0))
+    model = PlaceModel(replace(SOME, other_days=0.1, fade=1.0))
     model.begin(first_weekday)
     for day in range(7, 14):
         put = model.put(thing(*seen), time_of(day, MORNING))

@@ -63,6 +63,12 @@ def lived(request: pytest.FixtureRequest) -> Lived:
     return Lived(short_life(request.param, requests=10, days=3))
 
 
+@pytest.fixture(scope="module")
+def emptied() -> Lived:
+    """A life in which the robot comes by where things were before."""
+    return Lived(short_life(3, requests=10, days=3))
+
+
 def test_things_are_remembered_where_they_were(lived: Lived) -> None:
     owned = {one.category for one in lived.life.possessions}
     sightings = [(name, *seen) for name, one in lived.memory.log.things.items() if name in owned for seen in one.seen]
@@ -76,11 +82,18 @@ def test_things_are_remembered_where_they_were(lived: Lived) -> None:
     assert max(away) < SAME_M + 0.25
 
 
-def test_places_that_were_shown_empty_were_empty(lived: Lived) -> None:
-    owned = {one.category for one in lived.life.possessions}
-    log = lived.memory.log.things
-    empty = [(name, *absent) for name, one in log.items() if name in owned for absent in one.absent]
-    assert all(np.linalg.norm(log[name].places[place] - lived.where(name, time)) > 0.1 for name, time, place in empty)
+def test_places_that_were_shown_empty_were_empty(emptied: Lived) -> None:
+    """But for one in twenty: of a small thing too few pixels may show where its middle does."""
+    owned = {one.category for one in emptied.life.possessions}
+    log = emptied.memory.log.things
+    away = np.array([
+        np.linalg.norm(one.places[place] - emptied.where(name, time))
+        for name, one in log.items()
+        if name in owned
+        for time, place in one.absent
+    ])  # fmt: skip
+    assert len(away) > 40
+    assert (away < SAME_M).mean() < 0.05
 
 
 def test_what_was_found_is_remembered_at_that_time(lived: Lived) -> None:
@@ -123,10 +136,3 @@ def test_explored_floor_never_shrinks(lived: Lived) -> None:
     assert lived.memory.known[0] == 0
     assert lived.memory.known == sorted(lived.memory.known)
     assert lived.memory.known[-1] >= lived.memory.known[1] > 100
-
-
-def test_a_look_at_where_a_thing_was_is_noted() -> None:
-    """Beside the two lives above, one in which things that were moved are looked for where they were."""
-    lived = Lived(short_life(1, requests=14, days=4))
-    owned = {one.category for one in lived.life.possessions}
-    assert any(one.absent for name, one in lived.memory.log.things.items() if name in owned)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ucon.core.errors import ConfigError, EpisodeError
 from ucon.core.text import is_shown
@@ -14,20 +13,17 @@ from ucon.sim.house import House
 from ucon.task.check_data import check_object, expect
 from ucon.task.rules import task_rules
 
-if TYPE_CHECKING:
-    from ucon.lives.life import Life, Move, Possession, Request
-
 _TEXTS = ("id", "scene", "home_hash", "habits", "habits_hash", "task", "split", "season")
 #: Longest life, days.
 MOST_DAYS = 400
 MOST_USERS = 3
 
 
-def check_life(life: Life, where: str) -> None:
+def check_life(life: Any, where: str) -> None:
     """Refuse a life whose data cannot be right in any home.
 
     Args:
-        life: the life.
+        life: a :class:`ucon.lives.life.Life`, whose module calls this one.
         where: names file and line in the error.
 
     Raises:
@@ -53,7 +49,7 @@ def check_life(life: Life, where: str) -> None:
     _check_times(life, where)
 
 
-def _check_possessions(life: Life, where: str) -> None:
+def _check_possessions(life: Any, where: str) -> None:
     count = len(life.possessions)
     expect(count > 0, where, "number of possessions", count, "at least one")
     names = [one.category for one in life.possessions]
@@ -67,7 +63,7 @@ def _check_possessions(life: Life, where: str) -> None:
         _check_places(one, here)
 
 
-def _check_places(one: Possession, where: str) -> None:
+def _check_places(one: Any, where: str) -> None:
     for number, place in enumerate(one.places):
         here = f"{where}: place {number}"
         check_object(place.object, here)
@@ -77,7 +73,7 @@ def _check_places(one: Possession, where: str) -> None:
         expect(right, here, "origins", place.origins, "an entry and a number each")
 
 
-def _check_calendar(life: Life, where: str) -> None:
+def _check_calendar(life: Any, where: str) -> None:
     for day, occasion in life.occasions:
         expect(_is_number(day, 0, life.days - 1), where, "day of an occasion", day, f"below {life.days}")
         try:
@@ -88,11 +84,10 @@ def _check_calendar(life: Life, where: str) -> None:
     expect(len(set(days)) == len(days), where, "days of occasions", days, "one occasion a day")
 
 
-def _check_times(life: Life, where: str) -> None:
+def _check_times(life: Any, where: str) -> None:
     end, count = N_SLOTS * life.days, len(life.possessions)
     expect(len(life.requests) > 0, where, "number of requests", 0, "at least one")
-    kinds: dict[str, Sequence[Move | Request]] = {"move": life.moves, "request": life.requests}
-    for name, rows in kinds.items():
+    for name, rows in (("move", life.moves), ("request", life.requests)):
         for one in rows:
             expect(_is_number(one.time, 0, end - 1), where, f"time of a {name}", one.time, f"0 to {end - 1}")
             right = _is_number(one.possession, 0, count - 1)
@@ -109,7 +104,7 @@ def _check_times(life: Life, where: str) -> None:
         expect(right, where, "person who asks", asked.person, "a name or null")
 
 
-def check_life_home(life: Life, house: House) -> None:
+def check_life_home(life: Any, house: House) -> None:
     """Refuse a life that does not fit its home.
 
     Args:

@@ -35,7 +35,7 @@ class MapMemory:
             ConfigError: it keeps no map.
         """
         if self.map is None or not self.map.views:
-            raise ConfigError(f"memory of {self.name}: this agent maps nothing that could be kept; leave memory off")
+            raise ConfigError(f"memory of {self.name}: this agent maps nothing that could be kept; leave memory= out")
 
     def end(self) -> None:
         """Nothing to do."""

@@ -142,3 +142,31 @@ def test_there_is_room_for_many_tracks() -> None:
     changed = hypotheses.look(box, np.zeros(n, np.uint8), [""] * n, called, depth(), camera())
     assert len(changed) == n
     assert (hypotheses.p_target[:n] > 0.0).all()
+
+
+def test_another_search_forgets_what_may_have_been_moved() -> None:
+    hypotheses = named()
+    seen(hypotheses, "mug")
+    hypotheses.search_again("bowl", [0])
+    assert (hypotheses.exists[0], hypotheses.p_target[0]) == (0.0, 0.0)
+    assert hypotheses.looks == {}
+    assert not hypotheses.named(("mug", "bowl"), 1).any()
+    fresh = named("bowl")
+    for one in (hypotheses, fresh):
+        seen(one, "bowl")  # from where it was looked at before
+    assert hypotheses.p_target[0] == fresh.p_target[0] > 0.5
+    assert hypotheses.exists[0] == fresh.exists[0]
+
+
+def test_another_search_keeps_furniture_and_asks_for_its_own_target() -> None:
+    hypotheses, alone = named("mug"), named("sofa")
+    for one in (hypotheses, alone):
+        seen(one, "sofa")
+    before = hypotheses.p_target[0]
+    hypotheses.search_again("sofa", [])
+    assert before < 0.5 < hypotheses.p_target[0]
+    assert hypotheses.p_target[0] == pytest.approx(alone.p_target[0])
+    assert hypotheses.exists[0] == pytest.approx(alone.exists[0])
+    assert len(hypotheses.looks[0]) == 1
+    hypotheses.search_again("mug", [200])  # a track that no look was at
+    assert hypotheses.p_target[0] == pytest.approx(before)

@@ -22,7 +22,8 @@ from multiprocessing.connection import Connection
 from typing import Any, Final
 
 from ucon.core.errors import EpisodeError, UconError
-from ucon.evaluation.playing.play import Job, PlayedEpisode, RunSpec, play
+from ucon.evaluation.playing.jobs import Job, play
+from ucon.evaluation.playing.play import PlayedEpisode, RunSpec
 
 _ONE_THREAD: Final = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"

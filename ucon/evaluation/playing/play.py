@@ -13,7 +13,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Protocol, cast
+from typing import Any, Protocol
 
 import gymnasium as gym
 import numpy as np
@@ -21,7 +21,6 @@ import numpy as np
 from ucon.core.errors import ConfigError, brief
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.evaluation.kept.record import EpisodeRecord, EpisodeTiming
-from ucon.lives.asked import Asked
 from ucon.lives.request_record import LifeFacts
 from ucon.memory.protocol import Memory
 from ucon.retrieval.levels import RANKED_LEVELS
@@ -31,8 +30,6 @@ from ucon.task.episode import Episode
 from ucon.task.spoken import target_place
 
 Env = gym.Env[Any, Any]
-Job = tuple[int, Episode | Asked]
-"""What is played, with its index in the evaluated list."""
 
 
 @dataclass(frozen=True)
@@ -108,19 +105,14 @@ class _Slot:
         return bool(terminated or truncated)
 
 
-def play(spec: RunSpec, jobs: Sequence[Job]) -> Iterator[PlayedEpisode]:
+def play_episodes(spec: RunSpec, jobs: Sequence[tuple[int, Episode]]) -> Iterator[PlayedEpisode]:
     """Play episodes in order and yield each as it ends. The result of one does not depend on the others.
 
     Args:
         spec: agent, environment, habit level.
-        jobs: (index, episode) pairs, or (index, request of a life).
+        jobs: (index, episode) pairs.
     """
     if not jobs:
-        return
-    if isinstance(jobs[0][1], Asked):
-        from ucon.evaluation.playing.play_lives import play_lives
-
-        yield from play_lives(spec, cast("Sequence[tuple[int, Asked]]", jobs))
         return
     agent = spec.agent()
     one_thread()
@@ -159,12 +151,11 @@ def one_thread() -> None:
         sys.modules["torch"].set_num_threads(1)
 
 
-def _begin(slot: _Slot, waiting: Iterator[Job], agent: Agent, spec: RunSpec) -> bool:
+def _begin(slot: _Slot, waiting: Iterator[tuple[int, Episode]], agent: Agent, spec: RunSpec) -> bool:
     job = next(waiting, None)
     if job is None:
         return False
     index, episode = job
-    assert isinstance(episode, Episode)
     slot.start(index, episode, spec.seed, film=spec.films is not None)
     agent.reset([slot.info], [slot.number])
     return True

@@ -10,12 +10,13 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, cast
+from typing import Any
 
 from ucon.core.errors import ConfigError, brief
 from ucon.evaluation.playing.crew import WorkerPool
-from ucon.evaluation.playing.play import Job, PlayedEpisode, RunSpec, play
-from ucon.lives.asked import Asked, by_life
+from ucon.evaluation.playing.jobs import Job, play, shares
+from ucon.evaluation.playing.play import PlayedEpisode, RunSpec
+from ucon.lives.asked import Asked
 from ucon.task.episode import Episode
 
 OnPlayed = Callable[[PlayedEpisode], None]
@@ -92,18 +93,9 @@ def _limit(timeout_s: Any) -> float:
     return float(timeout_s)
 
 
-def _shares(jobs: Sequence[Job], count: int) -> list[list[Job]]:
-    """Jobs of each worker: every ``count``-th episode, or life."""
-    if not isinstance(jobs[0][1], Asked):
-        return [list(jobs[number::count]) for number in range(count)]
-    lives = by_life(cast("Sequence[tuple[int, Asked]]", jobs))
-    shares = [[job for life in lives[number::count] for job in life] for number in range(count)]
-    return cast("list[list[Job]]", [share for share in shares if share])
-
-
 def _parallel(spec: RunSpec, jobs: Sequence[Job], count: int, timeout_s: float) -> Iterator[PlayedEpisode]:
     pool = WorkerPool(spec, timeout_s)
     try:
-        yield from pool.play(_shares(jobs, count))
+        yield from pool.play(shares(jobs, count))
     finally:
         pool.close()
