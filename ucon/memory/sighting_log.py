@@ -48,6 +48,11 @@ class SightingLog:
         """Start with nothing seen."""
         self.things: dict[str, SeenThing] = {}
 
+    def last(self) -> int:
+        """Time of the newest entry; -1 without any."""
+        entries = [entry for thing in self.things.values() for entry in (*thing.seen, *thing.absent)]
+        return max((time for time, _ in entries), default=-1)
+
     def saw(self, name: str, xyz: NDArray[np.float64], time: int) -> None:
         """Note where a thing was seen in a request; of several sightings the last one counts.
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.lives.clock import time_of
+from ucon.core.errors import DataError
+from ucon.core.files import sha256_file
+from ucon.lives.clock import N_SLOTS, time_of
+from ucon.memory.log_file import load_log, save_log
 from ucon.memory.map_memory import MapMemory
 from ucon.memory.place_model import Model, PlaceModel
 from ucon.memory.protocol import Info, Observation
@@ -23,25 +27,40 @@ from ucon.perception.places.hollows import ALL_OPEN
 class SightingsMemory(MapMemory):
     """Remembers where things were, and where they were not; see :mod:`ucon.memory.place_model`."""
 
-    def __init__(self, model: Model | None = None) -> None:
+    def __init__(self, model: Model | None = None, keep: str | None = None, given: str | None = None) -> None:
         """Start without a home.
 
         Args:
             model: says where a thing is, from what was seen of it; :class:`ucon.memory.place_model.PlaceModel` by
                 default.
+            keep: folder to which each life's sightings are written after every request; None: they are not.
+            given: folder of such files, with which lives begin; None: they begin without any.
         """
         super().__init__()
         self.log = SightingLog()
+        self._keep, self._given = (None if folder is None else Path(folder) for folder in (keep, given))
+        self._home: str | None = None
         self._model = model or PlaceModel()
         self.name = f"map and {self._model.name}"
         self._time = -1
         self._shown: dict[str, NDArray[np.float64]] = {}
+
+    def fingerprint(self) -> str:
+        """Hash of the files with which lives begin; "" without any."""
+        files = [] if self._given is None else sorted(self._given.glob("*.json"))
+        return "".join(sha256_file(path)[:16] for path in files)
 
     def begin(self, info: Info) -> dict[str, Any]:
         """The info for the agent's reset, with ``kept_map``, and with ``recalled`` where the target was seen before."""
         day, weekday, slot = info["clock"]
         self._time = time_of(day, slot)
         self._model.begin((weekday - day) % 7)
+        if self._home is None:
+            self._home = str(info["episode"]).rpartition("/")[0]
+            if self._given is not None:
+                self.log = load_log(self._given / _file_of(self._home), self._home)
+        if (last := self.log.last()) > self._time:
+            raise DataError(f"life {self._home}: it is day {day}, and the memory goes on to day {last // N_SLOTS}")
         # 1 where a place of a thing was not shown yet in this request.
         self._shown = {name: np.ones(len(thing.places)) for name, thing in self.log.things.items()}
         known, target = super().begin(info), str(info["target"])
@@ -81,3 +100,11 @@ class SightingsMemory(MapMemory):
             for place in np.flatnonzero(left == 0.0).tolist():
                 if place != here:
                     self.log.missed(name, place, self._time)
+        if self._keep is not None:
+            assert self._home is not None
+            save_log(self.log, self._keep / _file_of(self._home), self._home)
+
+
+def _file_of(home: str) -> str:
+    """Name of the file of a life's memory."""
+    return f"{home.replace('/', '-').replace(':', '-')}.json"

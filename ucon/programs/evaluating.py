@@ -16,6 +16,7 @@ from ucon.configuration.arguments import check_arguments
 from ucon.configuration.known_options import EVALUATION, check_options
 from ucon.configuration.wiring import Factory
 from ucon.core.errors import ConfigError
+from ucon.core.fingerprint import fingerprint_of
 from ucon.core.sole_writer import sole_writer
 from ucon.envs.own_home import episodes_of, is_home_file, own_set, say_made
 from ucon.evaluation.figures.report import run_hashes, summary, versions
@@ -73,7 +74,8 @@ class Evaluation:
         warn_of_other_rules(self.episodes, config["env"]["task"])
         agent, detector = Factory(config["agent"])(), Factory(config["env"]["detector"])()
         memory = _memory(config.get("memory"), resident=resident)
-        self.parts = parts_of(agent, detector, None if memory is None else memory())
+        remembered = None if memory is None else memory()
+        self.parts = parts_of(agent, detector, remembered)
         self.source = Factory(config["env"]["source"])()
         self.label = agent_label({"agent": agent.name, **self.parts.to_json()})
         """Label of the agent, as in tables."""
@@ -88,6 +90,8 @@ class Evaluation:
         self.hashes = run_hashes(config, self.episodes, None if of_parts is None else (*of_habits, *of_parts))
         if errors is not None:
             self.hashes["detector_errors"] = errors.fingerprint()
+        if begins_with := fingerprint_of(remembered):
+            self.hashes["memory"] = begins_with
         self.out = free_folder(out, self.hashes, versions()) if anew else out
         self.config = config | {"out": str(self.out)} if anew else config
         self.spec = RunSpec(

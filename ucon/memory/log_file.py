@@ -1,0 +1,124 @@
+"""A memory as a file: JSON that a person can read and mend, checked when it is read.
+
+Places are points in metres in the frame of the dock (x ahead, y to the left, z up), times are texts such as
+``day 3, evening`` (days count from 0).
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from ucon.core.errors import DataError, brief
+from ucon.core.files import write_atomic
+from ucon.core.untrusted.strict_json import read_json
+from ucon.lives.clock import SLOT_NAMES, day_and_slot, time_of
+from ucon.memory.sighting_log import SeenThing, SightingLog
+from ucon.objects.catalogue import catalogue
+
+#: Version of the stored form.
+FORMAT: Final = 1
+#: Largest file, bytes; most entries of a list, most days, farthest place in metres.
+_MAX_BYTES, _MOST, _MOST_DAYS, _FARTHEST_M = 16 * 2**20, 100_000, 10_000, 100.0
+_REMEDY = "mend the file, or begin without it"
+
+
+def save_log(log: SightingLog, path: Path, home: str) -> None:
+    """Write a memory; a kill leaves the old file or the new one.
+
+    Args:
+        log: the memory.
+        path: of the file.
+        home: names the home and the dock that places are relative to.
+    """
+    things = {
+        name: {
+            "places": [[round(float(v), 3) + 0.0 for v in xyz] for xyz in thing.places],
+            "seen": [[_said(time), place] for time, place in thing.seen],
+            "absent": [[_said(time), place] for time, place in thing.absent],
+        }
+        for name, thing in sorted(log.things.items())
+    }
+    lines = [f"  {json.dumps(name)}: {json.dumps(value)}" for name, value in things.items()]
+    head = f'{{"format": {FORMAT}, "home": {json.dumps(home)}, "things": {{\n'
+    write_atomic(path, head + ",\n".join(lines) + "\n}}\n")
+
+
+def load_log(path: Path, home: str) -> SightingLog:
+    """Read a memory.
+
+    Args:
+        path: of the file.
+        home: for which it is read.
+
+    Raises:
+        DataError: it is no memory, one of another version or another home, or contradicts itself; names what is wrong.
+    """
+    data = read_json(path, _REMEDY, max_bytes=_MAX_BYTES)
+    if not isinstance(data, dict) or data.keys() != {"format", "home", "things"} or type(data["things"]) is not dict:
+        raise DataError(f"{path}: expected an object with format, home and things; {_REMEDY}")
+    if data["format"] != FORMAT:
+        raise DataError(f"{path}: memory format {brief(repr(data['format']))}, expected {FORMAT}; begin without it")
+    if data["home"] != home:
+        raise DataError(f"{path}: memory of home {brief(repr(data['home']))}, expected {home}; choose that home's file")
+    log = SightingLog()
+    for name, value in data["things"].items():
+        log.things[name] = _thing(name, value, f"{path}: {brief(name)}")
+    return log
+
+
+def _thing(name: str, value: Any, where: str) -> SeenThing:
+    if name not in catalogue():
+        raise DataError(f"{where}: no such category; {_REMEDY}")
+    if not isinstance(value, dict) or value.keys() != {"places", "seen", "absent"}:
+        raise DataError(f"{where}: expected places, seen and absent; {_REMEDY}")
+    places = _list(value["places"], f"{where}: places")
+    for xyz in places:
+        right = isinstance(xyz, list) and len(xyz) == 3 and all(map(_is_length, xyz))
+        if not right:
+            raise DataError(f"{where}: place {brief(repr(xyz))}, expected x, y, z in metres; {_REMEDY}")
+    seen = _times(value["seen"], len(places), f"{where}: seen")
+    absent = _times(value["absent"], len(places), f"{where}: absent")
+    return SeenThing(name, np.array(places, np.float64).reshape(-1, 3), seen, absent)
+
+
+def _times(value: Any, places: int, where: str) -> list[tuple[int, int]]:
+    found = []
+    for row in _list(value, where):
+        if not (isinstance(row, list) and len(row) == 2 and type(row[1]) is int and 0 <= row[1] < places):
+            raise DataError(f"{where}: {brief(repr(row))}, expected a time and a place below {places}; {_REMEDY}")
+        found.append((_time(row[0], where), row[1]))
+    for before, after in pairwise(found):
+        if after[0] < before[0]:
+            raise DataError(f"{where}: {_said(after[0])} after {_said(before[0])}; a clock goes forward, {_REMEDY}")
+    return found
+
+
+def _time(text: Any, where: str) -> int:
+    """The time of ``day 3, evening``."""
+    day, _, slot = str(text).removeprefix("day ").partition(", ")
+    if not (isinstance(text, str) and text.startswith("day ") and day.isdecimal() and day.isascii()):
+        raise DataError(f"{where}: time {brief(repr(text))}, expected 'day 3, evening'; {_REMEDY}")
+    if slot not in SLOT_NAMES or len(day) > len(str(_MOST_DAYS)):
+        raise DataError(f"{where}: time {brief(repr(text))}, expected {', '.join(SLOT_NAMES)} of a day; {_REMEDY}")
+    return time_of(int(day), SLOT_NAMES.index(slot))
+
+
+def _said(time: int) -> str:
+    day, slot = day_and_slot(time)
+    return f"day {day}, {SLOT_NAMES[slot]}"
+
+
+def _list(value: Any, where: str) -> list[Any]:
+    if not isinstance(value, list) or len(value) > _MOST:
+        raise DataError(f"{where}: {brief(repr(value))}, expected a list; {_REMEDY}")
+    return value
+
+
+def _is_length(value: Any) -> bool:
+    return type(value) in (int, float) and math.isfinite(value) and abs(value) <= _FARTHEST_M
