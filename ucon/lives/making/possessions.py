@@ -17,7 +17,7 @@ from ucon.sim.placement import importable
 from ucon.task.making.draft import bearing_categories
 from ucon.task.making.living import contradictory, home_kinds, living_in
 
-#: Share of the things whose habits contradict each other by context, where the dataset has so many.
+#: Least share of the things whose habits contradict each other by context, where the dataset has so many.
 CONTRADICTORY = 0.3
 
 
