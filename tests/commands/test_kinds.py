@@ -142,8 +142,9 @@ def replaced(config: dict[str, Any], place: tuple[str, ...], value: Any) -> dict
 def check(root: str, config: dict[str, Any]) -> None:
     """What a run checks before it builds."""
     check_options(config, EVALUATION if root == "eval" else TRAINING)
-    for part in ("agent", "env") if root == "eval" else ("learner",):
-        check_arguments(config[part])
+    for part in BUILT[root]:
+        if config.get(part) is not None or part != "memory":
+            check_arguments(config[part])
 
 
 @pytest.mark.parametrize("root", ["eval", "train"])
@@ -154,10 +155,9 @@ def test_every_option_of_every_file_is_of_a_kind(root: str) -> None:
         if ("learner" in config) != (root == "train"):
             continue
         check(root, config)
-        built = ("agent", "env") if root == "eval" else ("learner",)
         for place, value in leaves(config):
             option = "->".join((str(_owner(config, place)), place[-1]))
-            if option in seen or (len(place) > 1 and place[0] in {"agent", "env", "learner", *PARTS} - set(built)):
+            if option in seen or (len(place) > 1 and place[0] in {*PARTS, *sum(BUILT.values(), ())} - set(BUILT[root])):
                 continue  # what is not built is not judged but where it is
             seen.add(option)
             for other in VALUES:
@@ -169,6 +169,8 @@ def test_every_option_of_every_file_is_of_a_kind(root: str) -> None:
     assert len(seen) > 50
 
 
+#: Groups that are built at once.
+BUILT = {"eval": ("agent", "env", "memory"), "train": ("learner",)}
 #: Top-level groups that are built where they are used.
 PARTS = ("collector", "detector", "habits", "language", "retriever", "search")
 

@@ -17,6 +17,7 @@ from ucon.lives.sets import life_sets, load_lives, save_lives
 from ucon.lives.timeline import Timeline
 from ucon.lives.verify import verify_life
 from ucon.sim.cache import load_house
+from ucon.sim.paths import distances
 from ucon.sim.state import SceneState
 from ucon.task.episode import Start
 
@@ -182,3 +183,26 @@ def test_a_file_that_was_cut_is_refused(tmp_path):
         load_lives(path)
     with pytest.raises(EpisodeError, match="lives_mini"):
         load_lives("lives_mimi")
+
+
+def test_a_robot_never_begins_in_a_corner_without_a_way_out(life):
+    """Wherever it stopped, it can go to its dock: a pocket that things close is none to begin in."""
+    asking, timeline = Asking(life, contexts_book()), Timeline(life)
+    for number in (0, len(life.requests) // 2, len(life.requests) - 1):
+        free = SceneState(asking.house, timeline.arrangement(life.requests[number].time)).free
+        moves = distances(free, [(life.dock.i, life.dock.j)])
+        for i, j in np.argwhere(asking.house.grid.free)[::7]:
+            start = asking.standing(number, Start(int(i), int(j), 1))
+            assert moves[start.i, start.j] >= 0
+
+
+def test_a_robot_gets_out_of_a_pocket(life):
+    """All free nodes around a node are closed off by hand: it is put outside."""
+    asking = Asking(life, contexts_book())
+    time, dock = life.requests[0].time, (life.dock.i, life.dock.j)
+    free = SceneState(asking.house, asking.timeline.arrangement(time)).free
+    far = max(np.argwhere(free).tolist(), key=lambda node: abs(node[0] - dock[0]) + abs(node[1] - dock[1]))
+    around = [(far[0] + di, far[1] + dj) for di, dj in ((1, 0), (-1, 0), (0, 1), (0, -1))]
+    closed = replace(life, fixed_blocked=(*life.fixed_blocked, *(node for node in around if free[node])))
+    start = Asking(closed, contexts_book()).standing(0, Start(*far, 0))
+    assert (start.i, start.j) != tuple(far)

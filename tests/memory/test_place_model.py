@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ucon.core.errors import ConfigError
 from ucon.lives.clock import time_of
 from ucon.memory.place_model import PlaceModel, PlaceWeights
 from ucon.memory.sighting_log import SAME_M, SeenThing, SightingLog
@@ -152,3 +153,16 @@ def test_sightings_near_one_another_are_of_one_place() -> None:
     assert one.places[:, 0].tolist() == [0.0, 2.0]
     assert one.seen == [(0, 0), (1, 0), (2, 1), (3, 1), (4, 0)]
     assert one.absent == [(5, 1)]
+
+
+@pytest.mark.parametrize("name", ["use", "other_slot", "other_days", "fade", "doubt"])
+@pytest.mark.parametrize("value", [-0.1, float("nan"), float("inf")])
+def test_numbers_that_cannot_be_are_refused(name, value):
+    with pytest.raises(ConfigError, match=f"{name}=.*expected"):
+        PlaceWeights(**{name: value})
+
+
+@pytest.mark.parametrize("model", [LastSeen, MostSeen])
+def test_a_trust_is_a_probability(model):
+    with pytest.raises(ConfigError, match=r"trust=1\.5, expected 0 to 1"):
+        model(trust=1.5)

@@ -64,12 +64,16 @@ class Asking(Shared):
         return False
 
     def standing(self, number: int, at: Start) -> Start:
-        """Where the robot stands at a request: where it stopped, or beside it where something was put there since."""
+        """Where the robot stands at a request: where it stopped, if it can go from there to its dock, else beside it.
+
+        Something may have been put there since, or in its only way out of a corner.
+        """
         free = SceneState(self.house, self.timeline.arrangement(self.life.requests[number].time)).free
-        if free[at.i, at.j]:
+        home = distances(free, [(self.life.dock.i, self.life.dock.j)]) >= 0
+        if home[at.i, at.j]:
             return at
         moves = distances(np.ones_like(free), [(at.i, at.j)])
-        nodes = np.argwhere(free)
+        nodes = np.argwhere(home)
         i, j = (int(v) for v in nodes[np.argmin(moves[nodes[:, 0], nodes[:, 1]])])
         return Start(i, j, at.heading)
 

@@ -8,6 +8,7 @@ context in which it was made, and less for others; old ones fade, since habits c
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -15,6 +16,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.core.errors import ConfigError, brief
 from ucon.core.sharing import Shared
 from ucon.lives.clock import day_and_slot, is_weekend, weekday_of
 from ucon.memory.sighting_log import SeenThing
@@ -41,6 +43,23 @@ class PlaceWeights(Shared):
     """What a sighting on a workday counts for weekends, and the other way round."""
     fade: float = 0.98
     """What a sighting counts after a day."""
+
+    def __post_init__(self) -> None:
+        for name in ("use", "other_slot", "other_days", "fade"):
+            probability(name, getattr(self, name))
+        if not 0.0 <= self.doubt < math.inf:
+            raise ConfigError(f"memory: doubt={brief(self.doubt)}, expected a number from 0 up")
+
+
+def probability(name: str, value: float) -> float:
+    """The value itself.
+
+    Raises:
+        ConfigError: it is not between 0 and 1; names the option.
+    """
+    if not 0.0 <= value <= 1.0:
+        raise ConfigError(f"memory: {name}={brief(value)}, expected 0 to 1")
+    return value
 
 
 class Model(Protocol):

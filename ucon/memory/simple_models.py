@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.sharing import Shared
+from ucon.memory.place_model import probability
 from ucon.memory.sighting_log import SeenThing
 
 
@@ -19,8 +20,11 @@ class LastSeen(Shared):
 
         Args:
             trust: probability that it is still there.
+
+        Raises:
+            ConfigError: it is no probability.
         """
-        self._trust = trust
+        self._trust = probability("trust", trust)
 
     def begin(self, first_weekday: int) -> None:
         """Nothing depends on the calendar."""
@@ -45,8 +49,11 @@ class MostSeen(Shared):
 
         Args:
             trust: probability that it is at a known place.
+
+        Raises:
+            ConfigError: it is no probability.
         """
-        self._trust = trust
+        self._trust = probability("trust", trust)
 
     def begin(self, first_weekday: int) -> None:
         """Nothing depends on the calendar."""

@@ -241,6 +241,7 @@ def _memory(config: Any, *, resident: bool) -> Factory | None:
         return None
     if not resident:
         raise ConfigError("memory: only a robot that lives in a home remembers it; add task=resident")
+    check_arguments(config)
     return Factory(config)
 
 
