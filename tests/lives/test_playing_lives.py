@@ -170,12 +170,12 @@ class Listening(FrontierAgent):
 
 
 def test_the_record_of_a_request_does_not_reach_the_agent() -> None:
-    """It says whether habits have changed, and whether things were moved."""
+    """The record of a request, with privileged facts such as whether the thing was moved, is not in the next info."""
     life = short_life(requests=3)
     played = evaluate(spec(Listening, life, SightingsMemory), asked_of([life]), workers=0)
     assert len(played) == 3
     assert {"clock", "kept_map"} <= Listening.told
-    assert not {"request_record", "episode_metrics", "privileged", "life"} & Listening.told
+    assert not {"request_record", "is_success", "episode_metrics", "privileged", "life"} & Listening.told
 
 
 @pytest.mark.parametrize("memory", [MapMemory, SightingsMemory])

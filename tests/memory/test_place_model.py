@@ -85,7 +85,7 @@ def test_all_known_places_empty_is_elsewhere() -> None:
 
 
 def test_slots_of_the_day_shift_it() -> None:
-    """Of a thing that is on the desk in the morning and on the sofa in the evening."""
+    """A thing seen on the desk in mornings and on the sofa in evenings is expected by the slot."""
     seen = [(time_of(day, slot), place) for day in range(3) for slot, place in ((MORNING, DESK), (EVENING, SOFA))]
     model = PlaceModel(replace(SOME, other_slot=0.2))
     put = {slot: model.put(thing(*seen), time_of(3, slot)) for slot in (MORNING, MIDDAY, EVENING)}
@@ -97,7 +97,7 @@ def test_slots_of_the_day_shift_it() -> None:
 
 @pytest.mark.parametrize("first_weekday", [0, 3])
 def test_weekends_shift_it(first_weekday: int) -> None:
-    """Of a thing that is on the shelf at weekends and on the desk on workdays, by the calendar of the life."""
+    """A thing seen on the shelf at weekends and on the desk on workdays is expected by the kind of day."""
     weekend = {day for day in range(14) if (first_weekday + day) % 7 >= 5}
     seen = [(time_of(day, MORNING), SHELF if day in weekend else DESK) for day in range(7)]
     model = PlaceModel(replace(SOME, other_days=0.1, fade=1.0))

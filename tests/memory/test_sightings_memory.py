@@ -1,4 +1,4 @@
-"""What a robot keeps of the requests of a life is what was there, checked against the true home."""
+"""Sightings that a robot logs in a life agree with where things truly were."""
 
 from __future__ import annotations
 

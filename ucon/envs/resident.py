@@ -120,7 +120,7 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
 
     @property
     def source(self) -> HabitSource:
-        """What gives the habits."""
+        """Source of the habits of every request."""
         return self.search_env.source
 
     @property

@@ -43,7 +43,10 @@ class SightingsMemory(MapMemory):
         self._model = model or PlaceModel()
         self.name = f"map and {self._model.name}"
         self._time = -1
-        self._shown: dict[str, NDArray[np.float64]] = {}
+        # Remembered places as this request begins, n in all: name and number, point, reach, and 1 until it was shown.
+        self._of: list[tuple[str, int]] = []
+        self._xyz, self._reach_m, self._unshown = np.zeros((0, 3)), np.zeros(0), np.zeros(0)
+        self._hollow, self._faces = np.zeros((0, 6)), np.zeros(0, np.uint8)
 
     def fingerprint(self) -> str:
         """Hash of the files with which lives begin; "" without any."""
@@ -61,8 +64,7 @@ class SightingsMemory(MapMemory):
                 self.log = load_log(self._given / _file_of(self._home), self._home)
         if (last := self.log.last()) > self._time:
             raise DataError(f"life {self._home}: it is day {day}, and the memory goes on to day {last // N_SLOTS}")
-        # 1 where a place of a thing was not shown yet in this request.
-        self._shown = {name: np.ones(len(thing.places)) for name, thing in self.log.things.items()}
+        self._watch()
         known, target = super().begin(info), str(info["target"])
         thing = self.log.things.get(target)
         if thing is None:
@@ -75,13 +77,18 @@ class SightingsMemory(MapMemory):
         assert self.map is not None
         depth = self.map.body.farthest(frame_depth(observation, info))
         camera = camera_of(self.map.view, depth, self.map.body)
-        for name, left in self._shown.items():
-            active = left > 0.0
-            if active.any():
-                n = len(left)
-                hollow, faces = np.zeros((n, 6)), np.full(n, ALL_OPEN, np.uint8)
-                places = self.log.things[name].places[:n]
-                look(depth, camera, sight_range_m(name), places, hollow, faces, active, left, 0.0)
+        active = (self._unshown > 0.0) & (depth_along(self._xyz, camera) <= self._reach_m)
+        if active.any():
+            look(depth, camera, np.inf, self._xyz, self._hollow, self._faces, active, self._unshown, 0.0)
+
+    def _watch(self) -> None:
+        """Begin to note which of the remembered places frames show."""
+        things = self.log.things
+        self._of = [(name, place) for name, thing in things.items() for place in range(len(thing.places))]
+        n = len(self._of)
+        self._xyz = np.concatenate([np.zeros((0, 3)), *(thing.places for thing in things.values())])
+        self._reach_m, self._unshown = np.array([sight_range_m(name) for name, _ in self._of]), np.ones(n)
+        self._hollow, self._faces = np.zeros((n, 6)), np.full(n, ALL_OPEN, np.uint8)
 
     def end(self) -> None:
         """Enter what this request showed into the log."""
@@ -94,15 +101,19 @@ class SightingsMemory(MapMemory):
             if seen:
                 box = known.box[max(seen, key=lambda track: (int(known.last_seen[track]), -track))]
                 self.log.saw(name, 0.5 * (box[:3] + box[3:]), self._time)
-        for name, left in self._shown.items():
-            thing = self.log.things[name]
-            here = thing.seen[-1][1] if thing.seen and thing.seen[-1][0] == self._time else -1
-            for place in np.flatnonzero(left == 0.0).tolist():
-                if place != here:
-                    self.log.missed(name, place, self._time)
+        for row in np.flatnonzero(self._unshown == 0.0).tolist():
+            name, place = self._of[row]
+            if self.log.things[name].seen[-1:] != [(self._time, place)]:
+                self.log.missed(name, place, self._time)
         if self._keep is not None:
             assert self._home is not None
             save_log(self.log, self._keep / _file_of(self._home), self._home)
+
+
+def depth_along(xyz: NDArray[np.float64], camera: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Optical depth (n,) of points (n, 3) before a camera (8,), metres; below 0 behind it."""
+    x, y, z, c, s, cp, sp, _ = camera
+    return np.asarray(cp * (c * (xyz[:, 0] - x) + s * (xyz[:, 1] - y)) + sp * (xyz[:, 2] - z))
 
 
 def _file_of(home: str) -> str:

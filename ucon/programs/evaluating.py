@@ -62,6 +62,8 @@ class Evaluation:
         self.level = str(config["habit_level"]["name"])
         check_level(self.level)
         resident = task["name"] == RESIDENT
+        if resident and config["pictures"]:
+            raise ConfigError(f"pictures={config['pictures']}: searches of lives are not filmed; give pictures=0")
         chosen = config["episodes"], config["limit"]
         self.episodes: Sequence[Any] = (
             chosen_requests(*chosen, every=config["every"])

@@ -7,18 +7,15 @@ has episodes that state their context.
 
 from __future__ import annotations
 
-import lzma
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from pathlib import Path
 
 import ucon
-from ucon.core.errors import DataError, EpisodeError, unknown_name
-from ucon.core.files import canonical_json, listed_files, read_verified, user_pack, write_atomic, write_manifest
-from ucon.core.untrusted.plain_file import read_bounded
-from ucon.core.untrusted.strict_json import JsonError, parse_json
-from ucon.core.untrusted.unpack import UnpackError, unpack_xz
+from ucon.core.errors import EpisodeError, unknown_name
+from ucon.core.files import user_pack, write_atomic, write_manifest
 from ucon.task.episode import Episode
+from ucon.task.packed_lines import check_name, read_lines, write_lines
 from ucon.task.rules import PAPER, RULES, task_rules
 
 SUFFIX = ".jsonl.xz"
@@ -110,29 +107,12 @@ def _made_under(wanted: str, name: str, sets: Iterable[str]) -> list[str]:
 @lru_cache(maxsize=8)
 def _load(path: Path, _mtime: int) -> tuple[Episode, ...]:
     """The episodes of a file; ``_mtime`` makes the cache notice changes."""
-    try:
-        raw = read_verified(path) if _in_manifest(path) else read_bounded(path, _MAX_BYTES)
-        text = unpack_xz(raw, _MAX_BYTES).decode("utf-8-sig")
-    except OSError as error:
-        raise DataError(f"{path}: cannot be read ({error.strerror}); restore it or make it anew") from None
-    except (UnpackError, UnicodeDecodeError) as error:
-        raise DataError(f"{path}: not a whole episode file ({error}); restore it or make it anew") from None
-    episodes = []
-    for number, line in enumerate(text.removesuffix("\n").split("\n") if text else (), 1):
-        try:
-            data = parse_json(line)
-        except JsonError as error:
-            raise EpisodeError(f"{path}:{number}: {error}; restore it or make it anew") from None
-        episodes.append(Episode.from_json(data, where=f"{path}:{number}"))
-    if not episodes:
-        raise EpisodeError(f"{path}: no episodes in it, expected one a line")
-    return tuple(episodes)
+    return tuple(Episode.from_json(data, where=where) for data, where in read_lines(path, "episodes", _MAX_BYTES))
 
 
 def check_suffix(path: Path) -> None:
     """Raise :class:`EpisodeError` for a file name that does not end in ``.jsonl.xz``."""
-    if not path.name.endswith(SUFFIX):
-        raise EpisodeError(f"{path}: expected a name ending in {SUFFIX}")
+    check_name(path, SUFFIX)
 
 
 def save_episodes(episodes: Sequence[Episode], path: Path) -> None:
@@ -141,10 +121,7 @@ def save_episodes(episodes: Sequence[Episode], path: Path) -> None:
     Raises:
         EpisodeError: the file's name does not end in ``.jsonl.xz``.
     """
-    check_suffix(path)
-    text = "".join(canonical_json(episode.to_json()) + "\n" for episode in episodes)
-    write_atomic(path, lzma.compress(text.encode(), preset=6))
-    write_manifest(path.parent, [p.name for p in path.parent.glob(f"*{SUFFIX}")])
+    write_lines(episodes, path, SUFFIX)
 
 
 def pack_sets(names: Iterable[str], folder: Path) -> list[Path]:
@@ -167,11 +144,3 @@ def pack_sets(names: Iterable[str], folder: Path) -> list[Path]:
             paths.append(path)
     write_manifest(folder, [path.name for path in folder.glob(f"*{SUFFIX}")])
     return paths
-
-
-def _in_manifest(path: Path) -> bool:
-    """Whether the file's folder has a manifest that lists it."""
-    try:
-        return path.name in listed_files(path.parent)
-    except FileNotFoundError:
-        return False

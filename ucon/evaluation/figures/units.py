@@ -1,4 +1,4 @@
-"""What a bootstrap draws: episodes, or whole lives, whose requests depend on one another."""
+"""Units of the bootstrap: episodes, or whole lives, since requests of one life depend on one another."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ class NameParts:
     detector: str | None = None
     uses_habits: bool = True
     memory: str | None = None
-    """Of a robot that lives in a home; None, and not in the file, without one."""
+    """Name of the memory, with ``task=resident``; None, and then not in the file, without one."""
 
     def to_json(self) -> dict[str, Any]:
         """Plain values by name."""

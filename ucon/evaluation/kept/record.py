@@ -67,7 +67,7 @@ class EpisodeRecord:
     language_calls: int = 0
     language_tokens: int = 0
     life: LifeFacts | None = None
-    """Of a request of a life; None, and not in the file, for episodes."""
+    """Facts about a request within its life; None, and then not in the file, for an episode."""
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():

@@ -48,8 +48,9 @@ class _Resident:
         self.observation, _, over, _, self.info = self.env.step(int(action))
         if "request_record" not in self.info:
             return
-        # Privileged: it is for the record alone, and the info may be the one with which the next request begins.
+        # Privileged: both are for the record alone, and the info may be the one with which the next request begins.
         metrics = dict(self.info.pop("request_record"))
+        del self.info["is_success"]
         facts = LifeFacts(**metrics.pop("life"))
         if self.memory is not None:
             self.memory.end()
