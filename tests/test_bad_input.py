@@ -221,7 +221,7 @@ def test_eval_ends_in_one_line_also_from_a_worker(workers: int, tmp_path: Path) 
 def test_eval_refuses_a_cut_file(tmp_path: Path) -> None:
     path = tmp_path / "mine.jsonl.xz"
     path.write_bytes(changed(path, lambda data: None).read_bytes()[:-50])
-    assert "mine.jsonl.xz: not a whole episode file" in command(*evaluation(tmp_path, f"episodes={path}"))
+    assert "mine.jsonl.xz: not a whole file of episodes" in command(*evaluation(tmp_path, f"episodes={path}"))
 
 
 def test_eval_refuses_a_wrong_habit_file(tmp_path: Path) -> None:
