@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from models.agents.waypoint import Chosen, WaypointAgent
 from ucon.core.errors import ConfigError
@@ -21,7 +22,7 @@ from ucon.habits.contexts import Context
 from ucon.language.choice import Answer, LanguageModel, Question
 from ucon.language.phrases import phrase
 from ucon.language.prompt import Prompt, habit_block, neutral
-from ucon.readers.conditions.condition_reader import default_conditions
+from ucon.readers.conditions.condition_reader import counting, default_conditions
 from ucon.retrieval.context import ContextHabits
 from ucon.search import Decision, Manner
 from ucon.task.agent import Info
@@ -61,6 +62,7 @@ class AskingAgent(WaypointAgent):
         self._constant_prompt: dict[int, tuple[str, tuple[str, ...], str]] = {}
         self._rankings: dict[int, ContextHabits | None] = {}
         self._told: dict[int, Context | None] = {}
+        self._valid: dict[int, NDArray[np.float64] | None] = {}
         self._habit_weights: dict[int, tuple[float, ...]] = {}
 
     def check(self) -> None:
@@ -83,13 +85,14 @@ class AskingAgent(WaypointAgent):
             info: of its reset; has the target and the habits.
         """
         self._rankings[slot], self._told[slot] = info.get("reranking"), info.get("told")
+        self._valid[slot] = info.get("habits_valid")
         self._write_constant_prompt(slot, phrase(str(info["target"])), tuple(info["habits"]))
 
     def _write_constant_prompt(self, slot: int, target: str, habits: tuple[str, ...]) -> None:
         """Write the constant part of a slot's prompt."""
         told = self._told[slot]
-        counts = () if told is None else default_conditions().weights(habits, told, "language").tolist()
-        self._habit_weights[slot] = tuple(counts)  # how much each habit counts in the told context
+        counts = counting(default_conditions(), habits, "language", told, self._valid[slot])
+        self._habit_weights[slot] = () if counts is None else tuple(counts.tolist())
         now = [] if told is None else [neutral(told.sentence())]
         values = {"target": target, "habits": "\n\n".join([*now, *filter(None, [habit_block(habits)])])}
         self._constant_prompt[slot] = target, habits, self.prompt.system(**_values_for(self.prompt, "system", values))

@@ -178,8 +178,8 @@ def test_a_place_that_the_map_lacks_says_nothing(known: SemanticMap, places: Pla
     far = places.xyz[places.share > 0.0].max(0) + np.array([0.0, 0.0, 1.1 * NEAR_M])
     found = Remembering(inner, Recalled(far[None], np.array([0.9]))).expect(known, places)
     assert (found.mass == inner.expect(known, places).mass).all()
-    empty, nothing = SemanticMap(), Places(0.1)
-    assert Remembering(inner, Recalled(far[None], np.array([0.9])))._at(empty, nothing)[2].shape == (0,)
+    nothing = Places(0.1)
+    assert Remembering(inner, Recalled(far[None], np.array([0.9])))._at(nothing)[1].shape == (0,)
 
 
 def test_a_search_remembers_where_there_is_something() -> None:

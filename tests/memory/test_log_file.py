@@ -48,7 +48,7 @@ def test_a_person_can_read_it(log, tmp_path):
 @pytest.mark.parametrize(
     ("edit", "said"),
     [
-        (lambda d: d.update(format=2), "memory format 2, expected 1"),
+        (lambda d: d.update(format=1), "memory format 1, expected 2"),
         (lambda d: d.update(home="another"), "memory of home 'another', expected lives_mini/x/00"),
         (lambda d: d.pop("things"), "expected an object with format, home and things"),
         (lambda d: d["things"].update(unicorn=d["things"].pop("mug")), "unicorn: no such category"),

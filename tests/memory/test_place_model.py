@@ -17,9 +17,9 @@ DESK, SOFA, SHELF = range(3)
 PLACES = np.array([[0.0, 0.0, 0.7], [3.0, 0.0, 0.4], [0.0, 3.0, 1.2]])
 MORNING, MIDDAY, EVENING = range(3)
 #: A thing is used half of the time, and everything counts the same.
-PLAIN = PlaceWeights(use=0.5, doubt=1.0, other_slot=1.0, other_days=1.0, fade=1.0)
+PLAIN = PlaceWeights(use=0.5, doubt=1.0, other_slot=1.0, other_days=1.0, fade=1.0, change=0.0)
 #: As usual, whatever the fitted numbers are.
-SOME = PlaceWeights(use=0.3, doubt=1.5, other_slot=0.6, other_days=0.7, fade=0.97)
+SOME = PlaceWeights(use=0.3, doubt=1.5, other_slot=0.6, other_days=0.7, fade=0.97, change=0.0)
 
 
 def thing(*seen: tuple[int, int], absent: tuple[tuple[int, int], ...] = ()) -> SeenThing:
@@ -30,6 +30,10 @@ def now(one: SeenThing, time: int, weights: PlaceWeights | None = SOME, first_we
     model = PlaceModel(weights)
     model.begin(first_weekday)
     return model.now(one, time)
+
+
+def put_at(model: PlaceModel, one: SeenThing, time: int) -> np.ndarray:
+    return model.put(one, np.array([time]), time)[0]
 
 
 def test_by_hand() -> None:
@@ -88,7 +92,7 @@ def test_slots_of_the_day_shift_it() -> None:
     """A thing seen on the desk in mornings and on the sofa in evenings is expected by the slot."""
     seen = [(time_of(day, slot), place) for day in range(3) for slot, place in ((MORNING, DESK), (EVENING, SOFA))]
     model = PlaceModel(replace(SOME, other_slot=0.2))
-    put = {slot: model.put(thing(*seen), time_of(3, slot)) for slot in (MORNING, MIDDAY, EVENING)}
+    put = {slot: put_at(model, thing(*seen), time_of(3, slot)) for slot in (MORNING, MIDDAY, EVENING)}
     assert put[MORNING][DESK] > 2.0 * put[MORNING][SOFA]
     assert put[EVENING][SOFA] > 2.0 * put[EVENING][DESK]
     assert put[MIDDAY][DESK] == pytest.approx(put[MIDDAY][SOFA])
@@ -103,20 +107,20 @@ def test_weekends_shift_it(first_weekday: int) -> None:
     model = PlaceModel(replace(SOME, other_days=0.1, fade=1.0))
     model.begin(first_weekday)
     for day in range(7, 14):
-        put = model.put(thing(*seen), time_of(day, MORNING))
+        put = put_at(model, thing(*seen), time_of(day, MORNING))
         assert (put[SHELF] > put[DESK]) == (day in weekend)
 
 
 def test_old_sightings_fade() -> None:
     one = thing((time_of(0, MORNING), SHELF), (time_of(20, MORNING), DESK))
-    put = PlaceModel(replace(PLAIN, fade=0.9)).put(one, time_of(21, MORNING))
+    put = put_at(PlaceModel(replace(PLAIN, fade=0.9)), one, time_of(21, MORNING))
     assert put[SHELF] / put[DESK] == pytest.approx(0.9**20)
-    kept = PlaceModel(PLAIN).put(one, time_of(21, MORNING))
+    kept = put_at(PlaceModel(PLAIN), one, time_of(21, MORNING))
     assert kept[SHELF] == pytest.approx(kept[DESK])
 
 
 def test_a_place_seen_again_at_once_counts_less() -> None:
-    again, later = (PlaceModel(PLAIN).put(thing((0, DESK), (gap, DESK)), gap)[DESK] for gap in (0, 20))
+    again, later = (put_at(PlaceModel(PLAIN), thing((0, DESK), (gap, DESK)), gap)[DESK] for gap in (0, 20))
     assert again == pytest.approx(1.0 / 2.0)
     assert later == pytest.approx(2.0 / 3.0, abs=1e-4)
 

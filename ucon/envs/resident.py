@@ -74,6 +74,7 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
         lives: str | Path | Sequence[Life] = "lives_mini",
         *,
         told: bool = True,
+        stale: bool = True,
         source: HabitSource | None = None,
         max_habits: int = MAX_HABITS,
         texts: bool | None = None,
@@ -84,6 +85,7 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
         Args:
             lives: name of a set, a file, or lives.
             told: whether habits that change are told on the day of the change, or never.
+            stale: whether those that they replace are still told from then on.
             source: gives the habits; by default the habit book with its second part.
             max_habits: rows of habits in observations.
             texts: whether info holds texts; None: yes except in worker processes.
@@ -98,9 +100,9 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
             raise EpisodeError("no lives: expected at least one; name a set (lives_mini, lives_test) or give a path")
         if "episodes" in options:
             raise ConfigError("env.episodes: a resident plays lives, env.lives=SET; leave episodes out")
-        self._told, self._texts = told, with_texts(texts)
+        self._told, self._stale, self._texts = told, stale, with_texts(texts)
         source = source or HabitSource(contexts_book())
-        first = Asking(self.lives[0], source.dataset, told=told)
+        first = Asking(self.lives[0], source.dataset, told=told, stale=stale)
         self.search_env = UcONEnv(
             [first.episode(0, self.lives[0].dock)], source=source, max_habits=max_habits, texts=True, **options
         )
@@ -155,7 +157,7 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
         self._asking = None  # a reset that fails leaves nothing to go on with
         self.life = self._choose(options or {})
         check_life_home(self.life, load_house(self.life.scene))
-        self._asking = Asking(self.life, self.source.dataset, told=self._told)
+        self._asking = Asking(self.life, self.source.dataset, told=self._told, stale=self._stale)
         self._level = {"habit_level": level} if (level := (options or {}).get("habit_level")) else {}
         self._seen = LastSeen(self._asking.timeline)
         self._number = 0

@@ -24,13 +24,14 @@ from ucon.task.solve import Solver
 class Asking(Shared):
     """The requests of one life."""
 
-    def __init__(self, life: Life, dataset: HabitDataset, *, told: bool = True) -> None:
+    def __init__(self, life: Life, dataset: HabitDataset, *, told: bool = True, stale: bool = True) -> None:
         """Take a life.
 
         Args:
             life: the life.
             dataset: the habits by which it was made.
             told: whether habits that change are told on the day of the change, or never.
+            stale: whether those that they replace are still told from then on.
 
         Raises:
             EpisodeError: the life was made with other habits.
@@ -41,16 +42,19 @@ class Asking(Shared):
                 f"'{dataset.name}' {dataset.sha256[:12]}; choose those habits or make the lives anew"
             )
         self.life, self.timeline = life, Timeline(life)
-        self.dataset, self._told = dataset, told
+        self.dataset, self._told, self._stale = dataset, told, stale
         self.house, self._rules = load_house(life.scene), task_rules(life.task)
         self._eyes = RasterRenderer(fov_deg=self._rules.fov_deg, counting_fov_deg=self._rules.fov_deg)
 
     def told_entries(self, day: int) -> tuple[tuple[str, int], ...]:
         """Ids of the entries whose habits were told until a day, each with the day on which they were."""
-        life = self.life
-        found = [(name, 0) for one in life.possessions for name in one.entries]
-        if self._told and life.change_day is not None and day >= life.change_day:
-            found += [(name, life.change_day) for one in life.possessions for name in one.later]
+        life, since = self.life, self.life.change_day
+        changed = since is not None and day >= since
+        kept = [one for one in life.possessions if self._stale or not (changed and one.later)]
+        found = [(name, 0) for one in kept for name in one.entries]
+        if self._told and changed:
+            assert since is not None
+            found += [(name, since) for one in life.possessions for name in one.later]
         return tuple(found)
 
     def obeys(self, number: int) -> bool:

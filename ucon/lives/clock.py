@@ -7,6 +7,9 @@ from __future__ import annotations
 
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 #: Slots of a day, and the hour at which each of them is.
 SLOTS: Final = {"morning": 8, "midday": 13, "evening": 19}
 SLOT_NAMES: Final = tuple(SLOTS)
@@ -44,3 +47,13 @@ def weekday_of(day: int, first_weekday: int) -> int:
 def is_weekend(weekday: int) -> bool:
     """Whether a weekday is Saturday or Sunday."""
     return weekday >= _WEEKEND
+
+
+def weekends(times: NDArray[np.int64], first_weekday: int) -> NDArray[np.bool_]:
+    """Which times (see :func:`time_of`) are at a weekend.
+
+    Args:
+        times: any number of them.
+        first_weekday: of day 0.
+    """
+    return (first_weekday + times // N_SLOTS) % _WEEK >= _WEEKEND

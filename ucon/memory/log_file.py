@@ -1,7 +1,7 @@
 """A memory as a file: JSON that a person can read and mend, checked when it is read.
 
-Places are points in metres in the frame of the dock (x ahead, y to the left, z up), times are texts such as
-``day 3, evening`` (days count from 0).
+Places are points in metres in the frame of the dock (x ahead, y to the left, z up), with the relation and the anchor by
+which the thing stands there, where these are known. Times are texts such as ``day 3, evening`` (days count from 0).
 """
 
 from __future__ import annotations
@@ -20,9 +20,10 @@ from ucon.core.untrusted.strict_json import read_json
 from ucon.lives.clock import SLOT_NAMES, day_and_slot, time_of
 from ucon.memory.sighting_log import SeenThing, SightingLog
 from ucon.objects.catalogue import catalogue
+from ucon.objects.model import RELATIONS
 
 #: Version of the stored form.
-FORMAT: Final = 1
+FORMAT: Final = 2
 #: Largest file, bytes; most entries of a list, most days, farthest place in metres.
 _MAX_BYTES, _MOST, _MOST_DAYS, _FARTHEST_M = 16 * 2**20, 100_000, 10_000, 100.0
 _REMEDY = "mend the file, or begin without it"
@@ -38,7 +39,10 @@ def save_log(log: SightingLog, path: Path, home: str) -> None:
     """
     things = {
         name: {
-            "places": [[round(float(v), 3) + 0.0 for v in xyz] for xyz in thing.places],
+            "places": [
+                [*(round(float(v), 3) + 0.0 for v in xyz), *(spot or ())]
+                for xyz, spot in zip(thing.places, thing.spots, strict=True)
+            ],
             "seen": [[_said(time), place] for time, place in thing.seen],
             "absent": [[_said(time), place] for time, place in thing.absent],
         }
@@ -78,13 +82,18 @@ def _thing(name: str, value: Any, where: str) -> SeenThing:
     if not isinstance(value, dict) or value.keys() != {"places", "seen", "absent"}:
         raise DataError(f"{where}: expected places, seen and absent; {_REMEDY}")
     places = _list(value["places"], f"{where}: places")
-    for xyz in places:
-        right = isinstance(xyz, list) and len(xyz) == 3 and all(map(_is_length, xyz))
-        if not right:
-            raise DataError(f"{where}: place {brief(repr(xyz))}, expected x, y, z in metres; {_REMEDY}")
+    for place in places:
+        if not (isinstance(place, list) and len(place) in (3, 5) and all(map(_is_length, place[:3]))):
+            raise DataError(
+                f"{where}: place {brief(repr(place))}, expected x, y, z in metres, and relation and anchor; {_REMEDY}"
+            )
+        if len(place) == 5 and not (place[3] in RELATIONS and place[4] in catalogue()):
+            found = brief(repr(place[3:]))
+            raise DataError(f"{where}: {found}, expected one of {', '.join(RELATIONS)} and a category; {_REMEDY}")
     seen = _times(value["seen"], len(places), f"{where}: seen")
     absent = _times(value["absent"], len(places), f"{where}: absent")
-    return SeenThing(name, np.array(places, np.float64).reshape(-1, 3), seen, absent)
+    spots = [(place[3], place[4]) if len(place) == 5 else None for place in places]
+    return SeenThing(name, np.array([place[:3] for place in places], np.float64).reshape(-1, 3), seen, absent, spots)
 
 
 def _times(value: Any, places: int, where: str) -> list[tuple[int, int]]:

@@ -37,5 +37,9 @@ class MapMemory:
         if self.map is None or not self.map.views:
             raise ConfigError(f"memory of {self.name}: this agent maps nothing that could be kept; leave memory= out")
 
+    def act(self, action: int, observation: Observation) -> int:
+        """The agent's action."""
+        return action
+
     def end(self) -> None:
         """Nothing to do."""

@@ -9,8 +9,9 @@ context in which it was made, and less for others; old ones fade, since habits c
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -18,11 +19,16 @@ from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError, brief
 from ucon.core.sharing import Shared
-from ucon.lives.clock import day_and_slot, is_weekend, weekday_of
+from ucon.lives.clock import N_SLOTS, weekends
+from ucon.memory.change_points import Array, change_posterior
 from ucon.memory.sighting_log import SeenThing
 
 #: Slots back over which uses are summed; older ones count as one.
 _HORIZON = 60
+#: Change points of less than this probability are left out; most that a change may be probable before anything is seen.
+_LEAST, _MOST_CHANGED = 1e-3, 0.9
+#: Probability that a request's looks at a place missed a thing there.
+MISS = 0.05
 
 
 @dataclass(frozen=True)
@@ -43,9 +49,15 @@ class PlaceWeights(Shared):
     """What a sighting on a workday counts for weekends, and the other way round."""
     fade: float = 0.98
     """What a sighting counts after a day."""
+    change: float = 0.01
+    """Probability that the habits of a thing change on a day."""
+    news: float = 0.7
+    """Probability that they changed on a day on which new ones were told."""
+    mistakes: float = 0.05
+    """Probability that people leave a thing anywhere."""
 
     def __post_init__(self) -> None:
-        for name in ("use", "other_slot", "other_days", "fade"):
+        for name in ("use", "other_slot", "other_days", "fade", "change", "news", "mistakes"):
             probability(name, getattr(self, name))
         if not 0.0 <= self.doubt < math.inf:
             raise ConfigError(f"memory: doubt={brief(self.doubt)}, expected a number from 0 up")
@@ -72,8 +84,20 @@ class Model(Protocol):
         """Begin a life; see :meth:`PlaceModel.begin`."""
         ...
 
-    def now(self, thing: SeenThing, time: int) -> NDArray[np.float64]:
+    def now(self, thing: SeenThing, time: int, told: Collection[int] = ()) -> NDArray[np.float64]:
         """Probability (n,) of each known place; see :meth:`PlaceModel.now`."""
+        ...
+
+    def left(self, when: NDArray[np.int64], seen: int, time: int) -> NDArray[np.float64]:
+        """What is left (m,) of the probability of places that were empty; see :meth:`PlaceModel.left`."""
+        ...
+
+    def first(self, thing: SeenThing, time: int) -> int:
+        """Number of the first sighting that still counts; see :meth:`PlaceModel.first`."""
+        ...
+
+    def valid(self, thing: SeenThing, time: int, told: Collection[int], days: Sequence[int]) -> Array:
+        """Probability (H,) that habits have not changed since they were told; see :meth:`PlaceModel.valid`."""
         ...
 
 
@@ -98,12 +122,13 @@ class PlaceModel:
         """
         self._first = first_weekday
 
-    def now(self, thing: SeenThing, time: int) -> NDArray[np.float64]:
+    def now(self, thing: SeenThing, time: int, told: Collection[int] = ()) -> NDArray[np.float64]:
         """Probability (n,) that a thing is at each of its n known places at a time; the rest is elsewhere.
 
         Args:
             thing: what is known of it.
             time: of the request.
+            told: days on which new habits of the thing were told.
         """
         n = len(thing.places)
         if not thing.seen:
@@ -114,44 +139,115 @@ class PlaceModel:
         for when, place in thing.absent:
             empty[place] = max(empty[place], when)
         # By the last use in each slot since it was seen: elsewhere is column n.
-        usual = np.zeros((n + 1,))
         slots = np.arange(last + 1, time + 1)[-_HORIZON:]
         chance = w.use * (1.0 - w.use) ** (time - slots)
-        for slot, p in zip(slots.tolist(), chance.tolist(), strict=True):
-            put = self.put(thing, slot)
-            put[:n][slot <= empty] = 0.0
-            usual += p * put
+        put = self.put(thing, slots, time, told)
+        put[:, :n][slots[:, None] <= empty] = 0.0
+        usual = chance @ put
         stays = (1.0 - w.use) ** (time - last)
         if empty[at] == last:
             usual[at] += stays
         total = float(usual.sum())
         return usual[:n] / total if total > 0.0 else np.zeros(n)
 
-    def put(self, thing: SeenThing, time: int) -> NDArray[np.float64]:
-        """Where a thing is put that is used at a time: (n + 1,) probability of its known places, and of all others.
+    def left(self, when: NDArray[np.int64], seen: int, time: int) -> NDArray[np.float64]:
+        """What is left of the probability of places that were empty: only a use since then can have put a thing there.
+
+        Args:
+            when: (m,) slots of the last looks at them; below 0 for none.
+            seen: slot in which the thing was last seen anywhere; below 0 for never.
+            time: of the request.
+
+        Returns:
+            (m,) from :data:`MISS` to 1, beside places that were not looked at since the thing was seen.
+        """
+        w = self.weights
+        if seen >= time:
+            return np.ones(len(when))
+        whole = 1.0 if seen < 0 else 1.0 - (1.0 - w.use) ** (time - seen)
+        since = 1.0 - (1.0 - w.use) ** (time - np.maximum(when, seen)).astype(np.float64)
+        could = np.where(when <= seen, 1.0, since / whole)
+        return MISS + (1.0 - MISS) * could
+
+    def put(self, thing: SeenThing, slots: NDArray[np.int64], time: int, told: Collection[int] = ()) -> Array:
+        """Where a thing is put that is used in some slots: (S, n + 1) probability of its known places, and of others.
+
+        Args:
+            thing: what is known of it, seen at least once.
+            slots: (S,) of the uses.
+            time: now.
+            told: days on which new habits of the thing were told.
+        """
+        w, n = self.weights, len(thing.places)
+        seen, places = np.array(thing.seen, np.int64).T
+        counts = self._alike(seen[None], slots[:, None]) * self._fresh(seen, places)  # (S, k)
+        at = np.eye(n + 1)[places]
+        since = self.since(thing, time, told)
+        found = np.zeros((len(slots), n + 1))
+        for c in np.flatnonzero(since > _LEAST).tolist():
+            one = counts[:, c:] @ at[c:]
+            one[:, n] += w.doubt
+            found += since[c] * one / one.sum(1, keepdims=True)
+        return found / since[since > _LEAST].sum()
+
+    def since(self, thing: SeenThing, time: int, told: Collection[int] = ()) -> Array:
+        """Probability (k + 1,) that the thing has been kept as now since before its sighting number c; 0: always.
+
+        Args:
+            thing: what is known of it, seen k times, at least once.
+            time: now.
+            told: days on which new habits of the thing were told.
+        """
+        w = self.weights
+        seen, places = np.array(thing.seen, np.int64).T
+        if w.change == 0.0 and not told:
+            return np.eye(len(seen) + 1)[0]
+        changes = np.array([
+            w.change * (after - before) + w.news * any(before < day <= after for day in told)
+            for before, after in _between(thing, time)
+        ])  # fmt: skip
+        changes *= min(1.0, _MOST_CHANGED / max(float(changes.sum()), 1e-12))
+        stays = (1.0 - w.use) ** np.diff(seen, prepend=-_HORIZON)
+        counts = np.tril(self._alike(seen[None], seen[:, None]) * self._fresh(seen, places), -1)
+        return change_posterior(places, stays, counts, changes, w.doubt, w.mistakes)
+
+    def first(self, thing: SeenThing, time: int) -> int:
+        """Number of the sighting since which the thing is most probably kept as now; 0 where nothing changed."""
+        return int(self.since(thing, time).argmax()) if thing.seen else 0
+
+    def valid(self, thing: SeenThing, time: int, told: Collection[int], days: Sequence[int]) -> Array:
+        """Probability (H,) that habits of a thing have not changed since they were told.
 
         Args:
             thing: what is known of it.
-            time: of the use.
+            time: now.
+            told: days on which new habits of the thing were told.
+            days: on which each of the H habits was told.
         """
-        w, count = self.weights, np.zeros(len(thing.places) + 1)
-        count[-1] = w.doubt
-        for k, (when, place) in enumerate(thing.seen):
-            count[place] += self._alike(when, time) * self._fresh(thing.seen, k)
-        return count / count.sum()
+        when = np.array(days, np.int64)
+        if not thing.seen:
+            return np.where(when < max(told, default=0), 1.0 - self.weights.news, 1.0)
+        stale = np.zeros(len(when))
+        for p, (before, after) in zip(self.since(thing, time, told)[1:], _between(thing, time), strict=True):
+            changed = max((day for day in told if before < day <= after), default=after)
+            stale += p * (when < changed)
+        return np.asarray(1.0 - stale)
 
-    def _alike(self, seen: int, time: int) -> float:
-        """What a sighting counts for another time."""
-        w, (day, slot), (now, slot_now) = self.weights, day_and_slot(seen), day_and_slot(time)
-        value = w.fade ** max(now - day, 0)
-        if slot != slot_now:
-            value *= w.other_slot
-        if is_weekend(weekday_of(day, self._first)) != is_weekend(weekday_of(now, self._first)):
-            value *= w.other_days
-        return float(value)
+    def _alike(self, seen: NDArray[np.int64], time: NDArray[np.int64]) -> Array:
+        """What sightings count for other times; arrays that broadcast."""
+        w = self.weights
+        value = w.fade ** np.maximum(time // N_SLOTS - seen // N_SLOTS, 0).astype(np.float64)
+        value *= np.where(seen % N_SLOTS == time % N_SLOTS, 1.0, w.other_slot)
+        alike = weekends(seen, self._first) == weekends(time, self._first)
+        return np.asarray(value * np.where(alike, 1.0, w.other_days))
 
-    def _fresh(self, seen: Sequence[tuple[int, int]], k: int) -> float:
-        """What a sighting adds to the one before: at the same place it may be that nobody used the thing since."""
-        if k == 0 or seen[k - 1][1] != seen[k][1]:
-            return 1.0
-        return float(1.0 - (1.0 - self.weights.use) ** (seen[k][0] - seen[k - 1][0]))
+    def _fresh(self, seen: NDArray[np.int64], places: NDArray[np.int64]) -> Array:
+        """What each sighting adds: at the same place as the one before it may be that nobody used the thing since."""
+        again = np.concatenate([[False], places[1:] == places[:-1]])
+        used = 1.0 - (1.0 - self.weights.use) ** np.diff(seen, prepend=0).astype(np.float64)
+        return np.where(again, used, 1.0)
+
+
+def _between(thing: SeenThing, time: int) -> list[tuple[int, int]]:
+    """Days of each sighting and of the next one; the last pair ends now."""
+    return list(pairwise([when // N_SLOTS for when, _ in thing.seen] + [time // N_SLOTS]))

@@ -35,6 +35,15 @@ class Memory(Protocol):
         """
         ...
 
+    def act(self, action: int, observation: Observation) -> int:
+        """The action that is carried out on a frame.
+
+        Args:
+            action: the agent's.
+            observation: of the frame.
+        """
+        ...
+
     def end(self) -> None:
         """End a request."""
         ...

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from ucon.core.sharing import PartlyShared, Shared
 from ucon.perception.belief.protocol import Expecting
@@ -18,19 +19,44 @@ from ucon.perception.views.viewpoints import Expectation
 
 #: A remembered place is where the nearest sample point of the map is, if that is not farther off, metres.
 NEAR_M = 0.6
+#: So much of the probability of a remembered place is at that point; the rest is shared by the points of its anchor and
+#: relation, since people put things near where they were, too.
+EXACTLY: Final = 0.2
+#: Sample points of two requests are of one place within this, metres.
+SAME_M: Final = 0.3
+#: Sample points of different relations count as so far apart, metres.
+_APART_M: Final = 100.0
 
 
 @dataclass(frozen=True, eq=False)
 class Recalled(Shared):
-    """Places where the target may be, as remembered.
+    """Where the target may be, as remembered.
 
     Attributes:
-        xyz: (n, 3) points, metres in the frame of the map.
+        xyz: (n, 3) places where it was seen, metres in the frame of the map.
         p: (n,) probability of each; what is missing to 1 is elsewhere.
+        looked: (m, 4) points that earlier requests looked at, see :func:`points_of`.
+        left: (m,) what is left there, 0 to 1, of the probability of a place that was not looked at.
     """
 
     xyz: NDArray[np.float64]
     p: NDArray[np.float64]
+    looked: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 4)))
+    left: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+
+
+def points_of(places: Places) -> NDArray[np.float64]:
+    """Sample points (n, 4): x, y, z in metres, and a fourth coordinate that keeps relations apart."""
+    return np.column_stack([places.xyz, _APART_M * places.relation])
+
+
+def nearest(points: NDArray[np.float64], to: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """The point (of m) that is nearest to each of others (n), and whether it is of the same place; (n,) each."""
+    if not len(points):
+        return np.zeros(len(to), np.int64), np.zeros(len(to), bool)
+    away, row = cKDTree(points).query(to, distance_upper_bound=SAME_M)
+    same = np.isfinite(away)
+    return np.where(same, row, 0), same
 
 
 class Remembering(PartlyShared):
@@ -44,9 +70,10 @@ class Remembering(PartlyShared):
 
         Args:
             inner: expected mass without memory.
-            recalled: where the target was seen before.
+            recalled: where the target was seen before, and where not.
         """
         self._inner, self._recalled = inner, recalled
+        self._left = np.zeros(0)
 
     @property
     def locations(self) -> Locations | None:
@@ -58,30 +85,42 @@ class Remembering(PartlyShared):
         return self._inner.reread(known, places)
 
     def expect(self, known: SemanticMap, places: Places) -> Expectation:
-        """See :meth:`ucon.perception.belief.protocol.Expecting.expect`."""
-        found, (tracks, relations, p) = self._inner.expect(known, places), self._at(known, places)
-        rest = 1.0 - float(p.sum())
-        mass = rest * found.mass
-        np.add.at(mass, (tracks, relations), found.unit * p)
+        """See :meth:`ucon.perception.belief.protocol.Expecting.expect`; divides it among the sample points, too."""
+        found, (rows, p) = self._inner.expect(known, places), self._at(places)
+        rest, kind = 1.0 - float(p.sum()), 4 * places.track + places.relation
+        self._look_back(places)
+        plain, there = rest * found.mass.ravel(), found.unit * p
+        np.add.at(plain, kind[rows], (1.0 - EXACTLY) * there)
+        mass = plain[kind] * places.even * self._left
+        np.add.at(mass, rows, EXACTLY * there)
+        places.divide(mass)
+        offered = np.bincount(kind, places.even, plain.size) > 0.0
+        by_kind = np.where(offered, np.bincount(kind, mass, plain.size), plain)
         return replace(
             found,
-            mass=mass,
+            mass=by_kind.reshape(found.mass.shape),
             unknown_per_m2=rest * found.unknown_per_m2,
             near_per_m2=rest * found.near_per_m2,
         )
 
-    def _at(
-        self, known: SemanticMap, places: Places
-    ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]:
-        """Track, relation and probability of the remembered places that the map has."""
-        rows = np.flatnonzero(places.share > 0.0)
-        if not len(rows):
-            return np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros(0)
+    def _look_back(self, places: Places) -> None:
+        """What earlier looks left of the sample points that are new."""
+        n = len(self._left)
+        if len(places.xyz) > n:
+            row, same = nearest(self._recalled.looked, points_of(places)[n:])
+            left = np.ones(len(row))
+            left[same] = self._recalled.left[row[same]]
+            self._left = np.append(self._left, left)
+
+    def _at(self, places: Places) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Sample points that stand for the remembered places that the map has, and the probability of each."""
+        rows = np.flatnonzero(places.even > 0.0)
+        if not len(rows) or not len(self._recalled.xyz):
+            return np.zeros(0, np.int64), np.zeros(0)
         away = np.linalg.norm(self._recalled.xyz[:, None] - places.xyz[rows][None], axis=2)
-        nearest = away.argmin(1)
-        near = away[np.arange(len(nearest)), nearest] <= NEAR_M
-        of = rows[nearest[near]]
-        return places.track[of], places.relation[of], self._recalled.p[near]
+        first = away.argmin(1)
+        near = away[np.arange(len(first)), first] <= NEAR_M
+        return rows[first[near]], self._recalled.p[near]
 
 
 def remembering(expecting: Expecting, info: Mapping[str, Any]) -> Expecting:

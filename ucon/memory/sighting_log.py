@@ -24,12 +24,14 @@ class SeenThing:
         places: (n, 3) points, metres; one for each place where it was seen.
         seen: (time, place) of each request in which it was seen, in the order of time.
         absent: (time, place) of each request that showed a place without it.
+        spots: relation and anchor of each place, as it was last named; None where nothing was near.
     """
 
     name: str
     places: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
     seen: list[tuple[int, int]] = field(default_factory=list)
     absent: list[tuple[int, int]] = field(default_factory=list)
+    spots: list[tuple[str, str] | None] = field(default_factory=list)
 
     def place_at(self, xyz: NDArray[np.float64]) -> int:
         """Number of the place at a point; a new one where it was never seen near there."""
@@ -38,6 +40,7 @@ class SeenThing:
             if away.min() <= SAME_M:
                 return int(away.argmin())
         self.places = np.vstack([self.places, xyz])
+        self.spots.append(None)
         return len(self.places) - 1
 
 
@@ -53,16 +56,19 @@ class SightingLog:
         entries = [entry for thing in self.things.values() for entry in (*thing.seen, *thing.absent)]
         return max((time for time, _ in entries), default=-1)
 
-    def saw(self, name: str, xyz: NDArray[np.float64], time: int) -> None:
+    def saw(self, name: str, xyz: NDArray[np.float64], time: int, spot: tuple[str, str] | None = None) -> None:
         """Note where a thing was seen in a request; of several sightings the last one counts.
 
         Args:
             name: category.
             xyz: (3,) middle of what was seen of it, metres in the frame of the dock.
             time: of the request.
+            spot: relation and anchor by which it stands there; None where they are not known.
         """
         thing = self.things.setdefault(name, SeenThing(name))
-        thing.seen.append((time, thing.place_at(xyz)))
+        place = thing.place_at(xyz)
+        thing.seen.append((time, place))
+        thing.spots[place] = spot or thing.spots[place]
 
     def missed(self, name: str, place: int, time: int) -> None:
         """Note that a request showed a place of a thing without it.

@@ -2,37 +2,59 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ucon.core.errors import DataError
 from ucon.core.files import sha256_file
 from ucon.lives.clock import N_SLOTS, time_of
+from ucon.memory.acquired import AcquiredHabit, acquired_habits, texts_of
+from ucon.memory.earlier_looks import NEVER, Looking
 from ucon.memory.log_file import load_log, save_log
+from ucon.memory.looking_around import LookingAround
 from ucon.memory.map_memory import MapMemory
+from ucon.memory.naming import spot_of
 from ucon.memory.place_model import Model, PlaceModel
 from ucon.memory.protocol import Info, Observation
 from ucon.memory.recalled import Recalled
-from ucon.memory.sighting_log import SightingLog
+from ucon.memory.sighting_log import SeenThing, SightingLog
+from ucon.memory.watching import Watching
 from ucon.objects.catalogue import catalogue
-from ucon.perception.mapping.map_kernels import look
-from ucon.perception.mapping.semantic_map import camera_of, frame_depth
+from ucon.perception.mapping.semantic_map import frame_depth
 from ucon.perception.places.affordances import sight_range_m
-from ucon.perception.places.hollows import ALL_OPEN
+from ucon.readers.anchor_reader import default_reader
+
+#: Sentences are about a thing from this relevance on.
+ABOUT: Final = 0.5
 
 
 class SightingsMemory(MapMemory):
     """Remembers where things were, and where they were not; see :mod:`ucon.memory.place_model`."""
 
-    def __init__(self, model: Model | None = None, keep: str | None = None, given: str | None = None) -> None:
+    def __init__(
+        self,
+        model: Model | None = None,
+        *,
+        recalls: bool = True,
+        acquires: bool = False,
+        looks: bool = True,
+        around: bool = True,
+        keep: str | None = None,
+        given: str | None = None,
+    ) -> None:
         """Start without a home.
 
         Args:
             model: says where a thing is, from what was seen of it; :class:`ucon.memory.place_model.PlaceModel` by
                 default.
+            recalls: whether searches are given the map and the remembered places.
+            acquires: whether they are given the habits that it found out, as sentences beside those that are told.
+            looks: whether it remembers which places were empty, wherever a thing can be.
+            around: whether the robot looks around before it ends a request.
             keep: folder to which each life's sightings are written after every request; None: they are not.
             given: folder of such files, with which lives begin; None: they begin without any.
         """
@@ -41,12 +63,13 @@ class SightingsMemory(MapMemory):
         self._keep, self._given = (None if folder is None else Path(folder) for folder in (keep, given))
         self._home: str | None = None
         self._model = model or PlaceModel()
-        self.name = f"map and {self._model.name}"
-        self._time = -1
-        # Remembered places as this request begins, n in all: name and number, point, reach, and 1 until it was shown.
-        self._of: list[tuple[str, int]] = []
-        self._xyz, self._reach_m, self._unshown = np.zeros((0, 3)), np.zeros(0), np.zeros(0)
-        self._hollow, self._faces = np.zeros((0, 6)), np.zeros(0, np.uint8)
+        self._recalls, self._acquires = recalls, acquires
+        parts = {"map": recalls, self._model.name: recalls, "own habits": acquires}
+        self.name = " and ".join(name for name, is_used in parts.items() if is_used)
+        self._time, self._first_weekday = -1, 0
+        self._watching = Watching(self.log)
+        self._looking = Looking() if looks else None
+        self._around = LookingAround() if around else None
 
     def fingerprint(self) -> str:
         """Hash of the files with which lives begin; "" without any."""
@@ -54,41 +77,78 @@ class SightingsMemory(MapMemory):
         return "".join(sha256_file(path)[:16] for path in files)
 
     def begin(self, info: Info) -> dict[str, Any]:
-        """The info for the agent's reset, with ``kept_map``, and with ``recalled`` where the target was seen before."""
+        """The info for the agent's reset, with what it may use of the memory.
+
+        ``kept_map``; where the target was seen before, and where not, as ``recalled``; ``habits_valid``; habits found
+        out among the ``habits``.
+        """
         day, weekday, slot = info["clock"]
-        self._time = time_of(day, slot)
-        self._model.begin((weekday - day) % 7)
+        self._time, self._first_weekday = time_of(day, slot), (weekday - day) % 7
+        self._model.begin(self._first_weekday)
         if self._home is None:
             self._home = str(info["episode"]).rpartition("/")[0]
             if self._given is not None:
                 self.log = load_log(self._given / _file_of(self._home), self._home)
         if (last := self.log.last()) > self._time:
             raise DataError(f"life {self._home}: it is day {day}, and the memory goes on to day {last // N_SLOTS}")
-        self._watch()
-        known, target = super().begin(info), str(info["target"])
-        thing = self.log.things.get(target)
-        if thing is None:
-            return known
-        return known | {"recalled": Recalled(thing.places, self._model.now(thing, self._time))}
+        self._watching = Watching(self.log)
+        if self._around is not None:
+            self._around.begin(info)
+        given = {**info, **self._kept(info)} if self._recalls else {**info, **self._unshared(info)}
+        if self._acquires:
+            own = self.habits(str(info["target"]))
+            given["habits"] = (*given["habits"], *texts_of(own))
+            given["habit_days"] = (*given.get("habit_days", ()), *(habit.last_day for habit in own))
+            if "habits_valid" in given:
+                given["habits_valid"] = np.append(given["habits_valid"], np.ones(len(own)))
+        return given
+
+    def _unshared(self, info: Info) -> dict[str, Any]:
+        """Begin a request of which the agent keeps a map of its own."""
+        super().begin(info)
+        return {}
+
+    def _kept(self, info: Info) -> dict[str, Any]:
+        """The map, remembered places, and which habits still hold."""
+        known, target = {"kept_map": super().begin(info)["kept_map"]}, str(info["target"])
+        thing = self.log.things.get(target, SeenThing(target))
+        days = info.get("habit_days", ())
+        news = days_of_news(target, tuple(info["habits"]), days)
+        recalled = Recalled(thing.places, self._model.now(thing, self._time, news))
+        if self._looking is not None:
+            points, when = self._looking.begin(sight_range_m(target))
+            last = thing.seen[-1][0] if thing.seen else NEVER
+            recalled = replace(recalled, looked=points, left=self._model.left(when, last, self._time))
+        if len(recalled.xyz) or len(recalled.looked):
+            known["recalled"] = recalled
+        if "reranking" not in info:
+            known["habits_valid"] = self._model.valid(thing, self._time, news, days)
+        return known
+
+    def habits(self, name: str) -> list[AcquiredHabit]:
+        """The habits of a thing that the robot found out, the surest first.
+
+        Args:
+            name: its category.
+        """
+        thing = self.log.things.get(name, SeenThing(name))
+        return acquired_habits(thing, self._model.first(thing, self._time), self._first_weekday)
 
     def look(self, observation: Observation, info: Info) -> None:
-        """Note which remembered places the frame shows."""
+        """Note which places the frame shows."""
+        if not self._recalls:
+            assert self.map is not None
+            self.map.update(observation, info)
         super().look(observation, info)
         assert self.map is not None
         depth = self.map.body.farthest(frame_depth(observation, info))
-        camera = camera_of(self.map.view, depth, self.map.body)
-        active = (self._unshown > 0.0) & (depth_along(self._xyz, camera) <= self._reach_m)
-        if active.any():
-            look(depth, camera, np.inf, self._xyz, self._hollow, self._faces, active, self._unshown, 0.0)
+        if self._looking is not None:
+            self._looking.look(self.map, depth)
+        self._watching.look(self.map, depth)
 
-    def _watch(self) -> None:
-        """Begin to note which of the remembered places frames show."""
-        things = self.log.things
-        self._of = [(name, place) for name, thing in things.items() for place in range(len(thing.places))]
-        n = len(self._of)
-        self._xyz = np.concatenate([np.zeros((0, 3)), *(thing.places for thing in things.values())])
-        self._reach_m, self._unshown = np.array([sight_range_m(name) for name, _ in self._of]), np.ones(n)
-        self._hollow, self._faces = np.zeros((n, 6)), np.full(n, ALL_OPEN, np.uint8)
+    def act(self, action: int, observation: Observation) -> int:
+        """The agent's action; where that is Done, the robot looks around before."""
+        return action if self._around is None else self._around.act(action, int(observation["step"][0]))
 
     def end(self) -> None:
         """Enter what this request showed into the log."""
@@ -100,20 +160,29 @@ class SightingsMemory(MapMemory):
             seen = [track for track in tracks if known.last_seen[track] >= 0 and known.seen(track)]
             if seen:
                 box = known.box[max(seen, key=lambda track: (int(known.last_seen[track]), -track))]
-                self.log.saw(name, 0.5 * (box[:3] + box[3:]), self._time)
-        for row in np.flatnonzero(self._unshown == 0.0).tolist():
-            name, place = self._of[row]
+                self.log.saw(name, 0.5 * (box[:3] + box[3:]), self._time, spot_of(known, name, box))
+        for name, place in self._watching.shown:
             if self.log.things[name].seen[-1:] != [(self._time, place)]:
                 self.log.missed(name, place, self._time)
+        if self._looking is not None:
+            self._looking.end(self._time)
         if self._keep is not None:
             assert self._home is not None
             save_log(self.log, self._keep / _file_of(self._home), self._home)
 
 
-def depth_along(xyz: NDArray[np.float64], camera: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Optical depth (n,) of points (n, 3) before a camera (8,), metres; below 0 behind it."""
-    x, y, z, c, s, cp, sp, _ = camera
-    return np.asarray(cp * (c * (xyz[:, 0] - x) + s * (xyz[:, 1] - y)) + sp * (xyz[:, 2] - z))
+def days_of_news(target: str, habits: tuple[str, ...], days: Sequence[int]) -> tuple[int, ...]:
+    """Days after the first on which habits of a thing were told.
+
+    Args:
+        target: the thing.
+        habits: sentences.
+        days: on which each of them was told.
+    """
+    if not any(days):
+        return ()
+    about = default_reader().read(target, habits).relevance > ABOUT
+    return tuple(sorted({day for day, is_about in zip(days, about, strict=True) if day and is_about}))
 
 
 def _file_of(home: str) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,7 +31,7 @@ class LastSeen(Shared):
     def begin(self, first_weekday: int) -> None:
         """Nothing depends on the calendar."""
 
-    def now(self, thing: SeenThing, time: int) -> NDArray[np.float64]:
+    def now(self, thing: SeenThing, time: int, told: Collection[int] = ()) -> NDArray[np.float64]:
         """See :meth:`ucon.memory.place_model.PlaceModel.now`."""
         p = np.zeros(len(thing.places))
         if thing.seen:
@@ -37,6 +39,18 @@ class LastSeen(Shared):
             if not any(empty == place and then > when for then, empty in thing.absent):
                 p[place] = self._trust
         return p
+
+    def left(self, when: NDArray[np.int64], seen: int, time: int) -> NDArray[np.float64]:
+        """Of places elsewhere nothing is remembered: all is left."""
+        return np.ones(len(when))
+
+    def first(self, thing: SeenThing, time: int) -> int:
+        """All sightings count."""
+        return 0
+
+    def valid(self, thing: SeenThing, time: int, told: Collection[int], days: Sequence[int]) -> NDArray[np.float64]:
+        """All habits are believed."""
+        return np.ones(len(days))
 
 
 class MostSeen(Shared):
@@ -58,7 +72,19 @@ class MostSeen(Shared):
     def begin(self, first_weekday: int) -> None:
         """Nothing depends on the calendar."""
 
-    def now(self, thing: SeenThing, time: int) -> NDArray[np.float64]:
+    def now(self, thing: SeenThing, time: int, told: Collection[int] = ()) -> NDArray[np.float64]:
         """See :meth:`ucon.memory.place_model.PlaceModel.now`."""
         count = np.bincount([place for _, place in thing.seen], minlength=len(thing.places)).astype(np.float64)
         return self._trust * count / max(float(count.sum()), 1.0)
+
+    def left(self, when: NDArray[np.int64], seen: int, time: int) -> NDArray[np.float64]:
+        """Of places elsewhere nothing is remembered: all is left."""
+        return np.ones(len(when))
+
+    def first(self, thing: SeenThing, time: int) -> int:
+        """All sightings count."""
+        return 0
+
+    def valid(self, thing: SeenThing, time: int, told: Collection[int], days: Sequence[int]) -> NDArray[np.float64]:
+        """All habits are believed."""
+        return np.ones(len(days))

@@ -12,7 +12,7 @@ from pathlib import Path
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the action's options to its parser."""
-    parser.add_argument("name", metavar="SET", help="lives_mini, lives_val, lives_test, lives_long")
+    parser.add_argument("name", metavar="SET", help="lives_mini, lives_val, lives_test, lives_long, lives_train")
     parser.add_argument("--out", type=Path, help="file to write; default: where the set is looked for")
     parser.add_argument("--limit", type=int, help="only the first so many lives")
     parser.add_argument("--workers", type=int, default=2, help="processes (default 2)")
@@ -28,11 +28,13 @@ def run(args: argparse.Namespace) -> int:
     from ucon.core.progress import Progress
     from ucon.habits.book import contexts_book
     from ucon.lives.making.make_sets import make_lives
-    from ucon.lives.making.plans import life_orders
+    from ucon.lives.making.plans import ENDLESS, life_orders
     from ucon.lives.sets import DATA, SUFFIX, check_suffix, save_lives
 
     if args.out is None and args.limit is not None:
         raise ConfigError(f"--limit without --out: set '{args.name}' itself would be replaced; give --out FILE")
+    if args.name == ENDLESS and args.limit is None:
+        raise ConfigError(f"{ENDLESS} has no end; give --limit LIVES and --out FILE")
     orders = list(islice(life_orders(args.name, contexts_book()), args.limit))
     path = args.out or DATA / f"{args.name}{SUFFIX}"
     check_suffix(path)

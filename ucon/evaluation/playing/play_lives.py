@@ -44,6 +44,7 @@ class _Resident:
         """Carry out an action; yields the request that it ends, if that is wanted."""
         if self.memory is not None:
             self.memory.look(self.observation, self.info)
+            action = self.memory.act(int(action), self.observation)
         self.actions.append(int(action))
         self.observation, _, over, _, self.info = self.env.step(int(action))
         if "request_record" not in self.info:

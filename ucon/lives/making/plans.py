@@ -9,6 +9,7 @@ entries of the part ``train`` alone.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import count
 from typing import Final
 
 from ucon.core.errors import ConfigError, unknown_name
@@ -25,10 +26,12 @@ LIFE_SETS: Final = {
     "lives_test": ("test", 10, 14),
     "lives_long": ("test", 1, 50),
 }
+#: The set of lives to learn from.
+ENDLESS: Final = f"lives_{TRAIN}"
 
 
 def life_orders(name: str, dataset: HabitDataset) -> Iterator[LifeOrder]:
-    """What to make for every life of a named set; scenes are used in turn.
+    """What to make for every life of a named set; scenes are used in turn. Of ``lives_train`` there is no end.
 
     Args:
         name: of the set.
@@ -37,13 +40,15 @@ def life_orders(name: str, dataset: HabitDataset) -> Iterator[LifeOrder]:
     Raises:
         ConfigError: no such set.
     """
+    if name == ENDLESS:
+        yield from (train_order(number, dataset) for number in count())
     if name not in LIFE_SETS:
-        raise ConfigError(unknown_name("set of lives", name, LIFE_SETS))
-    like, count, days = LIFE_SETS[name]
+        raise ConfigError(unknown_name("set of lives", name, (*LIFE_SETS, ENDLESS)))
+    like, lives, days = LIFE_SETS[name]
     made = 0
     for cell in set_cells(like):
         targets = split_categories(dataset.categories, cell.category_split)
-        for number in range(count):
+        for number in range(lives):
             scene = cell.scenes[number % len(cell.scenes)]
             seed = derived_seed(0, "lives", name, cell.label, number) % (1 << 31)
             label, changes = f"{name}/{cell.label}/{number:02d}", bool(made % 2)
@@ -64,5 +69,5 @@ def train_order(number: int, dataset: HabitDataset, days: int = 14) -> LifeOrder
     scene = cell.scenes[number // len(cells) % len(cell.scenes)]
     targets = split_categories(dataset.categories, cell.category_split)
     seed = derived_seed(0, "lives", TRAIN, number) % (1 << 31)
-    name, changes = f"lives_{TRAIN}/{number:05d}", bool(number // 2 % 2)
+    name, changes = f"{ENDLESS}/{number:05d}", bool(number // 2 % 2)
     return LifeOrder(name, scene, seed, cell.label, targets, cell.part, days, changes)

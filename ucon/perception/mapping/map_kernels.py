@@ -317,22 +317,48 @@ def look(
     Returns:
         How many points are shown.
     """
-    rows, columns = depth.shape
-    x, y, cam_z, c, s, cp, sp, focal_px = camera
     shown = 0
     for n in range(places.shape[0]):
         if not active[n]:
             continue
-        dx, dy, dz = places[n, 0] - x, places[n, 1] - y, places[n, 2] - cam_z
-        flat, right = c * dx + s * dy, s * dx - c * dy
-        optical, up = cp * flat + sp * dz, cp * dz - sp * flat
-        if optical <= 0.15 or optical > reach_m:
-            continue
-        u = int(np.floor(0.5 * columns + focal_px * right / optical))
-        v = int(np.floor(0.5 * rows - focal_px * up / optical))
-        if not (0 <= u < columns and 0 <= v < rows and depth[v, u] > optical - 0.05):
-            continue
-        if shows(x, y, cam_z, places[n, 0], places[n, 1], places[n, 2], hollow[n], faces[n]):
+        if _shown_at(depth, camera, reach_m, places[n], hollow[n], faces[n]) > 0.0:
             unseen[n] *= miss
             shown += 1
     return shown
+
+
+@jit
+def look_from(depth: F32, camera: F64, places: F64, hollow: F64, faces: U8, active: Flags, near: F64) -> None:
+    """Note from how near a frame shows the sample points; see :func:`look`.
+
+    Args:
+        depth: (H, W) float32, metres along the optical axis.
+        camera: (8,) float64.
+        places: (n, 3) float64, the points, metres.
+        hollow: (n, 6) float64, boxes of their compartments, metres.
+        faces: (n,) uint8, bits of the compartments' open sides.
+        active: (n,) bool, points to look at.
+        near: (n,) float64, lowered to the optical depth of points that are shown, metres.
+    """
+    for n in range(places.shape[0]):
+        if active[n]:
+            optical = _shown_at(depth, camera, near[n], places[n], hollow[n], faces[n])
+            if optical > 0.0:
+                near[n] = optical
+
+
+@merged
+def _shown_at(depth: F32, camera: F64, reach_m: float, place: F64, hollow: F64, faces: int) -> float:
+    """Optical depth of a point that a frame shows, metres; 0 where it does not show it, or only from beyond a reach."""
+    rows, columns = depth.shape
+    x, y, cam_z, c, s, cp, sp, focal_px = camera
+    dx, dy, dz = place[0] - x, place[1] - y, place[2] - cam_z
+    flat, right = c * dx + s * dy, s * dx - c * dy
+    optical, up = cp * flat + sp * dz, cp * dz - sp * flat
+    if optical <= 0.15 or optical > reach_m:
+        return 0.0
+    u = int(np.floor(0.5 * columns + focal_px * right / optical))
+    v = int(np.floor(0.5 * rows - focal_px * up / optical))
+    if not (0 <= u < columns and 0 <= v < rows and depth[v, u] > optical - 0.05):
+        return 0.0
+    return optical if shows(x, y, cam_z, place[0], place[1], place[2], hollow, faces) else 0.0

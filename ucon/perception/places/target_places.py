@@ -57,7 +57,7 @@ class Places(PartlyShared):
         self._seen_from: NDArray[np.float64] = np.zeros((0, 2))
         self._rows: dict[int, slice] = {}
         self._xyz, self._hollow = np.zeros((1024, 3)), np.zeros((1024, 6))
-        self._share, self._unseen = np.zeros(1024), np.zeros(1024)
+        self._even, self._share, self._unseen = np.zeros(1024), np.zeros(1024), np.zeros(1024)
         self._faces = np.zeros(1024, np.uint8)
         self._track = np.zeros(1024, np.int32)
         self._relation = np.zeros(1024, np.int32)
@@ -91,6 +91,22 @@ class Places(PartlyShared):
         Sums to 1 over the points of a (track, relation); 0 for replaced points.
         """
         return self._share[: self._n]
+
+    @property
+    def even(self) -> NDArray[np.float64]:
+        """(n,) float64, share by the shape of the thing alone; it is ``share`` unless :meth:`divide` says otherwise."""
+        return self._even[: self._n]
+
+    def divide(self, mass: NDArray[np.float64]) -> None:
+        """Divide the mass of each (track, relation) among its points as given; ``share`` follows until points change.
+
+        Args:
+            mass: (n,) of every point; points of a (track, relation) without any share as its shape says.
+        """
+        row = 4 * self.track + self.relation
+        total = np.bincount(row, mass)[row]
+        held = total > 0.0
+        self.share[:] = np.where(held, mass / np.where(held, total, 1.0), self.even)
 
     @property
     def unseen(self) -> NDArray[np.float64]:
@@ -151,7 +167,7 @@ class Places(PartlyShared):
             self._turn.pop(track, None)
             if not known.category[track]:
                 old = self._rows.pop(track)
-                self._share[old] = self._unseen[old] = 0.0
+                self._even[old] = self._share[old] = self._unseen[old] = 0.0
                 self._made[track] = np.inf
         if rows and (stale := np.isin(self._turning, rows)).any():
             self._turning, self._quarters = self._turning[~stale], self._quarters[~stale]
@@ -188,7 +204,8 @@ class Places(PartlyShared):
         new, faces = np.zeros((total, 12)), self._faces[rows]
         new[:count, :5], faces[:] = self._scratch[:count], ALL_OPEN
         fit(shape, whole, self._turn.get(track, 0), self._lift_m, new[count:], faces[count:])
-        self._xyz[rows], self._relation[rows], self._share[rows] = new[:, :3], new[:, 3], new[:, 4]
+        self._xyz[rows], self._relation[rows] = new[:, :3], new[:, 3]
+        self._even[rows] = self._share[rows] = new[:, 4]
         self._track[rows], self._unseen[rows], self._hollow[rows] = track, 1.0, new[:, 6:]
         self._looked[rows] = 0
         if (old := self._rows.get(track)) is not None:
@@ -196,14 +213,16 @@ class Places(PartlyShared):
                 self._xyz[rows], self._relation[rows], self._xyz[old], self._relation[old],
                 self._unseen[old], self._unseen[rows], self._looked[old], self._looked[rows],
             )  # fmt: skip
-            self._share[old] = self._unseen[old] = 0.0
+            self._even[old] = self._share[old] = self._unseen[old] = 0.0
         self._rows[track] = rows
         self._made[track] = box
 
     def _reserve(self, count: int) -> None:
         """Make room for ``count`` more points."""
         if self._n + count > len(self._xyz):
-            for name in ("_xyz", "_hollow", "_share", "_unseen", "_looked", "_hidden", "_faces", "_track", "_relation"):
+            for name in (
+                "_xyz", "_hollow", "_even", "_share", "_unseen", "_looked", "_hidden", "_faces", "_track", "_relation",
+            ):  # fmt: skip
                 column = getattr(self, name)
                 setattr(self, name, np.concatenate([column, np.zeros_like(column)]))
 
@@ -243,7 +262,7 @@ class Places(PartlyShared):
             (n,) bool.
         """
         out = np.empty(self._n, bool)
-        searched(self.track, self.relation, self.share, self.unseen, shut, out)
+        searched(self.track, self.relation, self.even, self.unseen, shut, out)
         return out
 
     def weights(self, mass: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -278,7 +297,7 @@ class Places(PartlyShared):
         row, shape = 4 * self.track + self.relation, (n_tracks, 4)
         left, total = (
             np.bincount(row, weight, 4 * n_tracks).reshape(shape).sum(1)
-            for weight in (self.share * self.unseen, self.share)
+            for weight in (self.even * self.unseen, self.even)
         )
         return np.asarray(left / np.maximum(total, 1e-9))
 

@@ -245,6 +245,24 @@ def default_conditions() -> ConditionReader:
     )
 
 
+def counting(
+    conditions: ConditionReader, texts: Sequence[str], use: str, context: Context | None, valid: Array | None
+) -> Array | None:
+    """How much each of H sentences counts, (H,): by what was told, and by whether it still holds; None: all alike.
+
+    Args:
+        conditions: reads what was told.
+        texts: H sentences.
+        use: whose strength, of :data:`USES`.
+        context: that was told; None: none.
+        valid: (H,) probability that each habit has not changed since it was told; None: none has.
+    """
+    holds = None if context is None else conditions.weights(texts, context, use)
+    if valid is None:
+        return holds
+    return np.round(valid if holds is None else holds * valid, DECIMALS)
+
+
 def _told(context: Context, kind: str) -> tuple[int, int]:
     """The told time: its number, and the number of its phrase."""
     if kind == "day":

@@ -1,0 +1,115 @@
+"""Habits that a robot found out itself, as sentences: where a thing was seen, how often of how many times, until when.
+
+A sentence is written where a thing was seen at least twice by the same anchor and relation since its habits changed
+last, and in a share of all times; for a part of the week or of the day where it is usual then and not always.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Final
+
+from ucon.core.sharing import Shared
+from ucon.language.phrases import phrase
+from ucon.lives.clock import N_SLOTS, SLOT_NAMES, is_weekend, weekday_of
+from ucon.memory.naming import Spot
+from ucon.memory.sighting_log import SeenThing
+
+#: Times that a thing was seen there, and share of all times, from which on a sentence is written.
+LEAST_TIMES, LEAST_SHARE = 2, 0.25
+#: The same within a part of the week or of the day, and how much more than always.
+THEN_TIMES, THEN_SHARE, THEN_MORE = 3, 0.7, 0.25
+_WORDS: Final = {"ontop": "on", "inside": "in", "under": "under", "nextto": "next to"}
+
+
+@dataclass(frozen=True)
+class AcquiredHabit(Shared):
+    """One habit of one thing.
+
+    Attributes:
+        thing: its category.
+        relation: to the anchor.
+        anchor: category.
+        when: part of the week or of the day, such as ``in the morning``; "" for always.
+        times: how often the thing was seen there then.
+        of: how often it was seen then.
+        last_day: on which it was last seen there, from 0.
+    """
+
+    thing: str
+    relation: str
+    anchor: str
+    when: str
+    times: int
+    of: int
+    last_day: int
+
+    @property
+    def text(self) -> str:
+        """The habit as a sentence; days count from 1, as people count."""
+        where = f"{_WORDS[self.relation]} the {phrase(self.anchor)}"
+        begins = f"{self.when[0].upper()}{self.when[1:]} the" if self.when else "The"
+        often = f"{self.times} of {self.of} times"
+        return f"{begins} {phrase(self.thing)} has been {where}, {often}, last on day {self.last_day + 1}."
+
+
+def acquired_habits(thing: SeenThing, first: int, first_weekday: int) -> list[AcquiredHabit]:
+    """What the sightings of a thing say of its habits, the surest first.
+
+    Args:
+        thing: what is known of it.
+        first: number of the first sighting that counts; habits have changed before.
+        first_weekday: of day 0: 0 (Monday) to 6.
+    """
+    seen = _times(thing, first)
+    found = []
+    for when, holds in _parts(first_weekday):
+        then = [(time, spot) for time, spot in seen if holds(time)]
+        for spot in dict.fromkeys(spot for _, spot in then):
+            at = [time for time, here in then if here == spot]
+            always = sum(here == spot for _, here in seen)
+            if _is_habit(len(at), len(then), always, len(seen), always_holds=not when):
+                relation, anchor = spot
+                day = at[-1] // N_SLOTS
+                found.append(AcquiredHabit(thing.name, relation, anchor, when, len(at), len(then), day))
+    return sorted(found, key=lambda habit: (-habit.times, habit.when, habit.anchor, habit.relation))
+
+
+def _is_habit(times: int, of: int, always: int, total: int, *, always_holds: bool) -> bool:
+    if always_holds:
+        return times >= LEAST_TIMES and times >= LEAST_SHARE * of
+    return times >= THEN_TIMES and times >= THEN_SHARE * of and times / of >= always / total + THEN_MORE
+
+
+def _times(thing: SeenThing, first: int) -> list[tuple[int, Spot]]:
+    """Time and spot of the sightings that count; one a slot, since nobody moves things within one."""
+    by_time = {time: thing.spots[place] for time, place in thing.seen[first:]}
+    return [(time, spot) for time, spot in by_time.items() if spot is not None]
+
+
+def _parts(first_weekday: int) -> Iterator[tuple[str, Callable[[int], bool]]]:
+    """Parts of the week and of the day: words, and whether a time is in it."""
+    yield "", _ever
+    yield "on workdays", partial(_in_week, False, first_weekday)
+    yield "at the weekend", partial(_in_week, True, first_weekday)
+    for slot, name in enumerate(SLOT_NAMES):
+        yield f"at {name}" if name == "midday" else f"in the {name}", partial(_in_day, slot)
+
+
+def _ever(time: int) -> bool:
+    return True
+
+
+def _in_week(weekend: bool, first_weekday: int, time: int) -> bool:
+    return is_weekend(weekday_of(time // N_SLOTS, first_weekday)) == weekend
+
+
+def _in_day(slot: int, time: int) -> bool:
+    return time % N_SLOTS == slot
+
+
+def texts_of(habits: Sequence[AcquiredHabit]) -> tuple[str, ...]:
+    """The sentences."""
+    return tuple(habit.text for habit in habits)

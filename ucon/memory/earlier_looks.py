@@ -1,0 +1,83 @@
+"""What earlier requests showed empty: a thing is there only if somebody put it there since.
+
+Every place where a thing can be is noted with the time at which the robot last looked at it, and from how near: what
+shows a place well enough for a book does not show it for a key.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.memory.recalled import nearest, points_of
+from ucon.perception.mapping.map_kernels import look_from
+from ucon.perception.mapping.semantic_map import SemanticMap, camera_of
+from ucon.perception.places.containers import Containers
+from ucon.perception.places.target_places import Places
+
+#: A look counts for things that are seen from so far, by the nearest of these distances that it came within, metres.
+REACHES_M: Final = (1.2, 1.6, 2.1, 2.8, 3.6, 4.5)
+#: Never looked at.
+NEVER: Final = -1
+
+
+class Looking:
+    """Follows the looks of one robot."""
+
+    def __init__(self) -> None:
+        """Start with nothing looked at."""
+        self._points, self._when = np.zeros((0, 4)), np.zeros((0, len(REACHES_M)), np.int64)
+        self._places, self._near = Places(0.1), np.zeros(0)
+        self._containers = Containers()
+
+    def begin(self, reach_m: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """Begin a request.
+
+        Args:
+            reach_m: from how far the target is recognised.
+
+        Returns:
+            Points (m, 4) as :func:`ucon.memory.recalled.points_of` gives them, and the times (m,) of the last looks
+            that would have shown the target there; :data:`NEVER` where there was none.
+        """
+        self._places, self._near, self._containers = Places(0.1), np.zeros(0), Containers()
+        enough = [k for k, reach in enumerate(REACHES_M) if reach <= reach_m + 1e-6]
+        return self._points, self._when[:, enough].max(1, initial=NEVER)
+
+    def look(self, known: SemanticMap, depth: NDArray[np.float32]) -> None:
+        """Take in a frame.
+
+        Args:
+            known: the map with the frame.
+            depth: (H, W), metres.
+        """
+        places = self._places
+        places.refresh(known)
+        if len(places.xyz) > len(self._near):
+            self._near = np.append(self._near, np.full(len(places.xyz) - len(self._near), np.inf))
+        shut = np.zeros(known.n_tracks, bool)
+        shut[self._containers.closed(known)] = True
+        active, camera = places.searched(shut), camera_of(known.view, depth, known.body)
+        look_from(depth, camera, places.xyz, places.hollow, places.faces, active, self._near)
+
+    def end(self, time: int) -> None:
+        """Note what the request showed.
+
+        Args:
+            time: of the request.
+        """
+        now = np.flatnonzero(self._places.even > 0.0)
+        points = points_of(self._places)[now]
+        when = _carried(self._points, self._when, points)
+        shown = self._near[now, None] <= np.array(REACHES_M)
+        self._points, self._when = points, np.where(shown, time, when)
+
+
+def _carried(points: NDArray[np.float64], when: NDArray[np.int64], to: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Times (m, R) of points as those of others (n, R), which are where they are; NEVER where there is none."""
+    row, same = nearest(points, to)
+    found = np.full((len(to), when.shape[1]), NEVER, np.int64)
+    found[same] = when[row[same]]
+    return found

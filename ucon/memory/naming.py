@@ -1,0 +1,87 @@
+"""Where a thing stands, in words: the anchor and the relation that a person would name, from the map.
+
+Several may be right: a kettle stands on the countertop, beside the microwave. Of those that the map allows, the one is
+named by which things of this kind are kept by common sense.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.objects.model import RELATIONS
+from ucon.perception.mapping.semantic_map import SemanticMap
+from ucon.perception.places.affordances import affordance
+from ucon.perception.places.place_kernels import INSIDE, NEXTTO, ONTOP, UNDER
+from ucon.readers.anchor_reader import default_reader
+
+Spot = tuple[str, str]
+"""Relation and anchor category."""
+
+#: How far beside a box its top still is, and how far above or below its top a thing stands on it, metres.
+_ASIDE_M, _ABOVE_M = 0.05, 0.08
+#: How far away a thing is still next to another one, and the distance in which that falls to a third, metres.
+_NEAR_M, _FALLS_M = 0.6, 0.25
+#: Fit of a thing within a box that is not on its top: on one of its lower surfaces.
+_LOWER: Final = 0.4
+#: Least probability of an anchor and relation by common sense.
+_LEAST = 1e-3
+
+
+def spot_of(known: SemanticMap, target: str, box: NDArray[np.float64]) -> Spot | None:
+    """The anchor and relation by which a thing stands; None where nothing is near.
+
+    Args:
+        known: the map.
+        target: category of the thing.
+        box: (6,) x0 y0 z0 x1 y1 z1 of the thing, metres.
+    """
+    n = known.n_tracks
+    boxes = known.box[:n]
+    there = (boxes[:, 3] >= boxes[:, 0]) & (known.kind[:n] == 0) & ~known.stale[:n]
+    middle = 0.5 * (box[:3] + box[3:])
+    gap = np.maximum(np.maximum(boxes[:, :2] - box[3:5], box[:2] - boxes[:, 3:5]), 0.0)
+    gap = np.hypot(gap[:, 0], gap[:, 1])
+    best, found = 0.0, None
+    for track in np.flatnonzero(there & (gap <= _NEAR_M)).tolist():
+        name = known.category[track]
+        if name in ("", target):
+            continue
+        sense = _common_sense(target, name)
+        for relation, fit in _fits(affordance(name).offers, boxes[track], box, middle, float(gap[track])):
+            score = fit * max(float(sense[relation]), _LEAST)
+            if score > best:
+                best, found = score, (RELATIONS[relation], name)
+    return found
+
+
+def _fits(
+    offers: NDArray[np.bool_], anchor: NDArray[np.float64], box: NDArray[np.float64], middle: NDArray[np.float64],
+    gap_m: float,
+) -> list[tuple[int, float]]:  # fmt: skip
+    """Relations in which a thing may stand to an anchor, and how well each fits."""
+    found = []
+    over = bool((middle[:2] >= anchor[:2] - _ASIDE_M).all() and (middle[:2] <= anchor[3:5] + _ASIDE_M).all())
+    within = over and anchor[2] - _ASIDE_M <= middle[2] <= anchor[5] + _ASIDE_M
+    if over and offers[ONTOP]:
+        if abs(box[2] - anchor[5]) <= _ABOVE_M:
+            found.append((ONTOP, 1.0))
+        elif within:
+            found.append((ONTOP, _LOWER))
+    if within and offers[INSIDE]:
+        found.append((INSIDE, 1.0))
+    if over and offers[UNDER] and box[2] <= anchor[2] + 0.15 and middle[2] < anchor[5] - 0.1:
+        found.append((UNDER, 1.0))
+    if not over and anchor[2] - 0.1 <= box[2] <= anchor[5] + 0.1:
+        found.append((NEXTTO, float(np.exp(-gap_m / _FALLS_M))))
+    return found
+
+
+@lru_cache(maxsize=65536)
+def _common_sense(target: str, anchor: str) -> NDArray[np.float64]:
+    """Probability (4,) of an anchor and each relation before any habit is read."""
+    belief = default_reader().read(target, ()).belief((anchor,))
+    return np.asarray(belief.p[0] * belief.relation[0], np.float64)
