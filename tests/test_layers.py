@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[1]
 #: From the bottom up; a part imports those below it.
 LAYERS = (
     "ucon.core", "ucon.objects", "ucon.habits", "ucon.language", "ucon.scenes", "ucon.sim", "ucon.task",
-    "ucon.lives", "ucon.readers", "ucon.retrieval", "ucon.perception", "ucon.memory", "ucon.search", "ucon.envs",
+    "ucon.lives", "ucon.readers", "ucon.retrieval", "ucon.perception", "ucon.search", "ucon.memory", "ucon.envs",
     "ucon.generation", "ucon.evaluation", "ucon.fitting", "ucon.learning", "ucon.configuration", "ucon.programs",
     "ucon.pages", "ucon.commands", "ucon.__main__", "models",
 )  # fmt: skip

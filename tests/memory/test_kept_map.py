@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from ucon.memory.map_memory import MapMemory
-from ucon.memory.recalled import NEAR_M, Recalled, Remembering, remembering
+from ucon.perception.belief.recalled import NEAR_M, Recalled, Remembering, remembering
 from ucon.perception.belief.coverage import Coverage, CoverageWeights
 from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.perception.places.target_places import Places

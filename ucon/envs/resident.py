@@ -11,10 +11,10 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from ucon.core.errors import ConfigError, EpisodeError
+from ucon.core.errors import ConfigError, EpisodeError, brief
 from ucon.core.sharing import PartlyShared
 from ucon.envs.knowledge import HabitSource
-from ucon.envs.options import returned_info, with_texts
+from ucon.envs.options import checked_action, returned_info, with_texts
 from ucon.envs.ucon_env import Obs, UcONEnv
 from ucon.habits.book import contexts_book
 from ucon.lives.asking import Asking
@@ -25,10 +25,14 @@ from ucon.lives.request_record import LifeFacts
 from ucon.lives.sets import load_lives
 from ucon.lives.sightings import LastSeen
 from ucon.sim.cache import load_house
+from ucon.task.actions import Action
 from ucon.task.episode import Episode, Start
+from ucon.task.rules import PAPER, task_rules
 
 #: Rows of habits in observations: two entries of each of 40 possessions, and those that are told later.
 MAX_HABITS = 2048
+#: What a frame's info says of a request, and not on a patrol.
+_OF_REQUESTS = ("habits", "habit_rows", "context", "told", "reranking", "privileged")
 
 
 class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
@@ -56,6 +60,12 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
     ended, ``request_record`` has its metrics and, as ``life``, :class:`ucon.lives.request_record.LifeFacts`, and
     ``is_success`` says whether the thing was found.
 
+    ### Patrol
+    With ``patrol`` steps a day the robot may first look around as it likes, before the first request of each day and
+    in that request's slot, from its dock. Nothing is asked for meanwhile (``target`` is "" and zeros, no habits are
+    told), ``info["patrol"]`` has the steps that are left, and nothing is rewarded. Done ends it earlier; the request
+    begins where the robot stands then.
+
     ### Rewards
     Those of ``UcON-v0``, request by request.
 
@@ -75,6 +85,7 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
         *,
         told: bool = True,
         stale: bool = True,
+        patrol: int = 0,
         source: HabitSource | None = None,
         max_habits: int = MAX_HABITS,
         texts: bool | None = None,
@@ -86,6 +97,7 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
             lives: name of a set, a file, or lives.
             told: whether habits that change are told on the day of the change, or never.
             stale: whether those that they replace are still told from then on.
+            patrol: steps a day to look around before the first request.
             source: gives the habits; by default the habit book with its second part.
             max_habits: rows of habits in observations.
             texts: whether info holds texts; None: yes except in worker processes.
@@ -100,6 +112,9 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
             raise EpisodeError("no lives: expected at least one; name a set (lives_mini, lives_test) or give a path")
         if "episodes" in options:
             raise ConfigError("env.episodes: a resident plays lives, env.lives=SET; leave episodes out")
+        if type(patrol) is not int or not 0 <= patrol < task_rules(str(options.get("task", PAPER.name))).max_steps:
+            raise ConfigError(f"env.patrol={brief(patrol)}: expected steps a day, 0 up to less than a request may take")
+        self._patrol, self._left = patrol, 0
         self._told, self._stale, self._texts = told, stale, with_texts(texts)
         source = source or HabitSource(contexts_book())
         first = Asking(self.lives[0], source.dataset, told=told, stale=stale)
@@ -160,7 +175,7 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
         self._asking = Asking(self.life, self.source.dataset, told=self._told, stale=self._stale)
         self._level = {"habit_level": level} if (level := (options or {}).get("habit_level")) else {}
         self._seen = LastSeen(self._asking.timeline)
-        self._number = 0
+        self._number, self._been = 0, False
         observation, info = self._begin(self.life.dock)
         return observation, returned_info(info, texts=self._texts)
 
@@ -181,6 +196,8 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
             raise EpisodeError("step before reset: call reset() first")
         if self._number >= len(self.life.requests):
             raise EpisodeError(f"life {self.life.id} is over: call reset() first")
+        if self._left:
+            return self._look_around(action)
         observation, reward, done, truncated, info = self.search_env.step(action)
         if not (done or truncated):
             self._look()
@@ -208,13 +225,43 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
         """Release the renderer."""
         self.search_env.close()
 
+    def _look_around(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
+        """Carry out one action of a patrol; the last one begins the request."""
+        ends = checked_action(action, len(Action)) == Action.DONE
+        self._left -= 1
+        if not ends:
+            observation, _, _, _, info = self.search_env.step(action)
+            self._look()
+            if self._left:
+                observation, info = self._nothing_asked(observation, info)
+                return observation, 0.0, False, False, returned_info(info, texts=self._texts)
+        self._left, pose = 0, self.search_env.search.pose
+        observation, info = self._ask(Start(pose.i, pose.j, pose.heading))
+        return observation, 0.0, False, False, returned_info(info, texts=self._texts)
+
     def _begin(self, at: Start) -> tuple[Obs, dict[str, Any]]:
-        """Begin the current request, with the robot at a node or beside it."""
+        """Begin the current request, or before the first one of a day the patrol, with the robot at a node."""
+        if not (self._patrol and self._is_first):
+            return self._ask(at)
+        self._left = self._patrol
+        observation, info = self._arrive(at)
+        self._look()
+        return self._nothing_asked(observation, info)
+
+    def _arrive(self, at: Start) -> tuple[Obs, dict[str, Any]]:
+        """Put the robot at a node, or beside it, in the home as it is at the current request."""
         assert self._asking is not None
         number, asking = self._number, self._asking
         episode = asking.episode(number, asking.standing(number, at))
-        options = {"episode": episode, "frame": self.life.dock, "same_home": number > 0} | self._level
-        observation, info = self.search_env.reset(options=options)
+        options = {"episode": episode, "frame": self.life.dock, "same_home": self._been} | self._level
+        self._been = True
+        return self.search_env.reset(options=options)
+
+    def _ask(self, at: Start) -> tuple[Obs, dict[str, Any]]:
+        """Begin the current request."""
+        assert self._asking is not None
+        number, asking = self._number, self._asking
+        observation, info = self._arrive(at)
         self._facts = self._seen.facts(number, obeys=asking.obeys(number))
         self._look()
         days = dict(asking.told_entries(day_and_slot(self.life.requests[number].time)[0]))
@@ -226,11 +273,26 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
         clock = tuple(observation["clock"].tolist())
         return observation, info | {"new_request": True, "request": number, "clock": clock}
 
+    def _nothing_asked(self, observation: Obs, info: dict[str, Any]) -> tuple[Obs, dict[str, Any]]:
+        """A frame of a patrol: without target and habits."""
+        observation = self._with_clock(observation)
+        observation |= {name: np.zeros_like(observation[name]) for name in ("target", "habits", "habits_mask")}
+        shown = {name: value for name, value in info.items() if name not in _OF_REQUESTS}
+        clock = tuple(observation["clock"].tolist())
+        return observation, shown | {"target": "", "habits": (), "patrol": self._left, "clock": clock}
+
+    @property
+    def _is_first(self) -> bool:
+        """Whether the current request is the first one of its day."""
+        if self._number == 0:
+            return True
+        before, now = (day_and_slot(self.life.requests[k].time)[0] for k in (self._number - 1, self._number))
+        return now > before
+
     def _stopped(self) -> Start:
         """Where the robot is for the next request: at the dock in the morning, otherwise where it stopped."""
-        before, now = (day_and_slot(self.life.requests[k].time)[0] for k in (self._number - 1, self._number))
         pose = self.search_env.search.pose
-        return self.life.dock if now > before else Start(pose.i, pose.j, pose.heading)
+        return self.life.dock if self._is_first else Start(pose.i, pose.j, pose.heading)
 
     def _look(self) -> None:
         """Note which possessions the robot sees now."""

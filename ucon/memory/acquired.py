@@ -1,7 +1,7 @@
 """Habits that a robot found out itself, as sentences: where a thing was seen, how often of how many times, until when.
 
-A sentence is written where a thing was seen at least twice by the same anchor and relation since its habits changed
-last, and in a share of all times; for a part of the week or of the day where it is usual then and not always.
+A sentence is written where a thing was seen on two days at least since its habits changed last, and in a share of all
+times; for a part of the week or of the day where it is usual then and not always.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from typing import Final
 from ucon.core.sharing import Shared
 from ucon.language.phrases import phrase
 from ucon.lives.clock import N_SLOTS, SLOT_NAMES, is_weekend, weekday_of
-from ucon.memory.naming import Spot
-from ucon.memory.sighting_log import SeenThing
+from ucon.memory.sighting_log import SeenThing, Spot
 
-#: Times that a thing was seen there, and share of all times, from which on a sentence is written.
-LEAST_TIMES, LEAST_SHARE = 2, 0.25
+#: Times and days that a thing was seen there, and share of all times, from which on a sentence is written. What is seen
+#: there on one day alone may have been left there once.
+LEAST_TIMES, LEAST_DAYS, LEAST_SHARE = 2, 2, 0.25
 #: The same within a part of the week or of the day, and how much more than always.
 THEN_TIMES, THEN_SHARE, THEN_MORE = 3, 0.7, 0.25
 _WORDS: Final = {"ontop": "on", "inside": "in", "under": "under", "nextto": "next to"}
@@ -30,8 +30,7 @@ class AcquiredHabit(Shared):
 
     Attributes:
         thing: its category.
-        relation: to the anchor.
-        anchor: category.
+        spot: relations and anchor categories.
         when: part of the week or of the day, such as ``in the morning``; "" for always.
         times: how often the thing was seen there then.
         of: how often it was seen then.
@@ -39,8 +38,7 @@ class AcquiredHabit(Shared):
     """
 
     thing: str
-    relation: str
-    anchor: str
+    spot: Spot
     when: str
     times: int
     of: int
@@ -49,7 +47,7 @@ class AcquiredHabit(Shared):
     @property
     def text(self) -> str:
         """The habit as a sentence; days count from 1, as people count."""
-        where = f"{_WORDS[self.relation]} the {phrase(self.anchor)}"
+        where = ", ".join(f"{_WORDS[relation]} the {phrase(anchor)}" for relation, anchor in self.spot)
         begins = f"{self.when[0].upper()}{self.when[1:]} the" if self.when else "The"
         often = f"{self.times} of {self.of} times"
         return f"{begins} {phrase(self.thing)} has been {where}, {often}, last on day {self.last_day + 1}."
@@ -70,11 +68,10 @@ def acquired_habits(thing: SeenThing, first: int, first_weekday: int) -> list[Ac
         for spot in dict.fromkeys(spot for _, spot in then):
             at = [time for time, here in then if here == spot]
             always = sum(here == spot for _, here in seen)
-            if _is_habit(len(at), len(then), always, len(seen), always_holds=not when):
-                relation, anchor = spot
-                day = at[-1] // N_SLOTS
-                found.append(AcquiredHabit(thing.name, relation, anchor, when, len(at), len(then), day))
-    return sorted(found, key=lambda habit: (-habit.times, habit.when, habit.anchor, habit.relation))
+            days = len({time // N_SLOTS for time in at})
+            if days >= LEAST_DAYS and _is_habit(len(at), len(then), always, len(seen), always_holds=not when):
+                found.append(AcquiredHabit(thing.name, spot, when, len(at), len(then), at[-1] // N_SLOTS))
+    return sorted(found, key=lambda habit: (-habit.times, habit.when, habit.spot))
 
 
 def _is_habit(times: int, of: int, always: int, total: int, *, always_holds: bool) -> bool:
@@ -86,7 +83,7 @@ def _is_habit(times: int, of: int, always: int, total: int, *, always_holds: boo
 def _times(thing: SeenThing, first: int) -> list[tuple[int, Spot]]:
     """Time and spot of the sightings that count; one a slot, since nobody moves things within one."""
     by_time = {time: thing.spots[place] for time, place in thing.seen[first:]}
-    return [(time, spot) for time, spot in by_time.items() if spot is not None]
+    return [(time, spot) for time, spot in by_time.items() if spot]
 
 
 def _parts(first_weekday: int) -> Iterator[tuple[str, Callable[[int], bool]]]:

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.memory.recalled import nearest, points_of
+from ucon.perception.belief.recalled import nearest, points_of
 from ucon.perception.mapping.map_kernels import look_from
 from ucon.perception.mapping.semantic_map import SemanticMap, camera_of
 from ucon.perception.places.containers import Containers
@@ -39,8 +39,8 @@ class Looking:
             reach_m: from how far the target is recognised.
 
         Returns:
-            Points (m, 4) as :func:`ucon.memory.recalled.points_of` gives them, and the times (m,) of the last looks
-            that would have shown the target there; :data:`NEVER` where there was none.
+            Points (m, 4) as :func:`ucon.perception.belief.recalled.points_of` gives them, and times (m,) of the last
+            looks that would have shown the target there; :data:`NEVER` where there was none.
         """
         self._places, self._near, self._containers = Places(0.1), np.zeros(0), Containers()
         enough = [k for k, reach in enumerate(REACHES_M) if reach <= reach_m + 1e-6]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from itertools import pairwise
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,7 +18,7 @@ from ucon.core.errors import DataError, brief
 from ucon.core.files import write_atomic
 from ucon.core.untrusted.strict_json import read_json
 from ucon.lives.clock import SLOT_NAMES, day_and_slot, time_of
-from ucon.memory.sighting_log import SeenThing, SightingLog
+from ucon.memory.sighting_log import SeenThing, SightingLog, Spot
 from ucon.objects.catalogue import catalogue
 from ucon.objects.model import RELATIONS
 
@@ -40,7 +40,7 @@ def save_log(log: SightingLog, path: Path, home: str) -> None:
     things = {
         name: {
             "places": [
-                [*(round(float(v), 3) + 0.0 for v in xyz), *(spot or ())]
+                [*(round(float(v), 3) + 0.0 for v in xyz), *chain.from_iterable(spot)]
                 for xyz, spot in zip(thing.places, thing.spots, strict=True)
             ],
             "seen": [[_said(time), place] for time, place in thing.seen],
@@ -83,17 +83,20 @@ def _thing(name: str, value: Any, where: str) -> SeenThing:
         raise DataError(f"{where}: expected places, seen and absent; {_REMEDY}")
     places = _list(value["places"], f"{where}: places")
     for place in places:
-        if not (isinstance(place, list) and len(place) in (3, 5) and all(map(_is_length, place[:3]))):
-            raise DataError(
-                f"{where}: place {brief(repr(place))}, expected x, y, z in metres, and relation and anchor; {_REMEDY}"
-            )
-        if len(place) == 5 and not (place[3] in RELATIONS and place[4] in catalogue()):
+        if not (isinstance(place, list) and len(place) in (3, 5, 7) and all(map(_is_length, place[:3]))):
+            found = brief(repr(place))
+            raise DataError(f"{where}: place {found}, expected x, y, z in metres, relations and anchors; {_REMEDY}")
+        if not all(relation in RELATIONS and anchor in catalogue() for relation, anchor in _spot(place)):
             found = brief(repr(place[3:]))
             raise DataError(f"{where}: {found}, expected one of {', '.join(RELATIONS)} and a category; {_REMEDY}")
     seen = _times(value["seen"], len(places), f"{where}: seen")
     absent = _times(value["absent"], len(places), f"{where}: absent")
-    spots = [(place[3], place[4]) if len(place) == 5 else None for place in places]
+    spots = [_spot(place) for place in places]
     return SeenThing(name, np.array([place[:3] for place in places], np.float64).reshape(-1, 3), seen, absent, spots)
+
+
+def _spot(place: list[Any]) -> Spot:
+    return tuple(zip(place[3::2], place[4::2], strict=True))
 
 
 def _times(value: Any, places: int, where: str) -> list[tuple[int, int]]:

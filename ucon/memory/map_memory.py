@@ -8,6 +8,7 @@ from ucon.core.errors import ConfigError
 from ucon.memory.protocol import Info, Observation
 from ucon.perception.mapping.body import Body
 from ucon.perception.mapping.semantic_map import SemanticMap
+from ucon.task.actions import Action
 
 
 class MapMemory:
@@ -18,6 +19,10 @@ class MapMemory:
     def __init__(self) -> None:
         """Start without a home."""
         self.map: SemanticMap | None = None
+
+    def patrol(self, observation: Observation, info: Info) -> int:
+        """Ends it: a map alone asks for no more looks."""
+        return int(Action.DONE)
 
     def begin(self, info: Info) -> dict[str, Any]:
         """The info for the agent's reset, with the map as ``kept_map``; see :class:`ucon.memory.protocol.Memory`."""

@@ -1,7 +1,7 @@
-"""Where a thing stands, in words: the anchor and the relation that a person would name, from the map.
+"""Where a thing stands, in words: the anchors and the relations that a person would name, from the map.
 
-Several may be right: a kettle stands on the countertop, beside the microwave. Of those that the map allows, the one is
-named by which things of this kind are kept by common sense.
+A kettle stands on the countertop, next to the microwave: one holds it, one is near. Of those that the map allows, the
+ones are named by which things of this kind are kept by common sense.
 """
 
 from __future__ import annotations
@@ -12,14 +12,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ucon.memory.sighting_log import Spot
 from ucon.objects.model import RELATIONS
 from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.perception.places.affordances import affordance
 from ucon.perception.places.place_kernels import INSIDE, NEXTTO, ONTOP, UNDER
 from ucon.readers.anchor_reader import default_reader
-
-Spot = tuple[str, str]
-"""Relation and anchor category."""
 
 #: How far beside a box its top still is, and how far above or below its top a thing stands on it, metres.
 _ASIDE_M, _ABOVE_M = 0.05, 0.08
@@ -27,12 +25,14 @@ _ASIDE_M, _ABOVE_M = 0.05, 0.08
 _NEAR_M, _FALLS_M = 0.6, 0.25
 #: Fit of a thing within a box that is not on its top: on one of its lower surfaces.
 _LOWER: Final = 0.4
+#: A thing that begins so near to where another one begins stands under it, or on the same floor, metres.
+_FLOOR_M = 0.15
 #: Least probability of an anchor and relation by common sense.
 _LEAST = 1e-3
 
 
-def spot_of(known: SemanticMap, target: str, box: NDArray[np.float64]) -> Spot | None:
-    """The anchor and relation by which a thing stands; None where nothing is near.
+def spot_of(known: SemanticMap, target: str, box: NDArray[np.float64]) -> Spot:
+    """The anchors and relations by which a thing stands; () where nothing is near.
 
     Args:
         known: the map.
@@ -45,17 +45,17 @@ def spot_of(known: SemanticMap, target: str, box: NDArray[np.float64]) -> Spot |
     middle = 0.5 * (box[:3] + box[3:])
     gap = np.maximum(np.maximum(boxes[:, :2] - box[3:5], box[:2] - boxes[:, 3:5]), 0.0)
     gap = np.hypot(gap[:, 0], gap[:, 1])
-    best, found = 0.0, None
+    best: dict[bool, tuple[float, tuple[str, str]]] = {}
     for track in np.flatnonzero(there & (gap <= _NEAR_M)).tolist():
         name = known.category[track]
         if name in ("", target):
             continue
         sense = _common_sense(target, name)
         for relation, fit in _fits(affordance(name).offers, boxes[track], box, middle, float(gap[track])):
-            score = fit * max(float(sense[relation]), _LEAST)
-            if score > best:
-                best, found = score, (RELATIONS[relation], name)
-    return found
+            score, holds = fit * max(float(sense[relation]), _LEAST), relation != NEXTTO
+            if score > best.get(holds, (0.0,))[0]:
+                best[holds] = score, (RELATIONS[relation], name)
+    return tuple(best[holds][1] for holds in (True, False) if holds in best)
 
 
 def _fits(
@@ -69,11 +69,11 @@ def _fits(
     if over and offers[ONTOP]:
         if abs(box[2] - anchor[5]) <= _ABOVE_M:
             found.append((ONTOP, 1.0))
-        elif within:
+        elif within and box[2] > anchor[2] + _FLOOR_M:
             found.append((ONTOP, _LOWER))
     if within and offers[INSIDE]:
         found.append((INSIDE, 1.0))
-    if over and offers[UNDER] and box[2] <= anchor[2] + 0.15 and middle[2] < anchor[5] - 0.1:
+    if over and offers[UNDER] and box[2] <= anchor[2] + _FLOOR_M and middle[2] < anchor[5] - 0.1:
         found.append((UNDER, 1.0))
     if not over and anchor[2] - 0.1 <= box[2] <= anchor[5] + 0.1:
         found.append((NEXTTO, float(np.exp(-gap_m / _FALLS_M))))

@@ -15,6 +15,15 @@ class Memory(Protocol):
     name: str
     """Name in tables."""
 
+    def patrol(self, observation: Observation, info: Info) -> int:
+        """The next action of a patrol, after its frame was taken in; the first frame of the day begins it.
+
+        Args:
+            observation: of the frame.
+            info: of the frame, with ``patrol``.
+        """
+        ...
+
     def begin(self, info: Info) -> dict[str, Any]:
         """Begin a request.
 

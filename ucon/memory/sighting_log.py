@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+Spot = tuple[tuple[str, str], ...]
+"""Relation and anchor category: of what holds a thing, then of what it stands next to; one of them may be missing."""
 #: Sightings of a thing nearer to one another than this are of one place, metres.
 SAME_M = 0.4
 
@@ -24,14 +26,14 @@ class SeenThing:
         places: (n, 3) points, metres; one for each place where it was seen.
         seen: (time, place) of each request in which it was seen, in the order of time.
         absent: (time, place) of each request that showed a place without it.
-        spots: relation and anchor of each place, as it was last named; None where nothing was near.
+        spots: relations and anchors of each place, as it was last named; () where nothing was near.
     """
 
     name: str
     places: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
     seen: list[tuple[int, int]] = field(default_factory=list)
     absent: list[tuple[int, int]] = field(default_factory=list)
-    spots: list[tuple[str, str] | None] = field(default_factory=list)
+    spots: list[Spot] = field(default_factory=list)
 
     def place_at(self, xyz: NDArray[np.float64]) -> int:
         """Number of the place at a point; a new one where it was never seen near there."""
@@ -40,7 +42,7 @@ class SeenThing:
             if away.min() <= SAME_M:
                 return int(away.argmin())
         self.places = np.vstack([self.places, xyz])
-        self.spots.append(None)
+        self.spots.append(())
         return len(self.places) - 1
 
 
@@ -56,14 +58,14 @@ class SightingLog:
         entries = [entry for thing in self.things.values() for entry in (*thing.seen, *thing.absent)]
         return max((time for time, _ in entries), default=-1)
 
-    def saw(self, name: str, xyz: NDArray[np.float64], time: int, spot: tuple[str, str] | None = None) -> None:
+    def saw(self, name: str, xyz: NDArray[np.float64], time: int, spot: Spot = ()) -> None:
         """Note where a thing was seen in a request; of several sightings the last one counts.
 
         Args:
             name: category.
             xyz: (3,) middle of what was seen of it, metres in the frame of the dock.
             time: of the request.
-            spot: relation and anchor by which it stands there; None where they are not known.
+            spot: relations and anchors by which it stands there; () where they are not known.
         """
         thing = self.things.setdefault(name, SeenThing(name))
         place = thing.place_at(xyz)

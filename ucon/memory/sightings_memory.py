@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -18,16 +19,19 @@ from ucon.memory.log_file import load_log, save_log
 from ucon.memory.looking_around import LookingAround
 from ucon.memory.map_memory import MapMemory
 from ucon.memory.naming import spot_of
+from ucon.memory.patrol import Patrol, interest
 from ucon.memory.place_model import Model, PlaceModel
 from ucon.memory.protocol import Info, Observation
-from ucon.memory.recalled import Recalled
 from ucon.memory.sighting_log import SeenThing, SightingLog
 from ucon.memory.watching import Watching
 from ucon.objects.catalogue import catalogue
+from ucon.perception.belief.recalled import Recalled
 from ucon.perception.mapping.semantic_map import frame_depth
 from ucon.perception.places.affordances import sight_range_m
 from ucon.readers.anchor_reader import default_reader
 
+#: On a patrol places count as seen from so near, metres: as for a small thing.
+_PATROL_REACH_M: Final = 2.1
 #: Sentences are about a thing from this relevance on.
 ABOUT: Final = 0.5
 
@@ -69,6 +73,8 @@ class SightingsMemory(MapMemory):
         self._time, self._first_weekday = -1, 0
         self._watching = Watching(self.log)
         self._looking = Looking() if looks else None
+        self._patrol: Patrol | None = None
+        self._asked: Counter[str] = Counter()
         self._around = LookingAround() if around else None
 
     def fingerprint(self) -> str:
@@ -82,16 +88,11 @@ class SightingsMemory(MapMemory):
         ``kept_map``; where the target was seen before, and where not, as ``recalled``; ``habits_valid``; habits found
         out among the ``habits``.
         """
-        day, weekday, slot = info["clock"]
-        self._time, self._first_weekday = time_of(day, slot), (weekday - day) % 7
-        self._model.begin(self._first_weekday)
-        if self._home is None:
-            self._home = str(info["episode"]).rpartition("/")[0]
-            if self._given is not None:
-                self.log = load_log(self._given / _file_of(self._home), self._home)
-        if (last := self.log.last()) > self._time:
-            raise DataError(f"life {self._home}: it is day {day}, and the memory goes on to day {last // N_SLOTS}")
-        self._watching = Watching(self.log)
+        if self._patrol is not None:  # the last frame of a patrol is the first one of the request
+            self._patrol = None
+            self.end()
+        self._wake(info)
+        self._asked[str(info["target"])] += 1
         if self._around is not None:
             self._around.begin(info)
         given = {**info, **self._kept(info)} if self._recalls else {**info, **self._unshared(info)}
@@ -102,6 +103,31 @@ class SightingsMemory(MapMemory):
             if "habits_valid" in given:
                 given["habits_valid"] = np.append(given["habits_valid"], np.ones(len(own)))
         return given
+
+    def patrol(self, observation: Observation, info: Info) -> int:
+        """Look where the robot is unsure where things are that are asked for; see :mod:`ucon.memory.patrol`."""
+        if self._patrol is None:
+            self._wake(info)
+            known = super().begin(info)
+            looked, when = (Looking() if self._looking is None else self._looking).begin(_PATROL_REACH_M)
+            left = self._model.left(when, NEVER, self._time)
+            self._patrol = Patrol(known, interest(self.log, self._model, self._time, self._asked, looked, left))
+        action = self._patrol.act(observation, info)
+        self._note(observation, info)
+        return action
+
+    def _wake(self, info: Info) -> None:
+        """Note the time, and begin to watch the remembered places."""
+        day, weekday, slot = info["clock"]
+        self._time, self._first_weekday = time_of(day, slot), (weekday - day) % 7
+        self._model.begin(self._first_weekday)
+        if self._home is None:
+            self._home = str(info["episode"]).rpartition("/")[0]
+            if self._given is not None:
+                self.log = load_log(self._given / _file_of(self._home), self._home)
+        if (last := self.log.last()) > self._time:
+            raise DataError(f"life {self._home}: it is day {day}, and the memory goes on to day {last // N_SLOTS}")
+        self._watching = Watching(self.log)
 
     def _unshared(self, info: Info) -> dict[str, Any]:
         """Begin a request of which the agent keeps a map of its own."""
@@ -140,6 +166,10 @@ class SightingsMemory(MapMemory):
             assert self.map is not None
             self.map.update(observation, info)
         super().look(observation, info)
+        self._note(observation, info)
+
+    def _note(self, observation: Observation, info: Info) -> None:
+        """Note which places a mapped frame shows."""
         assert self.map is not None
         depth = self.map.body.farthest(frame_depth(observation, info))
         if self._looking is not None:

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.sharing import PartlyShared
-from ucon.memory.recalled import remembering
 from ucon.objects.catalogue import catalogue
 from ucon.perception.belief.protocol import Expecting
+from ucon.perception.belief.recalled import remembering
 from ucon.perception.mapping.planner import Planner
 from ucon.perception.mapping.semantic_map import SemanticMap, View, frame_depth
 from ucon.perception.places.affordances import sight_range_m

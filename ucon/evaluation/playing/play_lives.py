@@ -11,6 +11,7 @@ from ucon.evaluation.playing.play import Env, PlayedEpisode, RunSpec, one_thread
 from ucon.lives.asked import Asked, by_life
 from ucon.lives.request_record import LifeFacts
 from ucon.memory.protocol import Memory
+from ucon.task.actions import Action
 from ucon.task.agent import Agent
 from ucon.task.episode import Episode
 
@@ -62,7 +63,10 @@ class _Resident:
             self._begin(agent)
 
     def _begin(self, agent: Agent) -> None:
-        """Begin a request; its first frame is there."""
+        """Begin a request; its first frame is there, or that of the patrol before it."""
+        while "patrol" in self.info:
+            action = Action.DONE if self.memory is None else self.memory.patrol(self.observation, self.info)
+            self.observation, _, _, _, self.info = self.env.step(int(action))
         self.episode = self.env.unwrapped.episode  # type: ignore[attr-defined]
         self.actions, self.first_info, self.started = [], self.info, time.perf_counter()
         known = self.info if self.memory is None else self.memory.begin(self.info)

@@ -1,0 +1,176 @@
+"""How well a robot came to know its household: its kept sightings against the life that it lived.
+
+Measured are the habits that it found out (are they habits, and how many of those that could be seen were found?) and
+what its memory says of tomorrow's places, beside the baselines of remembering.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.envs.frame import StartFrame
+from ucon.evaluation.figures.intervals import Interval, mean_interval, paired_difference
+from ucon.lives.clock import N_SLOTS, time_of
+from ucon.lives.life import Life
+from ucon.lives.meeting import object_boxes
+from ucon.lives.timeline import Timeline
+from ucon.memory.acquired import acquired_habits
+from ucon.memory.place_model import Model, PlaceModel
+from ucon.memory.sighting_log import SeenThing, SightingLog
+from ucon.memory.simple_models import LastSeen, MostSeen
+from ucon.sim.cache import load_house
+
+#: A thing is at a known place where that is nearer than this, metres.
+NEAR_M: Final = 0.6
+#: Probability of the very place of a thing that is at none of its known places, by whoever knows no more than that.
+ELSEWHERE_P: Final = 0.1
+_LEAST = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """What is so in a life. Privileged.
+
+    Attributes:
+        life: the life.
+        xyz: of each possession, (P, 3) middles of its places in the frame of the dock, metres.
+        spots: of each possession, relation and anchor category of its places.
+    """
+
+    life: Life
+    xyz: tuple[NDArray[np.float64], ...]
+    spots: tuple[tuple[tuple[str, str], ...], ...]
+
+    @classmethod
+    def of(cls, life: Life) -> Truth:
+        """The truth of a life."""
+        house, frame = load_house(life.scene), StartFrame(life.dock)
+        names = (*house.categories, *(one.category for one in life.fixed))
+        xyz, spots = [], []
+        for one in life.possessions:
+            boxes = [object_boxes(place.object) for place in one.places]
+            middles = [0.5 * (box[:, :3].min(0) + box[:, 3:].max(0)) for box in boxes]
+            xyz.append(np.array([frame.point(middle, house.grid) for middle in middles]))
+            spots.append(tuple((place.object.relation, names[place.object.anchor]) for place in one.places))
+        return cls(life, tuple(xyz), tuple(spots))
+
+    def habits(self, possession: int, day: int) -> frozenset[tuple[str, str]]:
+        """Relation and anchor of the places where a possession is put by habit on a day."""
+        entries = set(self.life.entries_at(possession, day))
+        places = zip(self.life.possessions[possession].places, self.spots[possession], strict=True)
+        return frozenset(spot for place, spot in places if any(name in entries for name, _ in place.origins))
+
+
+@dataclass
+class Known:
+    """What several robots came to know; values with the life that each is of.
+
+    Attributes:
+        written: of every sentence at the end of a life, whether it is a habit then.
+        covered: of every habit by which a known thing is kept at the end, whether a sentence says it.
+        tomorrow: by model, the log-likelihood of each known thing's place in every slot of the next day.
+    """
+
+    written: list[tuple[str, bool]] = field(default_factory=list)
+    covered: list[tuple[str, bool]] = field(default_factory=list)
+    tomorrow: dict[str, list[tuple[str, float]]] = field(default_factory=dict)
+
+    def add(self, life: Life, log: SightingLog) -> None:
+        """Add a robot.
+
+        Args:
+            life: that it lived.
+            log: its sightings at the end.
+        """
+        truth, timeline = Truth.of(life), Timeline(life)
+        number = {one.category: k for k, one in enumerate(life.possessions)}
+        own = {name: thing for name, thing in log.things.items() if name in number}
+        models: list[Model] = [PlaceModel(), MostSeen(), LastSeen()]
+        for model in models:
+            model.begin(life.first_weekday)
+        self._habits(truth, own, number, models[0])
+        for day in range(life.days - 1):
+            for name, thing in own.items():
+                known = until(thing, time_of(day + 1, 0))
+                if known.seen:
+                    self._tomorrow(models, known, truth.xyz[number[name]], timeline.at[:, number[name]], life, day + 1)
+
+    def _habits(self, truth: Truth, own: Mapping[str, SeenThing], number: Mapping[str, int], model: Model) -> None:
+        life, end = truth.life, time_of(truth.life.days, 0)
+        for name, thing in own.items():
+            kept = truth.habits(number[name], life.days - 1)
+            said: set[tuple[str, str]] = set()
+            for habit in acquired_habits(thing, model.first(thing, end), life.first_weekday):
+                right = kept.intersection(habit.spot)
+                self.written.append((life.id, bool(right)))
+                said |= right
+            self.covered += [(life.id, spot in said) for spot in sorted(kept)]
+
+    def _tomorrow(
+        self, models: Sequence[Model], known: SeenThing, xyz: NDArray[np.float64], at: NDArray[np.int16], life: Life,
+        day: int,
+    ) -> None:  # fmt: skip
+        for slot in range(N_SLOTS):
+            time = time_of(day, slot)
+            away = np.linalg.norm(known.places - xyz[int(at[time])], axis=1)
+            place = int(away.argmin()) if away.min() <= NEAR_M else None
+            for model in models:
+                p = model.now(known, time)
+                here = float(p[place]) if place is not None else (1.0 - float(p.sum())) * ELSEWHERE_P
+                found = self.tomorrow.setdefault(model.name, [])
+                found.append((life.id, float(np.log(max(here, _LEAST)))))
+
+    def precision(self) -> Interval:
+        """Share of the sentences that are habits."""
+        return _interval(self.written)
+
+    def recall(self) -> Interval:
+        """Share of the habits of known things that a sentence says."""
+        return _interval(self.covered)
+
+    def likelihoods(self) -> dict[str, Interval]:
+        """Mean log-likelihood of tomorrow's places, by model, in nats."""
+        return {name: _interval(values) for name, values in self.tomorrow.items()}
+
+    def better(self, first: str, second: str) -> Interval:
+        """Difference of the log-likelihoods of two models, in nats."""
+        one, other = self.tomorrow[first], self.tomorrow[second]
+        return paired_difference([v for _, v in one], [v for _, v in other], clusters=[life for life, _ in one])
+
+
+def until(thing: SeenThing, time: int) -> SeenThing:
+    """What was known of a thing before a time; its places are named as they were at the end."""
+    seen = [(when, place) for when, place in thing.seen if when < time]
+    count = max((place for _, place in seen), default=-1) + 1
+    absent = [(when, place) for when, place in thing.absent if when < time and place < count]
+    return SeenThing(thing.name, thing.places[:count], seen, absent, thing.spots[:count])
+
+
+def examples(log: SightingLog, life: Life, count: int) -> Iterator[tuple[str, bool]]:
+    """Some sentences of a robot at the end of a life, those of most times first, and whether each is a habit.
+
+    Args:
+        log: its sightings at the end.
+        life: that it lived.
+        count: of sentences.
+    """
+    truth, model, end = Truth.of(life), PlaceModel(), time_of(life.days, 0)
+    model.begin(life.first_weekday)
+    number = {one.category: k for k, one in enumerate(life.possessions)}
+    found = [
+        habit
+        for name, thing in log.things.items()
+        if name in number
+        for habit in acquired_habits(thing, model.first(thing, end), life.first_weekday)
+    ]
+    for habit in sorted(found, key=lambda habit: (-habit.times, habit.text))[:count]:
+        yield habit.text, bool(truth.habits(number[habit.thing], life.days - 1).intersection(habit.spot))
+
+
+def _interval(values: Sequence[tuple[str, float | bool]]) -> Interval:
+    return mean_interval([float(value) for _, value in values], clusters=[life for life, _ in values])
