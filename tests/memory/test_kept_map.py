@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from ucon.memory.map_memory import MapMemory
-from ucon.perception.belief.recalled import NEAR_M, Recalled, Remembering, remembering
 from ucon.perception.belief.coverage import Coverage, CoverageWeights
+from ucon.perception.belief.recalled import NEAR_M, Recalled, Remembering, remembering
 from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.perception.places.target_places import Places
 

@@ -17,9 +17,9 @@ DESK, SOFA, SHELF = range(3)
 PLACES = np.array([[0.0, 0.0, 0.7], [3.0, 0.0, 0.4], [0.0, 3.0, 1.2]])
 MORNING, MIDDAY, EVENING = range(3)
 #: A thing is used half of the time, and everything counts the same.
-PLAIN = PlaceWeights(use=0.5, doubt=1.0, other_slot=1.0, other_days=1.0, fade=1.0, change=0.0)
+PLAIN = PlaceWeights(use=0.5, doubt=1.0, other_slot=1.0, other_days=1.0, change=0.0)
 #: As usual, whatever the fitted numbers are.
-SOME = PlaceWeights(use=0.3, doubt=1.5, other_slot=0.6, other_days=0.7, fade=0.97, change=0.0)
+SOME = PlaceWeights(use=0.3, doubt=1.5, other_slot=0.6, other_days=0.7, change=0.0)
 
 
 def thing(*seen: tuple[int, int], absent: tuple[tuple[int, int], ...] = ()) -> SeenThing:
@@ -63,7 +63,7 @@ def test_probabilities_leave_something_for_elsewhere() -> None:
 
 def test_the_last_place_decays_with_time() -> None:
     one = thing((0, SOFA), (3, SOFA), (6, SOFA), (9, DESK))
-    p = np.array([now(one, time) for time in (9, 10, 12, 15, 21, 30)])
+    p = np.array([now(one, time) for time in (9, 12, 21, 30)])  # workday mornings
     assert p[0, DESK] == pytest.approx(1.0 - p[0, SOFA], abs=1e-6)
     assert (np.diff(p[:, DESK]) < 0.0).all()
     assert p[0].argmax() == DESK
@@ -104,19 +104,11 @@ def test_weekends_shift_it(first_weekday: int) -> None:
     """A thing seen on the shelf at weekends and on the desk on workdays is expected by the kind of day."""
     weekend = {day for day in range(14) if (first_weekday + day) % 7 >= 5}
     seen = [(time_of(day, MORNING), SHELF if day in weekend else DESK) for day in range(7)]
-    model = PlaceModel(replace(SOME, other_days=0.1, fade=1.0))
+    model = PlaceModel(replace(SOME, other_days=0.1))
     model.begin(first_weekday)
     for day in range(7, 14):
         put = put_at(model, thing(*seen), time_of(day, MORNING))
         assert (put[SHELF] > put[DESK]) == (day in weekend)
-
-
-def test_old_sightings_fade() -> None:
-    one = thing((time_of(0, MORNING), SHELF), (time_of(20, MORNING), DESK))
-    put = put_at(PlaceModel(replace(PLAIN, fade=0.9)), one, time_of(21, MORNING))
-    assert put[SHELF] / put[DESK] == pytest.approx(0.9**20)
-    kept = put_at(PlaceModel(PLAIN), one, time_of(21, MORNING))
-    assert kept[SHELF] == pytest.approx(kept[DESK])
 
 
 def test_a_place_seen_again_at_once_counts_less() -> None:
@@ -159,7 +151,7 @@ def test_sightings_near_one_another_are_of_one_place() -> None:
     assert one.absent == [(5, 1)]
 
 
-@pytest.mark.parametrize("name", ["use", "other_slot", "other_days", "fade", "doubt"])
+@pytest.mark.parametrize("name", ["use", "other_slot", "other_days", "doubt"])
 @pytest.mark.parametrize("value", [-0.1, float("nan"), float("inf")])
 def test_numbers_that_cannot_be_are_refused(name, value):
     with pytest.raises(ConfigError, match=f"{name}=.*expected"):

@@ -18,9 +18,9 @@ from ucon.lives.asked import asked_of
 from ucon.lives.life import Life
 from ucon.lives.timeline import Timeline
 from ucon.memory.protocol import Info
-from ucon.perception.belief.recalled import Recalled
 from ucon.memory.sighting_log import SAME_M
 from ucon.memory.sightings_memory import SightingsMemory
+from ucon.perception.belief.recalled import Recalled
 from ucon.sim.cache import load_house
 from ucon.sim.state import SceneState
 

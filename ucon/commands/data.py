@@ -19,6 +19,7 @@ _ACTIONS: Final[dict[str, tuple[str, str]]] = {
     "ship-retriever": ("ucon.fitting.ship_retriever", "make a run of learner=retriever the shipped one"),
     "measure-readers": ("ucon.fitting.measures", "measure retrieval and the reader on held-out categories"),
     "measure-retrieval": ("ucon.fitting.held_out_retrieval", "measure retrievers on held-out entries"),
+    "fit-memory": ("ucon.fitting.place_model", "fit what a robot remembers of places to kept memories"),
     "measure-head": ("models.nets.belief.measure_head", "measure the belief head, or the reader, on held-out habits"),
 }
 

@@ -76,6 +76,15 @@ def load_log(path: Path, home: str) -> SightingLog:
     return log
 
 
+def log_name(home: str) -> str:
+    """Name of the file of a life's memory.
+
+    Args:
+        home: id of the life.
+    """
+    return f"{home.replace('/', '-').replace(':', '-')}.json"
+
+
 def _thing(name: str, value: Any, where: str) -> SeenThing:
     if name not in catalogue():
         raise DataError(f"{where}: no such category; {_REMEDY}")

@@ -21,9 +21,11 @@ from ucon.readers.anchor_reader import default_reader
 
 #: How far beside a box its top still is, and how far above or below its top a thing stands on it, metres.
 _ASIDE_M, _ABOVE_M = 0.05, 0.08
+#: Distance from the top in which the fit falls to a third: a cup stands on the tray, not on the table below, metres.
+_OFF_M = 0.05
 #: How far away a thing is still next to another one, and the distance in which that falls to a third, metres.
 _NEAR_M, _FALLS_M = 0.6, 0.25
-#: Fit of a thing within a box that is not on its top: on one of its lower surfaces.
+#: Fit of a thing within a box without compartments that is not on its top: on one of its lower surfaces.
 _LOWER: Final = 0.4
 #: A thing that begins so near to where another one begins stands under it, or on the same floor, metres.
 _FLOOR_M = 0.15
@@ -67,9 +69,9 @@ def _fits(
     over = bool((middle[:2] >= anchor[:2] - _ASIDE_M).all() and (middle[:2] <= anchor[3:5] + _ASIDE_M).all())
     within = over and anchor[2] - _ASIDE_M <= middle[2] <= anchor[5] + _ASIDE_M
     if over and offers[ONTOP]:
-        if abs(box[2] - anchor[5]) <= _ABOVE_M:
-            found.append((ONTOP, 1.0))
-        elif within and box[2] > anchor[2] + _FLOOR_M:
+        if (off_m := abs(float(box[2] - anchor[5]))) <= _ABOVE_M:
+            found.append((ONTOP, float(np.exp(-off_m / _OFF_M))))
+        elif within and not offers[INSIDE] and box[2] > anchor[2] + _FLOOR_M:
             found.append((ONTOP, _LOWER))
     if within and offers[INSIDE]:
         found.append((INSIDE, 1.0))

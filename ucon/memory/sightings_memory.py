@@ -15,7 +15,7 @@ from ucon.core.files import sha256_file
 from ucon.lives.clock import N_SLOTS, time_of
 from ucon.memory.acquired import AcquiredHabit, acquired_habits, texts_of
 from ucon.memory.earlier_looks import NEVER, Looking
-from ucon.memory.log_file import load_log, save_log
+from ucon.memory.log_file import load_log, log_name, save_log
 from ucon.memory.looking_around import LookingAround
 from ucon.memory.map_memory import MapMemory
 from ucon.memory.naming import spot_of
@@ -124,7 +124,7 @@ class SightingsMemory(MapMemory):
         if self._home is None:
             self._home = str(info["episode"]).rpartition("/")[0]
             if self._given is not None:
-                self.log = load_log(self._given / _file_of(self._home), self._home)
+                self.log = load_log(self._given / log_name(self._home), self._home)
         if (last := self.log.last()) > self._time:
             raise DataError(f"life {self._home}: it is day {day}, and the memory goes on to day {last // N_SLOTS}")
         self._watching = Watching(self.log)
@@ -198,7 +198,7 @@ class SightingsMemory(MapMemory):
             self._looking.end(self._time)
         if self._keep is not None:
             assert self._home is not None
-            save_log(self.log, self._keep / _file_of(self._home), self._home)
+            save_log(self.log, self._keep / log_name(self._home), self._home)
 
 
 def days_of_news(target: str, habits: tuple[str, ...], days: Sequence[int]) -> tuple[int, ...]:
@@ -213,8 +213,3 @@ def days_of_news(target: str, habits: tuple[str, ...], days: Sequence[int]) -> t
         return ()
     about = default_reader().read(target, habits).relevance > ABOUT
     return tuple(sorted({day for day, is_about in zip(days, about, strict=True) if day and is_about}))
-
-
-def _file_of(home: str) -> str:
-    """Name of the file of a life's memory."""
-    return f"{home.replace('/', '-').replace(':', '-')}.json"
