@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from ucon.fitting.language_encoder import _Batch, cases, fit, four_options, measured, nats, single
+from ucon.fitting.language.language_encoder import _Batch, cases, fit, four_options, measured, nats, single
 from ucon.language.models.encoder import EncoderModel, EncoderWeights
 from ucon.retrieval.levels import FIXED_LEVELS
 

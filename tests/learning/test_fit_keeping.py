@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from ucon.fitting.location_cases import LABELS, PLACES, THINGS, asked, place_cases
-from ucon.fitting.location_model import _Batch, fit, measured, target_scores, weights_of
+from ucon.fitting.language.location_cases import LABELS, PLACES, THINGS, asked, place_cases
+from ucon.fitting.language.location_model import _Batch, fit, measured, target_scores, weights_of
 from ucon.language.models.encoder import EncoderModel
 from ucon.language.models.keeping import LocationWeights
 from ucon.language.phrases import phrase

@@ -7,7 +7,7 @@ import pytest
 
 from tests.language.tiny_models import INJECTED, question
 from ucon.core.errors import DataError
-from ucon.fitting.language_encoder import cases, four_options, nats, single
+from ucon.fitting.language.language_encoder import cases, four_options, nats, single
 from ucon.habits import book
 from ucon.language.choice import Option, Question
 from ucon.language.encoder import MiniLM

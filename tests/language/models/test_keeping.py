@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.language.tiny_models import INJECTED
-from ucon.fitting.location_cases import asked, place_cases
-from ucon.fitting.location_model import target_scores
+from ucon.fitting.language.location_cases import asked, place_cases
+from ucon.fitting.language.location_model import target_scores
 from ucon.language.choice import Option, Question
 from ucon.language.encoder import MiniLM
 from ucon.language.labels import label_set

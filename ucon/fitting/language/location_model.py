@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.fitting.location_cases import LABELS, PLACES, PlaceCase, asked, place_cases
+from ucon.fitting.language.location_cases import LABELS, PLACES, PlaceCase, asked, place_cases
 from ucon.fitting.maximum_likelihood import minimised
 from ucon.language.models.encoder import EncoderModel
 from ucon.language.models.keeping import LocationWeights, furniture_names
