@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from rich.table import Table
 
 from ucon.envs.frame import StartFrame
 from ucon.evaluation.figures.intervals import Interval, mean_interval, paired_difference
@@ -141,6 +142,40 @@ class Known:
         """Difference of the log-likelihoods of two models, in nats."""
         one, other = self.tomorrow[first], self.tomorrow[second]
         return paired_difference([v for _, v in one], [v for _, v in other], clusters=[life for life, _ in one])
+
+    def to_json(self) -> dict[str, Any]:
+        """All figures as JSON data."""
+
+        def row(value: Interval) -> dict[str, Any]:
+            return {"mean": value.mean, "ci95": list(value.ci95), "n": value.n}
+
+        names = list(self.tomorrow)
+        return {
+            "precision": row(self.precision()),
+            "recall": row(self.recall()),
+            "tomorrow": {name: row(value) for name, value in self.likelihoods().items()},
+            "better": {name: row(self.better(names[0], name)) for name in names[1:]},
+        }
+
+
+def known_table(title: str, known: Known) -> Table:
+    """The figures with their intervals over lives.
+
+    Args:
+        title: of the table.
+        known: of the robots.
+    """
+    table = Table(title=title, title_justify="left")
+    table.add_column("", no_wrap=True)
+    table.add_column("n", justify="right")
+    table.add_column("mean [95 %]", justify="right", no_wrap=True)
+    rows = {"sentences that are habits": known.precision(), "habits that a sentence says": known.recall()}
+    rows |= {f"tomorrow's places by {name}, nats": value for name, value in known.likelihoods().items()}
+    names = list(known.tomorrow)
+    rows |= {f"{names[0]} less {name}, nats": known.better(names[0], name) for name in names[1:]}
+    for name, value in rows.items():
+        table.add_row(name, str(value.n), f"{value.mean:.3f} [{value.low:.3f}, {value.high:.3f}]")
+    return table
 
 
 def until(thing: SeenThing, time: int) -> SeenThing:

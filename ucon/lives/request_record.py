@@ -30,3 +30,19 @@ class LifeFacts:
     def to_json(self) -> dict[str, Any]:
         """The facts as JSON data."""
         return asdict(self)
+
+
+@dataclass(frozen=True)
+class BelievedPlace:
+    """One place where a robot held a thing to be, before it went to look."""
+
+    words: str
+    """The place in words, such as ``on the countertop, beside the sink``; "" where it has no name for it."""
+    p: float
+    """Its probability."""
+    x: float
+    """Metres ahead of the dock."""
+    y: float
+    """Metres to the left of the dock."""
+    z: float
+    """Metres above the floor."""

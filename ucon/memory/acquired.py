@@ -9,19 +9,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Final
 
 from ucon.core.sharing import Shared
 from ucon.language.phrases import phrase
 from ucon.lives.clock import N_SLOTS, SLOT_NAMES, is_weekend, weekday_of
 from ucon.memory.sighting_log import SeenThing, Spot
+from ucon.task.spoken import spoken_place
 
 #: Times and days that a thing was seen there, and share of all times, from which on a sentence is written. What is seen
 #: there on one day alone may have been left there once.
 LEAST_TIMES, LEAST_DAYS, LEAST_SHARE = 2, 2, 0.25
 #: The same within a part of the week or of the day, and how much more than always.
 THEN_TIMES, THEN_SHARE, THEN_MORE = 3, 0.7, 0.25
-_WORDS: Final = {"ontop": "on", "inside": "in", "under": "under", "nextto": "next to"}
 
 
 @dataclass(frozen=True)
@@ -47,10 +46,9 @@ class AcquiredHabit(Shared):
     @property
     def text(self) -> str:
         """The habit as a sentence; days count from 1, as people count."""
-        where = ", ".join(f"{_WORDS[relation]} the {phrase(anchor)}" for relation, anchor in self.spot)
         begins = f"{self.when[0].upper()}{self.when[1:]} the" if self.when else "The"
         often = f"{self.times} of {self.of} times"
-        return f"{begins} {phrase(self.thing)} has been {where}, {often}, last on day {self.last_day + 1}."
+        return f"{begins} {phrase(self.thing)} has been {spoken(self.spot)}, {often}, last on day {self.last_day + 1}."
 
 
 def acquired_habits(thing: SeenThing, first: int, first_weekday: int) -> list[AcquiredHabit]:
@@ -105,6 +103,11 @@ def _in_week(weekend: bool, first_weekday: int, time: int) -> bool:
 
 def _in_day(slot: int, time: int) -> bool:
     return time % N_SLOTS == slot
+
+
+def spoken(spot: Spot) -> str:
+    """A spot in words, such as ``on the countertop, beside the sink``."""
+    return ", ".join(spoken_place(relation, anchor) for relation, anchor in spot)
 
 
 def texts_of(habits: Sequence[AcquiredHabit]) -> tuple[str, ...]:

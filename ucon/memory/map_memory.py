@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ucon.core.errors import ConfigError
+from ucon.lives.request_record import BelievedPlace
 from ucon.memory.protocol import Info, Observation
 from ucon.perception.mapping.body import Body
 from ucon.perception.mapping.semantic_map import SemanticMap
@@ -15,6 +16,7 @@ class MapMemory:
     """Keeps the map of the home: rooms, furniture, and where things were last seen."""
 
     name = "map"
+    believed: tuple[BelievedPlace, ...] | None = None
 
     def __init__(self) -> None:
         """Start without a home."""

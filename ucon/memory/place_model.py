@@ -201,10 +201,9 @@ class PlaceModel:
         seen, places = np.array(thing.seen, np.int64).T
         if w.change == 0.0 and not told:
             return np.eye(len(seen) + 1)[0]
-        changes = np.array([
-            w.change * (after - before) + w.news * any(before < day <= after for day in told)
-            for before, after in _between(thing, time)
-        ])  # fmt: skip
+        days = _between(thing, time)
+        news = [any(before < day <= after for day in told) for before, after in days]
+        changes = w.change * np.diff(np.array(days), axis=1)[:, 0] + float(w.news) * np.array(news)
         changes *= min(1.0, _MOST_CHANGED / max(float(changes.sum()), 1e-12))
         stays = (1.0 - w.use) ** np.diff(seen, prepend=-_HORIZON)
         counts = np.tril(self._alike(seen[None], seen[:, None]) * self._fresh(seen, places), -1)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Protocol
 
+from ucon.lives.request_record import BelievedPlace
+
 Info = Mapping[str, Any]
 Observation = Mapping[str, Any]
 
@@ -14,6 +16,9 @@ class Memory(Protocol):
 
     name: str
     """Name in tables."""
+    believed: tuple[BelievedPlace, ...] | None
+    """Where it held the target of the running request to be as that began, the likeliest first; None if it remembers no
+    places."""
 
     def patrol(self, observation: Observation, info: Info) -> int:
         """The next action of a patrol, after its frame was taken in; the first frame of the day begins it.

@@ -13,7 +13,8 @@ import numpy as np
 from ucon.core.errors import DataError
 from ucon.core.files import sha256_file
 from ucon.lives.clock import N_SLOTS, time_of
-from ucon.memory.acquired import AcquiredHabit, acquired_habits, texts_of
+from ucon.lives.request_record import BelievedPlace
+from ucon.memory.acquired import AcquiredHabit, acquired_habits, spoken, texts_of
 from ucon.memory.earlier_looks import NEVER, Looking
 from ucon.memory.log_file import load_log, log_name, save_log
 from ucon.memory.looking_around import LookingAround
@@ -32,6 +33,8 @@ from ucon.readers.anchor_reader import default_reader
 
 #: On a patrol places count as seen from so near, metres: as for a small thing.
 _PATROL_REACH_M: Final = 2.1
+#: So many of the likeliest places are in records.
+_TOLD: Final = 3
 #: Sentences are about a thing from this relevance on.
 ABOUT: Final = 0.5
 
@@ -141,6 +144,7 @@ class SightingsMemory(MapMemory):
         days = info.get("habit_days", ())
         news = days_of_news(target, tuple(info["habits"]), days)
         recalled = Recalled(thing.places, self._model.now(thing, self._time, news))
+        self.believed = _likeliest(thing, recalled)
         if self._looking is not None:
             points, when = self._looking.begin(sight_range_m(target))
             last = thing.seen[-1][0] if thing.seen else NEVER
@@ -199,6 +203,18 @@ class SightingsMemory(MapMemory):
         if self._keep is not None:
             assert self._home is not None
             save_log(self.log, self._keep / log_name(self._home), self._home)
+
+
+def _likeliest(thing: SeenThing, recalled: Recalled) -> tuple[BelievedPlace, ...]:
+    """The likeliest places of a thing."""
+    rows = np.argsort(-recalled.p, kind="stable")[:_TOLD]
+    return tuple(
+        BelievedPlace(
+            spoken(thing.spots[k]), round(float(recalled.p[k]), 4), *(round(float(v), 3) for v in thing.places[k])
+        )
+        for k in rows.tolist()
+        if recalled.p[k] > 0.0
+    )
 
 
 def days_of_news(target: str, habits: tuple[str, ...], days: Sequence[int]) -> tuple[int, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from ucon.commands.lives import known as lives_known
 from ucon.commands.lives import make as lives_make
 from ucon.commands.lives import sets as lives_sets
 from ucon.commands.lives import table as lives_table
@@ -13,6 +14,7 @@ _ACTIONS = {
     "make": (lives_make, "make, check and write a set"),
     "sets": (lives_sets, "list the sets"),
     "verify": (lives_verify, "check places, moves and every request"),
+    "known": (lives_known, "how well robots came to know their households: habits found out, tomorrow's places"),
     "table": (lives_table, "SR and SPL of runs of lives, by day and by what the robot could know"),
 }
 

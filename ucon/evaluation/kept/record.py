@@ -14,12 +14,14 @@ from ucon.core.errors import DataError, brief
 from ucon.core.files import canonical_json
 from ucon.core.untrusted.typed import parse_line, read_as
 from ucon.evaluation.kept.seal import RECORDS, has_summary, read_bytes, read_file, read_files, refuse_unfinished
-from ucon.lives.request_record import LifeFacts
+from ucon.lives.request_record import BelievedPlace, LifeFacts
 from ucon.retrieval.levels import LEVELS
 from ucon.task.outcome import FailureCause
 
 #: Digits to which every figure is rounded: enough for any table.
 _DIGITS: Final = 6
+#: Fields that are not in the file where they are None.
+_OPTIONAL: Final = ("life", "believed")
 _FAILURES: Final = get_args(FailureCause)
 _SHARES: Final = ("spl", "soft_spl", "recall_10", "recall_20", "mrr")
 _COUNTS: Final = ("opens", "collisions", "n_habits", "language_calls", "language_tokens")
@@ -68,6 +70,9 @@ class EpisodeRecord:
     language_tokens: int = 0
     life: LifeFacts | None = None
     """Facts about a request within its life; None, and then not in the file, for an episode."""
+    believed: tuple[BelievedPlace, ...] | None = None
+    """Places where a robot that remembers held the target to be, the likeliest first; None, and then not in the file,
+    for one that remembers no places."""
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -81,7 +86,7 @@ class EpisodeRecord:
     def to_json(self) -> dict[str, Any]:
         """The record as JSON data."""
         data = asdict(self)
-        return data if self.life is not None else {name: value for name, value in data.items() if name != "life"}
+        return {name: value for name, value in data.items() if name not in _OPTIONAL or value is not None}
 
     @classmethod
     def from_json(cls, data: Any, *, where: str = "record") -> EpisodeRecord:
@@ -94,7 +99,7 @@ class EpisodeRecord:
         Raises:
             DataError: it has another form, or contradicts itself.
         """
-        without = () if isinstance(data, dict) and "life" in data else ("life",)
+        without = tuple(name for name in _OPTIONAL if isinstance(data, dict) and name not in data)
         record = read_as(cls, data, where, "an episode record", without=without)
         if problem := next(_contradictions(record), None):
             raise DataError(f"{where}: {problem}; the file is altered, evaluate again")

@@ -21,7 +21,7 @@ import numpy as np
 from ucon.core.errors import ConfigError, brief
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.evaluation.kept.record import EpisodeRecord, EpisodeTiming
-from ucon.lives.request_record import LifeFacts
+from ucon.lives.request_record import BelievedPlace, LifeFacts
 from ucon.memory.protocol import Memory
 from ucon.retrieval.levels import RANKED_LEVELS
 from ucon.task.actions import Action
@@ -180,7 +180,12 @@ class Ended(Protocol):
 
 
 def played(
-    slot: Ended, agent: Agent, spec: RunSpec, metrics: Mapping[str, Any], life: LifeFacts | None = None
+    slot: Ended,
+    agent: Agent,
+    spec: RunSpec,
+    metrics: Mapping[str, Any],
+    life: LifeFacts | None = None,
+    believed: tuple[BelievedPlace, ...] | None = None,
 ) -> PlayedEpisode:
     """Record, timing and decisions of a search that has just ended; writes its film, if one is made.
 
@@ -190,6 +195,7 @@ def played(
         spec: of the run.
         metrics: of the search, as the environment's ``episode_metrics``.
         life: of a request in a life.
+        believed: where a robot that remembers held the target to be.
     """
     seconds = time.perf_counter() - slot.started
     episode = slot.episode
@@ -197,7 +203,7 @@ def played(
     usage = getattr(agent, "language_usage", None)
     calls, tokens, language_s = usage(slot.number) if usage else (0, 0, 0.0)
     record = _record(slot, episode, agent.name, spec, metrics)
-    record = replace(record, language_calls=int(calls), language_tokens=int(tokens), life=life)
+    record = replace(record, language_calls=int(calls), language_tokens=int(tokens), life=life, believed=believed)
     if slot.frames is not None and spec.films is not None:
         from ucon.evaluation.playing.pictures import save_film
 

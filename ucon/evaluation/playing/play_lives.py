@@ -58,7 +58,8 @@ class _Resident:
             self.memory.end()
         if facts.request in self.wanted:
             self.index = self.wanted.pop(facts.request)
-            yield played(self, agent, spec, metrics, facts)
+            believed = None if self.memory is None else self.memory.believed
+            yield played(self, agent, spec, metrics, facts, believed)
         if not over and self.wanted:
             self._begin(agent)
 
