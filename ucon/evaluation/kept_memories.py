@@ -118,13 +118,9 @@ class Known:
     ) -> None:  # fmt: skip
         for slot in range(N_SLOTS):
             time = time_of(day, slot)
-            away = np.linalg.norm(known.places - xyz[int(at[time])], axis=1)
-            place = int(away.argmin()) if away.min() <= NEAR_M else None
             for model in models:
-                p = model.now(known, time)
-                here = float(p[place]) if place is not None else (1.0 - float(p.sum())) * ELSEWHERE_P
-                found = self.tomorrow.setdefault(model.name, [])
-                found.append((life.id, float(np.log(max(here, _LEAST)))))
+                value = log_likelihood(model.now(known, time), known, xyz[int(at[time])])
+                self.tomorrow.setdefault(model.name, []).append((life.id, value))
 
     def precision(self) -> Interval:
         """Share of the sentences that are habits."""
@@ -176,6 +172,19 @@ def known_table(title: str, known: Known) -> Table:
     for name, value in rows.items():
         table.add_row(name, str(value.n), f"{value.mean:.3f} [{value.low:.3f}, {value.high:.3f}]")
     return table
+
+
+def log_likelihood(p: NDArray[np.float64], thing: SeenThing, xyz: NDArray[np.float64]) -> float:
+    """Log-likelihood of a thing's true place, in nats.
+
+    Args:
+        p: (n,) probability of its known places.
+        thing: what is known of it.
+        xyz: (3,) where it is, metres in the frame of the dock.
+    """
+    away = np.linalg.norm(thing.places - xyz, axis=1)
+    here = float(p[away.argmin()]) if away.min() <= NEAR_M else (1.0 - float(p.sum())) * ELSEWHERE_P
+    return float(np.log(max(here, _LEAST)))
 
 
 def until(thing: SeenThing, time: int) -> SeenThing:

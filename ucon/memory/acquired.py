@@ -1,7 +1,8 @@
 """Habits that a robot found out itself, as sentences: where a thing was seen, how often of how many times, until when.
 
 A sentence is written where a thing was seen on two days at least since its habits changed last, and in a share of all
-times; for a part of the week or of the day where it is usual then and not always.
+times, if it came there more than once or is nowhere else; what lay there once may have been left there. For a part of
+the week or of the day one is written where that is usual then and not always.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 
 from ucon.core.sharing import Shared
 from ucon.language.phrases import phrase
@@ -16,8 +18,7 @@ from ucon.lives.clock import N_SLOTS, SLOT_NAMES, is_weekend, weekday_of
 from ucon.memory.sighting_log import SeenThing, Spot
 from ucon.task.spoken import spoken_place
 
-#: Times and days that a thing was seen there, and share of all times, from which on a sentence is written. What is seen
-#: there on one day alone may have been left there once.
+#: Times and days that a thing was seen there, and share of all times, from which on a sentence is written.
 LEAST_TIMES, LEAST_DAYS, LEAST_SHARE = 2, 2, 0.25
 #: The same within a part of the week or of the day, and how much more than always.
 THEN_TIMES, THEN_SHARE, THEN_MORE = 3, 0.7, 0.25
@@ -67,9 +68,16 @@ def acquired_habits(thing: SeenThing, first: int, first_weekday: int) -> list[Ac
             at = [time for time, here in then if here == spot]
             always = sum(here == spot for _, here in seen)
             days = len({time // N_SLOTS for time in at})
-            if days >= LEAST_DAYS and _is_habit(len(at), len(then), always, len(seen), always_holds=not when):
+            if days >= LEAST_DAYS and _is_kept(spot, seen) and _is_habit(len(at), len(then), always, len(seen), always_holds=not when):
                 found.append(AcquiredHabit(thing.name, spot, when, len(at), len(then), at[-1] // N_SLOTS))
     return sorted(found, key=lambda habit: (-habit.times, habit.when, habit.spot))
+
+
+def _is_kept(spot: Spot, seen: Sequence[tuple[int, Spot]]) -> bool:
+    """Whether a thing was put to a spot more than once, as far as one can see, or never anywhere else."""
+    spots = [here for _, here in seen]
+    arrivals = sum(here == spot and before != spot for before, here in pairwise(((), *spots)))
+    return arrivals > 1 or set(spots) == {spot}
 
 
 def _is_habit(times: int, of: int, always: int, total: int, *, always_holds: bool) -> bool:

@@ -22,6 +22,7 @@ def run(args: argparse.Namespace) -> int:
 
     from ucon.core.errors import DataError
     from ucon.core.progress import Progress
+    from ucon.evaluation.drift import Drift, drift_table
     from ucon.evaluation.kept_memories import Known, examples, known_table
     from ucon.lives.sets import load_lives
     from ucon.memory.log_file import load_log, log_name
@@ -29,17 +30,21 @@ def run(args: argparse.Namespace) -> int:
     lives = [life for life in load_lives(args.lives) if (args.kept / log_name(life.id)).is_file()]
     if not lives:
         raise DataError(f"{args.kept}: no memory of a life of {args.lives}; play them with memory.keep={args.kept}")
-    known, shown = Known(), []
+    known, drift, shown = Known(), Drift(), []
     with Progress("reading memories", len(lives), unit="lives") as bar:
         for number, life in enumerate(lives, 1):
             log = load_log(args.kept / log_name(life.id), life.id)
             known.add(life, log)
+            drift.add(life, log)
             shown += [(life.id, text, right) for text, right in examples(log, life, args.show)]
             bar.update(number)
     if args.json:
-        sys.stdout.write(json.dumps(known.to_json() | {"lives": len(lives)}, indent=2) + "\n")
+        figures = known.to_json() | {"lives": len(lives), "drift": drift.to_json() if drift.lives else None}
+        sys.stdout.write(json.dumps(figures, indent=2) + "\n")
         return 0
     Console().print(known_table(f"{len(lives)} lives of {args.lives}", known))
+    if drift.lives:
+        Console().print(drift_table(f"where things are whose habits changed, {len(drift.lives)} lives", drift))
     for life_id, text, right in shown:
         sys.stdout.write(f"{life_id}  {'' if right else '(no habit) '}{text}\n")
     return 0
