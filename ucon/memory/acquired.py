@@ -66,9 +66,11 @@ def acquired_habits(thing: SeenThing, first: int, first_weekday: int) -> list[Ac
         then = [(time, spot) for time, spot in seen if holds(time)]
         for spot in dict.fromkeys(spot for _, spot in then):
             at = [time for time, here in then if here == spot]
-            always = sum(here == spot for _, here in seen)
-            days = len({time // N_SLOTS for time in at})
-            if days >= LEAST_DAYS and _is_kept(spot, seen) and _is_habit(len(at), len(then), always, len(seen), always_holds=not when):
+            days, always = len({time // N_SLOTS for time in at}), sum(here == spot for _, here in seen)
+            is_usual = (
+                _is_usual(len(at), len(then)) if not when else _is_usual_then(len(at), len(then), always / len(seen))
+            )
+            if days >= LEAST_DAYS and is_usual and _is_kept(spot, seen):
                 found.append(AcquiredHabit(thing.name, spot, when, len(at), len(then), at[-1] // N_SLOTS))
     return sorted(found, key=lambda habit: (-habit.times, habit.when, habit.spot))
 
@@ -80,10 +82,13 @@ def _is_kept(spot: Spot, seen: Sequence[tuple[int, Spot]]) -> bool:
     return arrivals > 1 or set(spots) == {spot}
 
 
-def _is_habit(times: int, of: int, always: int, total: int, *, always_holds: bool) -> bool:
-    if always_holds:
-        return times >= LEAST_TIMES and times >= LEAST_SHARE * of
-    return times >= THEN_TIMES and times >= THEN_SHARE * of and times / of >= always / total + THEN_MORE
+def _is_usual(times: int, of: int) -> bool:
+    return times >= LEAST_TIMES and times >= LEAST_SHARE * of
+
+
+def _is_usual_then(times: int, of: int, always: float) -> bool:
+    """Whether it is usual in a part of the week or of the day, and more so than it always is (a share)."""
+    return times >= THEN_TIMES and times >= THEN_SHARE * of and times / of >= always + THEN_MORE
 
 
 def _times(thing: SeenThing, first: int) -> list[tuple[int, Spot]]:
