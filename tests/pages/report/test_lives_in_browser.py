@@ -38,7 +38,7 @@ def test_requests_are_reached_by_keys_and_choose_their_thing(browser_page: Any, 
     page.keyboard.press("ArrowRight")
     row = rows[2]
     said = page.inner_text("#life .panel >> nth=0 >> .ask-line")
-    assert row["target"].replace("_", " ") in said
+    assert f"{row['target'].replace('_', ' ')} for person {row['user'] + 1}" in said
     assert (f"found in {row['steps']} steps, SPL {row['spl']:.2f}" in said) == row["found"]
     page.keyboard.press("Enter")
     assert page.get_by_label("Thing", exact=True).input_value() == row["target"]

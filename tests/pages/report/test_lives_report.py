@@ -81,6 +81,7 @@ def test_a_life_is_told_as_it_was(life_report: Path, life_runs: tuple[Path, Path
             mine = [r for r in read_records(folder) if r.life is not None and r.life.life == life.id]
             asked = [(*day_and_slot(one.time), life.possessions[one.possession].category) for one in life.requests]
             assert [(row["day"], row["slot"], row["target"]) for row in rows] == asked
+            assert [row["user"] for row in rows] == [one.user for one in life.requests]
             assert [(row["found"], row["steps"]) for row in rows] == [(r.success, r.steps) for r in mine]
 
 

@@ -18,7 +18,8 @@ const Lives = (() => {
     return `it had seen the thing ${ago}, ${moved ? 'and it was moved since' : 'where it still was'}`;
   }
   const ending = row => row.found ? `found in ${row.steps} steps, SPL ${row.spl.toFixed(2)}` : `not found (${named(row.cause)}, ${row.steps} steps)`;
-  const said = (life, row) => `${dayName(life, row.day)}, ${SLOTS[row.slot]}: ${named(row.target)}, ${ending(row)}; ${known(row)}`;
+  const asker = row => row.user === undefined ? '' : ` for person ${row.user + 1}`;
+  const said = (life, row) => `${dayName(life, row.day)}, ${SLOTS[row.slot]}: ${named(row.target)}${asker(row)}, ${ending(row)}; ${known(row)}${row.changed ? '; its habits have changed' : ''}`;
 
   /** One request in the calendar: darker with its SPL; red, with a cross, where the thing was not found. */
   const request = (life, row) => el('button', {type: 'button', class: row.found ? 'ask' : 'ask lost', tabindex: -1, title: said(life, row), 'aria-label': said(life, row),

@@ -59,7 +59,7 @@ class LifeView {
       Lives.mark(calendar, name);
       timeline.replaceChildren(Lives.timeline(life, told.things.find(thing => thing.name === name), rows));
     };
-    this.body.replaceChildren(this.runChooser(played) ?? '',
+    this.body.replaceChildren(el('p', {class: 'faint narrow'}, plain(lifeName(life, this.number))), this.runChooser(played) ?? '',
       el('h3', {}, 'Calendar'), el('div', {class: 'panel'}, calendar, Lives.calendarLegend(life)),
       el('div', {class: 'row'}, el('h3', {}, 'One thing over the life'), el('label', {class: 'row'}, 'thing (requests) ', things)),
       el('div', {class: 'panel', id: 'thing'}, timeline));
