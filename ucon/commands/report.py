@@ -16,8 +16,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options to its parser."""
     parser.description = (
         "Write report.html beside a run (of eval.py or train.py): tables with intervals, and every episode with its "
-        "map, path, pictures, beliefs, habits and decisions. Several runs are compared, episode by episode. The file "
-        "needs no network."
+        "map, path, pictures, beliefs, habits and decisions. Several runs are compared, episode by episode. Of runs of "
+        "lives: figures by day, the calendar of each life, and where each thing was. The file needs no network."
     )
     parser.add_argument(
         "runs", nargs="+", metavar="RUN", type=Path, help="folders of eval.py (also of a sweep), or one of train.py"
@@ -46,7 +46,8 @@ def run(args: argparse.Namespace) -> int:
         Exit code 0.
 
     Raises:
-        ConfigError: several runs of which one is of train.py, or a file that cannot be written.
+        ConfigError: several runs of which one is of train.py or of another kind than others, or a file that cannot be
+            written.
         DataError: a run that cannot be read.
     """
     from ucon.configuration.stored import said_in

@@ -1,4 +1,4 @@
-"""Two runs on the same three episodes: one that believes, and one that reads no habits."""
+"""Two runs on the same three episodes: one that believes, and one that reads no habits; and two in the same lives."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.pages.lives import run_of_lives
 from ucon.programs.two_searches import search_twice
 
 
@@ -26,4 +27,23 @@ def report(runs: tuple[Path, Path]) -> Path:
 
     out = runs[0].parent / "report.html"
     assert main(["report", *map(str, runs), "--out", str(out)]) == 0
+    return out
+
+
+@pytest.fixture(scope="session")
+def life_runs(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """Two runs in two short lives: ``belief`` that remembers sightings, and one without memory."""
+    out = tmp_path_factory.mktemp("lives")
+    run_of_lives(out, "remembers", "agent=belief", "memory=sightings").play()
+    run_of_lives(out, "forgets", "agent=belief", "memory=none").play()
+    return out / "remembers", out / "forgets"
+
+
+@pytest.fixture(scope="session")
+def life_report(life_runs: tuple[Path, Path]) -> Path:
+    """The report of both."""
+    from ucon.__main__ import main
+
+    out = life_runs[0].parent / "report.html"
+    assert main(["report", *map(str, life_runs), "--out", str(out)]) == 0
     return out

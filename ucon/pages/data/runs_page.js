@@ -8,7 +8,7 @@ main.append(el('h1', {}, 'Runs'), line, polls, body);
 const search = el('input', {type: 'search', placeholder: 'search', 'aria-label': 'Search the runs', id: 'run-search'});
 const kind = choiceOf(['all', 'eval', 'train'], 'all', {all: 'all', eval: 'evaluations', train: 'trainings'});
 kind.setAttribute('aria-label', 'Kind');
-const count = el('span', {class: 'faint', role: 'status'}), table = el('div', {class: 'wide'}), detail = el('section', {class: 'run-detail', id: 'detail', 'aria-label': 'The chosen run'});
+const count = el('span', {class: 'faint', role: 'status'}), table = el('div', {class: 'wide'}), figures = el('div'), lives = new LiveLives(), detail = el('section', {class: 'run-detail', id: 'detail', 'aria-label': 'The chosen run'}, figures, lives.node);
 body.append(el('div', {class: 'row'}, search, kind, count), el('div', {class: 'runs'}, table, detail));
 search.addEventListener('input', () => fill());
 kind.addEventListener('change', () => fill());
@@ -52,7 +52,7 @@ async function choose(id) {
 
 async function one() {
   if (!chosen) {
-    refill(detail, el('p', {class: 'faint'}, 'Choose a run for its curves and figures.'));
+    refill(figures, el('p', {class: 'faint'}, 'Choose a run for its curves and figures.'));
     return;
   }
   const asked = chosen, run = await ask('runs/one', {run: asked});
@@ -60,16 +60,17 @@ async function one() {
   if (asked !== chosen || text === lastOne) return;
   lastOne = text;
   const share = run.total ? run.done / run.total : null;
-  refill(detail, el('h2', {}, plain(run.name)),
+  lives.show(run);
+  refill(figures, el('h2', {}, plain(run.name)),
     el('p', {}, plain(run.label || ''), run.level ? [', habits: ', plain(run.level)] : null, `, ${state(run)}`),
-    el('p', {class: 'row'}, el('span', {class: 'figure', id: 'progress'}, `${done(run)} ${run.kind === 'train' ? 'steps' : 'episodes'}`),
+    el('p', {class: 'row'}, el('span', {class: 'figure', id: 'progress'}, `${done(run)} ${run.kind === 'train' ? 'steps' : run.lives ? 'requests' : 'episodes'}`),
       share === null ? null : el('progress', {max: 1, value: share, 'aria-label': 'Progress'})),
     run.success_rate_ci95 ? el('dl', {class: 'facts'}, ...[['SR %', interval(run.success_rate, run.success_rate_ci95)], ['SPL', interval(run.spl, run.spl_ci95, 1, 3)],
       ['steps', run.steps.toFixed(0)], ['failures', Object.entries(run.failure_causes).map(([why, n]) => `${spaced(why)} ${n}`).join(', ') || 'none']]
       .flatMap(([name, value]) => [el('dt', {}, name), el('dd', {class: 'figure'}, value)])) : null,
     reportLine(run),
     el('div', {class: 'curves'}, run.curves.map(Charts.curve)),
-    run.episodes?.length ? el('details', {}, el('summary', {}, 'The last episodes'), el('div', {class: 'wide'}, el('table', {}, el('tbody', {}, run.episodes.map(episode =>
+    run.episodes?.length ? el('details', {}, el('summary', {}, run.lives ? 'The last requests' : 'The last episodes'), el('div', {class: 'wide'}, el('table', {}, el('tbody', {}, run.episodes.map(episode =>
       el('tr', {}, el('td', {}, plain(episode.episode)), el('td', {class: 'left'}, plain(spaced(episode.target))), el('td', {class: `left ${episode.success ? 'good' : 'bad'}`}, episode.success ? 'found' : plain(episode.why)), el('td', {}, episode.steps))))))) : null);
 }
 

@@ -3,43 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal
 
 import ucon
-from ucon.configuration.kept_config import configuration_of
 from ucon.configuration.wiring import Factory
-from ucon.core.errors import DataError
+from ucon.core.errors import ConfigError
 from ucon.core.progress import Progress
-from ucon.evaluation.figures.markdown import Run, area_m2, kind_of_home, read_runs
-from ucon.evaluation.figures.report import episodes_hash
-from ucon.evaluation.kept.finished import FinishedRun
-from ucon.evaluation.kept.naming import level
+from ucon.evaluation.figures.markdown import area_m2, kind_of_home, read_runs
 from ucon.pages.document import document, joined, packed
 from ucon.pages.home_plan import plan_of
-from ucon.pages.report.overview import differences_of, figures_of, groups_of
+from ucon.pages.report.lives import lives_report
+from ucon.pages.report.overview import differences_of, groups_of
+from ucon.pages.report.parts import Part, check_alike, is_of_lives, part_of
 from ucon.pages.report.pictures import Pictures
 from ucon.pages.report.teller import Telling, mind_of, stories
 from ucon.pages.report.texts import HabitTexts
-from ucon.programs.evaluating import chosen_episodes
 from ucon.sim.cache import load_house
-from ucon.task.episode import Episode
 
 #: With more episodes than these, pictures are taken at decisions only, and not at all.
 _ALL_UP_TO, _KEY_UP_TO = 60, 200
 _STYLES: Final = ("theme.css", "report.css")
-_SCRIPTS: Final = ("page.js", "packed.js", "plan.js", "charts.js", "episode.js", "report.js")
-
-
-@dataclass(frozen=True)
-class _Part:
-    """One run of the report, ready to be told."""
-
-    run: Run
-    kept: FinishedRun
-    config: dict[str, Any]
-    episodes: Sequence[Episode]
+_SCRIPTS: Final = ("page.js", "packed.js", "plan.js", "charts.js", "tables.js", "episode.js", "report.js")
 
 
 def build_report(
@@ -50,7 +35,7 @@ def build_report(
     *,
     actions_only: bool = False,
 ) -> str:
-    """The report of one or more finished evaluations, as the text of an HTML file.
+    """The report of one or more finished evaluations, as the text of an HTML file; of lives see :func:`lives_report`.
 
     Args:
         folders: of the runs.
@@ -61,11 +46,17 @@ def build_report(
         actions_only: tell the recorded actions alone, without the agents and what they believed.
 
     Raises:
-        ConfigError: runs that do not fit here.
+        ConfigError: runs that do not fit here, some of lives and some of episodes, or pictures of lives.
         DataError: a run without records, damaged, or whose episodes are not here.
     """
-    parts = [_part(folder, run, places or {}, said or {}) for folder, run in read_runs(folders).items()]
-    total = sum(len(part.episodes) for part in parts)
+    found = read_runs(folders)
+    check_alike(found)
+    parts = [part_of(folder, run, places or {}, said or {}) for folder, run in found.items()]
+    if is_of_lives(parts[0].run):
+        if pictures not in ("auto", "none"):
+            raise ConfigError(f"--pictures {pictures}: a report of lives shows none; leave it out")
+        return lives_report(parts)
+    total = sum(len(part.played) for part in parts)
     if pictures == "auto":
         pictures = "all" if total <= _ALL_UP_TO else "key" if total <= _KEY_UP_TO else "none"
     texts = HabitTexts()
@@ -94,27 +85,12 @@ def build_report(
     return document(title, _STYLES, _SCRIPTS, {"index": packed(index), **data})
 
 
-def _part(folder: Path, run: Run, places: Mapping[str, str], said: Mapping[str, Any]) -> _Part:
-    try:
-        kept = FinishedRun.read(folder)
-    except DataError as error:
-        raise DataError(f"{error} (a report needs the run's whole folder)") from None
-    config = configuration_of(folder, places, said)
-    task = config["task"]
-    episodes = chosen_episodes(
-        config["episodes"], config["limit"], task["name"], context=task["context"], every=config["every"]
-    )
-    if episodes_hash(episodes) != kept.summary["hashes"].get("episodes"):
-        raise DataError(f"{folder}: other episodes were played than its configuration names now; evaluate again")
-    return _Part(run, kept, config, episodes)
-
-
 def _told(
-    number: int, part: _Part, how: Telling, texts: HabitTexts, missing: str
+    number: int, part: Part, how: Telling, texts: HabitTexts, missing: str
 ) -> tuple[dict[str, str], dict[str, Any]]:
     """Packed data of a run's episodes by name, and what the page says of the run."""
     made, records, summary = part.kept.decisions(), part.run.records, part.kept.summary
-    jobs = [(e, r, made.get(r.episode, [])) for e, r in zip(part.episodes, records, strict=True)]
+    jobs = [(e, r, made.get(r.episode, [])) for e, r in zip(part.played, records, strict=True)]
     reads, habit_level = bool(summary.get("uses_habits", True)), str(part.config["habit_level"]["name"])
     source = Factory(part.config["env"]["source"])()
     data: dict[str, str] = {}
@@ -135,16 +111,7 @@ def _told(
             f"In {otherwise} of {len(jobs)} episodes the agent did something else here than was recorded (another "
             "processor or version); what it believed is told until then."
         )
-    said = {
-        "label": part.run.label,
-        "level": level(summary),
-        "folder": part.kept.folder.resolve().name,
-        "set": Path(str(part.config["episodes"])).name,
-        "note": missing,
-        "figures": figures_of(records),
-        "rows": [_row(record) for record in records],
-    }
-    return data, said
+    return data, part.said() | {"note": missing, "rows": [_row(record) for record in records]}
 
 
 def _row(record: Any) -> dict[str, Any]:

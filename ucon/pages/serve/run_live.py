@@ -21,14 +21,15 @@ from ucon.evaluation.kept.naming import agent_label, level
 from ucon.evaluation.kept.record import EpisodeRecord
 from ucon.evaluation.kept.seal import CONFIG, PARTIAL, SUMMARY
 from ucon.learning.run.run_folder import METRICS
+from ucon.pages.report.life_records import curves_of, rows_by_life
 from ucon.pages.serve.run_list import MOST_SUMMARY, FoundRun
 from ucon.pages.serve.tails import Tails
 from ucon.pages.thinning import thinned
 
 #: Figures of a summary that the page shows.
 _SHOWN: Final = ("n", "success_rate", "success_rate_ci95", "spl", "spl_ci95", "steps", "failure_causes")
-#: Most points of a curve, and most episodes that are listed.
-_POINTS, _LISTED = 400, 12
+#: Most points of a curve, and most episodes and lives that are listed.
+_POINTS, _LISTED, _LIVES = 400, 12, 50
 #: Most finished runs whose figures are kept.
 _KEPT: Final = 1000
 
@@ -88,7 +89,8 @@ class LiveFigures:
             run: the run.
 
         Returns:
-            The row, and ``curves``: for each a name and its points; of evaluations also ``episodes``, the last ones.
+            The row, and ``curves``: for each a name and its points; of evaluations also ``episodes``, the last ones;
+            of lives also ``by_day`` and ``lives``, see :mod:`ucon.pages.report.life_records`.
 
         Raises:
             DataError: it cannot be read.
@@ -110,6 +112,9 @@ class LiveFigures:
             }
             for r in records[-_LISTED:]
         ]  # fmt: skip
+        if lives := rows_by_life(records):
+            shown = dict(list(lives.items())[-_LIVES:])
+            return {**row, "curves": [], "by_day": curves_of(records), "lives": shown, "episodes": listed[::-1]}
         return {**row, "curves": _success_curve(records), "episodes": listed[::-1]}
 
     def _kept(self, what: str, run: FoundRun, read: Callable[[FoundRun], dict[str, Any]]) -> dict[str, Any]:

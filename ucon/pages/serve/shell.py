@@ -17,7 +17,7 @@ _TYPES: Final[Mapping[str, str]] = {".js": "text/javascript", ".css": "text/css"
 
 #: Pages by name: title, and the scripts beside those of all pages.
 PAGES: Final[Mapping[str, tuple[str, Sequence[str]]]] = {
-    "runs": ("Runs", ("charts.js",)),
+    "runs": ("Runs", ("charts.js", "lives.js", "lives_live.js")),
     "homes": ("Homes", ("plan.js",)),
     "habits": ("Habits", ("plan.js",)),
     "play": ("Play", ("plan.js",)),

@@ -1,0 +1,34 @@
+"""Short runs of lives for the pages."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tests.lives.short import SMALL, short_life
+from ucon.lives.life import Life
+from ucon.lives.sets import save_lives
+from ucon.programs.composing import eval_config
+from ucon.programs.evaluating import Evaluation
+
+#: Requests of each of the two lives, and their days, on the last of which habits change.
+EACH, DAYS = 8, 3
+
+
+def two_lives() -> list[Life]:
+    """Two short lives, in different homes."""
+    return [short_life(number, requests=EACH, days=DAYS) for number in SMALL]
+
+
+def run_of_lives(folder: Path, name: str, *words: str) -> Evaluation:
+    """A run in two short lives, not played yet.
+
+    Args:
+        folder: of the lives' file, and of the run.
+        name: of the run's folder.
+        words: options of ``eval.py``, with agent and memory.
+    """
+    path = folder / "two.lives.xz"
+    if not path.is_file():
+        save_lives(two_lives(), path)
+    fixed = ("task=resident", f"episodes={path}", "workers=0", "progress=false", "pictures=0")
+    return Evaluation(eval_config(*fixed, *words, f"out={folder / name}"), folder / name)
