@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
 
 from ucon.core.errors import ConfigError
 from ucon.lives.clock import time_of
-from ucon.memory.place_model import PlaceModel, PlaceWeights
+from ucon.memory.place_model import MISS, PlaceModel, PlaceWeights
 from ucon.memory.sighting_log import SAME_M, SeenThing, SightingLog
 from ucon.memory.simple_models import LastSeen, MostSeen
 
@@ -151,11 +152,62 @@ def test_sightings_near_one_another_are_of_one_place() -> None:
     assert one.absent == [(5, 1)]
 
 
-@pytest.mark.parametrize("name", ["use", "other_slot", "other_days", "doubt"])
+@pytest.mark.parametrize("name", ["use", "other_slot", "other_days", "doubt", "change", "news", "mistakes"])
 @pytest.mark.parametrize("value", [-0.1, float("nan"), float("inf")])
 def test_numbers_that_cannot_be_are_refused(name, value):
-    with pytest.raises(ConfigError, match=f"{name}=.*expected"):
+    with pytest.raises(ConfigError, match=f"{name}=.*expected") as raised:
         PlaceWeights(**{name: value})
+    assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("use", 1.1), ("other_slot", 1.1), ("other_days", 2), ("change", 1.1), ("news", 2), ("mistakes", 3), ("doubt", 0)],
+)
+def test_numbers_out_of_their_range_are_refused(name, value):
+    with pytest.raises(ConfigError, match=f"{name}={value}, expected"):
+        PlaceWeights(**{name: value})
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *product(("use", "other_slot", "other_days", "change", "news", "mistakes"), (0.0, 1e-9, 1.0)),
+        *product(("doubt",), (1e-9, 1e9)),
+    ],
+)
+def test_numbers_at_the_ends_of_their_range_give_probabilities(name, value):
+    model = PlaceModel(replace(PlaceWeights(), **{name: value}))
+    model.begin(0)
+    one = thing((0, SOFA), (0, DESK), (4, DESK), (30, SHELF), absent=((31, SHELF), (31, DESK)))
+    when = np.array([-1, 0, 29, 30, 31, 40])
+    for told in ((), (9,), (12, 13)):
+        for time in (31, 32, 40, 200):
+            p = model.now(one, time, told)
+            assert np.isfinite(p).all()
+            assert p.sum() <= 1.0 + 1e-9
+            assert model.since(one, time, told).sum() == pytest.approx(1.0)
+            valid = model.valid(one, time, told, (0, 9))
+            assert ((valid >= -1e-9) & (valid <= 1.0 + 1e-9)).all()
+    for seen in (-1, 0, 30, 40):
+        left = model.left(when[when <= 40], seen, 40)
+        assert ((left >= MISS - 1e-9) & (left <= 1.0)).all()
+
+
+def test_what_is_left_of_places_that_were_empty():
+    """Used in half of all slots: of a place seen empty in this slot only a miss is left, of one two slots ago more."""
+    model = PlaceModel(PLAIN)
+    never, before, two_ago, now_ = model.left(np.array([-1, 2, 8, 10]), 4, 10)
+    assert never == before == 1.0
+    assert now_ == pytest.approx(MISS)
+    # Used at all since it was seen by 1 - 2^-6; since the look by 1 - 2^-2.
+    assert two_ago == pytest.approx(MISS + (1 - MISS) * 0.75 / (1 - 2.0**-6))
+    # Of what was never seen nobody knows whether anybody put it anywhere.
+    assert model.left(np.array([8, 10]), -1, 10) == pytest.approx([MISS + (1 - MISS) * 0.75, MISS])
+    # Seen in this slot: where else it is not is not known any better.
+    assert model.left(np.array([8, 10]), 10, 10).tolist() == [1.0, 1.0]
+    assert LastSeen().left(np.array([8, 10]), -1, 10).tolist() == [1.0, 1.0]
 
 
 @pytest.mark.parametrize("model", [LastSeen, MostSeen])

@@ -24,8 +24,9 @@ from ucon.objects.model import RELATIONS
 
 #: Version of the stored form.
 FORMAT: Final = 2
-#: Largest file, bytes; most entries of a list, most days, farthest place in metres.
-_MAX_BYTES, _MOST, _MOST_DAYS, _FARTHEST_M = 16 * 2**20, 100_000, 10_000, 100.0
+#: Largest file, bytes; most entries of a list (change points are found in the square of that), most days, farthest
+#: place in metres.
+_MAX_BYTES, _MOST, _MOST_DAYS, _FARTHEST_M = 16 * 2**20, 2_000, 10_000, 100.0
 _REMEDY = "mend the file, or begin without it"
 
 
@@ -95,7 +96,7 @@ def _thing(name: str, value: Any, where: str) -> SeenThing:
         if not (isinstance(place, list) and len(place) in (3, 5, 7) and all(map(_is_length, place[:3]))):
             found = brief(repr(place))
             raise DataError(f"{where}: place {found}, expected x, y, z in metres, relations and anchors; {_REMEDY}")
-        if not all(relation in RELATIONS and anchor in catalogue() for relation, anchor in _spot(place)):
+        if not all(relation in RELATIONS and _is_category(anchor) for relation, anchor in _spot(place)):
             found = brief(repr(place[3:]))
             raise DataError(f"{where}: {found}, expected one of {', '.join(RELATIONS)} and a category; {_REMEDY}")
     seen = _times(value["seen"], len(places), f"{where}: seen")
@@ -137,8 +138,12 @@ def _said(time: int) -> str:
 
 def _list(value: Any, where: str) -> list[Any]:
     if not isinstance(value, list) or len(value) > _MOST:
-        raise DataError(f"{where}: {brief(repr(value))}, expected a list; {_REMEDY}")
+        raise DataError(f"{where}: {brief(repr(value))}, expected a list of at most {_MOST}; {_REMEDY}")
     return value
+
+
+def _is_category(value: Any) -> bool:
+    return isinstance(value, str) and value in catalogue()
 
 
 def _is_length(value: Any) -> bool:

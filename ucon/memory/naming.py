@@ -23,6 +23,10 @@ from ucon.readers.anchor_reader import default_reader
 _ASIDE_M, _ABOVE_M = 0.05, 0.08
 #: Distance from the top in which the fit falls to a third: a cup stands on the tray, not on the table below, metres.
 _OFF_M = 0.05
+#: What lies on something else begins where that ends, within this, metres.
+_LAID_M = 0.015
+#: A thing inside another one begins lower than its top, by so much at least, metres: butter on the fridge is not in it.
+_SUNK_M = 0.01
 #: How far away a thing is still next to another one, and the distance in which that falls to a third, metres.
 _NEAR_M, _FALLS_M = 0.6, 0.25
 #: Fit of a thing within a box without compartments that is not on its top: on one of its lower surfaces.
@@ -54,10 +58,21 @@ def spot_of(known: SemanticMap, target: str, box: NDArray[np.float64]) -> Spot:
             continue
         sense = _common_sense(target, name)
         for relation, fit in _fits(affordance(name).offers, boxes[track], box, middle, float(gap[track])):
+            if relation == ONTOP and _is_covered(boxes[there], boxes[track], box, middle):
+                continue
             score, holds = fit * max(float(sense[relation]), _LEAST), relation != NEXTTO
             if score > best.get(holds, (0.0,))[0]:
                 best[holds] = score, (RELATIONS[relation], name)
     return tuple(best[holds][1] for holds in (True, False) if holds in best)
+
+
+def _is_covered(
+    boxes: NDArray[np.float64], anchor: NDArray[np.float64], box: NDArray[np.float64], middle: NDArray[np.float64]
+) -> bool:
+    """Whether something lies between an anchor's top and a thing above it: a tray, right under the thing."""
+    over = (middle[:2] >= boxes[:, :2]).all(1) & (middle[:2] <= boxes[:, 3:5]).all(1)
+    between = (boxes[:, 2] >= anchor[5] - _LAID_M) & (boxes[:, 5] > anchor[5] + _LAID_M)
+    return bool((over & between & (np.abs(box[2] - boxes[:, 5]) <= _LAID_M)).any())
 
 
 def _fits(
@@ -73,7 +88,7 @@ def _fits(
             found.append((ONTOP, float(np.exp(-off_m / _OFF_M))))
         elif within and not offers[INSIDE] and box[2] > anchor[2] + _FLOOR_M:
             found.append((ONTOP, _LOWER))
-    if within and offers[INSIDE]:
+    if within and offers[INSIDE] and box[2] < anchor[5] - _SUNK_M:
         found.append((INSIDE, 1.0))
     if over and offers[UNDER] and box[2] <= anchor[2] + _FLOOR_M and middle[2] < anchor[5] - 0.1:
         found.append((UNDER, 1.0))

@@ -58,8 +58,8 @@ class PlaceWeights(Shared):
     def __post_init__(self) -> None:
         for name in ("use", "other_slot", "other_days", "change", "news", "mistakes"):
             probability(name, getattr(self, name))
-        if not 0.0 <= self.doubt < math.inf:
-            raise ConfigError(f"memory: doubt={brief(self.doubt)}, expected a number from 0 up")
+        if not 0.0 < self.doubt < math.inf:  # at 0 nothing would say where a thing is put that was not seen yet
+            raise ConfigError(f"memory: doubt={brief(self.doubt)}, expected a number above 0")
 
 
 def probability(name: str, value: float) -> float:
@@ -165,7 +165,7 @@ class PlaceModel:
             return np.ones(len(when))
         whole = 1.0 if seen < 0 else 1.0 - (1.0 - w.use) ** (time - seen)
         since = 1.0 - (1.0 - w.use) ** (time - np.maximum(when, seen)).astype(np.float64)
-        could = np.where(when <= seen, 1.0, since / whole)
+        could = np.where(when <= seen, 1.0, since / max(whole, 1e-12))  # nothing is left where nobody uses things
         return MISS + (1.0 - MISS) * could
 
     def put(self, thing: SeenThing, slots: NDArray[np.int64], time: int, told: Collection[int] = ()) -> Array:

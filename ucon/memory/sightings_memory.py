@@ -135,6 +135,8 @@ class SightingsMemory(MapMemory):
     def _unshared(self, info: Info) -> dict[str, Any]:
         """Begin a request of which the agent keeps a map of its own."""
         super().begin(info)
+        if self._looking is not None:
+            self._looking.begin(0.0)
         return {}
 
     def _kept(self, info: Info) -> dict[str, Any]:
