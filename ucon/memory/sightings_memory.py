@@ -187,11 +187,12 @@ class SightingsMemory(MapMemory):
         return action if self._around is None else self._around.act(action, int(observation["step"][0]))
 
     def end(self) -> None:
-        """Enter what this request showed into the log."""
+        """Enter what this request showed into the log: small things, and whatever was asked for."""
         assert self.map is not None
         known, book = self.map, catalogue()
         for name, tracks in known.instances.items():
-            if name not in book or book[name].role != "movable":
+            is_kept = name in self._asked or name in self.log.things
+            if name not in book or not (is_kept or book[name].role == "movable"):
                 continue
             seen = [track for track in tracks if known.last_seen[track] >= 0 and known.seen(track)]
             if seen:
