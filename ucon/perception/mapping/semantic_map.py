@@ -143,6 +143,7 @@ class SemanticMap(PartlyShared):
         self.fresh = 0
         self.inexact = not body.exact
         self._nearest: NDArray[np.float32] | None = None
+        self._sought = {target}
         self.views: list[View] = []
         self.category: list[str] = []
         self.instances: dict[str, list[int]] = {}
@@ -237,8 +238,9 @@ class SemanticMap(PartlyShared):
     def search_again(self, target: str) -> None:
         """Begin another search in the same home, later.
 
-        Rooms and furniture stay known, poses and steps begin anew, containers are closed. Small things may have been
-        moved: the target counts as unseen, of the others the old box holds until they are seen again.
+        Rooms and furniture stay known, poses and steps begin anew, containers are closed. Small things, and whatever is
+        searched for, may have been moved: the target counts as unseen, of the others the old box holds until they are
+        seen again.
 
         Args:
             target: what is searched for now.
@@ -248,7 +250,8 @@ class SemanticMap(PartlyShared):
         self.visited[:], self.bumped[:] = 0, 0
         self.pixels[:], self.last_seen[:], self.opened[:] = 0, -1, False
         self.named_at[self.named_at > 0] = 0
-        small = [name for name in self.instances if name in catalogue() and catalogue()[name].role == "movable"]
+        self._sought.add(target)
+        small = [name for name in self.instances if name in self._sought or _is_small(name)]
         tracks = sorted(track for name in small for track in self.instances[name])
         self.stale[tracks] = True
         self.box[self.instances.get(target, [])] = _NO_BOX
@@ -396,6 +399,11 @@ class SemanticMap(PartlyShared):
             max(1, int(columns[0]) - margin),
             min(SIZE - 1, int(columns[-1]) + margin + 1),
         )
+
+
+def _is_small(name: str) -> bool:
+    """Whether things of a category are small enough to be carried about."""
+    return name in catalogue() and catalogue()[name].role == "movable"
 
 
 def require_width(info: Mapping[str, Any], fov_deg: float = 90.0) -> None:
