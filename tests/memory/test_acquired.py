@@ -52,14 +52,23 @@ def test_several_sightings_in_a_slot_count_once_the_last() -> None:
 
 
 def test_a_quarter_of_all_times_at_least() -> None:
-    often, seldom = [*days(*range(6), place=SOFA), *days(6, 7)], [*days(*range(7), place=SOFA), *days(7, 8)]
-    assert (SPOTS[DESK], "", 2, 8, 7) in said(thing(*often))
-    assert (SPOTS[SOFA], "", 6, 8, 5) in said(thing(*often))
+    """A thing that came to the desk twice, on two of eight days, and on two of nine."""
+    often = [*days(0), *days(1, 2, 3, place=SOFA), *days(4), *days(5, 6, 7, place=SOFA)]
+    seldom = [*often, *days(8, place=SOFA)]
+    assert (SPOTS[DESK], "", 2, 8, 4) in said(thing(*often))
+    assert (SPOTS[SOFA], "", 6, 8, 7) in said(thing(*often))
     assert not any(spot == SPOTS[DESK] for spot, *_ in said(thing(*seldom)))
 
 
+def test_where_it_came_to_once_it_may_have_been_left_by_mistake() -> None:
+    once = [*days(0, 1, 2), *days(3, 4, place=SOFA)]
+    assert said(thing(*once)) == []
+    again = thing(*once, *days(5))
+    assert said(again) == [(SPOTS[DESK], "", 4, 6, 5)]
+
+
 def test_only_what_was_seen_since_the_change_counts() -> None:
-    one = thing(*days(0, 1, 2, 3), *days(4, 5, place=SOFA))
+    one = thing(*days(0), *days(1, place=SOFA), *days(2, 3), *days(4, 5, place=SOFA))
     assert {spot for spot, *_ in said(one)} == {SPOTS[DESK], SPOTS[SOFA]}
     assert said(one, first=4) == [(SPOTS[SOFA], "", 2, 2, 5)]
     assert said(one, first=5) == []
