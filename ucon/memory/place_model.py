@@ -78,6 +78,8 @@ class Model(Protocol):
 
     name: str
     """Name in tables."""
+    uses_habits: bool
+    """Whether it makes something of the days on which habits were told."""
 
     def begin(self, first_weekday: int) -> None:
         """Begin a life; see :meth:`PlaceModel.begin`."""
@@ -103,7 +105,7 @@ class Model(Protocol):
 class PlaceModel:
     """The probability of each known place of a thing."""
 
-    name = "sightings"
+    name, uses_habits = "sightings", True
 
     def __init__(self, weights: PlaceWeights | None = None) -> None:
         """Choose weights.

@@ -233,5 +233,7 @@ def _contradictions(record: EpisodeRecord) -> Iterator[str]:
         yield f"first_seen_step={record.first_seen_step}: expected -1 to {steps}"
     if record.failure_cause not in _FAILURES or (record.failure_cause == "none") != record.success:
         yield f"failure_cause={brief(record.failure_cause)}: no cause that an episode with success={record.success} has"
+    if any(not 0 <= place.p <= 1 for place in record.believed or ()):
+        yield "believed: a probability that is not from 0 to 1"
     if record.habit_level not in LEVELS:
         yield f"habit_level={brief(record.habit_level)}: expected one of {', '.join(LEVELS)}"
