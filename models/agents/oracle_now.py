@@ -7,8 +7,8 @@ import numpy as np
 from models.agents.base import Controller
 from models.agents.belief import BeliefAgent
 from ucon.core.errors import ConfigError
-from ucon.perception.belief.recalled import Recalled
 from ucon.objects.model import RELATIONS
+from ucon.perception.belief.recalled import Recalled
 from ucon.perception.belief.target_belief import Locations
 from ucon.sim.cache import load_house
 from ucon.task.agent import Info

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -75,7 +76,7 @@ def test_a_look_counts_for_what_is_seen_from_so_far(robot: Robot) -> None:
     assert counts[0] == 0
     assert counts == sorted(counts)
     assert counts[1] < counts[3] < counts[6] == counts[7]
-    for near, far in zip(shown, shown[1:], strict=False):
+    for near, far in pairwise(shown):
         assert not (near & ~far).any()
     points, when = robot.looking.begin(4.5)
     away = np.linalg.norm(points[:, :2], axis=1)[when == 4]
@@ -141,7 +142,9 @@ def test_looks_make_places_less_probable_and_shares_add_up(robot: Robot) -> None
         assert total[offered] == pytest.approx(1.0)
         assert not total[~offered].any()
     # Of every place what is left of it: mass and share say the same of each point as its look did.
-    mine = plain.ravel()[kind] * places.even * np.where(np.isin(np.arange(len(kind)), looked_at(points, when, places)), MISS, 1.0)
+    left = np.ones(len(kind))
+    left[looked_at(points, when, places)] = MISS
+    mine = plain.ravel()[kind] * places.even * left
     assert places.weights(mass) == pytest.approx(mine * places.unseen)
 
 
@@ -196,7 +199,7 @@ def test_both_kernels_show_the_same_points() -> None:
 
 
 def test_watching_shows_places_that_are_in_view_and_near_enough() -> None:
-    """A bowl is seen from farther than a battery, so its place is shown where that of the battery is not; none behind the robot."""
+    """A bowl is seen from farther than a battery: its place is shown where that of the battery is not."""
     robot = Robot()
     robot.request(1)
     ahead, far = np.array([1.0, 0.0, 0.8]), np.array([1.9, 0.0, 0.8])

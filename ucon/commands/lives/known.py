@@ -36,6 +36,8 @@ def run(args: argparse.Namespace) -> int:
             known.add(life, log)
             shown += [(life.id, text, right) for text, right in examples(log, life, args.show)]
             bar.update(number)
+    if not (known.written and known.covered and known.tomorrow):
+        raise DataError(f"{args.kept}: too little was seen there for any habit; play longer lives")
     if args.json:
         sys.stdout.write(json.dumps(known.to_json() | {"lives": len(lives)}, indent=2) + "\n")
         return 0
