@@ -82,9 +82,7 @@ def test_after_a_kill_records_and_memory_are_the_same(base: Path, kept: Path, li
 
 
 def test_a_memory_of_later_or_of_another_version_is_refused(base: Path, kept: Path, life: Life, tmp_path: Path) -> None:
-    with pytest.raises(
-        DataError, match=r"it is day 0, .* goes on to day 1; begin with an earlier"
-    ) as raised:
+    with pytest.raises(DataError, match=r"it is day 0, .* goes on to day 1; begin with an earlier") as raised:
         run_of(base, f"memory.given={kept}", out="later").play()
     assert "\n" not in str(raised.value)
     text = (kept / log_name(life.id)).read_text()
