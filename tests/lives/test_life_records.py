@@ -22,7 +22,7 @@ from ucon.evaluation.figures.units import lives_of
 from ucon.evaluation.kept.naming import NameParts, agent_label, parts_of
 from ucon.evaluation.kept.record import EpisodeRecord, read_records, to_lines
 from ucon.lives.asked import Asked, asked_of, by_life, example
-from ucon.lives.request_record import LifeFacts
+from ucon.lives.request_record import BelievedPlace, LifeFacts
 from ucon.memory.map_memory import MapMemory
 from ucon.memory.sightings_memory import SightingsMemory
 from ucon.memory.simple_models import LastSeen
@@ -151,6 +151,44 @@ def test_the_label_names_the_memory() -> None:
     assert label(SightingsMemory()) == "frontier + memory of map and sightings"
     assert label(SightingsMemory(LastSeen())) == "frontier + memory of map and last seen"
     assert "memory" not in NameParts().to_json()
+
+
+def test_who_reads_no_habits_plays_by_their_news_where_the_memory_does() -> None:
+    """Runs at two habit levels are one only where nobody makes anything of what is told."""
+
+    def uses(memory: Any) -> bool:
+        return parts_of(FrontierAgent(), GtDetector(), memory).uses_habits
+
+    assert uses(SightingsMemory())
+    for memory in (None, MapMemory(), SightingsMemory(LastSeen()), SightingsMemory(recalls=False, acquires=True)):
+        assert not uses(memory)
+
+
+BELIEVED = (BelievedPlace("on the sofa", 0.75, 1.5, -2.0, 0.4), BelievedPlace("", 0.1, 0.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("believed", [None, (), BELIEVED])
+def test_believed_places_go_to_a_line_and_back(tmp_path: Path, believed: Any) -> None:
+    records = [replace(of_life(0), believed=believed)]
+    (tmp_path / "episodes.jsonl").write_text(to_lines(records))
+    assert read_records(tmp_path) == records
+    assert ("believed" in records[0].to_json()) == (believed is not None)
+
+
+@pytest.mark.parametrize(
+    "believed",
+    [5, "sofa", {}, [5], [{}], [{"words": 1}], [{"p": "0.5"}], [{"p": 1}], [{"x": None}], [{"mood": "good"}],
+     [{"p": float("nan")}], [{"p": 1.5}], [{"p": -0.1}], [{"z": float("inf")}]],
+)  # fmt: skip
+def test_a_believed_place_that_cannot_be_is_refused_in_one_line(tmp_path: Path, believed: Any) -> None:
+    data = json.loads(replace(of_life(0), believed=BELIEVED[:1]).to_line())
+    if isinstance(believed, list) and believed and isinstance(believed[0], dict) and believed[0]:
+        believed = [data["believed"][0] | believed[0]]
+    data["believed"] = believed
+    (tmp_path / "episodes.jsonl").write_text(json.dumps(data) + "\n")
+    with pytest.raises(DataError, match=r"episodes\.jsonl:1: ") as raised:
+        read_records(tmp_path)
+    assert "\n" not in str(raised.value)
 
 
 def test_requests_of_a_life_stay_together_and_in_order() -> None:

@@ -191,7 +191,8 @@ def test_who_remembers_no_places_walks_none(life: Life, memory: Any) -> None:
     found = []
     for patrol in (0, 150):
         env = partial(made, life, patrol=patrol)
-        found.append([p.record for p in evaluate(RunSpec(FrontierAgent, env, "full", memory=memory), asked_of([life]), workers=0)])
+        played = evaluate(RunSpec(FrontierAgent, env, "full", memory=memory), asked_of([life]), workers=0)
+        found.append([p.record for p in played])
     assert found[0] == found[1]
 
 

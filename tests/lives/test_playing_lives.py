@@ -147,7 +147,8 @@ def test_what_an_agent_is_given_of_a_request(base: Path) -> None:
     told = run.given(run.episodes[0])
     assert told is not None
     assert len(told) > 20
-    assert run_of(base, base / "none").given(run.episodes[0]) is None
+    assert run_of(base, base / "none", memory="map").given(run.episodes[0]) is None
+    assert run_of(base, base / "none", memory="sightings", agent="frontier").given(run.episodes[0]), "for its news"
 
 
 def spec(agent: Any, life: Any, memory: Any, **options: Any) -> RunSpec:

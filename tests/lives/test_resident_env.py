@@ -348,3 +348,33 @@ def test_options_are_checked_in_one_line(
     with pytest.raises(error, match=said) as raised:
         UcONResidentEnv(**{"lives": [life]} | options).reset()
     one_line(raised)
+
+
+def told_at(life: Life, **options: Any) -> list[tuple[tuple[str, ...], tuple[int, ...]]]:
+    """Habits at each request, and the days on which they were told."""
+    env = made(life, **options)
+    _, info = env.reset()
+    found, over = [], False
+    while not over:
+        found.append((info["habits"], info["habit_days"]))
+        *_, over, _, info = env.step(Action.DONE)
+    return found
+
+
+def test_replaced_sentences_are_told_on_or_no_longer(life: Life) -> None:
+    """With stale=False those that the new ones replace are gone from the day of the change on, and nothing else is."""
+    both, new, never = told_at(life), told_at(life, stale=False), told_at(life, stale=False, told=False)
+    changed = [day_and_slot(one.time)[0] >= life.change_day for one in life.requests]  # type: ignore[operator]
+    assert True in changed
+    assert False in changed
+    for number, after in enumerate(changed):
+        if not after:
+            assert both[number] == new[number] == never[number]
+            continue
+        assert set(new[number][0]) < set(both[number][0])
+        assert set(never[number][0]) < set(new[number][0])
+        news = {text for text, day in zip(*both[number], strict=True) if day == life.change_day}
+        assert news == {text for text, day in zip(*new[number], strict=True) if day == life.change_day}
+        assert not any(never[number][1])
+        kept = [one for one in life.possessions if not one.later]
+        assert len(new[number][0]) > len(kept)

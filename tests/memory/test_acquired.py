@@ -34,7 +34,9 @@ def test_the_sentence() -> None:
     seen = [*days(0, 1, 2), *days(0, 1, 2, 3, 4, place=SOFA, slot=EVENING)]
     texts = texts_of(acquired_habits(thing(*sorted(seen)), 0, 0))
     assert "In the evening the hardback has been on the sofa, 5 of 5 times, last on day 5." in texts
-    assert "In the morning the hardback has been on the desk, beside the table lamp, 3 of 3 times, last on day 3." in texts
+    assert (
+        "In the morning the hardback has been on the desk, beside the table lamp, 3 of 3 times, last on day 3." in texts
+    )
     assert spoken(SPOTS[DESK]) == "on the desk, beside the table lamp"
 
 

@@ -139,6 +139,17 @@ def test_of_what_was_never_seen_news_alone_speak() -> None:
     assert model.valid(thing(), 30, (), ()).shape == (0,)
 
 
+def test_news_before_a_thing_was_first_seen_count_as_if_it_was_never_seen() -> None:
+    """It was seen on the day of the news, or later: where it was put then says nothing for the old sentences."""
+    model = PlaceModel(EVEN)
+    for first in (5, 6):
+        one = thing((time_of(first, 1), SOFA))
+        old, new = model.valid(one, time_of(7, 0), (5,), (0, 5))
+        assert old == pytest.approx(0.3, abs=0.02)
+        assert new > 0.9
+    assert model.valid(thing((time_of(4, 1), SOFA)), time_of(4, 2), (5,), (0,))[0] > 0.95, "of news to come"
+
+
 def test_valid_is_a_probability() -> None:
     rng = np.random.default_rng(0)
     for _ in range(100):

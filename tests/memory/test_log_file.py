@@ -72,7 +72,7 @@ def test_a_person_can_read_it(log, tmp_path):
         (lambda d: d["things"]["mug"]["places"].append([0, 1, True]), "expected x, y, z in metres"),
         (lambda d: d["things"]["mug"]["places"].append({"x": 0}), "expected x, y, z in metres"),
         (lambda d: d["things"]["mug"]["places"].extend([[0, 1, 2]] * 2000), "expected a list of at most 2000"),
-        (lambda d: d["things"]["mug"]["seen"].extend([["day 9, evening", 0]] * 2000), "expected a list of at most 2000"),
+        (lambda d: d["things"]["mug"]["seen"].extend([["day 9, evening", 0]] * 2000), "a list of at most 2000"),
         (lambda d: d["things"]["mug"]["seen"].append(["day 9999999, evening", 0]), "expected morning, midday, evening"),
         (lambda d: d["things"]["mug"]["seen"].append(["day -1, evening", 0]), "expected 'day 3, evening'"),
         (lambda d: d["things"]["mug"]["seen"].append(["day 9, evening", -1]), "expected a time and a place below 2"),

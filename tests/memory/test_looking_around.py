@@ -32,7 +32,8 @@ def test_what_the_agent_wants_meanwhile_does_not_count() -> None:
     rng = np.random.default_rng(0)
     others = [int(action) for action in rng.integers(0, 6, N)]
     assert around.act(Action.DONE, 0) == Action.ROTATE_LEFT
-    assert [around.act(action, 1 + k) for k, action in enumerate(others)] == [*[Action.ROTATE_LEFT] * (N - 1), Action.DONE]
+    done = [around.act(action, 1 + k) for k, action in enumerate(others)]
+    assert done == [*[Action.ROTATE_LEFT] * (N - 1), Action.DONE]
 
 
 def test_every_request_has_its_turn() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -136,3 +137,23 @@ def test_explored_floor_never_shrinks(lived: Lived) -> None:
     assert lived.memory.known[0] == 0
     assert lived.memory.known == sorted(lived.memory.known)
     assert lived.memory.known[-1] >= lived.memory.known[1] > 100
+
+
+def test_looks_are_of_their_request_alone_whoever_keeps_the_map() -> None:
+    """A robot that gives its searches nothing but sentences still looks at each request anew."""
+    life = short_life(3, requests=4, days=2)
+    memory = SightingsMemory(recalls=False, acquires=True)
+    env = partial(UcONResidentEnv, [life], observe="symbolic", detector=True, planner="true")
+    near = []
+    end = memory.end
+
+    def noted() -> None:
+        assert memory._looking is not None
+        near.append(memory._looking._near.copy())
+        end()
+
+    memory.end = noted  # type: ignore[method-assign]
+    evaluate(RunSpec(FrontierAgent, env, "none", memory=lambda: memory), asked_of([life]), workers=0)
+    assert len(near) == 4
+    for before, after in pairwise(near):
+        assert (after[: len(before)] > before[: len(after)]).any(), "a look of the request before counts again"

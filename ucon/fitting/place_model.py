@@ -125,7 +125,7 @@ def main(words: Sequence[str]) -> None:
         words: a set of lives and a folder of kept memories.
 
     Raises:
-        DataError: no life of the set has a memory there.
+        DataError: no life of the set has a memory there, or none says anything of what is asked for.
     """
     parser = argparse.ArgumentParser(prog="python -m ucon data fit-memory", description="fit the place model")
     parser.add_argument("lives", help="set of lives or file")
@@ -139,6 +139,8 @@ def main(words: Sequence[str]) -> None:
         for number, life in enumerate(lives, 1):
             cases += cases_of(life, load_log(args.kept / log_name(life.id), life.id))
             bar.update(number)
+    if not cases:
+        raise DataError(f"{args.kept}: no request for a thing that was seen before; play longer lives")
     for name, model in (("last seen", LastSeen()), ("most seen", MostSeen()), ("in use", PlaceModel())):
         nats, right = likelihood(model, cases)
         sys.stdout.write(f"{name:<10} {nats:.4f} nats  first guess {right:.3f}\n")

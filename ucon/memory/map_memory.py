@@ -15,7 +15,7 @@ from ucon.task.actions import Action
 class MapMemory:
     """Keeps the map of the home: rooms, furniture, and where things were last seen."""
 
-    name = "map"
+    name, uses_habits = "map", False
     believed: tuple[BelievedPlace, ...] | None = None
 
     def __init__(self) -> None:

@@ -78,6 +78,8 @@ class Model(Protocol):
 
     name: str
     """Name in tables."""
+    uses_habits: bool
+    """Whether it makes something of the days on which habits were told."""
 
     def begin(self, first_weekday: int) -> None:
         """Begin a life; see :meth:`PlaceModel.begin`."""
@@ -103,7 +105,7 @@ class Model(Protocol):
 class PlaceModel:
     """The probability of each known place of a thing."""
 
-    name = "sightings"
+    name, uses_habits = "sightings", True
 
     def __init__(self, weights: PlaceWeights | None = None) -> None:
         """Choose weights.
@@ -223,13 +225,17 @@ class PlaceModel:
             days: on which each of the H habits was told.
         """
         when = np.array(days, np.int64)
+        # Of news before it was first seen the sightings say nothing.
+        first = thing.seen[0][0] // N_SLOTS if thing.seen else time // N_SLOTS
+        before_all = max((day for day in told if day <= first), default=0)
+        unseen = np.where(when < before_all, 1.0 - self.weights.news, 1.0)
         if not thing.seen:
-            return np.where(when < max(told, default=0), 1.0 - self.weights.news, 1.0)
+            return unseen
         stale = np.zeros(len(when))
         for p, (before, after) in zip(self.since(thing, time, told)[1:], _between(thing, time), strict=True):
             changed = max((day for day in told if before < day <= after), default=after)
             stale += p * (when < changed)
-        return np.asarray(1.0 - stale)
+        return np.asarray((1.0 - stale) * unseen)
 
     def _alike(self, seen: NDArray[np.int64], time: NDArray[np.int64]) -> Array:
         """What sightings count for other times; arrays that broadcast."""

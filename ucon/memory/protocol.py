@@ -16,6 +16,8 @@ class Memory(Protocol):
 
     name: str
     """Name in tables."""
+    uses_habits: bool
+    """Whether what it says of places depends on the habits that are told, such as on the days of news."""
     believed: tuple[BelievedPlace, ...] | None
     """Where it held the target of the running request to be as that began, the likeliest first; None if it remembers no
     places."""

@@ -10,8 +10,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from ucon.core.errors import DataError
-from ucon.core.files import sha256_file
+from ucon.core.errors import ConfigError, DataError, brief
+from ucon.core.files import require_writable, sha256_file
 from ucon.lives.clock import N_SLOTS, time_of
 from ucon.lives.request_record import BelievedPlace
 from ucon.memory.acquired import AcquiredHabit, acquired_habits, spoken, texts_of
@@ -64,13 +64,21 @@ class SightingsMemory(MapMemory):
             around: whether the robot looks around before it ends a request.
             keep: folder to which each life's sightings are written after every request; None: they are not.
             given: folder of such files, with which lives begin; None: they begin without any.
+
+        Raises:
+            ConfigError: one folder is both, or none can be made where files are to be kept.
         """
         super().__init__()
         self.log = SightingLog()
         self._keep, self._given = (None if folder is None else Path(folder) for folder in (keep, given))
+        if self._keep is not None:
+            if self._given is not None and self._keep.resolve() == self._given.resolve():
+                raise ConfigError(f"memory: keep and given are both {brief(str(keep))}; choose another folder to keep")
+            require_writable(self._keep / log_name(""))
         self._home: str | None = None
         self._model = model or PlaceModel()
         self._recalls, self._acquires = recalls, acquires
+        self.uses_habits = recalls and self._model.uses_habits
         parts = {"map": recalls, self._model.name: recalls, "own habits": acquires}
         self.name = " and ".join(name for name, is_used in parts.items() if is_used)
         self._time, self._first_weekday = -1, 0
@@ -129,7 +137,8 @@ class SightingsMemory(MapMemory):
             if self._given is not None:
                 self.log = load_log(self._given / log_name(self._home), self._home)
         if (last := self.log.last()) > self._time:
-            raise DataError(f"life {self._home}: it is day {day}, and the memory goes on to day {last // N_SLOTS}")
+            later = f"it is day {day}, and the memory goes on to day {last // N_SLOTS}"
+            raise DataError(f"life {self._home}: {later}; begin with an earlier one")
         self._watching = Watching(self.log)
 
     def _unshared(self, info: Info) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from ucon.memory.sighting_log import SeenThing
 class LastSeen(Shared):
     """A thing is where it was last seen; once that turns out wrong, nothing is known."""
 
-    name = "last seen"
+    name, uses_habits = "last seen", False
 
     def __init__(self, trust: float = 0.9) -> None:
         """Choose the trust.
@@ -56,7 +56,7 @@ class LastSeen(Shared):
 class MostSeen(Shared):
     """A thing is where it was seen most often: a histogram of places, whatever the time."""
 
-    name = "most seen"
+    name, uses_habits = "most seen", False
 
     def __init__(self, trust: float = 0.9) -> None:
         """Choose the trust.

@@ -38,6 +38,8 @@ def run(args: argparse.Namespace) -> int:
             drift.add(life, log)
             shown += [(life.id, text, right) for text, right in examples(log, life, args.show)]
             bar.update(number)
+    if not (known.written and known.covered and known.tomorrow):
+        raise DataError(f"{args.kept}: too little was seen there for any habit; play longer lives")
     if args.json:
         figures = known.to_json() | {"lives": len(lives), "drift": drift.to_json() if drift.lives else None}
         sys.stdout.write(json.dumps(figures, indent=2) + "\n")

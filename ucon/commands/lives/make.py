@@ -31,6 +31,8 @@ def run(args: argparse.Namespace) -> int:
     from ucon.lives.making.plans import ENDLESS, life_orders
     from ucon.lives.sets import DATA, SUFFIX, check_suffix, save_lives
 
+    if args.limit is not None and args.limit < 1:
+        raise ConfigError(f"--limit {args.limit}: expected lives, from 1 up")
     if args.out is None and args.limit is not None:
         raise ConfigError(f"--limit without --out: set '{args.name}' itself would be replaced; give --out FILE")
     if args.name == ENDLESS and args.limit is None:

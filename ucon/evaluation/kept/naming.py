@@ -36,9 +36,10 @@ def parts_of(agent: Any, detector: Any, memory: Any = None) -> NameParts:
     Args:
         agent: may have ``language`` and ``uses_habits``.
         detector: may have ``name``.
-        memory: may have ``name``.
+        memory: may have ``name``, and ``uses_habits`` where an agent that reads none plays by what it makes of them.
     """
-    model, uses_habits = getattr(agent, "language", None), getattr(agent, "uses_habits", True)
+    model = getattr(agent, "language", None)
+    uses_habits = getattr(agent, "uses_habits", True) or getattr(memory, "uses_habits", False)
     model_name, detector_name, memory_name = (getattr(part, "name", None) for part in (model, detector, memory))
     return NameParts(model_name, detector_name, bool(uses_habits), memory_name)
 

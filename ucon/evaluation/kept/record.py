@@ -219,8 +219,8 @@ def _contradictions(record: EpisodeRecord) -> Iterator[str]:
     for limit in (75, 150, 300):
         if getattr(record, f"success_{limit}") != (record.success and steps <= limit):
             yield f"success_{limit} is not what success={record.success} in {steps} steps says"
-    for name in _SHARES:
-        value = getattr(record, name)
+    believed = {f"believed[{k}].p": place.p for k, place in enumerate(record.believed or ())}
+    for name, value in ({name: getattr(record, name) for name in _SHARES} | believed).items():
         if value is not None and not 0 <= value <= 1:
             yield f"{name}={value}: expected a number from 0 to 1"
     if min(record.shortest_path_m, record.path_length_m) < 0:
