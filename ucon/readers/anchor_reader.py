@@ -20,7 +20,7 @@ from ucon.language.pairs import PairReader, default_pair_reader
 from ucon.language.phrases import phrase
 from ucon.objects.model import RELATIONS
 from ucon.readers.anchor_prior import UNKNOWN_PRIOR
-from ucon.readers.conditions.condition_reader import ConditionReader, counting, default_conditions
+from ucon.readers.conditions.condition_reader import ConditionReader, default_conditions
 from ucon.readers.evidence import SUPPORT_FLOOR, Evidence, EvidenceReader
 from ucon.readers.gate import relevance
 from ucon.readers.reader_weights import Array, ReaderWeights, default_weights, softmax, two_layers
@@ -193,13 +193,7 @@ class AnchorReader(Shared):
         return (default_reader, ()) if is_the_one(default_reader, self) else super().__reduce_ex__(protocol)
 
     def read(
-        self,
-        target: str,
-        texts: Sequence[str],
-        *,
-        trusted: bool = False,
-        context: Context | None = None,
-        valid: Array | None = None,
+        self, target: str, texts: Sequence[str], *, trusted: bool = False, context: Context | None = None
     ) -> Reading:
         """Read habits once for an episode.
 
@@ -208,11 +202,12 @@ class AnchorReader(Shared):
             texts: the habits that an agent is given.
             trusted: True if all of them are about the target (habit level ``gt``): they are not gated.
             context: that was told: habits that do not hold in it count less, those that do count more.
-            valid: (H,) probability that each habit has not changed since it was told; None: none has.
         """
         plain = Reading(self, target, tuple(texts), trusted)
-        holds = counting(self.conditions, texts, "fitted", context, valid)
-        return plain if holds is None else plain.weighed(holds, self.conditions.strengths["fitted"].sharpness)
+        if context is None:
+            return plain
+        holds, strength = self.conditions.weights(texts, context, "fitted"), self.conditions.strengths["fitted"]
+        return plain.weighed(holds, strength.sharpness)
 
     def belief(
         self, target: str, texts: Sequence[str], candidates: Sequence[str], *, trusted: bool = False

@@ -60,15 +60,7 @@ class Reader(Protocol):
         """Anchors in its training data."""
         ...
 
-    def read(
-        self,
-        target: str,
-        texts: Sequence[str],
-        *,
-        trusted: bool = False,
-        context: Context | None = None,
-        valid: NDArray[np.float64] | None = None,
-    ) -> Read:
+    def read(self, target: str, texts: Sequence[str], *, trusted: bool = False, context: Context | None = None) -> Read:
         """Read the habits of an episode once.
 
         Args:
@@ -76,7 +68,6 @@ class Reader(Protocol):
             texts: the habits.
             trusted: True if all of them are about the target (level ``gt``).
             context: that was told; None: none.
-            valid: (H,) probability that each habit has not changed since it was told; None: none has.
         """
         ...
 
@@ -87,8 +78,8 @@ def read_info(reader: Reader, info: Mapping[str, Any]) -> Read:
     Args:
         reader: of habits.
         info: ``target``, ``habits``, ``habit_level`` (at ``gt`` all habits are about the target) and, where a context
-            is told, ``told``; from a robot that remembers, ``habits_valid``.
+            is told, ``told``.
     """
-    given = {"context": info.get("told"), "valid": info.get("habits_valid")}
-    more: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
+    told = info.get("told")
+    more: dict[str, Any] = {} if told is None else {"context": told}
     return reader.read(str(info["target"]), tuple(info["habits"]), trusted=info.get("habit_level") == "gt", **more)

@@ -27,7 +27,7 @@ from ucon.learning.run.run_folder import MODEL
 from ucon.objects.model import RELATIONS
 from ucon.readers.anchor_prior import AnchorPrior
 from ucon.readers.anchor_reader import AnchorBelief
-from ucon.readers.conditions.condition_reader import ConditionReader, counting, default_conditions
+from ucon.readers.conditions.condition_reader import ConditionReader, default_conditions
 from ucon.readers.household import Candidates, FittedParts, Household, default_parts, parts_with
 from ucon.readers.reader_weights import Array, sigmoid, softmax
 
@@ -183,13 +183,7 @@ class HeadReader:
         return self._weights
 
     def read(
-        self,
-        target: str,
-        texts: Sequence[str],
-        *,
-        trusted: bool = False,
-        context: Context | None = None,
-        valid: Array | None = None,
+        self, target: str, texts: Sequence[str], *, trusted: bool = False, context: Context | None = None
     ) -> HeadReading:
         """Read habits once for an episode.
 
@@ -198,24 +192,17 @@ class HeadReader:
             texts: the habits.
             trusted: True if all of them are about the target (level ``gt``).
             context: that was told: habits that do not hold in it count less, those that do count more.
-            valid: (H,) probability that each habit has not changed since it was told; None: none has.
         """
-        return self.read_all([target], texts, trusted=trusted, context=context, valid=valid)[0]
+        return self.read_all([target], texts, trusted=trusted, context=context)[0]
 
     def read_all(
-        self,
-        targets: Sequence[str],
-        texts: Sequence[str],
-        *,
-        trusted: bool = False,
-        context: Context | None = None,
-        valid: Array | None = None,
+        self, targets: Sequence[str], texts: Sequence[str], *, trusted: bool = False, context: Context | None = None
     ) -> list[HeadReading]:
         """Read the same habits for several targets in one forward pass; arguments as of :meth:`read`."""
         given = tuple(texts)
         if self._last is None or self._last[0] != given:
             self._last = (given, Household(self.parts, given))
-        holds = counting(self.conditions, given, "head", context, valid)
+        holds = None if context is None else self.conditions.weights(given, context, "head")
         readings = [HeadReading(self, target, self._last[1], trusted, holds) for target in targets]
         self.fill(readings, self.known)
         return readings

@@ -5,10 +5,11 @@ Habits are read once at the reset. At habit level ``context`` they are read agai
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ucon.core.fingerprint import fingerprint_of
 from ucon.core.sharing import Shared
@@ -20,6 +21,8 @@ from ucon.readers.anchor_reader import default_reader
 from ucon.readers.protocol import Reader, read_info
 
 Info = Mapping[str, Any]
+#: What is less probable is left out.
+_LEAST_PROBABLE = 1e-6
 #: A function from the info at an episode's reset to the distribution over the target's anchor and relation.
 Locate = Callable[[Info], Locations]
 
@@ -49,17 +52,47 @@ class ReadHabits(Shared):
     def __call__(self, info: Info) -> Locations:
         """Read ``info["habits"]`` about ``info["target"]``, in the context ``info["told"]`` where there is one.
 
-        At habit level ``gt`` the reader is told that all habits are about the target.
+        At habit level ``gt`` the reader is told that all habits are about the target. Where ``info["habits_valid"]``
+        says how probably each habit has not changed since it was told, the belief is a mixture over what may be.
 
         Returns:
             Joint probability (A, 4) of anchor and relation, with the H habits, their relevance and their support.
         """
+        texts, valid = tuple(info["habits"]), info.get("habits_valid")
+        found = self._read(info)
+        if valid is None or (valid >= 1.0).all():
+            return found
+        parts = [
+            p * self._read({**info, "habits": tuple(texts[row] for row in rows)}).p for p, rows in _since_told(valid)
+        ]
+        support, relevance = found.support, found.relevance
+        assert support is not None
+        assert relevance is not None
+        return Locations(
+            found.names, np.sum(parts, axis=0), texts, relevance * valid, lambda anchor: support(anchor) * valid
+        )
+
+    def _read(self, info: Info) -> Locations:
+        """What the habits say if all of them hold."""
         if self._reader is None:
             self._reader = default_reader()
         texts, reading = tuple(info["habits"]), read_info(self._reader, info)
         belief = reading.belief(self._reader.known)
         where = belief.p[:, None] * belief.relation
         return Locations(belief.candidates, where, texts, reading.telling, reading.support)
+
+
+def _since_told(valid: NDArray[np.float64]) -> Iterator[tuple[float, NDArray[np.int64]]]:
+    """What may be: probability, and rows of the habits that still hold. A change ends all that were told before it.
+
+    Args:
+        valid: (H,) probability that each habit has not changed since it was told.
+    """
+    before = 0.0
+    for level in (*np.unique(valid).tolist(), 1.0):
+        if level - before > _LEAST_PROBABLE:
+            yield level - before, np.flatnonzero(valid >= level) if level in valid else np.zeros(0, np.int64)
+        before = level
 
 
 def expecting(
