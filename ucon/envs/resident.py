@@ -263,6 +263,9 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
         number, asking = self._number, self._asking
         observation, info = self._arrive(at)
         self._facts = self._seen.facts(number, obeys=asking.obeys(number))
+        if "privileged" in info:
+            last_seen = self._seen.last(self.life.requests[number].possession)
+            info["privileged"] |= {"life": self.life, "request": number, "last_seen": last_seen}
         self._look()
         days = dict(asking.told_entries(day_and_slot(self.life.requests[number].time)[0]))
         dataset = self.source.dataset

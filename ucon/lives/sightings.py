@@ -32,6 +32,11 @@ class LastSeen:
         seen = counts[first:] >= rules.done_min_pixels
         self._time[seen], self._place[seen] = time, self._timeline.at[time][seen]
 
+    def last(self, possession: int) -> tuple[int, int] | None:
+        """Time and place at which a possession was last seen; None: never."""
+        time, place = int(self._time[possession]), int(self._place[possession])
+        return (time, place) if time >= 0 else None
+
     def facts(self, number: int, *, obeys: bool) -> LifeFacts:
         """What is known of a request before its first frame.
 

@@ -1,0 +1,77 @@
+"""``oracle_habits``: knows the household's habits to the letter, and where it last saw the thing.
+
+What happened since it does not know, as little as any agent that remembers.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.agents.base import Controller
+from models.agents.belief import BeliefAgent
+from ucon.core.errors import ConfigError
+from ucon.evaluation.kept_memories import Truth
+from ucon.habits.book import contexts_book
+from ucon.lives.expected import expected_places
+from ucon.objects.model import RELATIONS
+from ucon.perception.belief.recalled import Recalled
+from ucon.perception.belief.target_belief import Locations
+from ucon.task.agent import Info
+
+#: Probability that the thing is where the rules say at all.
+_SURE = 0.98
+
+
+def expected(info: Info) -> tuple[Truth, int, NDArray[np.float64]]:
+    """Truth of the life, number of the possession that is asked for, and the probability of each of its places.
+
+    Args:
+        info: of a request's first frame in a privileged environment of lives.
+
+    Raises:
+        ConfigError: the environment is not privileged, or none of lives.
+    """
+    try:
+        life, number, seen = (info["privileged"][name] for name in ("life", "request", "last_seen"))
+    except KeyError:
+        raise ConfigError(
+            "agent oracle_habits needs a life and its rules: task=resident, in an environment with privileged=True"
+        ) from None
+    asked = life.requests[number]
+    p = expected_places(life, contexts_book(), asked.possession, asked.time, seen)
+    return Truth.of(life), asked.possession, p
+
+
+def expected_locations(info: Info) -> Locations:
+    """Anchors and relations of the places where the target is expected.
+
+    Args:
+        info: of a request's first frame in a privileged environment of lives.
+    """
+    truth, possession, p = expected(info)
+    names = tuple(dict.fromkeys(anchor for _, anchor in truth.spots[possession]))
+    found = np.zeros((len(names), len(RELATIONS)))
+    for (relation, anchor), value in zip(truth.spots[possession], p.tolist(), strict=True):
+        found[names.index(anchor), RELATIONS.index(relation)] += value  # type: ignore[arg-type]
+    return Locations(names, found)
+
+
+class OracleHabitsAgent(BeliefAgent):
+    """An upper bound of reading and remembering without seeing what happens meanwhile."""
+
+    name = "oracle_habits"
+    uses_habits = False
+
+    def __init__(self, *, judge: str | None = "shipped") -> None:
+        """Set up the agent.
+
+        Args:
+            judge: of suspects; see :class:`models.agents.belief.BeliefAgent`.
+        """
+        super().__init__(expected_locations, judge=judge)
+
+    def start(self, info: Info) -> Controller:
+        """A controller that is told where the rules say: anchors, and once they are mapped, points."""
+        truth, possession, p = expected(info)
+        return super().start({**info, "recalled": Recalled(truth.xyz[possession], _SURE * p)})
