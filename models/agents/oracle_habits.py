@@ -63,15 +63,20 @@ class OracleHabitsAgent(BeliefAgent):
     name = "oracle_habits"
     uses_habits = False
 
-    def __init__(self, *, judge: str | None = "shipped") -> None:
+    def __init__(self, *, points: bool = True, judge: str | None = "shipped") -> None:
         """Set up the agent.
 
         Args:
+            points: whether it knows the very places; otherwise anchors and relations alone, as one who reads habits
+                without an error, and of places what its memory says.
             judge: of suspects; see :class:`models.agents.belief.BeliefAgent`.
         """
         super().__init__(expected_locations, judge=judge)
+        self._points = points
 
     def start(self, info: Info) -> Controller:
-        """A controller that is told where the rules say: anchors, and once they are mapped, points."""
+        """A controller that is told where the rules say: anchors, and once these are mapped, points."""
+        if not self._points:
+            return super().start(info)
         truth, possession, p = expected(info)
         return super().start({**info, "recalled": Recalled(truth.xyz[possession], _SURE * p)})
