@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from models.agents.frontier import FrontierAgent
+from models.agents.oracle_habits import OracleHabitsAgent
 from models.agents.oracle_now import OracleNowAgent
 from models.agents.random import RandomAgent
 from tests.lives.short import SMALL, short_life
@@ -198,6 +199,19 @@ def test_who_is_told_the_place_walks_there() -> None:
     assert sum(p.record.steps for p in told) < sum(p.record.steps for p in alone)
     with pytest.raises(ConfigError, match="agent oracle_now needs the target's place"):
         evaluate(spec(OracleNowAgent, life, MapMemory), asked_of([life]), workers=0)
+
+
+def test_who_knows_the_habits_to_the_letter_finds_more() -> None:
+    life = short_life(0, requests=4)
+    told, anchors, alone = (
+        evaluate(spec(agent, life, SightingsMemory, privileged=True), asked_of([life]), workers=0)
+        for agent in (OracleHabitsAgent, partial(OracleHabitsAgent, points=False), FrontierAgent)
+    )
+    assert sum(p.record.success for p in told) >= sum(p.record.success for p in alone)
+    assert sum(p.record.steps for p in told) < sum(p.record.steps for p in alone)
+    assert [p.record.actions for p in anchors] != [p.record.actions for p in told]
+    with pytest.raises(ConfigError, match="agent oracle_habits needs a life and its rules: task=resident"):
+        evaluate(spec(OracleHabitsAgent, life, MapMemory), asked_of([life]), workers=0)
 
 
 def test_shares_hold_whole_lives() -> None:

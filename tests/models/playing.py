@@ -41,8 +41,9 @@ def built(name: str, level: str = "retrieval") -> tuple[Agent, UcONEnv]:
     return Factory(config["agent"])(), Factory(config["env"] | {"width_px": 128, "height_px": 128})()
 
 
-#: Without ``human``: nobody is here to be asked (tests/pages/serve/test_play.py plays it).
-_CONFIGURED = sorted(path.stem for path in (CONFIGS / "agent").glob("*.yaml") if path.stem != "human")
+#: Nobody is here to be asked (tests/pages/serve/test_play.py plays it); needs a life (tests/lives plays it).
+_NOT_HERE = ("human", "oracle_habits")
+_CONFIGURED = sorted(path.stem for path in (CONFIGS / "agent").glob("*.yaml") if path.stem not in _NOT_HERE)
 #: Networks over the seven actions. They play for a few steps only: many take a tenth of a second each.
 POLICIES = [name for name in _CONFIGURED if config_of(name)["agent"]["_target_"].endswith(".PolicyAgent")]
 #: Networks without shipped weights.
