@@ -106,7 +106,7 @@ def test_folders_that_do_not_fit_are_refused_in_one_line(tmp_path: Path) -> None
 
 
 def perfect(life: Life) -> SightingLog:
-    """What a robot knows that sees everything in every slot."""
+    """The log of a robot that sees all things in every slot."""
     log, truth, timeline = SightingLog(), Truth.of(life), Timeline(life)
     for time in range(3 * life.days):
         for k, one in enumerate(life.possessions):

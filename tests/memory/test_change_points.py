@@ -98,7 +98,7 @@ def test_where_it_is_put_follows_the_change() -> None:
 
 
 def test_news_of_a_day_move_the_change_there() -> None:
-    """It was seen elsewhere on one day, and that day new habits were told, or another day, or none."""
+    """A change is likelier on a day on which new habits were told than on another day, or if none were told."""
     seen = thing(*((time_of(day, 0), DESK if day < 5 else SOFA) for day in range(6)))
     model, now = PlaceModel(EVEN), time_of(6, 0)
     plain, then, before = (model.since(seen, now, told) for told in ((), (5,), (2,)))
@@ -140,7 +140,7 @@ def test_of_what_was_never_seen_news_alone_speak() -> None:
 
 
 def test_news_before_a_thing_was_first_seen_count_as_if_it_was_never_seen() -> None:
-    """It was seen on the day of the news, or later: where it was put then says nothing for the old sentences."""
+    """Old sentences stay doubtful if the thing was first seen on the day of the news, or later."""
     model = PlaceModel(EVEN)
     for first in (5, 6):
         one = thing((time_of(first, 1), SOFA))

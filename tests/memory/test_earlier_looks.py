@@ -1,4 +1,4 @@
-"""What earlier requests showed empty: when each place was last shown, from how near, and what that leaves of it."""
+"""Looks of earlier requests: when each place was last shown, from how near, and what that leaves of it."""
 
 from __future__ import annotations
 

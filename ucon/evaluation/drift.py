@@ -1,7 +1,7 @@
-"""What a change of habits costs a robot's memory, and how fast it is made good.
+"""Drift: the log-likelihood of the places of things whose habits change, by days since the change.
 
-Of the things whose habits change, the log-likelihood of their true places in every slot, by days since the change: by a
-robot that is told of the change, by one that is not, and by one that does not reckon with changes.
+It is that of a robot that is told of the change, of one that is not, and of one that does not reckon with changes. The
+loss on the day of the change, and the share of it that is made good later, say what a change costs a memory.
 """
 
 from __future__ import annotations

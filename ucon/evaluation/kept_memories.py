@@ -35,7 +35,7 @@ _LEAST = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """What is so in a life. Privileged.
+    """True places of a life's possessions. Privileged.
 
     Attributes:
         life: the life.
@@ -69,7 +69,7 @@ class Truth:
 
 @dataclass
 class Known:
-    """What several robots came to know; values with the life that each is of.
+    """Figures of what several robots knew of their households; each value with the id of its life.
 
     Attributes:
         written: of every sentence at the end of a life, whether it is a habit then.

@@ -23,6 +23,7 @@ import numpy as np
 from ucon.core.errors import DataError
 from ucon.core.progress import Progress
 from ucon.evaluation.kept_memories import ELSEWHERE_P, NEAR_M, Truth, until
+from ucon.lives.clock import N_SLOTS
 from ucon.lives.life import Life
 from ucon.lives.sets import load_lives
 from ucon.lives.timeline import Timeline
@@ -78,7 +79,7 @@ def cases_of(life: Life, log: SightingLog) -> Iterable[Case]:
             away = np.linalg.norm(thing.places - truth.xyz[asked.possession][at], axis=1)
             place = int(away.argmin()) if away.min() <= NEAR_M else None
             told = life.change_day if one.later else None
-            news = () if told is None or told > asked.time // 3 else (told,)
+            news = () if told is None or told > asked.time // N_SLOTS else (told,)
             yield Case(thing, asked.time, place, life.first_weekday, news)
 
 

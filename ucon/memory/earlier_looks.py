@@ -1,4 +1,4 @@
-"""What earlier requests showed empty: a thing is there only if somebody put it there since.
+"""When each place was last looked at: what was empty then holds a thing only if somebody put it there since.
 
 Every place where a thing can be is noted with the time at which the robot last looked at it, and from how near: what
 shows a place well enough for a book does not show it for a key.
@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from ucon.perception.belief.recalled import nearest, points_of
 from ucon.perception.mapping.map_kernels import look_from
@@ -77,7 +78,7 @@ class Looking:
 
 def _carried(points: NDArray[np.float64], when: NDArray[np.int64], to: NDArray[np.float64]) -> NDArray[np.int64]:
     """Times (m, R) of points as those of others (n, R), which are where they are; NEVER where there is none."""
-    row, same = nearest(points, to)
+    row, same = nearest(cKDTree(points) if len(points) else None, to)
     found = np.full((len(to), when.shape[1]), NEVER, np.int64)
     found[same] = when[row[same]]
     return found

@@ -12,16 +12,16 @@ from ucon.memory.place_model import probability
 from ucon.memory.sighting_log import SeenThing
 
 
-class LastSeen(Shared):
-    """A thing is where it was last seen; once that turns out wrong, nothing is known."""
+class _Simple(Shared):
+    """What baselines have in common: of the calendar, of empty places and of changes they make nothing."""
 
-    name, uses_habits = "last seen", False
+    uses_habits = False
 
     def __init__(self, trust: float = 0.9) -> None:
         """Choose the trust.
 
         Args:
-            trust: probability that it is still there.
+            trust: probability that a thing is where the baseline says.
 
         Raises:
             ConfigError: it is no probability.
@@ -30,6 +30,24 @@ class LastSeen(Shared):
 
     def begin(self, first_weekday: int) -> None:
         """Nothing depends on the calendar."""
+
+    def left(self, when: NDArray[np.int64], seen: int, time: int) -> NDArray[np.float64]:
+        """Of places elsewhere nothing is remembered: all is left."""
+        return np.ones(len(when))
+
+    def first(self, thing: SeenThing, time: int) -> int:
+        """All sightings count."""
+        return 0
+
+    def valid(self, thing: SeenThing, time: int, told: Collection[int], days: Sequence[int]) -> NDArray[np.float64]:
+        """All habits are believed."""
+        return np.ones(len(days))
+
+
+class LastSeen(_Simple):
+    """A thing is where it was last seen; once that turns out wrong, nothing is known."""
+
+    name = "last seen"
 
     def now(self, thing: SeenThing, time: int, told: Collection[int] = ()) -> NDArray[np.float64]:
         """See :meth:`ucon.memory.place_model.PlaceModel.now`."""
@@ -40,51 +58,13 @@ class LastSeen(Shared):
                 p[place] = self._trust
         return p
 
-    def left(self, when: NDArray[np.int64], seen: int, time: int) -> NDArray[np.float64]:
-        """Of places elsewhere nothing is remembered: all is left."""
-        return np.ones(len(when))
 
-    def first(self, thing: SeenThing, time: int) -> int:
-        """All sightings count."""
-        return 0
-
-    def valid(self, thing: SeenThing, time: int, told: Collection[int], days: Sequence[int]) -> NDArray[np.float64]:
-        """All habits are believed."""
-        return np.ones(len(days))
-
-
-class MostSeen(Shared):
+class MostSeen(_Simple):
     """A thing is where it was seen most often: a histogram of places, whatever the time."""
 
-    name, uses_habits = "most seen", False
-
-    def __init__(self, trust: float = 0.9) -> None:
-        """Choose the trust.
-
-        Args:
-            trust: probability that it is at a known place.
-
-        Raises:
-            ConfigError: it is no probability.
-        """
-        self._trust = probability("trust", trust)
-
-    def begin(self, first_weekday: int) -> None:
-        """Nothing depends on the calendar."""
+    name = "most seen"
 
     def now(self, thing: SeenThing, time: int, told: Collection[int] = ()) -> NDArray[np.float64]:
         """See :meth:`ucon.memory.place_model.PlaceModel.now`."""
         count = np.bincount([place for _, place in thing.seen], minlength=len(thing.places)).astype(np.float64)
         return self._trust * count / max(float(count.sum()), 1.0)
-
-    def left(self, when: NDArray[np.int64], seen: int, time: int) -> NDArray[np.float64]:
-        """Of places elsewhere nothing is remembered: all is left."""
-        return np.ones(len(when))
-
-    def first(self, thing: SeenThing, time: int) -> int:
-        """All sightings count."""
-        return 0
-
-    def valid(self, thing: SeenThing, time: int, told: Collection[int], days: Sequence[int]) -> NDArray[np.float64]:
-        """All habits are believed."""
-        return np.ones(len(days))

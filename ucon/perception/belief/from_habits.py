@@ -63,7 +63,8 @@ class ReadHabits(Shared):
         if valid is None or (valid >= 1.0).all():
             return found
         parts = [
-            p * self._read({**info, "habits": tuple(texts[row] for row in rows)}).p for p, rows in _since_told(valid)
+            p * (found if len(rows) == len(texts) else self._read({**info, "habits": [texts[row] for row in rows]})).p
+            for p, rows in _since_told(valid)
         ]
         support, relevance = found.support, found.relevance
         assert support is not None

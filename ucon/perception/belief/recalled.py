@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,11 +50,19 @@ def points_of(places: Places) -> NDArray[np.float64]:
     return np.column_stack([places.xyz, _APART_M * places.relation])
 
 
-def nearest(points: NDArray[np.float64], to: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """The point (of m) that is nearest to each of others (n), and whether it is of the same place; (n,) each."""
-    if not len(points):
+def nearest(tree: cKDTree | None, to: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """The point (of a tree; None: of none) that is nearest to each of others (n), and whether it is of the same place.
+
+    Args:
+        tree: of points (m, 4), see :func:`points_of`.
+        to: (n, 4) other points.
+
+    Returns:
+        Row numbers (n,) and flags (n,).
+    """
+    if tree is None:
         return np.zeros(len(to), np.int64), np.zeros(len(to), bool)
-    away, row = cKDTree(points).query(to, distance_upper_bound=SAME_M)
+    away, row = tree.query(to, distance_upper_bound=SAME_M)
     same = np.isfinite(away)
     return np.where(same, row, 0), same
 
@@ -65,6 +73,8 @@ class Remembering(PartlyShared):
     Implements :class:`ucon.perception.belief.protocol.Expecting`.
     """
 
+    _shared: ClassVar[frozenset[str]] = frozenset({"_looked"})
+
     def __init__(self, inner: Expecting, recalled: Recalled) -> None:
         """Combine both.
 
@@ -73,7 +83,9 @@ class Remembering(PartlyShared):
             recalled: where the target was seen before, and where not.
         """
         self._inner, self._recalled = inner, recalled
+        self._looked = cKDTree(recalled.looked) if len(recalled.looked) else None
         self._left = np.zeros(0)
+        self._rows, self._p, self._of = np.zeros(0, np.int64), np.zeros(0), (0, 0)
 
     @property
     def locations(self) -> Locations | None:
@@ -107,20 +119,24 @@ class Remembering(PartlyShared):
         """What earlier looks left of the sample points that are new."""
         n = len(self._left)
         if len(places.xyz) > n:
-            row, same = nearest(self._recalled.looked, points_of(places)[n:])
+            row, same = nearest(self._looked, points_of(places)[n:])
             left = np.ones(len(row))
             left[same] = self._recalled.left[row[same]]
             self._left = np.append(self._left, left)
 
     def _at(self, places: Places) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Sample points that stand for the remembered places that the map has, and the probability of each."""
-        rows = np.flatnonzero(places.even > 0.0)
-        if not len(rows) or not len(self._recalled.xyz):
-            return np.zeros(0, np.int64), np.zeros(0)
-        away = np.linalg.norm(self._recalled.xyz[:, None] - places.xyz[rows][None], axis=2)
-        first = away.argmin(1)
-        near = away[np.arange(len(first)), first] <= NEAR_M
-        return rows[first[near]], self._recalled.p[near]
+        """Sample points that stand for the remembered places that the map has, and the probability of each.
+
+        Points are added or replaced, and never move: found anew only where there are others.
+        """
+        state = (len(places.even), int(np.count_nonzero(places.even)))
+        if state != self._of and len(self._recalled.xyz):
+            rows = np.flatnonzero(places.even > 0.0)
+            away = np.linalg.norm(self._recalled.xyz[:, None] - places.xyz[rows][None], axis=2)
+            first = away.argmin(1)
+            near = away[np.arange(len(first)), first] <= NEAR_M
+            self._rows, self._p, self._of = rows[first[near]], self._recalled.p[near], state
+        return self._rows, self._p
 
 
 def remembering(expecting: Expecting, info: Mapping[str, Any]) -> Expecting:
