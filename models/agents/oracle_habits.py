@@ -79,4 +79,5 @@ class OracleHabitsAgent(BeliefAgent):
         if not self._points:
             return super().start(info)
         truth, possession, p = expected(info)
-        return super().start({**info, "recalled": Recalled(truth.xyz[possession], _SURE * p)})
+        spots = [(spot,) for spot in truth.spots[possession]]
+        return super().start({**info, "recalled": Recalled(truth.xyz[possession], _SURE * p, spots)})

@@ -58,6 +58,8 @@ class OracleNowAgent(BeliefAgent):
 
     def start(self, info: Info) -> Controller:
         """A controller that is told the place: its anchor, and once that part of the home is mapped, its point."""
-        _episode(info)
+        place = true_location(info)
         point = info["privileged"]["target_xyz"]
-        return super().start({**info, "recalled": Recalled(np.array([point]), np.array([0.98]))})
+        how = RELATIONS[int(place.p[0].argmax())]
+        recalled = Recalled(np.array([point]), np.array([0.98]), [((how, place.names[0]),)])
+        return super().start({**info, "recalled": recalled})

@@ -7,7 +7,8 @@ import pytest
 
 from ucon.lives.clock import time_of
 from ucon.memory.acquired import acquired_habits, spoken, texts_of
-from ucon.memory.sighting_log import SeenThing, Spot
+from ucon.memory.sighting_log import SeenThing
+from ucon.perception.belief.recalled import Spot
 
 MORNING, MIDDAY, EVENING = range(3)
 DESK, SOFA, NOWHERE = range(3)

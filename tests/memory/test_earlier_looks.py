@@ -130,7 +130,7 @@ def expected(robot: Robot, recalled: Recalled) -> tuple[np.ndarray, Places, Cove
 
 def test_looks_make_places_less_probable_and_shares_add_up(robot: Robot) -> None:
     points, when = robot.looking.begin(2.8)
-    recalled = Recalled(np.zeros((0, 3)), np.zeros(0), points, PlaceModel().left(when, NEVER, 4))
+    recalled = Recalled(np.zeros((0, 3)), np.zeros(0), (), points, PlaceModel().left(when, NEVER, 4))
     mass, places, inner = expected(robot, recalled)
     plain = inner.expect(robot.known, places).mass
     assert (mass <= plain + 1e-12).all()

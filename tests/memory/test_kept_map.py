@@ -11,8 +11,9 @@ import pytest
 
 from ucon.memory.map_memory import MapMemory
 from ucon.perception.belief.coverage import Coverage, CoverageWeights
-from ucon.perception.belief.recalled import NEAR_M, Recalled, Remembering, remembering
+from ucon.perception.belief.recalled import EXACTLY, NEAR_M, Recalled, Remembering, remembering
 from ucon.perception.mapping.semantic_map import SemanticMap
+from ucon.perception.places.hollows import ALL_OPEN
 from ucon.perception.places.target_places import Places
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "perception"))
@@ -76,6 +77,7 @@ def test_poses_and_steps_begin_anew(known: SemanticMap) -> None:
     known.opened[known.instances["sofa"]] = True
     known.search_again("teapot")
     assert (known.step, known.views) == (0, [])
+    assert known.lived_in
     assert not known.visited.any()
     assert not known.bumped.any()
     assert not known.opened.any()
@@ -173,13 +175,67 @@ def test_two_memories_of_one_place_add_up(known: SemanticMap, places: Places) ->
     assert found.mass[table, ONTOP] == pytest.approx(0.25 * plain.mass[table, ONTOP] + 0.75 * plain.unit)
 
 
+def test_a_remembered_place_has_a_point_of_its_own(known: SemanticMap, places: Places) -> None:
+    inner, before = Coverage("bowl", CoverageWeights()), len(places.xyz)
+    xyz = point_on(known, places, "coffee_table") + np.array([0.11, 0.07, 0.02])
+    making = Remembering(inner, Recalled(xyz[None], np.array([0.5])))
+    found = making.expect(known, places)
+    assert len(places.xyz) == before + 1
+    assert places.xyz[-1] == pytest.approx(xyz)
+    assert places.weights(found.mass)[-1] == pytest.approx(EXACTLY * 0.5 * found.unit)
+    places.unseen[-1] = 0.1
+    again = making.expect(known, places)
+    assert len(places.xyz) == before + 1, "a second point of one place"
+    assert (again.mass == found.mass).all()
+    assert places.searched(np.zeros(known.n_tracks, bool))[-1]
+
+
+def test_what_holds_a_thing_counts_before_what_is_nearer(known: SemanticMap, places: Places) -> None:
+    inner = Coverage("bowl", CoverageWeights())
+    table = known.instances["coffee_table"][0]
+    at = point_on(known, places, "coffee_table")
+    others = np.flatnonzero((places.track != table) & (places.even > 0.0))
+    other = others[np.linalg.norm(places.xyz[others] - at, axis=1).argmin()]
+    xyz, near = places.xyz[other].copy(), places.track[other]
+    assert np.linalg.norm(xyz - at) < 1.0
+    plain = inner.expect(known, places).mass
+    for spots, expected in (((), near), (((("ontop", "coffee_table"),),), table), (((("inside", "fridge"),),), near)):
+        fresh = Places(0.1)
+        fresh.refresh(known)
+        found = Remembering(inner, Recalled(xyz[None], np.array([0.9]), spots)).expect(known, fresh)
+        assert (found.mass - 0.1 * plain).sum(1).argmax() == expected
+
+
+def test_a_point_outside_its_compartment_may_be_seen_from_everywhere(known: SemanticMap, places: Places) -> None:
+    hollow = np.flatnonzero((places.faces != ALL_OPEN) & (places.even > 0.0))
+    like = int(hollow[0])
+    within = places.note(places.xyz[like], like)
+    beyond = places.note(places.hollow[like, 3:] + 0.05, like)
+    assert places.faces[within] == places.faces[like]
+    assert places.faces[beyond] == ALL_OPEN
+    assert (places.track[[within, beyond]] == places.track[like]).all()
+
+
+def test_a_place_keeps_its_point_where_those_of_its_thing_are_replaced(known: SemanticMap, places: Places) -> None:
+    inner, table = Coverage("bowl", CoverageWeights()), known.instances["coffee_table"][0]
+    xyz = point_on(known, places, "coffee_table")
+    making = Remembering(inner, Recalled(xyz[None], np.array([0.5])))
+    making.expect(known, places)
+    known.box[table, 3:5] += 0.3
+    places.refresh(known)
+    rows, p = making._at(known, places)
+    assert p.tolist() == [0.5]
+    assert (places.even[rows] > 0.0).all()
+    assert places.xyz[rows[0]] == pytest.approx(xyz)
+
+
 def test_a_place_that_the_map_lacks_says_nothing(known: SemanticMap, places: Places) -> None:
     inner = Coverage("bowl", CoverageWeights())
     far = places.xyz[places.share > 0.0].max(0) + np.array([0.0, 0.0, 1.1 * NEAR_M])
     found = Remembering(inner, Recalled(far[None], np.array([0.9]))).expect(known, places)
     assert (found.mass == inner.expect(known, places).mass).all()
     nothing = Places(0.1)
-    assert Remembering(inner, Recalled(far[None], np.array([0.9])))._at(nothing)[1].shape == (0,)
+    assert Remembering(inner, Recalled(far[None], np.array([0.9])))._at(known, nothing)[1].shape == (0,)
 
 
 def test_a_search_remembers_where_there_is_something() -> None:

@@ -50,9 +50,9 @@ class Home:
         )  # fmt: skip
         return out
 
-    def opens(self, boxes: np.ndarray, weight: np.ndarray, reach_m: float) -> np.ndarray:
+    def opens(self, boxes: np.ndarray, weight: np.ndarray, reach_m: float, whole: bool = False) -> np.ndarray:
         out = np.zeros((self.n, 4, 4))
-        open_gain(self.index, boxes, weight, reach_m, CAMERA_M, self.height, self.walls, HALF, out)
+        open_gain(self.index, boxes, whole, weight, reach_m, CAMERA_M, self.height, self.walls, HALF, out)
         return out
 
 
@@ -145,6 +145,17 @@ def test_containers_count_within_reach_of_an_open() -> None:
     assert not Home(nodes).opens(box, np.array([0.0, 0.0]), reach_m).any()
     both = np.vstack([box[1:], box[:1]])
     assert np.array_equal(Home(nodes).opens(both, np.array([0.0, 2.0]), reach_m), found), "an empty one hides no other"
+
+
+def test_a_whole_container_does_not_hide_itself() -> None:
+    """A fridge that was seen from all sides is as high as its own cells, which stand before its middle."""
+    box, nodes = np.array([[0.3, -0.5, 0.0, 1.5, 0.5, 1.7]]), [(HALF, HALF)]
+    home = Home(nodes)
+    home.height[HALF + 1 : HALF + 7, HALF - 2 : HALF + 3] = 1.7
+    assert home.opens(box, np.array([2.0]), 1.0).max() == 0.0
+    assert home.opens(box, np.array([2.0]), 1.0, whole=True)[0, 0, PITCHES_DEG.index(0)] == 2.0
+    home.walls[0, HALF, :] = 1
+    assert home.opens(box, np.array([2.0]), 1.0, whole=True).max() == 0.0, "through a wall"
 
 
 @pytest.mark.parametrize("faded", [0, 2])

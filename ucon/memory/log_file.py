@@ -18,9 +18,10 @@ from ucon.core.errors import DataError, brief
 from ucon.core.files import write_atomic
 from ucon.core.untrusted.strict_json import read_json
 from ucon.lives.clock import SLOT_NAMES, day_and_slot, time_of
-from ucon.memory.sighting_log import SeenThing, SightingLog, Spot
+from ucon.memory.sighting_log import SeenThing, SightingLog
 from ucon.objects.catalogue import catalogue
 from ucon.objects.model import RELATIONS
+from ucon.perception.belief.recalled import Spot
 
 #: Version of the stored form.
 FORMAT: Final = 2

@@ -12,8 +12,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.memory.sighting_log import Spot
 from ucon.objects.model import RELATIONS
+from ucon.perception.belief.recalled import Spot
 from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.perception.places.affordances import affordance
 from ucon.perception.places.place_kernels import INSIDE, NEXTTO, ONTOP, UNDER

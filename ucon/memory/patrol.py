@@ -69,5 +69,6 @@ def interest(
         p = model.now(thing, time)
         worth.append((1.0 + asked.get(name, 0)) * p * (1.0 - p))
     xyz = np.concatenate([np.zeros((0, 3)), *(thing.places for thing in log.things.values())])
+    spots = [spot for thing in log.things.values() for spot in thing.spots]
     value = np.concatenate(worth)
-    return Recalled(xyz, IN_PLACES * value / max(float(value.sum()), 1e-9), looked, left)
+    return Recalled(xyz, IN_PLACES * value / max(float(value.sum()), 1e-9), spots, looked, left)

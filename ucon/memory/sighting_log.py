@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-Spot = tuple[tuple[str, str], ...]
-"""Relation and anchor category: of what holds a thing, then of what it stands next to; one of them may be missing."""
+from ucon.perception.belief.recalled import Spot
+
 #: Sightings of a thing nearer to one another than this are of one place, metres.
 SAME_M = 0.4
 

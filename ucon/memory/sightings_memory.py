@@ -154,7 +154,7 @@ class SightingsMemory(MapMemory):
         thing = self.log.things.get(target, SeenThing(target))
         days = info.get("habit_days", ())
         news = days_of_news(target, tuple(info["habits"]), days)
-        recalled = Recalled(thing.places, self._model.now(thing, self._time, news))
+        recalled = Recalled(thing.places, self._model.now(thing, self._time, news), tuple(thing.spots))
         self.believed = _likeliest(thing, recalled)
         if self._looking is not None:
             points, when = self._looking.begin(sight_range_m(target))

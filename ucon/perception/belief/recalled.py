@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Final
 
@@ -11,17 +11,22 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ucon.core.sharing import PartlyShared, Shared
+from ucon.objects.model import RELATIONS
 from ucon.perception.belief.protocol import Expecting
 from ucon.perception.belief.target_belief import Locations
 from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.perception.places.target_places import Places
 from ucon.perception.views.viewpoints import Expectation
 
+Spot = tuple[tuple[str, str], ...]
+"""Relation and anchor category: of what holds a thing, then of what it stands next to; one of them may be missing."""
 #: A remembered place is where the nearest sample point of the map is, if that is not farther off, metres.
 NEAR_M = 0.6
+#: The same for points of the anchor and relation by which it is remembered: compartments have but a few points.
+OF_ANCHOR_M: Final = 1.0
 #: So much of the probability of a remembered place is at that point; the rest is shared by the points of its anchor and
 #: relation, since people put things near where they were, too.
-EXACTLY: Final = 0.2
+EXACTLY: Final = 0.6
 #: Sample points of two requests are of one place within this, metres.
 SAME_M: Final = 0.3
 #: Sample points of different relations count as so far apart, metres.
@@ -35,12 +40,14 @@ class Recalled(Shared):
     Attributes:
         xyz: (n, 3) places where it was seen, metres in the frame of the map.
         p: (n,) probability of each; what is missing to 1 is elsewhere.
+        spots: relation and anchors of each of the n places, as far as they are known.
         looked: (m, 4) points that earlier requests looked at, see :func:`points_of`.
         left: (m,) what is left there, 0 to 1, of the probability of a place that was not looked at.
     """
 
     xyz: NDArray[np.float64]
     p: NDArray[np.float64]
+    spots: Sequence[Spot] = ()
     looked: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 4)))
     left: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
 
@@ -85,7 +92,7 @@ class Remembering(PartlyShared):
         self._inner, self._recalled = inner, recalled
         self._looked = cKDTree(recalled.looked) if len(recalled.looked) else None
         self._left = np.zeros(0)
-        self._rows, self._p, self._of = np.zeros(0, np.int64), np.zeros(0), (0, 0)
+        self._rows, self._of = np.full(len(recalled.xyz), -1, np.int64), (0, 0)
 
     @property
     def locations(self) -> Locations | None:
@@ -98,7 +105,7 @@ class Remembering(PartlyShared):
 
     def expect(self, known: SemanticMap, places: Places) -> Expectation:
         """See :meth:`ucon.perception.belief.protocol.Expecting.expect`; divides it among the sample points, too."""
-        found, (rows, p) = self._inner.expect(known, places), self._at(places)
+        found, (rows, p) = self._inner.expect(known, places), self._at(known, places)
         rest, kind = 1.0 - float(p.sum()), 4 * places.track + places.relation
         self._look_back(places)
         plain, there = rest * found.mass.ravel(), found.unit * p
@@ -124,19 +131,52 @@ class Remembering(PartlyShared):
             left[same] = self._recalled.left[row[same]]
             self._left = np.append(self._left, left)
 
-    def _at(self, places: Places) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    def _at(self, known: SemanticMap, places: Places) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Sample points that stand for the remembered places that the map has, and the probability of each.
 
-        Points are added or replaced, and never move: found anew only where there are others.
+        A place gets a point of its own as soon as the map has its anchor: looked for only where there are new points.
         """
         state = (len(places.even), int(np.count_nonzero(places.even)))
-        if state != self._of and len(self._recalled.xyz):
+        missing = np.flatnonzero(self._rows < 0)
+        if state != self._of and len(missing):
             rows = np.flatnonzero(places.even > 0.0)
-            away = np.linalg.norm(self._recalled.xyz[:, None] - places.xyz[rows][None], axis=2)
-            first = away.argmin(1)
-            near = away[np.arange(len(first)), first] <= NEAR_M
-            self._rows, self._p, self._of = rows[first[near]], self._recalled.p[near], state
-        return self._rows, self._p
+            away = np.linalg.norm(self._recalled.xyz[missing, None] - places.xyz[rows][None], axis=2)
+            self._prefer_anchors(away, missing, known, places, rows)
+            for number, distances in zip(missing.tolist(), away, strict=True):
+                if len(rows) and distances.min() <= NEAR_M:
+                    self._rows[number] = places.note(self._recalled.xyz[number], int(rows[distances.argmin()]))
+            self._of = (len(places.even), int(np.count_nonzero(places.even)))
+        there = self._rows >= 0
+        return self._rows[there], self._recalled.p[there]
+
+    def _prefer_anchors(
+        self,
+        away: NDArray[np.float64],
+        numbers: NDArray[np.int64],
+        known: SemanticMap,
+        places: Places,
+        rows: NDArray[np.int64],
+    ) -> None:
+        """Put points of the anchor and relation by which a place is remembered before all others.
+
+        What is in the fridge is found by opening it, even where a point beside the butter is nearer.
+
+        Args:
+            away: (n, k) distances of places and points, updated.
+            numbers: (n,) of the places.
+            known: the map.
+            places: its sample points.
+            rows: (k,) those that count.
+        """
+        if not self._recalled.spots:
+            return
+        for number, distances in zip(numbers.tolist(), away, strict=True):
+            if not (spot := self._recalled.spots[number]):
+                continue
+            relation, anchor = spot[0]
+            tracks = known.instances.get(anchor, ())
+            of_anchor = np.isin(places.track[rows], tracks) & (places.relation[rows] == RELATIONS.index(relation))  # type: ignore[arg-type]
+            distances[of_anchor & (distances <= OF_ANCHOR_M)] -= OF_ANCHOR_M
 
 
 def remembering(expecting: Expecting, info: Mapping[str, Any]) -> Expecting:

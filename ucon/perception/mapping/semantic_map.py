@@ -116,6 +116,7 @@ class SemanticMap(PartlyShared):
         named_at: (>= T,) int32, step at which the name of a track last changed, -1 never.
         stale: (>= T,) bool, things that may be moved and were last seen in an earlier search of this home.
         obstacles: what a robot that moves continuously steers around; None on the grid.
+        lived_in: whether earlier searches mapped this home, so that furniture was seen from all sides.
     """
 
     _flat: ClassVar[frozenset[str]] = frozenset({"views", "category"})
@@ -141,6 +142,7 @@ class SemanticMap(PartlyShared):
         self.walls = np.zeros((2, SIZE, SIZE), np.uint8)
         self.step = 0
         self.fresh = 0
+        self.lived_in = False
         self.inexact = not body.exact
         self._nearest: NDArray[np.float32] | None = None
         self._sought = {target}
@@ -247,6 +249,7 @@ class SemanticMap(PartlyShared):
         """
         self.views.clear()
         self.step = self.fresh = 0
+        self.lived_in = True
         self.visited[:], self.bumped[:] = 0, 0
         self.pixels[:], self.last_seen[:], self.opened[:] = 0, -1, False
         self.named_at[self.named_at > 0] = 0

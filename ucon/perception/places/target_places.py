@@ -6,7 +6,7 @@ point's ``unseen``.
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,8 @@ from ucon.perception.places.place_kernels import (
 from ucon.perception.places.sight import Sight
 from ucon.perception.views.view_kernels import WORDS
 
+#: Share of a noted point by the shape of its thing: none, but it is not a replaced point either.
+NOTED: Final = 1e-12
 #: A track's points are made again when a side of its box moved by more than this, metres.
 GROWTH_M = 0.15
 
@@ -216,6 +218,27 @@ class Places(PartlyShared):
             self._even[old] = self._share[old] = self._unseen[old] = 0.0
         self._rows[track] = rows
         self._made[track] = box
+
+    def note(self, xyz: NDArray[np.float64], like: int) -> int:
+        """Add a point of its own; it stays, and has mass where :meth:`divide` gives it some.
+
+        Args:
+            xyz: (3,) metres.
+            like: row of a point of the same thing and relation. It is in the same compartment, if it lies in that;
+                otherwise nothing is known of what is open around it.
+
+        Returns:
+            Its row.
+        """
+        self._reserve(1)
+        row, self._n = self._n, self._n + 1
+        self._xyz[row], self._even[row], self._share[row], self._unseen[row] = xyz, NOTED, NOTED, self._unseen[like]
+        for column in (self._hollow, self._faces, self._track, self._relation, self._looked):
+            column[row] = column[like]
+        hollow = self._hollow[row]
+        if not ((hollow[:3] <= xyz) & (xyz <= hollow[3:])).all():
+            self._faces[row] = ALL_OPEN
+        return row
 
     def _reserve(self, count: int) -> None:
         """Make room for ``count`` more points."""

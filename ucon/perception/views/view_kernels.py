@@ -227,13 +227,16 @@ def fade_places(
 
 @jit
 def open_gain(
-    index: I32, boxes: F64, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8, half: int, out: F64
-) -> None:
+    index: I32, boxes: F64, whole: bool, weight: F64, reach_m: float, cam_z: float, height: F32, walls: U8, half: int,
+    out: F64,
+) -> None:  # fmt: skip
     """Add the weight of the closed containers that Open would open from each view.
 
     Args:
         index: (c, c) int32, row of a node in ``out``, -1 where no view is considered.
         boxes: (m, 6) float64, what was seen of the containers, metres.
+        whole: whether these are whole containers: one whose nearest point is in sight is seen. Otherwise they are
+            fronts, whose middle must be in sight; a whole container stands before its own middle.
         weight: (m,) float64, mass inside.
         reach_m: reach of Open, metres.
         cam_z: height of the camera, metres.
@@ -261,5 +264,6 @@ def open_gain(
                     continue
                 px, py = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
                 pz = min(max(cam_z - 0.2, z0), z1)
-                if sight(x, y, cam_z, px, py, pz, height, walls, half):
+                sx, sy = (min(max(x, x0), x1), min(max(y, y0), y1)) if whole else (px, py)
+                if sight(x, y, cam_z, sx, sy, pz, height, walls, half):
                     add_to_views(px - x, py - y, pz - cam_z, w, 4.0, out[n])

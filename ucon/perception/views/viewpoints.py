@@ -285,8 +285,8 @@ class Viewpoints(PartlyShared):
         if len(closed):
             inside = expected.mass[closed, INSIDE]
             kernels.open_gain(
-                self._index, known.box[closed], inside, open_reach_m(known), known.body.camera_m, known.height,
-                known.walls, HALF, opens,
+                self._index, known.box[closed], known.lived_in, inside, open_reach_m(known), known.body.camera_m,
+                known.height, known.walls, HALF, opens,
             )  # fmt: skip
         return looks, space, opens
 
