@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections import Counter
 from pathlib import Path
 
 
@@ -23,15 +24,19 @@ def run(args: argparse.Namespace) -> int:
     from ucon.core.errors import DataError
     from ucon.evaluation.figures.lives_table import figures_of, grouped, lives_markdown, lives_table
     from ucon.evaluation.kept.finished import FinishedRun
-    from ucon.evaluation.kept.naming import agent_label, level
 
-    found = []
+    runs = []
     for path in args.runs:
         run = FinishedRun.read(path)
         records = run.records or ()
         if not records or any(record.life is None for record in records):
             raise DataError(f"{path}: no records of lives; expected a run of python eval.py task=resident")
-        found.append((f"{agent_label(run.summary)}, {level(run.summary)}", records))
+        runs.append((run.label, records))
+    times = Counter(label for label, _ in runs)
+    found = [
+        (label if times[label] == 1 else f"{label}: {path.name}", records)
+        for path, (label, records) in zip(args.runs, runs, strict=True)
+    ]
     if args.json:
         data = [
             {"run": str(path), "label": label, "groups": {name: figures_of(part) for name, part in grouped(records)}}

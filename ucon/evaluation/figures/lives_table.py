@@ -113,16 +113,14 @@ def lives_markdown(runs: Sequence[tuple[str, Sequence[EpisodeRecord]]]) -> str:
     Args:
         runs: label and records of each.
     """
-    rows: dict[str, dict[str, str]] = {}
-    for label, records in runs:
+    rows: dict[str, list[str]] = {}
+    for column, (_, records) in enumerate(runs):
         for name, part in grouped(records):
             spl = intervals_of(part)[1]
-            rows.setdefault(name, {})[label] = f"{spl.mean:.3f} [{spl.low:.3f}, {spl.high:.3f}]"
+            rows.setdefault(name, [""] * len(runs))[column] = f"{spl.mean:.3f} [{spl.low:.3f}, {spl.high:.3f}]"
     labels = [label for label, _ in runs]
     lines = ["| SPL | " + " | ".join(labels) + " |", "| --- |" + " --- |" * len(labels)]
-    lines += [
-        f"| {name} | " + " | ".join(cells.get(label, "") for label in labels) + " |" for name, cells in rows.items()
-    ]
+    lines += [f"| {name} | " + " | ".join(cells) + " |" for name, cells in rows.items()]
     return "\n".join(lines)
 
 
