@@ -61,6 +61,7 @@ def second_look(known: SemanticMap, bowl: tuple[float, ...]) -> None:
 
 
 def test_rooms_and_furniture_stay_known(known: SemanticMap) -> None:
+    assert not known.lived_in
     explored, floor, walls = known.explored.copy(), known.floor.copy(), known.walls.copy()
     sofa = known.box[known.instances["sofa"][0]].copy()
     known.search_again("teapot")
@@ -204,6 +205,65 @@ def test_what_holds_a_thing_counts_before_what_is_nearer(known: SemanticMap, pla
         fresh.refresh(known)
         found = Remembering(inner, Recalled(xyz[None], np.array([0.9]), spots)).expect(known, fresh)
         assert (found.mass - 0.1 * plain).sum(1).argmax() == expected
+
+
+def test_a_place_goes_to_its_anchor_once_that_is_mapped(known: SemanticMap) -> None:
+    """Until then it is at what is near; what it was given to may also turn out to be nothing."""
+    whole = Places(0.1)
+    whole.refresh(known)
+    table = known.instances["coffee_table"][0]
+    xyz, recalled = point_on(known, whole, "coffee_table"), (((("ontop", "coffee_table"),),))
+    name, box = known.category[table], known.box[table].copy()
+    known.category[table], known.box[table] = "", (1e3, 1e3, 1e3, -1e3, -1e3, -1e3)
+    places, inner = Places(0.1), Coverage("bowl", CoverageWeights())
+    places.refresh(known)
+    making = Remembering(inner, Recalled(xyz[None], np.array([0.9]), recalled))
+    making.expect(known, places)
+    before = making._rows.copy()
+    assert places.track[before[0]] != table
+    known.category[table], known.box[table] = name, box
+    places.refresh(known)
+    found = making.expect(known, places)
+    assert (making._rows == before).all()
+    assert (places.track[before[0]], places.relation[before[0]]) == (table, ONTOP)
+    assert places.weights(found.mass)[before[0]] == pytest.approx(EXACTLY * 0.9 * found.unit)
+    assert found.mass[table, ONTOP] == pytest.approx(
+        (0.9 + 0.1 * inner.expect(known, places).mass[table, ONTOP] / found.unit) * found.unit
+    )
+
+
+def test_no_mass_is_lost_where_a_thing_turns_out_to_be_nothing(known: SemanticMap, places: Places) -> None:
+    inner, table = Coverage("bowl", CoverageWeights()), known.instances["coffee_table"][0]
+    xyz = point_on(known, places, "coffee_table")
+    making = Remembering(inner, Recalled(xyz[None], np.array([0.9])))
+    making.expect(known, places)
+    known.category[table] = ""
+    known.named_at[table] = known.step
+    places._named = known.step - 1
+    places.refresh(known)
+    found = making.expect(known, places)
+    fresh = Places(0.1)
+    fresh.refresh(known)
+    anew = Remembering(inner, Recalled(xyz[None], np.array([0.9]))).expect(known, fresh)
+    assert found.mass == pytest.approx(anew.mass)
+    assert places.weights(found.mass).sum() == pytest.approx(fresh.weights(anew.mass).sum())
+
+
+def test_points_are_noted_beyond_the_room_for_them_and_not_for_nothing(known: SemanticMap, places: Places) -> None:
+    xyz, before = np.tile(point_on(known, places, "coffee_table"), (1500, 1)), len(places.xyz)
+    p = np.full(1500, 0.5 / 1499)
+    p[700] = 0.0
+    making = Remembering(Coverage("bowl", CoverageWeights()), Recalled(xyz, p))
+    found = making.expect(known, places)
+    assert len(places.xyz) == before + 1499
+    assert making._rows[700] == -1
+    own = places.weights(found.mass)[before:]
+    assert own == pytest.approx(np.full(1499, EXACTLY * found.unit * p[0]))
+
+
+def test_places_have_as_many_spots_or_none() -> None:
+    with pytest.raises(ValueError, match="1 spots of 2 places"):
+        Recalled(np.zeros((2, 3)), np.zeros(2), ((("ontop", "sofa"),),))
 
 
 def test_a_point_outside_its_compartment_may_be_seen_from_everywhere(known: SemanticMap, places: Places) -> None:

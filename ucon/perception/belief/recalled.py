@@ -15,7 +15,7 @@ from ucon.objects.model import RELATIONS
 from ucon.perception.belief.protocol import Expecting
 from ucon.perception.belief.target_belief import Locations
 from ucon.perception.mapping.semantic_map import SemanticMap
-from ucon.perception.places.target_places import Places
+from ucon.perception.places.target_places import NOTED, Places
 from ucon.perception.views.viewpoints import Expectation
 
 Spot = tuple[tuple[str, str], ...]
@@ -50,6 +50,10 @@ class Recalled(Shared):
     spots: Sequence[Spot] = ()
     looked: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 4)))
     left: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+
+    def __post_init__(self) -> None:
+        if len(self.spots) not in (0, len(self.xyz)):
+            raise ValueError(f"{len(self.spots)} spots of {len(self.xyz)} places: expected one of each, or none")
 
 
 def points_of(places: Places) -> NDArray[np.float64]:
@@ -92,7 +96,8 @@ class Remembering(PartlyShared):
         self._inner, self._recalled = inner, recalled
         self._looked = cKDTree(recalled.looked) if len(recalled.looked) else None
         self._left = np.zeros(0)
-        self._rows, self._of = np.full(len(recalled.xyz), -1, np.int64), (0, 0)
+        n = len(recalled.xyz)
+        self._rows, self._like, self._of = np.full(n, -1, np.int64), np.full(n, -1, np.int64), (0, 0)
 
     @property
     def locations(self) -> Locations | None:
@@ -134,20 +139,32 @@ class Remembering(PartlyShared):
     def _at(self, known: SemanticMap, places: Places) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Sample points that stand for the remembered places that the map has, and the probability of each.
 
-        A place gets a point of its own as soon as the map has its anchor: looked for only where there are new points.
+        Each place has a point of its own, of the thing by which the map has it now: looked for again where the map has
+        other things.
         """
         state = (len(places.even), int(np.count_nonzero(places.even)))
-        missing = np.flatnonzero(self._rows < 0)
-        if state != self._of and len(missing):
-            rows = np.flatnonzero(places.even > 0.0)
-            away = np.linalg.norm(self._recalled.xyz[missing, None] - places.xyz[rows][None], axis=2)
-            self._prefer_anchors(away, missing, known, places, rows)
-            for number, distances in zip(missing.tolist(), away, strict=True):
-                if len(rows) and distances.min() <= NEAR_M:
-                    self._rows[number] = places.note(self._recalled.xyz[number], int(rows[distances.argmin()]))
+        if state != self._of:
+            numbers, rows = np.flatnonzero(self._recalled.p > 0.0), np.flatnonzero(places.even > NOTED)
+            away = np.linalg.norm(self._recalled.xyz[numbers, None] - places.xyz[rows][None], axis=2)
+            self._prefer_anchors(away, numbers, known, places, rows)
+            for number, distances in zip(numbers.tolist(), away, strict=True):
+                self._attach(
+                    number, int(rows[distances.argmin()]) if distances.min(initial=np.inf) <= NEAR_M else -1, places
+                )
             self._of = (len(places.even), int(np.count_nonzero(places.even)))
-        there = self._rows >= 0
+        there = self._like >= 0
         return self._rows[there], self._recalled.p[there]
+
+    def _attach(self, number: int, like: int, places: Places) -> None:
+        """Give the point of a place to the thing of another point; -1: the map has none there."""
+        if like == self._like[number]:
+            return
+        row = int(self._rows[number])
+        if like >= 0:
+            self._rows[number] = places.note(self._recalled.xyz[number], like, row)
+        else:
+            places.drop(row)
+        self._like[number] = like
 
     def _prefer_anchors(
         self,

@@ -219,26 +219,38 @@ class Places(PartlyShared):
         self._rows[track] = rows
         self._made[track] = box
 
-    def note(self, xyz: NDArray[np.float64], like: int) -> int:
+    def note(self, xyz: NDArray[np.float64], like: int, row: int = -1) -> int:
         """Add a point of its own; it stays, and has mass where :meth:`divide` gives it some.
 
         Args:
             xyz: (3,) metres.
             like: row of a point of the same thing and relation. It is in the same compartment, if it lies in that;
                 otherwise nothing is known of what is open around it.
+            row: of the point, where it was added before: it goes to the thing and relation of ``like``.
 
         Returns:
             Its row.
         """
-        self._reserve(1)
-        row, self._n = self._n, self._n + 1
-        self._xyz[row], self._even[row], self._share[row], self._unseen[row] = xyz, NOTED, NOTED, self._unseen[like]
-        for column in (self._hollow, self._faces, self._track, self._relation, self._looked):
+        if row < 0:
+            self._reserve(1)
+            row, self._n = self._n, self._n + 1
+            self._xyz[row], self._unseen[row], self._looked[row] = xyz, 1.0, 0
+            copy_unseen(
+                self._xyz[row : row + 1], self._relation[like : like + 1], self._xyz[like : like + 1],
+                self._relation[like : like + 1], self._unseen[like : like + 1], self._unseen[row : row + 1],
+                self._looked[like : like + 1], self._looked[row : row + 1],
+            )  # fmt: skip
+        self._even[row], self._share[row], self._hidden[row] = NOTED, NOTED, 0
+        for column in (self._hollow, self._faces, self._track, self._relation):
             column[row] = column[like]
         hollow = self._hollow[row]
         if not ((hollow[:3] <= xyz) & (xyz <= hollow[3:])).all():
             self._faces[row] = ALL_OPEN
         return row
+
+    def drop(self, row: int) -> None:
+        """Let a noted point count as replaced, until :meth:`note` is called for it again."""
+        self._even[row] = self._share[row] = 0.0
 
     def _reserve(self, count: int) -> None:
         """Make room for ``count`` more points."""
