@@ -13,7 +13,7 @@ from ucon.memory.sighting_log import SeenThing
 
 
 class _Simple(Shared):
-    """What baselines have in common: of the calendar, of empty places and of changes they make nothing."""
+    """A baseline of memory: it ignores the calendar, places that were empty, and changes of habits."""
 
     uses_habits = False
 

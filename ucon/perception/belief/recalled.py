@@ -148,9 +148,9 @@ class Remembering(PartlyShared):
             away = np.linalg.norm(self._recalled.xyz[numbers, None] - places.xyz[rows][None], axis=2)
             self._prefer_anchors(away, numbers, known, places, rows)
             for number, distances in zip(numbers.tolist(), away, strict=True):
-                self._attach(
-                    number, int(rows[distances.argmin()]) if distances.min(initial=np.inf) <= NEAR_M else -1, places
-                )
+                best = int(distances.argmin()) if len(rows) else -1
+                near = best >= 0 and distances[best] <= NEAR_M
+                self._attach(number, int(rows[best]) if near else -1, places)
             self._of = (len(places.even), int(np.count_nonzero(places.even)))
         there = self._like >= 0
         return self._rows[there], self._recalled.p[there]
