@@ -14,7 +14,8 @@ from models.agents.checkpoint import SHIPPED
 from tests.evaluation.records import record
 from tests.models.playing import CONFIGS, config_of
 from ucon.configuration.wiring import Factory
-from ucon.evaluation.playing.play import PlayedEpisode, RunSpec, _captions, play_episodes
+from ucon.evaluation.playing.jobs import play
+from ucon.evaluation.playing.play import PlayedEpisode, RunSpec, _captions
 from ucon.task.rules import PAPER, RULES
 from ucon.task.sets import load_episodes
 
@@ -33,7 +34,7 @@ def played(name: str, level: str, folder: Path | None) -> PlayedEpisode:
     episode = min(load_episodes("mini"), key=lambda e: (len(e.arrangement.objects), e.shortest_path_m < 4, e.id))
     env = Factory(config["env"] | {"task": BRIEF.name}, {"episodes": [episode]})
     spec = RunSpec(Factory(config["agent"]), env, level, films=folder)
-    return next(play_episodes(spec, [(0, episode)]))
+    return next(play(spec, [(0, episode)]))
 
 
 def thoughts(folder: Path) -> list[NDArray[np.uint8]]:

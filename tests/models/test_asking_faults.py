@@ -16,8 +16,8 @@ from tests.language.tiny_models import INJECTED
 from tests.models.playing import episodes, play
 from ucon.envs.ucon_env import UcONEnv
 from ucon.evaluation.figures.report import summary
+from ucon.evaluation.playing.jobs import play as played_by
 from ucon.evaluation.playing.play import PlayedEpisode, RunSpec
-from ucon.evaluation.playing.play import play_episodes as played_by
 from ucon.language.models.chat_api import ChatModel
 from ucon.language.prompt import END, START
 from ucon.language.servers.answer_cache import AnswerCache

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import closing
 from typing import cast
 
 from ucon.evaluation.playing.play import PlayedEpisode, RunSpec, play_episodes
 from ucon.evaluation.playing.play_lives import play_lives
+from ucon.evaluation.playing.stage import Stage
 from ucon.lives.asked import Asked, by_life
 from ucon.task.episode import Episode
 
@@ -22,9 +24,23 @@ def play(spec: RunSpec, jobs: Sequence[Job]) -> Iterator[PlayedEpisode]:
         spec: agent, environment, habit level.
         jobs: see :data:`Job`.
     """
+    if not jobs:
+        return
+    with closing(Stage(spec.agent, spec.env)) as stage:
+        yield from play_on(stage, spec, jobs)
+
+
+def play_on(stage: Stage, spec: RunSpec, jobs: Sequence[Job]) -> Iterator[PlayedEpisode]:
+    """As :func:`play`, with an agent and environments that are there already.
+
+    Args:
+        stage: where they are played; made by ``spec``.
+        spec: agent, environment, habit level.
+        jobs: see :data:`Job`.
+    """
     if jobs and isinstance(jobs[0][1], Asked):
-        return play_lives(spec, cast("_Lives", jobs))
-    return play_episodes(spec, cast("Sequence[tuple[int, Episode]]", jobs))
+        return play_lives(spec, cast("_Lives", jobs), stage)
+    return play_episodes(spec, cast("Sequence[tuple[int, Episode]]", jobs), stage)
 
 
 def shares(jobs: Sequence[Job], count: int) -> list[list[Job]]:

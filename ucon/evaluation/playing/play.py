@@ -8,19 +8,18 @@ have
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
 
-import gymnasium as gym
 import numpy as np
 
 from ucon.core.errors import ConfigError, brief
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.evaluation.kept.record import EpisodeRecord, EpisodeTiming
+from ucon.evaluation.playing.stage import Env, Stage
 from ucon.lives.request_record import BelievedPlace, LifeFacts
 from ucon.memory.protocol import Memory
 from ucon.retrieval.levels import RANKED_LEVELS
@@ -28,8 +27,6 @@ from ucon.task.actions import Action
 from ucon.task.agent import Agent
 from ucon.task.episode import Episode
 from ucon.task.spoken import target_place
-
-Env = gym.Env[Any, Any]
 
 
 @dataclass(frozen=True)
@@ -105,37 +102,28 @@ class _Slot:
         return bool(terminated or truncated)
 
 
-def play_episodes(spec: RunSpec, jobs: Sequence[tuple[int, Episode]]) -> Iterator[PlayedEpisode]:
+def play_episodes(spec: RunSpec, jobs: Sequence[tuple[int, Episode]], stage: Stage) -> Iterator[PlayedEpisode]:
     """Play episodes in order and yield each as it ends. The result of one does not depend on the others.
 
     Args:
         spec: agent, environment, habit level.
         jobs: (index, episode) pairs.
+        stage: where they are played.
     """
-    if not jobs:
-        return
-    agent = spec.agent()
-    one_thread()
-    slots = [_Slot(n, spec.env()) for n in range(min(spec.batch, len(jobs)))]
-    waiting = iter(jobs)
-    try:
-        running = [slot for slot in slots if _begin(slot, waiting, agent, spec)]
-        while running:
-            actions = agent.act(
-                [s.observation for s in running], [s.info for s in running], [s.number for s in running]
-            )
-            still = []
-            for slot, action in zip(running, actions, strict=True):
-                _append_agent_picture(slot, agent)
-                ended = slot.step(action)
-                if ended:
-                    yield played(slot, agent, spec, slot.info["episode_metrics"])
-                if not ended or _begin(slot, waiting, agent, spec):
-                    still.append(slot)
-            running = still
-    finally:
-        for slot in slots:
-            slot.env.close()
+    agent, waiting = stage.agent, iter(jobs)
+    slots = [_Slot(n, env) for n, env in enumerate(stage.envs(min(spec.batch, len(jobs))))]
+    running = [slot for slot in slots if _begin(slot, waiting, agent, spec)]
+    while running:
+        actions = agent.act([s.observation for s in running], [s.info for s in running], [s.number for s in running])
+        still = []
+        for slot, action in zip(running, actions, strict=True):
+            _append_agent_picture(slot, agent)
+            ended = slot.step(action)
+            if ended:
+                yield played(slot, agent, spec, slot.info["episode_metrics"])
+            if not ended or _begin(slot, waiting, agent, spec):
+                still.append(slot)
+        running = still
 
 
 def _append_agent_picture(slot: _Slot, agent: Agent) -> None:
@@ -143,12 +131,6 @@ def _append_agent_picture(slot: _Slot, agent: Agent) -> None:
     picture = getattr(agent, "picture", None)
     if slot.frames is not None and picture is not None and (drawn := picture(slot.number)) is not None:
         slot.append_picture(drawn)
-
-
-def one_thread() -> None:
-    """Limit torch to one thread: workers give the parallelism, and sums must not depend on the number of threads."""
-    if "torch" in sys.modules:
-        sys.modules["torch"].set_num_threads(1)
 
 
 def _begin(slot: _Slot, waiting: Iterator[tuple[int, Episode]], agent: Agent, spec: RunSpec) -> bool:

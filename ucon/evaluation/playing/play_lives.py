@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from ucon.evaluation.playing.play import Env, PlayedEpisode, RunSpec, one_thread, played
+from ucon.evaluation.playing.play import PlayedEpisode, RunSpec, played
+from ucon.evaluation.playing.stage import Env, Stage
 from ucon.lives.asked import Asked, by_life
 from ucon.lives.request_record import LifeFacts
 from ucon.memory.protocol import Memory
@@ -74,7 +75,7 @@ class _Resident:
         agent.reset([known], [self.number])
 
 
-def play_lives(spec: RunSpec, jobs: Sequence[tuple[int, Asked]]) -> Iterator[PlayedEpisode]:
+def play_lives(spec: RunSpec, jobs: Sequence[tuple[int, Asked]], stage: Stage) -> Iterator[PlayedEpisode]:
     """Play lives in order and yield each wanted request as it ends.
 
     A life is played from its first request up to its last wanted one, so a request's result does not depend on what
@@ -83,28 +84,21 @@ def play_lives(spec: RunSpec, jobs: Sequence[tuple[int, Asked]]) -> Iterator[Pla
     Args:
         spec: agent, environment, memory, habit level.
         jobs: (index, request) pairs.
+        stage: where they are played.
     """
-    lives = iter(by_life(jobs))
-    agent = spec.agent()
-    one_thread()
-    residents = [_Resident(n, spec.env()) for n in range(min(spec.batch, len(by_life(jobs))))]
-    try:
-        running = []
-        for resident in residents:
-            resident.live(next(lives), agent, spec)
-            running.append(resident)
-        while running:
-            actions = agent.act(
-                [r.observation for r in running], [r.info for r in running], [r.number for r in running]
-            )
-            still = []
-            for resident, action in zip(running, actions, strict=True):
-                yield from resident.step(action, agent, spec)
-                if not resident.wanted and (jobs_of_life := next(lives, None)) is not None:
-                    resident.live(jobs_of_life, agent, spec)
-                if resident.wanted:
-                    still.append(resident)
-            running = still
-    finally:
-        for resident in residents:
-            resident.env.close()
+    agent, lives = stage.agent, iter(by_life(jobs))
+    running = []
+    for number, env in enumerate(stage.envs(min(spec.batch, len(by_life(jobs))))):
+        resident = _Resident(number, env)
+        resident.live(next(lives), agent, spec)
+        running.append(resident)
+    while running:
+        actions = agent.act([r.observation for r in running], [r.info for r in running], [r.number for r in running])
+        still = []
+        for resident, action in zip(running, actions, strict=True):
+            yield from resident.step(action, agent, spec)
+            if not resident.wanted and (jobs_of_life := next(lives, None)) is not None:
+                resident.live(jobs_of_life, agent, spec)
+            if resident.wanted:
+                still.append(resident)
+        running = still

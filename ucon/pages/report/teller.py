@@ -12,8 +12,8 @@ from ucon.core.pool import Pool
 from ucon.envs.ucon_env import UcONEnv
 from ucon.evaluation.kept.decisions import DecisionRecord
 from ucon.evaluation.kept.record import EpisodeRecord
-from ucon.evaluation.playing.play import one_thread
 from ucon.evaluation.playing.runner import resolve_workers
+from ucon.evaluation.playing.stage import one_thread
 from ucon.pages.report.minds import HeardModel
 from ucon.pages.report.pictures import Pictures, small_renderer
 from ucon.pages.report.story import Story, tell
