@@ -35,7 +35,9 @@ from omegaconf import DictConfig, OmegaConf
 
 from ucon.configuration.wiring import Factory
 from ucon.core.memory import keep_freed_memory
+from ucon.core.pool import pools_from
 from ucon.core.sole_writer import sole_writer
+from ucon.evaluation.playing.runner import LOCAL, Runner
 from ucon.learning.run.learning_curve import learning_curve
 from ucon.learning.run.protocol import Learner
 from ucon.learning.run.run_plan import Plan
@@ -72,12 +74,13 @@ def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None =
     keep_freed_memory()
     plan = Plan.of(config["training"])  # check first: building the learner takes seconds
     check_wandb(config["wandb"])
+    runner: Runner = Factory(config["runner"])() if "runner" in config else LOCAL
     learner = Factory(config["learner"])()
     resolved: Mapping[str, str | int] = getattr(learner, "resolved_options", {})
     if not chosen.checkpoint:
         config["learner"] |= resolved
     try:
-        with closing(learner), sole_writer(chosen.folder):
+        with closing(learner), sole_writer(chosen.folder), pools_from(runner.pool):
             summary, seconds = _trained(chosen, learner, plan, resolved)
     except Interrupted as stop:
         print(f"stopped after step {stop.step}, saved; go on with resume={chosen.folder}", file=sys.stderr)

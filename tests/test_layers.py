@@ -15,8 +15,8 @@ ROOT = Path(__file__).resolve().parents[1]
 LAYERS = (
     "ucon.core", "ucon.objects", "ucon.habits", "ucon.language", "ucon.scenes", "ucon.sim", "ucon.task",
     "ucon.lives", "ucon.readers", "ucon.retrieval", "ucon.perception", "ucon.search", "ucon.memory", "ucon.envs",
-    "ucon.generation", "ucon.evaluation", "ucon.fitting", "ucon.learning", "ucon.configuration", "ucon.programs",
-    "ucon.pages", "ucon.commands", "ucon.__main__", "models",
+    "ucon.generation", "ucon.evaluation", "ucon.fitting", "ucon.learning", "ucon.cluster",
+    "ucon.configuration", "ucon.programs", "ucon.pages", "ucon.commands", "ucon.__main__", "models",
 )  # fmt: skip
 #: Files of a folder; shapes are one file a family of objects.
 MOST, WITHOUT_END = 20, "ucon/objects/shapes"

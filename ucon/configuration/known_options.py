@@ -34,6 +34,7 @@ EVALUATION: Final[Mapping[str, Kind]] = {
     "limit": either([whole(1), NOTHING]),
     "every": whole(1),
     "out": PLACE,
+    "runner": PART,
     "workers": either([whole(0), one_of("auto")]),
     "worker_timeout_s": either([SECONDS, NOTHING]),
     "batch": whole(1),
@@ -59,6 +60,7 @@ EVALUATION: Final[Mapping[str, Kind]] = {
 TRAINING: Final[Mapping[str, Kind]] = {
     "out": PLACE,
     "resume": either([TEXT, NOTHING]),
+    "runner": PART,
     "seed": whole(0),
     "threads": whole(1, MOST_THREADS),
     "progress": SWITCH,

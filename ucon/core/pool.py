@@ -1,4 +1,7 @@
-"""A pool of spawned processes with a time limit for each result: a process may hang or be stopped."""
+"""A pool of spawned processes with a time limit for each result: a process may hang or be stopped.
+
+:func:`open_pool` opens one on this machine, or wherever :func:`pools_from` says.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +10,11 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor, TimeoutError
+from contextlib import AbstractContextManager, contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
 from types import TracebackType
-from typing import Any, Final, TypeVar
+from typing import Any, Final, Protocol, TypeVar
 
 from ucon.core.errors import UconError
 
@@ -21,8 +27,36 @@ _TICK_S: Final = 1.0
 _END_S: Final = 10.0
 
 
+@dataclass(frozen=True)
+class Needs:
+    """What work loads by its name. Processes on other machines are sent it; those on this one find it."""
+
+    homes: tuple[str, ...] = ()
+    episodes: tuple[str, ...] = ()
+    """Sets of episodes."""
+
+
+NOTHING: Final = Needs()
+
+
+class Workers(Protocol):
+    """Processes that do pieces of work, here or elsewhere."""
+
+    def submit(self, work: Callable[..., Any], *given: Any) -> Any:
+        """Start a piece of work; see :meth:`Pool.submit`."""
+        ...
+
+    def result(self, asked: Any) -> Any:
+        """Its result; see :meth:`Pool.result`."""
+        ...
+
+    def map(self, work: Callable[[T], Any], items: Iterable[T]) -> Iterator[Any]:
+        """Results for all items, in order."""
+        ...
+
+
 class Pool:
-    """A pool of processes, used as a context; at its end all processes end."""
+    """A pool of processes on this machine, used as a context; at its end all processes end."""
 
     def __init__(
         self,
@@ -110,3 +144,59 @@ class Pool:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close(at_once=kind is not None)
+
+
+class MakePool(Protocol):
+    """Opens pools; a :class:`Pool` is opened so."""
+
+    def __call__(
+        self,
+        workers: int,
+        begin: Callable[..., None] | None,
+        given: tuple[Any, ...],
+        *,
+        patience_s: float,
+        needs: Needs,
+    ) -> AbstractContextManager[Workers]:
+        """Open one; the arguments are those of :func:`open_pool`."""
+        ...
+
+
+def local_pool(
+    workers: int, begin: Callable[..., None] | None, given: tuple[Any, ...], *, patience_s: float, needs: Needs
+) -> AbstractContextManager[Workers]:
+    """Open a pool of processes on this machine, which find there what they need."""
+    return Pool(workers, begin, given, patience_s=patience_s)
+
+
+_make: ContextVar[MakePool] = ContextVar("make_pool", default=local_pool)
+
+
+def open_pool(
+    workers: int,
+    begin: Callable[..., None] | None = None,
+    given: tuple[Any, ...] = (),
+    *,
+    patience_s: float = PATIENCE_S,
+    needs: Needs = NOTHING,
+) -> AbstractContextManager[Workers]:
+    """Open a pool: of processes on this machine, or within :func:`pools_from` another one.
+
+    Args:
+        workers: number of processes on this machine.
+        begin: called first in each process, with ``given``.
+        given: sent to each process once.
+        patience_s: longest time for one result, seconds.
+        needs: what the work loads by its name.
+    """
+    return _make.get()(workers, begin, given, patience_s=patience_s, needs=needs)
+
+
+@contextmanager
+def pools_from(make: MakePool) -> Iterator[None]:
+    """Context manager: :func:`open_pool` opens the pools of ``make``."""
+    before = _make.set(make)
+    try:
+        yield
+    finally:
+        _make.reset(before)

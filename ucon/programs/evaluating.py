@@ -28,7 +28,7 @@ from ucon.evaluation.playing.needed_weights import check_weights, fingerprints
 from ucon.evaluation.playing.pictures import worth_filming
 from ucon.evaluation.playing.play import PlayedEpisode, RunSpec
 from ucon.evaluation.playing.progress_bar import EvaluationProgress, embedding_progress
-from ucon.evaluation.playing.runner import OnPlayed, evaluate
+from ucon.evaluation.playing.runner import LOCAL, OnPlayed, Runner, evaluate
 from ucon.lives.asked import Asked, asked_of, example
 from ucon.lives.sets import load_lives
 from ucon.retrieval.levels import check_level
@@ -104,6 +104,7 @@ class Evaluation:
             batch=config["batch"],
             memory=memory,
         )
+        self._runner: Runner = Factory(config["runner"])() if "runner" in config else LOCAL
         self.n_new, self.seconds = 0, 0.0
         """Episodes that :meth:`play` played, and how long that took."""
 
@@ -203,6 +204,7 @@ class Evaluation:
                 skip=list(done),
                 on_played=on_played,
                 worker_timeout_s=config["worker_timeout_s"],
+                runner=self._runner,
             )
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 #: Advice about a stored configuration that cannot be used.
 _REMEDY = "restore it, or start the run anew"
 #: Options that do not change what is learned, only where and how a run is shown.
-NEUTRAL_OPTIONS = ("out", "resume", "progress", "wandb", "tensorboard")
+NEUTRAL_OPTIONS = ("out", "resume", "runner", "progress", "wandb", "tensorboard")
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
 
@@ -16,6 +17,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, help="file to write; default: where the set is looked for")
     parser.add_argument("--limit", type=int, help="only the first so many lives")
     parser.add_argument("--workers", type=int, default=2, help="processes (default 2)")
+    parser.add_argument(
+        "--ray",
+        nargs="?",
+        const="",
+        metavar="ADDRESS",
+        help="make them on a Ray cluster: host:port or auto; without ADDRESS one on this machine",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -42,9 +50,24 @@ def run(args: argparse.Namespace) -> int:
     check_suffix(path)
     journal = path.with_name(f"{path.name}.part")
     require_writable(journal)
-    with stdout_to_stderr(), Progress(f"making {args.name}", len(orders), unit="lives") as bar:
-        lives = make_lives(orders, workers=args.workers, progress=bar.update, journal=journal)
+    with (
+        stdout_to_stderr(),
+        _pools(args.ray),
+        Progress(f"making {args.name}", len(orders), unit="lives") as bar,
+    ):
+        workers = args.workers if args.ray is None else max(2, args.workers)
+        lives = make_lives(orders, workers=workers, progress=bar.update, journal=journal)
     save_lives(lives, path)
     journal.unlink()
     sys.stderr.write(f"{len(lives)} lives written to {path} ({path.stat().st_size / 1024:.0f} KB)\n")
     return 0
+
+
+def _pools(address: str | None) -> AbstractContextManager[None]:
+    """Where lives are made: on this machine for None, else on the Ray cluster of an address; "" makes one."""
+    if address is None:
+        return nullcontext()
+    from ucon.cluster.runner import RayRunner
+    from ucon.core.pool import pools_from
+
+    return pools_from(RayRunner(address or None).pool)

@@ -29,7 +29,7 @@ _MANY: Final = 1000
 #: Fewer episodes tell nothing that one could act on.
 _FEW: Final = 30
 #: Options that do not change what is measured, only where and how fast.
-NEUTRAL_OPTIONS = ("out", "workers", "worker_timeout_s", "pictures", "progress")
+NEUTRAL_OPTIONS = ("out", "runner", "workers", "worker_timeout_s", "pictures", "progress")
 
 
 def run_hashes(

@@ -1,4 +1,4 @@
-"""Distributes episodes over worker processes. The distribution is fixed beforehand and changes no record.
+"""Distributes episodes over worker processes, of this machine or of a cluster, which changes no record.
 
 Workers are started from a fork server (or spawned where there is none), never by forking this process with its threads.
 A worker that fails ends the run with its traceback; one that dies, with its exit code; one that stops answering is
@@ -10,9 +10,10 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any
+from typing import Any, Final, Protocol
 
 from ucon.core.errors import ConfigError, brief
+from ucon.core.pool import MakePool, local_pool
 from ucon.evaluation.playing.crew import WorkerPool
 from ucon.evaluation.playing.jobs import Job, play, shares
 from ucon.evaluation.playing.play import PlayedEpisode, RunSpec
@@ -44,6 +45,40 @@ def resolve_workers(workers: int | str, n_episodes: int) -> int:
     return min(count, n_episodes)
 
 
+class Runner(Protocol):
+    """Who plays: processes of this machine, or of a cluster."""
+
+    def play(self, spec: RunSpec, jobs: Sequence[Job], workers: int | str, timeout_s: float) -> Iterator[PlayedEpisode]:
+        """Play jobs and yield episodes as they end, in any order.
+
+        Args:
+            spec: agent, environment, habit level.
+            jobs: see :data:`Job`.
+            workers: how many, or ``auto``.
+            timeout_s: most seconds that a worker may take for an episode; infinity for no limit.
+        """
+        ...
+
+    @property
+    def pool(self) -> MakePool:
+        """Opens pools of its processes for other work, see :func:`ucon.core.pool.pools_from`."""
+        ...
+
+
+class LocalRunner:
+    """Plays in processes of this machine. Which of them plays what is fixed beforehand."""
+
+    def play(self, spec: RunSpec, jobs: Sequence[Job], workers: int | str, timeout_s: float) -> Iterator[PlayedEpisode]:
+        """Play jobs and yield episodes as they end; for ``workers`` see :func:`resolve_workers`."""
+        count = resolve_workers(workers, len(jobs))
+        return play(spec, jobs) if count == 0 else _parallel(spec, jobs, count, timeout_s)
+
+    pool = staticmethod(local_pool)
+
+
+LOCAL: Final = LocalRunner()
+
+
 def evaluate(
     spec: RunSpec,
     episodes: Sequence[Episode | Asked],
@@ -52,6 +87,7 @@ def evaluate(
     skip: Sequence[int] = (),
     on_played: OnPlayed | None = None,
     worker_timeout_s: float | None = None,
+    runner: Runner = LOCAL,
 ) -> list[PlayedEpisode]:
     """Play all episodes except those at the indices ``skip``.
 
@@ -62,6 +98,7 @@ def evaluate(
         skip: indices that an earlier run has played.
         on_played: is called in this process with each episode as it ends, in any order.
         worker_timeout_s: most seconds that a worker may take for an episode; None for no limit.
+        runner: whose workers play.
 
     Returns:
         The episodes, sorted by index.
@@ -73,11 +110,8 @@ def evaluate(
     """
     done = set(skip)
     jobs: list[Job] = [(i, episode) for i, episode in enumerate(episodes) if i not in done]
-    count = resolve_workers(workers, len(jobs))
-    limit = _limit(worker_timeout_s)
-    source = play(spec, jobs) if count == 0 else _parallel(spec, jobs, count, limit)
     found = []
-    for played in source:
+    for played in runner.play(spec, jobs, workers, _limit(worker_timeout_s)):
         found.append(played)
         if on_played is not None:
             on_played(played)

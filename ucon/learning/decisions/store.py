@@ -15,6 +15,7 @@ from safetensors.numpy import save
 from ucon.core.errors import DataError
 from ucon.core.files import sha256_bytes, user_cache
 from ucon.core.fingerprint import fingerprint_of
+from ucon.core.pool import Needs
 from ucon.core.rng import stream
 from ucon.learning.decisions.decisions import TEXT, Decisions
 from ucon.learning.run.kept_batches import code_hash, kept_batches, read_batch
@@ -59,7 +60,10 @@ def kept_decisions(
     """
     folder = user_cache() / labels.name / store_hash(labels, episodes, make, levels, seed)
     given = (labels, episodes, make, tuple(levels), seed)
-    files = kept_batches(folder, searches, labels.searches, f"searches in {episodes} homes", workers, _batch, given)
+    needs = Needs(tuple({e.scene for e in _episodes(episodes)}), (episodes,))
+    files = kept_batches(
+        folder, searches, labels.searches, f"searches in {episodes} homes", workers, _batch, given, needs
+    )
     return Decisions.join([part for path in files if (part := _read(path, labels.label)) is not None])
 
 

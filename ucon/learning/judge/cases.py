@@ -13,6 +13,7 @@ import numpy as np
 from safetensors.numpy import save
 
 from ucon.core.files import sha256_bytes, user_cache
+from ucon.core.pool import Needs
 from ucon.core.rng import stream
 from ucon.fitting.suspect_cases import SuspectCases, cases_of
 from ucon.learning.run.kept_batches import code_hash, kept_batches, read_batch
@@ -41,7 +42,8 @@ def collected(episodes: str, searches: int, detectors: Sequence[BoxDetector], se
     """
     folder = user_cache() / "judge" / case_hash(episodes, detectors, seed)
     what, given = f"searches in {episodes} homes", (episodes, tuple(detectors), seed)
-    files = kept_batches(folder, searches, BATCH, what, workers, _batch, given)
+    needs = Needs(tuple({e.scene for e in _episodes(episodes)}), (episodes,))
+    files = kept_batches(folder, searches, BATCH, what, workers, _batch, given, needs)
     return SuspectCases.join([_read(file) for file in files])
 
 

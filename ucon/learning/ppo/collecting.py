@@ -40,13 +40,14 @@ class Collecting(Protocol):
     worker_timeout_s: float
     """Most seconds that one collection may take."""
 
-    def collector(self, make: Callable[[], Any], actor: nn.Module, steps: int) -> Any:
+    def collector(self, make: Callable[[], Any], actor: nn.Module, steps: int, homes: tuple[str, ...]) -> Any:
         """A TorchRL collector; each of its batches begins with a reset.
 
         Args:
             make: makes an environment.
             actor: the policy as a module over tensordicts.
             steps: of each environment in a batch.
+            homes: that the environments load; sent to workers on other machines.
         """
         ...
 
@@ -58,9 +59,9 @@ class InProcess:
     rows = 1
     worker_timeout_s = WORKER_TIMEOUT_S
 
-    def collector(self, make: Callable[[], Any], actor: nn.Module, steps: int) -> Any:
+    def collector(self, make: Callable[[], Any], actor: nn.Module, steps: int, homes: tuple[str, ...]) -> Any:
         """A collector whose batches are (steps,)."""
-        return Collector(make, actor, frames_per_batch=steps, **_OPTIONS)
+        return Collector(make, actor, frames_per_batch=steps, **COLLECTOR_OPTIONS)
 
 
 @dataclass(frozen=True)
@@ -89,11 +90,11 @@ class InWorkers:
         """Number of environments, one per worker."""
         return self.workers
 
-    def collector(self, make: Callable[[], Any], actor: nn.Module, steps: int) -> Any:
+    def collector(self, make: Callable[[], Any], actor: nn.Module, steps: int, homes: tuple[str, ...]) -> Any:
         """A collector whose batches are (workers, steps)."""
         frames = steps * self.workers
         made = [functools.partial(_in_worker, make, os.getpid())] * self.workers
-        return MultiSyncCollector(made, actor, frames_per_batch=frames, cat_results="stack", **_OPTIONS)
+        return MultiSyncCollector(made, actor, frames_per_batch=frames, cat_results="stack", **COLLECTOR_OPTIONS)
 
 
 def _in_worker(make: Callable[[], Any], trainer: int) -> Any:
@@ -104,7 +105,7 @@ def _in_worker(make: Callable[[], Any], trainer: int) -> Any:
 
 
 #: Arguments of every collector. ``compact_obs``: each observation is stored once, which halves the memory.
-_OPTIONS: dict[str, Any] = {
+COLLECTOR_OPTIONS: dict[str, Any] = {
     "total_frames": -1,
     "reset_at_each_iter": True,
     "compact_obs": True,
@@ -140,6 +141,7 @@ class ExperienceCollector:
         reader = copy.deepcopy(self._playing)
         make = functools.partial(rollout_env, reader, make_env, tuple(episodes), tuple(levels))
         self.shape = (collecting.rows, steps)
+        self._homes = tuple(sorted({episode.scene for episode in episodes}))
         self._collecting, self._make, self._actor = collecting, make, rollout_actor(self._playing)
         self._collector: Any = None
         self._batches: Iterator[TensorDictBase] | None = None
@@ -157,7 +159,7 @@ class ExperienceCollector:
             LearnerWorkerError: a worker died, or the collection took too long.
         """
         if self._batches is None:
-            self._collector = self._collecting.collector(self._make, self._actor, self.shape[1])
+            self._collector = self._collecting.collector(self._make, self._actor, self.shape[1], self._homes)
             self._batches = iter(self._collector)
             atexit.register(self.close)  # else Python would wait at exit for the workers
         self._playing.load_state_dict(self._policy.state_dict())

@@ -19,12 +19,19 @@ from safetensors.numpy import load
 import ucon
 from ucon.core.errors import DataError, brief
 from ucon.core.files import write_atomic
-from ucon.core.pool import Pool
+from ucon.core.pool import Needs, open_pool
 from ucon.core.progress import Progress
 
 
 def kept_batches(
-    folder: Path, count: int, size: int, what: str, workers: int, make: Callable[..., bytes], given: tuple[Any, ...]
+    folder: Path,
+    count: int,
+    size: int,
+    what: str,
+    workers: int,
+    make: Callable[..., bytes],
+    given: tuple[Any, ...],
+    needs: Needs,
 ) -> list[Path]:
     """Files of the numbers 0 to ``count``, in batches; those that are missing are made.
 
@@ -36,6 +43,7 @@ def kept_batches(
         workers: processes.
         make: from ``given`` and a range of numbers to the bytes of a file; a function that can be pickled.
         given: arguments.
+        needs: what ``make`` loads by its name.
 
     Returns:
         Paths, in the order of the numbers.
@@ -44,7 +52,7 @@ def kept_batches(
     files = [folder / f"{batch[0]:06d}-{len(batch)}.safetensors" for batch in batches]
     missing = [k for k, file in enumerate(files) if not file.is_file()]
     if missing:
-        with Progress(what, sum(len(batches[k]) for k in missing)) as progress, Pool(workers) as pool:
+        with Progress(what, sum(len(batches[k]) for k in missing)) as progress, open_pool(workers, needs=needs) as pool:
             asked, done = [(k, pool.submit(make, *given, batches[k])) for k in missing], 0
             for k, answer in asked:
                 write_atomic(files[k], pool.result(answer))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ucon.core.errors import EpisodeError, UconError
 from ucon.core.files import canonical_json, write_atomic
-from ucon.core.pool import Pool
+from ucon.core.pool import Needs, open_pool
 from ucon.core.untrusted.plain_file import read_plain
 from ucon.core.untrusted.strict_json import JsonError, parse_json
 from ucon.habits.book import contexts_book
@@ -63,7 +63,8 @@ def make_lives(
         for order in missing:
             keep(_make(order))
     elif missing:
-        with Pool(min(workers, len(missing)), _begin, (habits,)) as pool:
+        needs = Needs(tuple(sorted({order.scene for order in missing})))
+        with open_pool(min(workers, len(missing)), _begin, (habits,), needs=needs) as pool:
             for life in pool.map(_make, missing):
                 keep(life)
     return done

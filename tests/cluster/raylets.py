@@ -1,0 +1,51 @@
+"""A cluster of two raylets on this machine."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+
+
+class Raylets:
+    """Two raylets; the second can be killed."""
+
+    def __init__(self, cpus: int) -> None:
+        from ray.cluster_utils import Cluster
+
+        options = {"num_cpus": cpus, "object_store_memory": 200 * 2**20}
+        self._cluster = Cluster(initialize_head=True, head_node_args=options | {"include_dashboard": False})
+        self._second = self._cluster.add_node(**options)
+        self.address: str = self._cluster.address
+
+    def kill_second(self) -> None:
+        """Kill it with all its workers, as where a machine is lost."""
+        if self._second is not None:
+            self._cluster.remove_node(self._second, allow_graceful=False)
+            self._second = None
+
+    def close(self) -> None:
+        import ray
+
+        ray.shutdown()
+        self._cluster.shutdown()
+
+
+@contextmanager
+def two_raylets(cpus: int = 1) -> Iterator[Raylets]:
+    """Context manager: two raylets with ``cpus`` each."""
+    os.environ.update(RAY_AUTH_MODE="disabled", RAY_worker_niceness="0", RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO="0")
+    made = Raylets(cpus)
+    try:
+        yield made
+    finally:
+        made.close()
+
+
+def is_running(process: int) -> bool:
+    """Whether a process runs; a zombie does not."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False

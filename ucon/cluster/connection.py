@@ -1,0 +1,87 @@
+"""The connection to a Ray cluster: one that runs, by its address, or one on this machine, made for this process."""
+
+from __future__ import annotations
+
+import logging
+import os
+from pathlib import Path
+from typing import Any, Final
+
+import ucon
+from ucon.core.errors import ConfigError, brief
+
+#: Sums must not depend on the number of threads; workers give the parallelism.
+_ONE_THREAD: Final = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
+)
+
+#: The address that :func:`connect` connected this process to.
+_connected_to: tuple[str | None] | None = None
+
+
+def connect(address: str | None, cpus: int | None = None) -> Any:
+    """Connect this process to a cluster; does nothing where it is connected already. It stays so until it ends.
+
+    Args:
+        address: ``host:port``, or ``auto`` for the cluster that runs on this machine; None: a cluster of this process
+            alone, which ends with it.
+        cpus: CPUs of a cluster of this process alone; None: the cores that it may use.
+
+    Returns:
+        The module ``ray``.
+
+    Raises:
+        ConfigError: Ray is not installed, or no cluster answers at the address.
+    """
+    if address is None:
+        os.environ.setdefault("RAY_AUTH_MODE", "disabled")  # nobody else reaches it
+        os.environ.setdefault("RAY_worker_niceness", "0")  # its workers are all that this command runs
+    elif "://" in address:
+        raise ConfigError(
+            f"address={brief(address)}: Ray's client is not supported; start this command on a machine of the cluster, "
+            "with address=auto"
+        )
+    global _connected_to
+    os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")
+    try:
+        import ray
+    except ImportError:
+        raise ConfigError("Ray is not installed: pip install 'ucon-nav[ray]'") from None
+    if ray.is_initialized():
+        if _connected_to in (None, (address,)):  # None: somebody else connected this process
+            return ray
+        ray.shutdown()
+    local: dict[str, Any] = {}
+    if address is None:
+        local = {"num_cpus": cpus or _usable_cores(), "include_dashboard": False}
+    try:
+        ray.init(
+            address=address or "local",
+            log_to_driver=False,
+            logging_level=logging.ERROR,
+            runtime_env={"env_vars": {"PYTHONPATH": _python_path(), **_ONE_THREAD}},
+            **local,
+        )
+    except (ConnectionError, ValueError, RuntimeError) as error:
+        first = str(error).strip().splitlines()[0] if str(error).strip() else type(error).__name__
+        raise ConfigError(
+            f"address={brief(address)}: no Ray cluster answers there ({brief(first)}); start one with "
+            "`ray start --head`, or leave the address out for one on this machine"
+        ) from None
+    _connected_to = (address,)
+    return ray
+
+
+def cluster_cpus(ray: Any) -> int:
+    """CPUs of the cluster that this process is connected to."""
+    return max(1, int(ray.cluster_resources().get("CPU", 1)))
+
+
+def _usable_cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _python_path() -> str:
+    """Where workers find ``ucon`` and ``models``: at the same place as this process."""
+    root = str(Path(ucon.__file__).resolve().parents[1])
+    return os.pathsep.join([root, *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))])

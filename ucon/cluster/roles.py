@@ -1,0 +1,113 @@
+"""What the members of a crew do with the jobs that they are given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import takewhile
+from typing import Any, Final, Protocol
+
+from ucon.evaluation.playing.jobs import Job, play_on
+from ucon.evaluation.playing.play import RunSpec
+from ucon.evaluation.playing.stage import Stage
+from ucon.lives.asked import Asked
+
+#: Most episodes of a piece: what may have to be played again where a worker dies.
+_MOST: Final = 32
+#: Into so many pieces for each worker the rest of the jobs is cut, so that all end at nearly the same time.
+_PIECES: Final = 4
+
+
+class Role(Protocol):
+    """What a crew's members do. It is pickled and sent to them."""
+
+    @property
+    def at_once(self) -> int:
+        """Jobs of a piece that a member works on at the same time."""
+        ...
+
+    def begin(self) -> Any:
+        """State of a member, made once."""
+        ...
+
+    def work(self, state: Any, jobs: Sequence[tuple[int, Any]]) -> Iterator[tuple[int, Any]]:
+        """Do jobs, and yield the number and the result of each as it ends."""
+        ...
+
+    def piece(self, waiting: Iterable[tuple[int, Any]], count: int, members: int) -> int:
+        """How many of the ``count`` waiting jobs a member is given next."""
+        ...
+
+    def name(self, job: tuple[int, Any]) -> str:
+        """Name of a job in messages."""
+        ...
+
+
+@dataclass(frozen=True)
+class Playing:
+    """Plays episodes or lives."""
+
+    spec: RunSpec
+
+    @property
+    def at_once(self) -> int:
+        """Environments whose observations the agent is given together."""
+        return self.spec.batch
+
+    def begin(self) -> Stage:
+        """The agent and its environments."""
+        return Stage(self.spec.agent, self.spec.env)
+
+    def work(self, state: Stage, jobs: Sequence[Job]) -> Iterator[tuple[int, Any]]:
+        """Play jobs; yields their indices with their :class:`PlayedEpisode`."""
+        for played in play_on(state, self.spec, jobs):
+            yield played.index, played
+
+    def piece(self, waiting: Iterable[Job], count: int, members: int) -> int:
+        """Whole lives, as many as are played at once; of episodes ever fewer, since the last pieces decide the end."""
+        first = next(iter(waiting))[1]
+        if not isinstance(first, Asked):
+            return min(count, max(self.at_once, min(_MOST, count // (_PIECES * members))))
+        lives: dict[str, int] = {}
+        for _ in takewhile(lambda job: _counted(job, lives) <= self.at_once, waiting):
+            pass
+        return sum(list(lives.values())[: self.at_once])
+
+    def name(self, job: Job) -> str:
+        """Identifier of the episode, or of the request."""
+        return job[1].id
+
+
+def _counted(job: Job, lives: dict[str, int]) -> int:
+    """Count a request to its life; returns the number of lives so far."""
+    asked = job[1]
+    assert isinstance(asked, Asked)
+    lives[asked.life.id] = lives.get(asked.life.id, 0) + 1
+    return len(lives)
+
+
+@dataclass(frozen=True)
+class Calling:
+    """Calls functions, one after the other; a job is a function with its arguments."""
+
+    start: Callable[..., None] | None = None
+    given: tuple[Any, ...] = ()
+    at_once = 1
+
+    def begin(self) -> None:
+        """Call what is called first in each process."""
+        if self.start is not None:
+            self.start(*self.given)
+
+    def work(self, state: None, jobs: Sequence[tuple[int, Any]]) -> Iterator[tuple[int, Any]]:
+        """Call the functions; yields what they return."""
+        for number, (function, given) in jobs:
+            yield number, function(*given)
+
+    def piece(self, waiting: Iterable[tuple[int, Any]], count: int, members: int) -> int:
+        """One."""
+        return 1
+
+    def name(self, job: tuple[int, Any]) -> str:
+        """Its number."""
+        return f"piece {job[0]}"
