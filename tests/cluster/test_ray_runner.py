@@ -40,7 +40,7 @@ def cluster():
         yield RayRunner(made.address)
 
 
-def played_on(runner, agent, *, count=len(EPISODES), workers=2, timeout_s=None, **options):
+def played_on(runner, agent, *, count=8, workers=2, timeout_s=None, **options):
     found = []
     evaluate(
         spec(agent, **options),
@@ -74,6 +74,7 @@ def test_what_no_worker_survives_ends_the_run(cluster, tmp_path):
     assert not any(map(is_running, processes))
 
 
+@pytest.mark.slow
 def test_what_stops_every_worker_ends_the_run(cluster, tmp_path):
     agent = partial(Befalls, "stopped", tmp_path, EPISODES[0].target_category, 9)
     with pytest.raises(EpisodeError, match=r"not finished by any of 3 workers; .* within 4 s \(worker_timeout_s\)"):

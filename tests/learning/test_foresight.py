@@ -69,7 +69,7 @@ def test_decisions_are_kept_and_the_number_of_workers_does_not_matter(
     store.kept_decisions(BEYOND, "mini", 8, search, LEVELS, 0, 1)
     (one,) = (tmp_path / "foresight").rglob("*.safetensors")
     assert one.read_bytes() == files[0].read_bytes()
-    monkeypatch.setattr(kept_batches, "Pool", None)  # nothing is searched again
+    monkeypatch.setattr(kept_batches, "open_pool", None)  # nothing is searched again
     assert len(store.kept_decisions(BEYOND, "mini", 8, search, LEVELS, 0, 1))
     one.write_bytes(one.read_bytes()[:1000])
     with pytest.raises(DataError, match=r"no decisions .*remove it[^\n]*$"):

@@ -52,7 +52,7 @@ def test_cases_are_kept_and_the_number_of_workers_does_not_matter(
     judge_cases.collected("mini", 10, [NoisyDetector()], 0, 1)
     (one,) = (tmp_path / "judge").rglob("*.safetensors")
     assert one.read_bytes() == files[0].read_bytes()
-    monkeypatch.setattr(kept_batches, "Pool", None)  # nothing is searched again
+    monkeypatch.setattr(kept_batches, "open_pool", None)  # nothing is searched again
     assert len(judge_cases.collected("mini", 10, [NoisyDetector()], 0, 1).home)
     one.write_bytes(one.read_bytes()[:100])
     with pytest.raises(DataError, match=r"no cases .*remove it[^\n]*$"):

@@ -5,10 +5,11 @@ A collection depends on weights and seed alone, so it is made again where a work
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as LimitReached
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ from typing import Any, Final, TypeVar
 import numpy as np
 import torch
 from tensordict import TensorDictBase
-from torch import nn
+from torch import Tensor, nn
 from torchrl.collectors import Collector
 
 from ucon.cluster.connection import connect
@@ -30,6 +31,8 @@ from ucon.learning.run.workers import WORKER_TIMEOUT_S, LearnerWorkerError, chec
 T = TypeVar("T")
 #: Seconds that a worker has to say that it is there, once others have finished.
 _PING_S: Final = 10.0
+#: Seconds in which workers have to be placed and started.
+_START_S: Final = 600.0
 
 
 @dataclass(frozen=True)
@@ -79,11 +82,20 @@ def _with_luggage(luggage: Any, make: Callable[[], Any]) -> Any:
     return make()
 
 
-class _SeededCollector(Collector):
-    """Seeds what actions are drawn with, as TorchRL's collectors in processes do."""
+class _RemoteCollector(Collector):
+    """In an actor: is given weights and a seed at each collection.
+
+    TorchRL sends weights to actors by a store of ``torch.distributed``, which waits a minute for a lost one; Ray's
+    objects are as fast.
+    """
+
+    def take(self, weights: Mapping[str, Tensor], seed: int) -> int:
+        """Take the policy's weights and seed; returns the seed of the next actor."""
+        self.policy.load_state_dict(weights)
+        return self.set_seed(seed)
 
     def set_seed(self, seed: int, static_seed: bool = False) -> int:
-        """Seed environments and random numbers of this process."""
+        """Seed environments, and what actions are drawn with, as TorchRL's collectors in processes do."""
         following: int = super().set_seed(seed, static_seed)
         torch.manual_seed(seed)
         np.random.seed(seed)  # noqa: NPY002 (the libraries' global state)
@@ -121,9 +133,10 @@ class _LastingCollector:
 
     def shutdown(self, *, raise_on_error: bool = True) -> None:
         """End the workers; a later collection starts new ones."""
-        if self._collector is not None:
-            self._collector.shutdown()
-            self._collector = None
+        lost, self._collector = self._collector, None
+        if lost is not None and self._ray.is_initialized():  # else they ended with the connection
+            with contextlib.suppress(self._ray.exceptions.RayError):  # some may be gone
+                lost.shutdown()
 
     def _collected(self) -> TensorDictBase:
         """One collection, tried again with new workers where some were lost.
@@ -133,13 +146,15 @@ class _LastingCollector:
         """
         for _ in range(TRIES):
             try:
+                if self._collector is None:
+                    within(_START_S, self._start)
                 return within(self._options.worker_timeout_s, self._collect)
             except self._ray.exceptions.RayTaskError:
                 raise  # an error of the environment or the policy
             except self._ray.exceptions.RayError as error:
                 lost = f"a worker died ({str(error).strip().splitlines()[-1].strip()[:200]})"
             except LimitReached:
-                lost = f"{self._late()} did not answer within {self._options.worker_timeout_s:g} s"
+                lost = self._late()
             self.shutdown()
             sys.stderr.write(f"warning: {lost}; the workers are replaced, and the collection is made again\n")
         raise LearnerWorkerError(
@@ -148,13 +163,17 @@ class _LastingCollector:
         )
 
     def _collect(self) -> TensorDictBase:
-        if self._collector is None:
-            self._collector = self._started()
-        self._collector.update_policy_weights_(self._actor)
-        self._collector.set_seed(self._seed)
+        weights, seed = self._ray.put(self._actor.state_dict()), self._seed
+        for worker in self._collector.remote_collectors:
+            seed = worker.take.remote(weights, seed)  # not waited for: the next one gets it from this one
         return torch.stack(self._ray.get([worker.next.remote() for worker in self._collector.remote_collectors]))
 
-    def _started(self) -> Any:
+    def _start(self) -> None:
+        """Start the workers, and wait until they are ready."""
+        self._collector = self._made()
+        self._ray.get([worker.__ray_ready__.remote() for worker in self._collector.remote_collectors])
+
+    def _made(self) -> Any:
         from torchrl.collectors.distributed import RayCollector
 
         number = self._options.workers
@@ -169,18 +188,21 @@ class _LastingCollector:
             collector_kwargs=options,
             num_collectors=number,
             sync=True,
-            collector_class=_SeededCollector,
+            weight_sync_schemes={},
+            collector_class=_RemoteCollector,
             device=device,
             remote_configs={"num_cpus": 1, "num_gpus": 0},
         )
 
     def _late(self) -> str:
-        """Names of workers that do not answer."""
-        if self._collector is None:
-            return "a worker that was being started"
-        asked = {worker.__ray_ready__.remote(): k for k, worker in enumerate(self._collector.remote_collectors)}
-        _, late = self._ray.wait(list(asked), num_returns=len(asked), timeout=_PING_S)
-        return ", ".join(f"worker {asked[one]}" for one in late) or "the workers"
+        """Which workers do not answer, in words."""
+        asked = {worker.__ray_ready__.remote(): k for k, worker in enumerate(self._workers())}
+        _, late = self._ray.wait(list(asked), num_returns=len(asked), timeout=_PING_S) if asked else ([], [])
+        names = ", ".join(f"worker {asked[one]}" for one in late) or "the workers"
+        return f"{names} did not answer within {self._options.worker_timeout_s:g} s"
+
+    def _workers(self) -> list[Any]:
+        return [] if self._collector is None else list(self._collector.remote_collectors)
 
 
 def within(seconds: float, question: Callable[[], T]) -> T:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+import socket
 from pathlib import Path
 from typing import Any, Final
 
@@ -15,6 +16,9 @@ _ONE_THREAD: Final = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
 )
 
+#: Seconds in which a cluster has to answer.
+_ANSWER_S: Final = 10.0
+_REMEDY: Final = "start one with `ray start --head`, or leave the address out for one on this machine"
 #: The address that :func:`connect` connected this process to.
 _connected_to: tuple[str | None] | None = None
 
@@ -36,12 +40,12 @@ def connect(address: str | None, cpus: int | None = None) -> Any:
     if address is None:
         os.environ.setdefault("RAY_AUTH_MODE", "disabled")  # nobody else reaches it
         os.environ.setdefault("RAY_worker_niceness", "0")  # its workers are all that this command runs
-    elif "://" in address:
-        raise ConfigError(
-            f"address={brief(address)}: Ray's client is not supported; start this command on a machine of the cluster, "
-            "with address=auto"
-        )
+    elif address != "auto":
+        _check_answers(address)
     global _connected_to
+    os.environ.setdefault(
+        "RAY_ENABLE_AUTO_CONNECT", "0"
+    )  # else whatever is left of an ended connection starts a cluster
     os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")
     try:
         import ray
@@ -64,12 +68,24 @@ def connect(address: str | None, cpus: int | None = None) -> Any:
         )
     except (ConnectionError, ValueError, RuntimeError) as error:
         first = str(error).strip().splitlines()[0] if str(error).strip() else type(error).__name__
-        raise ConfigError(
-            f"address={brief(address)}: no Ray cluster answers there ({brief(first)}); start one with "
-            "`ray start --head`, or leave the address out for one on this machine"
-        ) from None
+        raise ConfigError(f"address={brief(address)}: no Ray cluster ({brief(first)}); {_REMEDY}") from None
     _connected_to = (address,)
     return ray
+
+
+def _check_answers(address: str) -> None:
+    """Refuse what is no ``host:port`` of a server: Ray would try for minutes.
+
+    Raises:
+        ConfigError: naming the address.
+    """
+    host, _, port = address.rpartition(":")
+    if "://" in address or not host or not port.isdecimal() or int(port) > 65535:
+        raise ConfigError(f"address={brief(address)}: expected host:port, or auto for the cluster on this machine")
+    try:
+        socket.create_connection((host.strip("[]"), int(port)), timeout=_ANSWER_S).close()
+    except OSError as error:
+        raise ConfigError(f"address={brief(address)}: nobody answers there ({error}); {_REMEDY}") from None
 
 
 def cluster_cpus(ray: Any) -> int:

@@ -18,6 +18,17 @@ _MOST: Final = 32
 _PIECES: Final = 4
 
 
+def piece_size(count: int, at_once: int, members: int) -> int:
+    """How many of ``count`` waiting episodes a member is given: ever fewer, since the last pieces decide the end.
+
+    Args:
+        count: of waiting episodes.
+        at_once: that a member plays at once.
+        members: of the crew.
+    """
+    return min(count, max(at_once, min(_MOST, count // (_PIECES * members))))
+
+
 class Role(Protocol):
     """What a crew's members do. It is pickled and sent to them."""
 
@@ -64,10 +75,10 @@ class Playing:
             yield played.index, played
 
     def piece(self, waiting: Iterable[Job], count: int, members: int) -> int:
-        """Whole lives, as many as are played at once; of episodes ever fewer, since the last pieces decide the end."""
+        """Whole lives, as many as are played at once; of episodes see :func:`piece_size`."""
         first = next(iter(waiting))[1]
         if not isinstance(first, Asked):
-            return min(count, max(self.at_once, min(_MOST, count // (_PIECES * members))))
+            return piece_size(count, self.at_once, members)
         lives: dict[str, int] = {}
         for _ in takewhile(lambda job: _counted(job, lives) <= self.at_once, waiting):
             pass

@@ -53,6 +53,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--learning", action="store_true", help="measure the learners instead, with 1 and 2 worker processes (minutes)"
     )
+    parser.add_argument(
+        "--cluster",
+        type=Path,
+        metavar="RUN",
+        help="reckon instead how long a finished run takes on more workers, of which some are slow and some are lost",
+    )
+    parser.add_argument("--workers", type=int, nargs="+", default=[8, 64, 512], help="of --cluster (default 8 64 512)")
+    parser.add_argument("--runs", type=int, default=1, help="of --cluster: so many runs like this one, in one go")
+    parser.add_argument("--lost", type=float, default=0.05, metavar="RATE", help="workers lost, per worker and hour")
+    parser.add_argument("--slow", type=float, default=0.05, metavar="SHARE", help="share of workers half as fast")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -66,6 +76,8 @@ def run(args: argparse.Namespace) -> int:
     """
     from ucon.core.output import stdout_to_stderr
 
+    if args.cluster is not None:
+        return _reckon(args)
     with stdout_to_stderr():
         figures = measure_learning() if args.learning else measure(renderer=not args.no_renderer)
     if args.json:
@@ -77,6 +89,33 @@ def run(args: argparse.Namespace) -> int:
             "wall time, medians over steps; a step plays, feeds and updates"
             if args.learning
             else "CPU time of one process on one core; medians over homes, and the slowest home"
+        )
+    return 0
+
+
+def _reckon(args: argparse.Namespace) -> int:
+    """Print how long a run takes on a cluster, for each number of workers."""
+    from dataclasses import asdict
+
+    from ucon.cluster.schedule import Trouble, simulate
+    from ucon.core.errors import ConfigError
+    from ucon.evaluation.kept.finished import FinishedRun
+
+    if args.runs < 1:
+        raise ConfigError(f"--runs {args.runs}: expected a whole number from 1 up")
+    seconds = [timing.seconds for timing in FinishedRun.read(args.cluster).timings()] * args.runs
+    if not seconds:
+        raise ConfigError(f"--cluster {args.cluster}: holds no timing of its episodes; evaluate them again")
+    trouble = Trouble(lost_per_hour=args.lost, slow_share=args.slow)
+    found = [simulate(seconds, workers, trouble) for workers in args.workers]
+    if args.json:
+        print(json.dumps([asdict(one) | {"efficiency": one.efficiency} for one in found], indent=1))
+        return 0
+    print(f"{len(seconds)} episodes, {sum(seconds) / 3600:.2f} core hours")
+    for one in found:
+        print(
+            f"{one.workers:>6} workers: {one.wall_s / 60:8.1f} min, {one.efficiency:4.0%} of their time used, "
+            f"{one.lost} lost, {one.again_s / 3600:.2f} core hours done again"
         )
     return 0
 
