@@ -60,7 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     instead.add_argument(
         "--scaling",
         action="store_true",
-        help="measure cost against size instead: queries by sentences, steps by things and rooms (two minutes)",
+        help="measure cost against size instead: queries by sentences, steps by things and rooms (a minute)",
     )
     parser.add_argument("--plot", type=Path, metavar="FOLDER", help="with --scaling: draw it there, a PNG each")
 
@@ -183,7 +183,7 @@ def _scaling(args: argparse.Namespace) -> int:
     print(f"{'step with images in':<26} {'things':>10} {'rooms':>11} {'ms a step':>9}")
     for step in steps:
         print(f"{step.home:<26} {step.things:>10} {step.rooms:>11} {step.step_ms:>9.3f}")
-    print("CPU time of one process; medians. The first query of a knowledge base makes its index")
+    print("CPU time of one process; medians over queries, the fastest walks. A first query makes the index")
     return 0
 
 
