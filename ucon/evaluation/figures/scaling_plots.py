@@ -52,6 +52,7 @@ def _sentences(costs: Sequence[QueryCost]) -> Any:
         at, ms = [cost.sentences for cost in of_it], [cost.query_ms for cost in of_it]
         ax.loglog(at, ms, color=_COLORS[k % len(_COLORS)], marker="o", markersize=4, linewidth=1.6, label=name)
     ax.axhline(_BOUND_MS, color="#9ca3af", linestyle="--", linewidth=1)
+    ax.annotate(f"{_BOUND_MS:.0f} ms", (100, _BOUND_MS), (0, -4), textcoords="offset points", va="top", fontsize=9)
     ax.set(xlabel="sentences in the knowledge base", ylabel="milliseconds")
     ax.grid()
     ax.legend(fontsize=9)
@@ -60,9 +61,13 @@ def _sentences(costs: Sequence[QueryCost]) -> Any:
 
 def _steps(costs: Sequence[StepCost], sizes: Sequence[int], what: str) -> Any:
     """A point a home, from zero up."""
+    from matplotlib.ticker import MaxNLocator
+
     figure = new_figure(6, 3.4, f"A step with images, by {what}")
     ax = figure.subplots()
     ax.scatter(sizes, [cost.step_ms for cost in costs], color=_COLORS[0], s=28)
+    ax.margins(0.06, 0.15)
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set(xlim=(0, None), ylim=(0, None), xlabel=f"{what} in the home", ylabel="milliseconds")
     ax.grid(axis="y")
     return figure
