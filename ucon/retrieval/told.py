@@ -37,7 +37,7 @@ class ToldRetriever(Shared):
     def scores(self, target: str, kb: KnowledgeBase, told: str = "") -> NDArray[np.float64]:
         """Scores (N,) float64 in the order of ``kb.rows``; ``told`` is the context's own."""
         plain = self.retriever.scores(target, kb, self.told.occasion_and_user)
-        if kb not in self._weights:  # they are the same for every target, and dear: each sentence is read
+        if kb not in self._weights:  # they are the same for every target, and dear: each sentence is weighed
             self._weights[kb] = self._conditions.weights(kb.texts, self.told, "retrieval")
         return lifted(plain, self._weights[kb])
 
