@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import pickle
 import sys
 import time
 import traceback
@@ -37,11 +36,13 @@ class _Actor:
 
         return ray.util.get_node_ip_address(), os.getpid()
 
-    def begin(self, luggage: Luggage, role: bytes) -> tuple[str, Any]:
-        """Get ready to work; the role is unpickled where its homes are at hand."""
+    def begin(self, luggage: Luggage, kept: Sequence[Any]) -> tuple[str, Any]:
+        """Get ready to work. The role is taken from Ray's store once its homes are at hand."""
+        import ray
+
         try:
             luggage.unpack()
-            self._role: Role = pickle.loads(role)  # sent by the command that started this process
+            self._role: Role = ray.get(kept[0])
             self._state = self._role.begin()
         except UconError as error:
             return "user", type(error)(str(error))
@@ -106,7 +107,7 @@ class Crew:
     ) -> None:
         self._ray, self._role, self._patience_s, self._option = ray, role, patience_s, option
         self._actor = ray.remote(num_cpus=cpus, num_gpus=gpus, max_restarts=0, max_task_retries=0)(_Actor)
-        self._given = ray.put(luggage), ray.put(pickle.dumps(role))
+        self._given = ray.put(luggage), [ray.put(role)]
         self._size, self._tick_s = members, min(_TICK_S, patience_s / 4)
         self._waiting: deque[tuple[int, Any]] = deque()
         self._members: list[_Member] = []

@@ -1,4 +1,7 @@
-"""``python -m ucon bench``: speed of renderer, environments and agent, on one core; with ``--learning`` of learners."""
+"""``python -m ucon bench``: speed of renderer, environments and agent, on one core.
+
+With ``--learning`` of learners, with ``--scaling`` cost against the size of knowledge bases and homes.
+"""
 
 from __future__ import annotations
 
@@ -50,10 +53,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options to its parser."""
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--no-renderer", action="store_true", help="skip the comparison with PyBullet's TinyRenderer")
-    parser.add_argument(
+    instead = parser.add_mutually_exclusive_group()
+    instead.add_argument(
         "--learning", action="store_true", help="measure the learners instead, with 1 and 2 worker processes (minutes)"
     )
-    parser.add_argument(
+    instead.add_argument(
         "--cluster",
         type=Path,
         metavar="RUN",
@@ -63,6 +67,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--runs", type=int, default=1, help="of --cluster: so many runs like this one, in one go")
     parser.add_argument("--lost", type=float, default=0.05, metavar="RATE", help="workers lost, per worker and hour")
     parser.add_argument("--slow", type=float, default=0.05, metavar="SHARE", help="share of workers half as fast")
+    instead.add_argument(
+        "--scaling",
+        action="store_true",
+        help="measure cost against size instead: queries by sentences, steps by things and rooms (a minute)",
+    )
+    parser.add_argument("--plot", type=Path, metavar="FOLDER", help="with --scaling: draw it there, a PNG each")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -73,9 +83,17 @@ def run(args: argparse.Namespace) -> int:
 
     Returns:
         Exit code 0.
+
+    Raises:
+        ConfigError: ``--plot`` without ``--scaling``, or without matplotlib.
     """
+    from ucon.core.errors import ConfigError
     from ucon.core.output import stdout_to_stderr
 
+    if args.plot is not None and not args.scaling:
+        raise ConfigError("bench --plot: only cost against size is drawn; add --scaling")
+    if args.scaling:
+        return _scaling(args)
     if args.cluster is not None:
         return _reckon(args)
     with stdout_to_stderr():
@@ -169,6 +187,43 @@ def measure_learning() -> dict[str, Any]:
     done = count(1)
     with Progress("bench", stages(_WORKERS), unit="parts") as progress:
         return learning_rates(_WORKERS, lambda: progress.update(next(done)))
+
+
+def _scaling(args: argparse.Namespace) -> int:
+    """Measure cost against size, and print tables or JSON."""
+    from dataclasses import asdict
+
+    from ucon.core.output import stdout_to_stderr
+    from ucon.core.progress import Progress
+    from ucon.evaluation import bench_scaling as scaling
+    from ucon.evaluation.figures.plotting import require_matplotlib
+    from ucon.evaluation.figures.scaling_plots import plot_scaling
+
+    if args.plot is not None:
+        require_matplotlib()  # before minutes of measuring
+    with stdout_to_stderr(), Progress("bench", 3, unit="parts") as progress:
+        embedding = scaling.query_embedding_ms(scaling.QUERIES)
+        progress.update(1)
+        queries = scaling.query_costs(scaling.SIZES, scaling.QUERIES)
+        progress.update(2)
+        steps = scaling.step_costs(scaling.HOMES)
+        progress.update(3)
+        if args.plot is not None:
+            plot_scaling(queries, steps, args.plot)
+    if args.json:
+        found = {"retrieval": [asdict(cost) for cost in queries], "steps": [asdict(cost) for cost in steps]}
+        print(json.dumps({"query_embedding_ms": embedding, **found}, indent=1))
+        return 0
+    print(f"{'ranking a knowledge base':<26} {'sentences':>10} {'ms a query':>11} {'slowest':>9} {'first':>9}")
+    for query in queries:
+        times = f"{query.query_ms:>11.2f} {query.query_ms_worst:>9.2f} {query.first_ms:>9.1f}"
+        print(f"{query.retriever:<26} {query.sentences:>10} {times}")
+    print(f"embedding of a query that was never asked before, by MiniLM: {embedding:.1f} ms")
+    print(f"{'step with images in':<26} {'things':>10} {'rooms':>11} {'ms a step':>9}")
+    for step in steps:
+        print(f"{step.home:<26} {step.things:>10} {step.rooms:>11} {step.step_ms:>9.3f}")
+    print("CPU time of one process; medians over queries, the fastest walks. A first query makes the index")
+    return 0
 
 
 def _belief_agent() -> Any:

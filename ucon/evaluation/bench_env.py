@@ -45,7 +45,7 @@ def bench_environment(
     figures: dict[str, float] = {}
     kinds = {"pixels": {"observe": "pixels"}, "symbolic": {"observe": "symbolic"}, "robot": {"task": "real_robot"}}
     for kind, options in kinds.items():
-        rates = [_walk(episode, options) for episode in ticked(f"steps, {kind}", chosen)]
+        rates = [walked_per_second(episode, options) for episode in ticked(f"steps, {kind}", chosen)]
         figures |= {f"env_{kind}_sps": median(rates), f"env_{kind}_sps_worst": min(rates)}
         on_stage()
     figures["env_with_resets_sps"] = _with_resets(chosen)
@@ -62,8 +62,13 @@ def _make(episodes: Sequence[Episode], **options: Any) -> gym.Env[Any, Any]:
     return gym.make("UcON-v0", episodes=tuple(episodes), disable_env_checker=True, **options)
 
 
-def _walk(episode: Episode, options: dict[str, Any]) -> float:
-    """Steps per CPU second of a random walk, without resets."""
+def walked_per_second(episode: Episode, options: dict[str, Any]) -> float:
+    """Steps per CPU second of a random walk, without resets.
+
+    Args:
+        episode: where it walks.
+        options: of ``UcON-v0``.
+    """
     env = _make([episode], **options)
     actions = stream(0, "bench", episode.id).choice(len(_WALK), size=_STEPS, p=_WALK).tolist()
     env.reset(seed=0, options={"episode": 0})

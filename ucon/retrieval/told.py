@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.core.sharing import Shared
+from ucon.core.sharing import Remembered, Shared
 from ucon.habits.contexts import Context
 from ucon.habits.knowledge import KnowledgeBase
 from ucon.readers.conditions.condition_reader import ConditionReader, default_conditions
@@ -32,11 +32,14 @@ class ToldRetriever(Shared):
         """
         self.retriever, self.told = retriever, context
         self._conditions = conditions or default_conditions()
+        self._weights: Remembered[KnowledgeBase, NDArray[np.float64]] = Remembered()
 
     def scores(self, target: str, kb: KnowledgeBase, told: str = "") -> NDArray[np.float64]:
         """Scores (N,) float64 in the order of ``kb.rows``; ``told`` is the context's own."""
         plain = self.retriever.scores(target, kb, self.told.occasion_and_user)
-        return lifted(plain, self._conditions.weights(kb.texts, self.told, "retrieval"))
+        if kb not in self._weights:  # they are the same for every target, and dear: each sentence is weighed
+            self._weights[kb] = self._conditions.weights(kb.texts, self.told, "retrieval")
+        return lifted(plain, self._weights[kb])
 
     def rank(self, target: str, kb: KnowledgeBase) -> NDArray[np.int32]:
         """Rows of the knowledge base, best first, (N,) int32."""

@@ -1,0 +1,184 @@
+"""Cost against size: ranking a knowledge base against its sentences, a step against a home's things and rooms.
+
+CPU time of this process, so that a busy machine changes it little.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from statistics import median
+from typing import Final, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ucon.core.progress import ticked
+from ucon.core.rng import stream
+from ucon.evaluation.bench_env import walked_per_second
+from ucon.habits.book import book
+from ucon.habits.contexts import Context
+from ucon.habits.knowledge import KnowledgeBase
+from ucon.habits.types import Entry, Habit, HabitDataset
+from ucon.language.encoder import MiniLM
+from ucon.language.phrases import query_text
+from ucon.retrieval.bm25 import BM25Retriever
+from ucon.retrieval.context import ContextRetriever
+from ucon.retrieval.dense import DenseRetriever
+from ucon.retrieval.told import ToldRetriever
+from ucon.sim.cache import load_house
+from ucon.task.episode import Episode
+from ucon.task.sets import load_episodes
+
+#: Sentences of the knowledge bases.
+SIZES: Final = (100, 1_000, 10_000, 100_000)
+#: Homes of the set ``mini``, named and generated, with few and many things in few and many rooms.
+HOMES: Final = (
+    "Benevolence_0_int", "procedural:flat:890003", "Rs_int", "Benevolence_1_int", "grocery_store_cafe",
+    "Pomaria_0_int", "procedural:house:890002", "Wainscott_1_int", "restaurant_brunch",
+    "procedural:house:890000", "office_large", "house_single_floor",
+)  # fmt: skip
+RETRIEVERS: Final = ("minilm", "bm25", "minilm, told context", "minilm, re-ranked")
+"""What ranks: two retrievers, and what a told context and level ``context`` put upon the first."""
+#: Queries of a knowledge base, after the first.
+QUERIES: Final = 40
+#: Who says a sentence of the book when it comes again.
+_NAMES: Final = ("Ada", "Bruno", "Chidi", "Dalia", "Edith", "Farid", "Greta", "Hiro")
+_TOLD: Final = Context(day=0, hour=16, season="summer", occasion="weather/rain", asker="retired teacher Ines")
+#: What was seen, and which share of what was found empty, when a list is ranked again.
+_SEEN: Final = ("sofa", "desk", "shelf")
+_EMPTIED: Final[Mapping[str, float]] = {"bed": 0.5, "desk": 1.0}
+#: Walks of an episode, of which the fastest counts: others were slowed by what shares the caches with them.
+_ROUNDS: Final = 5
+
+T = TypeVar("T")
+Rank = Callable[[str], NDArray[np.int32]]
+
+
+@dataclass(frozen=True)
+class QueryCost:
+    """What ranking all sentences of a knowledge base costs; embeddings of sentences and queries are known before."""
+
+    retriever: str
+    sentences: int
+    query_ms: float
+    """Median over queries."""
+    query_ms_worst: float
+    first_ms: float
+    """First query of a knowledge base, which makes its index."""
+
+
+@dataclass(frozen=True)
+class StepCost:
+    """What a step of a random walk with images costs in a home."""
+
+    home: str
+    rooms: int
+    things: int
+    """Furniture and objects of the home, without structure."""
+    step_ms: float
+
+
+def query_costs(sizes: Sequence[int], queries: int) -> list[QueryCost]:
+    """Cost of a query by retriever and number of sentences.
+
+    Args:
+        sizes: numbers of sentences, from 1 up, such as :data:`SIZES`.
+        queries: ranked after the first one; each is another category of the habit book.
+    """
+    categories = book().categories
+    asked = [categories[k] for k in np.linspace(0, len(categories) - 1, queries + 1).astype(int)]
+    for name in RETRIEVERS:  # compiles kernels, reads weights, encodes queries that state what was told
+        warm_up = _ranking(name, 10)
+        for target in asked:
+            warm_up(target)
+    costs = []
+    for name, size in ticked("retrieval", [(name, size) for name in RETRIEVERS for size in sizes]):
+        rank = _ranking(name, size)
+        first, *spent = [_milliseconds(rank, target) for target in asked]
+        costs.append(QueryCost(name, size, _short(median(spent)), _short(max(spent)), _short(first)))
+    return costs
+
+
+def query_embedding_ms(queries: int) -> float:
+    """Median CPU milliseconds in which MiniLM encodes a query that no table and no cache holds.
+
+    Args:
+        queries: number of them.
+    """
+    encoder = MiniLM()
+    encoder.encode(["warm up"])
+    asked = [query_text(category) for category in book().categories[:queries]]
+    return _short(median(_milliseconds(encoder.encode, [text]) for text in asked))
+
+
+def step_costs(homes: Sequence[str]) -> list[StepCost]:
+    """Cost of a step with images by home, sorted by number of things; the fastest round of each episode.
+
+    Args:
+        homes: of the set ``mini``, such as :data:`HOMES`.
+    """
+    episodes: dict[str, list[Episode]] = {name: [] for name in homes}
+    for episode in load_episodes("mini"):
+        if episode.scene in episodes:
+            episodes[episode.scene].append(episode)
+    costs = []
+    for name in ticked("steps by home", homes):
+        house = load_house(name)
+        rates = [
+            max(walked_per_second(episode, {"observe": "pixels"}) for _ in range(_ROUNDS)) for episode in episodes[name]
+        ]
+        costs.append(
+            StepCost(name, len(house.spec.rooms), house.n_items, _short(float(np.mean([1e3 / rate for rate in rates]))))
+        )
+    return sorted(costs, key=lambda cost: cost.things)
+
+
+def scaled_base(size: int, *, named: bool) -> KnowledgeBase:
+    """A knowledge base of as many sentences as asked for, shuffled.
+
+    Args:
+        size: number of sentences; up to that of the habit book they are all different.
+        named: sentences that come again are said by somebody else each time. Without, they are the very same, so that
+            embeddings of all sentences are in the shipped table.
+    """
+    texts = book().texts
+    draw = stream(0, "bench", "scaling")
+    order = draw.permutation(len(texts))
+    said = [_said(texts[order[k % len(texts)]], k // len(texts) if named else 0) for k in range(size)]
+    entry = Entry("bench", book().categories[0], "", (), tuple(Habit(text) for text in said))
+    return KnowledgeBase(HabitDataset("bench", (entry,)), draw.permutation(size).astype(np.int32))
+
+
+def _said(text: str, turn: int) -> str:
+    """A sentence as it is said for the first time (0), or by another name each turn."""
+    names = [_NAMES[(turn - 1) % len(_NAMES)], *(("again",) * ((turn - 1) // len(_NAMES)))]
+    return text if turn == 0 else f"{' '.join(names)} says: {text}"
+
+
+def _ranking(name: str, size: int) -> Rank:
+    """What ranks a knowledge base of some size, by a category's name."""
+    base = scaled_base(size, named=name == "bm25")
+    if name == "bm25":
+        bm25 = BM25Retriever()
+        return lambda target: bm25.rank(target, base)
+    dense = DenseRetriever()
+    if name == "minilm":
+        return lambda target: dense.rank(target, base)
+    if name == "minilm, told context":
+        told = ToldRetriever(dense, _TOLD)
+        return lambda target: told.rank(target, base)
+    context = ContextRetriever(dense)
+    return lambda target: context.rank(target, base, _SEEN, _EMPTIED)
+
+
+def _milliseconds(action: Callable[[T], object], asked: T) -> float:
+    started = time.process_time()
+    action(asked)
+    return 1e3 * (time.process_time() - started)
+
+
+def _short(milliseconds: float) -> float:
+    """Rounded to a microsecond."""
+    return round(milliseconds, 3)
