@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as LimitReached
 from dataclasses import dataclass
-from typing import Any, Final, TypeVar
+from typing import Any, ClassVar, Final, TypeVar
 
 import numpy as np
 import torch
@@ -43,6 +43,7 @@ class OnRay:
         ConfigError: a number out of range.
     """
 
+    from_command_line: ClassVar = ("address",)
     workers: int = 2
     address: str | None = None
     """``host:port`` of a running cluster, or ``auto``; None: a cluster on this machine, for this command."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from ucon.cluster.connection import cluster_cpus, connect
 from ucon.cluster.crew import Crew
@@ -26,6 +26,7 @@ class RayRunner:
         ConfigError: a number out of range.
     """
 
+    from_command_line: ClassVar = ("address",)
     address: str | None = None
     """``host:port`` of a running cluster, or ``auto``; None: a cluster on this machine, for this command."""
     cpus: float = 1.0

@@ -75,7 +75,7 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
     said = _said(word for word in overrides if word.startswith("++"))
     more = [word for word in overrides if word.split("=")[0].lstrip("+") == "training.steps"]
     known = {*NEUTRAL_OPTIONS[1:], *said}
-    odd = [word for word in overrides if word not in more and _option(word) not in known]
+    odd = [word for word in overrides if word not in more and not {_option(word), _option(word).split(".")[0]} & known]
     if odd:
         raise ConfigError(
             f"resume={cfg.resume}: a run goes on with its own configuration; leave out {' '.join(odd)} "
@@ -96,6 +96,7 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
         steps = Plan(cfg.training.steps).steps
         Plan.of(config["training"]).extend(0, steps)  # an early check; TrainingRun.resume checks against the steps done
     watched = {name: cfg[name] for name in ("progress", "wandb", "tensorboard")}
+    watched["runner"] = OmegaConf.to_container(cfg.runner, resolve=True)
     return ChosenRun({**config, **watched}, folder, checkpoint, steps, _parsed(folder / CONFIG, raw))
 
 
