@@ -82,6 +82,7 @@ def test_workers_that_never_answer_end_the_run(address, monkeypatch):
     made.close()
 
 
+@pytest.mark.slow
 def test_training_goes_on_where_a_raylet_is_killed(tmp_path, capfd):
     def trained(folder, collecting, on_figures=lambda step, figures: None):
         plan = Plan(steps=4, validate_every=4, save_every=2, keep=1)

@@ -65,6 +65,7 @@ def test_errors_are_told(pool):
         list(pool.map(failing, [1]))
 
 
+@pytest.mark.slow
 def test_labels_are_those_made_here(cluster, tmp_path, monkeypatch):
     found = []
     for name, make in (("here", None), ("there", cluster.pool)):
@@ -83,7 +84,7 @@ def test_labels_are_those_made_here(cluster, tmp_path, monkeypatch):
 
 def test_lives_are_those_made_here_although_a_raylet_is_killed(capfd):
     order = replace(train_order(2, contexts_book(), days=1), changes=False)
-    orders = [replace(order, id=f"life {k}", seed=order.seed + k) for k in range(4)]
+    orders = [replace(order, id=f"life {k}", seed=order.seed + k) for k in range(3)]
     with two_raylets() as made, pools_from(RayRunner(made.address).pool):
         found = make_lives(orders, workers=2, progress=lambda done: made.kill_second() if done == 1 else None)
     assert [life.hash for life in found] == [life.hash for life in make_lives(orders, workers=1)]

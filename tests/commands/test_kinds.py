@@ -143,7 +143,7 @@ def check(root: str, config: dict[str, Any]) -> None:
     """What a run checks before it builds."""
     check_options(config, EVALUATION if root == "eval" else TRAINING)
     for part in BUILT[root]:
-        if config.get(part) is not None or part != "memory":
+        if config.get(part) is not None or part not in ("memory", "runner"):  # older runs have none
             check_arguments(config[part])
 
 
@@ -170,7 +170,7 @@ def test_every_option_of_every_file_is_of_a_kind(root: str) -> None:
 
 
 #: Groups that are built at once.
-BUILT = {"eval": ("agent", "env", "memory"), "train": ("learner",)}
+BUILT = {"eval": ("agent", "env", "memory", "runner"), "train": ("learner", "runner")}
 #: Top-level groups that are built where they are used.
 PARTS = ("collector", "detector", "habits", "language", "retriever", "search")
 
