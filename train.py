@@ -37,7 +37,7 @@ from ucon.configuration.wiring import Factory
 from ucon.core.memory import keep_freed_memory
 from ucon.core.pool import pools_from
 from ucon.core.sole_writer import sole_writer
-from ucon.evaluation.playing.runner import LOCAL, Runner
+from ucon.evaluation.playing.runner import Runner
 from ucon.learning.run.learning_curve import learning_curve
 from ucon.learning.run.protocol import Learner
 from ucon.learning.run.run_plan import Plan
@@ -74,7 +74,7 @@ def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None =
     keep_freed_memory()
     plan = Plan.of(config["training"])  # check first: building the learner takes seconds
     check_wandb(config["wandb"])
-    runner: Runner = Factory(config["runner"])() if "runner" in config else LOCAL
+    runner: Runner = Factory(config["runner"])()
     learner = Factory(config["learner"])()
     resolved: Mapping[str, str | int] = getattr(learner, "resolved_options", {})
     if not chosen.checkpoint:

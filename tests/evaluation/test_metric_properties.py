@@ -1,4 +1,4 @@
-"""What must hold of SPL for any records at all: bounds, order, and that a longer way is never worth more."""
+"""SPL of any records: its bounds, whatever their order, and never more for a longer way."""
 
 from __future__ import annotations
 

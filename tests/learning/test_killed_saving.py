@@ -34,7 +34,7 @@ def save_without_end(folder) -> None:
 
 
 def told(folder) -> str:
-    """What ``latest`` says; empty before the first save."""
+    """Content of ``latest``; empty before the first save."""
     return (folder / LATEST).read_text() if (folder / LATEST).exists() else ""
 
 

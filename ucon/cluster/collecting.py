@@ -70,7 +70,7 @@ class OnRay:
             homes: that the environments load.
         """
         ray = connect(self.address, self.workers)
-        made = functools.partial(_with_luggage, ray.put(Luggage.packed(homes)), make)
+        made = functools.partial(_with_luggage, ray.put(Luggage.packed(homes, here=self.address is None)), make)
         return _LastingCollector(ray, self, made, actor, steps)
 
 

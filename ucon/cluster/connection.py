@@ -10,11 +10,7 @@ from typing import Any, Final
 
 import ucon
 from ucon.core.errors import ConfigError, brief
-
-#: Sums must not depend on the number of threads; workers give the parallelism.
-_ONE_THREAD: Final = dict.fromkeys(
-    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
-)
+from ucon.core.pool import ONE_THREAD, usable_cores
 
 #: Seconds in which a cluster has to answer.
 _ANSWER_S: Final = 10.0
@@ -43,9 +39,8 @@ def connect(address: str | None, cpus: int | None = None) -> Any:
     elif address != "auto":
         _check_answers(address)
     global _connected_to
-    os.environ.setdefault(
-        "RAY_ENABLE_AUTO_CONNECT", "0"
-    )  # else whatever is left of an ended connection starts a cluster
+    # Else whatever is left of an ended connection starts a cluster.
+    os.environ.setdefault("RAY_ENABLE_AUTO_CONNECT", "0")
     os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")
     try:
         import ray
@@ -57,13 +52,13 @@ def connect(address: str | None, cpus: int | None = None) -> Any:
         ray.shutdown()
     local: dict[str, Any] = {}
     if address is None:
-        local = {"num_cpus": cpus or _usable_cores(), "include_dashboard": False}
+        local = {"num_cpus": cpus or usable_cores(), "include_dashboard": False}
     try:
         ray.init(
             address=address or "local",
             log_to_driver=False,
             logging_level=logging.ERROR,
-            runtime_env={"env_vars": {"PYTHONPATH": _python_path(), **_ONE_THREAD}},
+            runtime_env={"env_vars": {"PYTHONPATH": _python_path(), **ONE_THREAD}},
             **local,
         )
     except (ConnectionError, ValueError, RuntimeError) as error:
@@ -91,10 +86,6 @@ def _check_answers(address: str) -> None:
 def cluster_cpus(ray: Any) -> int:
     """CPUs of the cluster that this process is connected to."""
     return max(1, int(ray.cluster_resources().get("CPU", 1)))
-
-
-def _usable_cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _python_path() -> str:

@@ -1,4 +1,4 @@
-"""What a worker on another machine needs before it begins: the same code, and homes and sets as a pack."""
+"""Hash of the code, versions of packages, homes and sets: sent to a worker on another machine before it begins."""
 
 from __future__ import annotations
 
@@ -33,13 +33,16 @@ class Luggage:
     pack: Mapping[str, bytes]
 
     @classmethod
-    def packed(cls, homes: Iterable[str] = (), episodes: Iterable[str] = ()) -> Luggage:
+    def packed(cls, homes: Iterable[str] = (), episodes: Iterable[str] = (), *, here: bool = False) -> Luggage:
         """Pack for work in some homes.
 
         Args:
             homes: names of homes; those that are not compiled yet are compiled now.
             episodes: names of sets that the work loads.
+            here: the workers are on this machine and find both, so that nothing is packed.
         """
+        if here:
+            homes = episodes = ()
         with tempfile.TemporaryDirectory() as made:
             folder, names = Path(made), sorted(set(homes))
             if names:

@@ -78,12 +78,8 @@ class RayPool:
         while asked:
             yield self.result(asked.popleft())
 
-    def close(self, *, at_once: bool = False) -> None:
-        """End the actors.
-
-        Args:
-            at_once: they are ended at once in any case.
-        """
+    def close(self) -> None:
+        """End the actors at once."""
         self._crew.close()
 
     def __enter__(self) -> RayPool:

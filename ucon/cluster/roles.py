@@ -1,4 +1,4 @@
-"""What the members of a crew do with the jobs that they are given."""
+"""The two kinds of work of a crew: playing episodes or lives, and calling functions."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def piece_size(count: int, at_once: int, members: int) -> int:
 
 
 class Role(Protocol):
-    """What a crew's members do. It is pickled and sent to them."""
+    """The work of a crew's members; pickled and sent to them."""
 
     @property
     def at_once(self) -> int:

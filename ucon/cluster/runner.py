@@ -58,7 +58,7 @@ class RayRunner:
             return
         ray = connect(self.address, None if workers == "auto" else int(workers))
         count = self._members(ray) if workers == "auto" else int(workers)
-        luggage = Luggage.packed(_home(job) for _, job in jobs)
+        luggage = Luggage.packed({_home(job) for _, job in jobs}, here=self.address is None)
         crew = Crew(ray, Playing(spec), count, timeout_s, luggage, cpus=self.cpus, gpus=self.gpus)
         crew.add(jobs)
         try:
@@ -87,7 +87,7 @@ class RayRunner:
             needs: homes and sets that the work loads.
         """
         ray = connect(self.address, workers)
-        luggage = Luggage.packed(needs.homes, needs.episodes)
+        luggage = Luggage.packed(needs.homes, needs.episodes, here=self.address is None)
         return RayPool(ray, self._members(ray), begin, given, patience_s, luggage, cpus=self.cpus, gpus=self.gpus)
 
     def _members(self, ray: Any) -> int:

@@ -17,7 +17,7 @@ _HOUR: Final = 3600.0
 
 @dataclass(frozen=True)
 class Trouble:
-    """What goes wrong.
+    """How many workers are slow and are lost, and the seconds that it costs.
 
     Raises:
         ConfigError: a number out of range.
@@ -44,7 +44,7 @@ class Trouble:
 
 @dataclass(frozen=True)
 class Schedule:
-    """What comes of it."""
+    """Wall time, work and losses of a reckoned run."""
 
     workers: int
     wall_s: float

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import importlib.metadata
-import os
 import platform
 import sys
 import tempfile
@@ -137,7 +136,9 @@ def read_pins(path: Path) -> dict[str, str]:
 
 def threads() -> Iterator[Diagnosis]:
     """Report the number of usable cores."""
-    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    from ucon.core.pool import usable_cores
+
+    usable = usable_cores()
     yield Diagnosis("cores", "ok", f"{usable} usable; eval.py starts as many workers, each with one thread")
 
 

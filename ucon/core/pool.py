@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
@@ -20,6 +21,10 @@ from ucon.core.errors import UconError
 
 T = TypeVar("T")
 R = TypeVar("R")
+#: Environment of a worker process: workers give the parallelism, and sums must not depend on the number of threads.
+ONE_THREAD: Final = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
+)
 #: Longest time for one result, seconds.
 PATIENCE_S: Final = 3600.0
 _TICK_S: Final = 1.0
@@ -27,9 +32,14 @@ _TICK_S: Final = 1.0
 _END_S: Final = 10.0
 
 
+def usable_cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 @dataclass(frozen=True)
 class Needs:
-    """What work loads by its name. Processes on other machines are sent it; those on this one find it."""
+    """Homes and episode sets that work loads by name; sent to processes on other machines."""
 
     homes: tuple[str, ...] = ()
     episodes: tuple[str, ...] = ()

@@ -22,12 +22,10 @@ from multiprocessing.connection import Connection
 from typing import Any, Final
 
 from ucon.core.errors import EpisodeError, UconError
+from ucon.core.pool import ONE_THREAD
 from ucon.evaluation.playing.jobs import Job, play
 from ucon.evaluation.playing.play import PlayedEpisode, RunSpec
 
-_ONE_THREAD: Final = dict.fromkeys(
-    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
-)
 #: How often an episode is tried before it counts as never ending.
 TRIES: Final = 3
 #: Most seconds between two checks of silent workers.
@@ -189,7 +187,7 @@ def _read(worker: _Worker, news: queue.SimpleQueue[tuple[_Worker, str, Any]]) ->
 
 
 def _work(sender: Connection, spec: RunSpec, jobs: Sequence[Job]) -> None:
-    os.environ.update(_ONE_THREAD)
+    os.environ.update(ONE_THREAD)
     try:
         for played in play(spec, jobs):
             sender.send(("played", played))
@@ -209,8 +207,8 @@ def _work(sender: Connection, spec: RunSpec, jobs: Sequence[Job]) -> None:
 @contextmanager
 def _one_thread_environment() -> Iterator[None]:
     """Context manager: limits threads in processes started inside it, before they import numpy or torch."""
-    before = {name: os.environ.get(name) for name in _ONE_THREAD}
-    os.environ.update(_ONE_THREAD)
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    os.environ.update(ONE_THREAD)
     try:
         yield
     finally:

@@ -8,12 +8,11 @@ replaced.
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Final, Protocol
 
 from ucon.core.errors import ConfigError, brief
-from ucon.core.pool import MakePool, local_pool
+from ucon.core.pool import MakePool, local_pool, usable_cores
 from ucon.evaluation.playing.crew import WorkerPool
 from ucon.evaluation.playing.jobs import Job, play, shares
 from ucon.evaluation.playing.play import PlayedEpisode, RunSpec
@@ -34,8 +33,7 @@ def resolve_workers(workers: int | str, n_episodes: int) -> int:
         ConfigError: neither ``auto`` nor a number from 0 up.
     """
     if workers == "auto":
-        usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-        return max(1, min(usable, n_episodes))
+        return max(1, min(usable_cores(), n_episodes))
     try:
         count = int(workers)
     except ValueError:
