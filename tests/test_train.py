@@ -64,7 +64,7 @@ def test_mistakes_end_in_one_line(tmp_path):
 
 
 def resumed(path):
-    watched = {"progress": False, "wandb": False, "tensorboard": False}
+    watched = {"progress": False, "wandb": False, "tensorboard": False, "runner": {}}
     return chosen_run(OmegaConf.create({"resume": str(path), **watched}), [], None)
 
 

@@ -197,7 +197,7 @@ def test_a_configuration_without_the_extension_is_of_another_run(extended):
 
 def asked(folder, *overrides, steps=None):
     """What ``train.py resume=folder`` makes of other options."""
-    given = {"resume": str(folder), "progress": False, "wandb": False, "tensorboard": False}
+    given = {"resume": str(folder), "progress": False, "wandb": False, "tensorboard": False, "runner": {}}
     return chosen_run(OmegaConf.create(given | {"training": {"steps": steps}}), list(overrides), None)
 
 
@@ -220,8 +220,7 @@ def test_only_more_steps_are_taken_beside_resume(tmp_path):
 def test_a_run_of_an_older_version_is_built_by_todays_names_and_known_by_its_own(tmp_path):
     old = STORED | {"learner": {"_target_": "ucon.learning.retriever.RetrieverLearner"}}
     (tmp_path / CONFIG).write_text(OmegaConf.to_yaml(OmegaConf.create(old)))
-    asked = OmegaConf.create({"resume": str(tmp_path), "progress": False, "wandb": None, "tensorboard": False})
-    chosen = chosen_run(asked, [f"resume={tmp_path}"], None)
+    chosen = asked(tmp_path)
     assert chosen.config["learner"]["_target_"] == "ucon.learning.retriever.learner.RetrieverLearner"
     assert run_identity(chosen.stored) == run_identity(old)
 
