@@ -11,7 +11,7 @@ import pytest
 from models.agents.frontier import FrontierAgent
 from ucon.__main__ import main
 from ucon.commands import bench
-from ucon.evaluation import bench_env
+from ucon.evaluation import bench_batched, bench_env
 from ucon.evaluation.bench_env import STAGES, bench_environment
 from ucon.programs import learning_speed
 from ucon.sim.cache import load_house
@@ -51,6 +51,21 @@ def test_names_in_json(short: None, capsys: pytest.CaptureFixture[str]) -> None:
     rendered = bench_renderer([load_house("Rs_int")], poses=2, rounds=1)
     assert {name.removesuffix("_worst") for name in (*found, *rendered)} == NAMES
     assert all(bench.said(name, value) for name, value in rendered.items())
+
+
+@pytest.mark.slow
+def test_many_homes_are_measured(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    for name, few in {"SLOTS": 2, "_STEPS": 2, "_ROUNDS": 1, "_BATCHES": 1}.items():
+        monkeypatch.setattr(bench_batched, name, few)
+    monkeypatch.setattr(bench_batched, "one_per_home", lambda episodes: list(episodes[:1]))
+    monkeypatch.setattr(bench_batched, "keep_freed_memory", lambda: True)  # for a process that is all a bench
+    assert main(["bench", "--batched", "--json"]) == 0
+    told = capsys.readouterr()
+    found = json.loads(told.out)
+    assert found.keys() == bench._OF_BATCHES.keys()
+    assert all(value > 0 for name, value in found.items() if not name.startswith("torchrl_overhead"))
+    assert all(bench.said(name, value) for name, value in found.items())
+    assert told.err.splitlines()[-1].startswith("bench: 3 of 3 parts")
 
 
 def test_learners_are_measured_with_each_number_of_workers(

@@ -1,6 +1,7 @@
 """``python -m ucon bench``: speed of renderer, environments and agent, on one core.
 
-With ``--learning`` of learners, with ``--scaling`` cost against the size of knowledge bases and homes.
+With ``--learning`` of learners, with ``--batched`` of many homes at once, with ``--scaling`` cost against the size of
+knowledge bases and homes.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ _TIMES: Final = "times as fast as TinyRenderer"
 _STEPS: Final = "steps a second"
 _FRAMES: Final = "frames a second"
 _LEARNED: Final = "decisions a second"
+_SHARE: Final = "of it"
 #: Worker processes that learners are measured with.
 _WORKERS: Final = (1, 2)
 #: Description and unit of each figure of ``--json``.
@@ -47,6 +49,18 @@ _OF_LEARNERS: Final = {
     "counterfactual_labelled_per_s": ("habit_policy, counterfactual: labelled by rollouts", _LEARNED),
     "counterfactual_learned_per_s": ("habit_policy, counterfactual: learned from", _LEARNED),
 }
+#: The same of ``--batched``.
+_OF_BATCHES: Final = {
+    "loop_sps": ("64 environments in a loop", _STEPS),
+    "keeping_loop_sps": ("the same, keeping what is seen", _STEPS),
+    "torchrl_sps": ("TorchRL's collector over a batch of them", _STEPS),
+    "torchrl_overhead": ("time that it takes more than the loop", _SHARE),
+    "torchrl_overhead_over_keeping": ("time that it takes more than the loop that keeps", _SHARE),
+    "workers_1_fps": ("TorchRL's collector in 1 worker process", _FRAMES),
+    "workers_2_fps": ("TorchRL's collector in 2 worker processes", _FRAMES),
+    "workers_gain": ("two workers over one", "times"),
+    "larger_images": ("steps with images of 224 x 224, of those of 128 x 128", _SHARE),
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -56,6 +70,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     instead = parser.add_mutually_exclusive_group()
     instead.add_argument(
         "--learning", action="store_true", help="measure the learners instead, with 1 and 2 worker processes (minutes)"
+    )
+    instead.add_argument(
+        "--batched",
+        action="store_true",
+        help="measure many homes at once instead: TorchRL's cost, 1 and 2 worker processes, larger images (minutes)",
     )
     instead.add_argument(
         "--cluster",
@@ -97,17 +116,19 @@ def run(args: argparse.Namespace) -> int:
     if args.cluster is not None:
         return _reckon(args)
     with stdout_to_stderr():
-        figures = measure_learning() if args.learning else measure(renderer=not args.no_renderer)
+        if args.learning:
+            figures, how = measure_learning(), "wall time, medians over steps; a step plays, feeds and updates"
+        elif args.batched:
+            figures, how = measure_batches(), "CPU time of one core, with workers wall time; medians over five rounds"
+        else:
+            figures = measure(renderer=not args.no_renderer)
+            how = "CPU time of one process on one core; medians over homes, and the slowest home"
     if args.json:
         print(json.dumps(figures, indent=1))
     else:
         for name, value in figures.items():
             print(said(name, value))
-        print(
-            "wall time, medians over steps; a step plays, feeds and updates"
-            if args.learning
-            else "CPU time of one process on one core; medians over homes, and the slowest home"
-        )
+        print(how)
     return 0
 
 
@@ -152,8 +173,9 @@ def said(name: str, value: float) -> str:
         what, more = base, f", {last} worker{'s' * (last != '1')}"
     else:
         what, more = name, ""
-    title, unit = (_FIGURES | _OF_LEARNERS)[what]
-    return f"{title + more:<60} {value:>9.1f} {unit}"
+    title, unit = (_FIGURES | _OF_LEARNERS | _OF_BATCHES)[what]
+    digits = 2 if unit == _SHARE else 1
+    return f"{title + more:<60} {value:>9.{digits}f} {unit}"
 
 
 def measure(*, renderer: bool = True) -> dict[str, Any]:
@@ -187,6 +209,17 @@ def measure_learning() -> dict[str, Any]:
     done = count(1)
     with Progress("bench", stages(_WORKERS), unit="parts") as progress:
         return learning_rates(_WORKERS, lambda: progress.update(next(done)))
+
+
+def measure_batches() -> dict[str, Any]:
+    """What TorchRL costs over many homes, what a second worker gives, and what larger images cost, by name."""
+    from ucon.core.progress import Progress
+    from ucon.evaluation.bench_batched import STAGES, bench_batched
+    from ucon.task.sets import load_episodes
+
+    done = count(1)
+    with Progress("bench", STAGES, unit="parts") as progress:
+        return bench_batched(load_episodes("mini"), lambda: progress.update(next(done)))
 
 
 def _scaling(args: argparse.Namespace) -> int:

@@ -41,12 +41,15 @@ from ucon.task.ledger import Ledger
 from ucon.task.reward import Reward
 from ucon.task.robot.rig import RobotRig
 from ucon.task.robot.search import RobotSearch
+from ucon.task.search import StepOutcome
 from ucon.task.sets import load_episodes
 
 #: Side of the canonical view, in which the rules count pixels at their angle.
 CANONICAL_PX = 128
 
 Obs = dict[str, Any]
+Images = tuple[NDArray[np.uint8], NDArray[np.float32]]
+"""Colours (H, W, 3) uint8 and depth (H, W) float32."""
 
 
 class UcONEnv(PartlyShared, gym.Env[Obs, int]):
@@ -100,7 +103,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         {"episodes", "episode", "source", "rules", "_reward", "_frame", "_locations", "_habit_rows", "_habits"}
         | {"_habits_mask", "_target_embedding", "spec", "metadata"}
     )
-    _left_out: ClassVar[frozenset[str]] = frozenset({"_painter"})
+    _left_out: ClassVar[frozenset[str]] = frozenset({"_painter", "_images", "_view"})
 
     def __init__(
         self,
@@ -182,6 +185,8 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         image = (height_px, width_px) if observe == "pixels" else None
         self.observation_space = observation_space(image, self.source.dimension, max_habits, self.rules.max_steps)
         self._instance, self._habit_rows = np.empty((height_px, width_px), np.int16), np.empty(0, np.int32)
+        self._images: Images | None = None
+        self._view: tuple[NDArray[np.float32] | None, NDArray[np.uint8] | None] = (None, None)
 
     @property
     def detector(self) -> Detector | None:
@@ -192,6 +197,13 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
     def rig(self) -> RobotRig | None:
         """How the robot is built and errs; None under rules of the grid."""
         return self._rig
+
+    @property
+    def pose(self) -> NDArray[np.float32]:
+        """The pose of observations, (4,) float32: the true one of a node, or what a robot's odometry says."""
+        if isinstance(self.search, RobotSearch):
+            return self.search.odometry
+        return self._frame.pose(self.search.pose)
 
     @property
     def max_habits(self) -> int:
@@ -255,8 +267,9 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         self._painter = None
         self._locations = self.source.locations(self.episode, house) if self._privileged else ()
         self._tour = Tour(self.search, self._renderer, self._detector, self._frame, self._fov_deg)
-        obs, info = self._look(opened=())
+        self._view = self._draw()
         self._ledger = new_ledger(self.episode, self.search)
+        obs, info = self._observed(opened=())
         told = self.source.told(self.episode)
         info |= {
             "episode": self.episode.id,
@@ -291,6 +304,27 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
             EpisodeError: before the first reset, or after the end of an episode.
             ActionError: not an action; nothing was done.
         """
+        outcome, reward, truncated = self.advance(action)
+        obs, info = self._observed(outcome.opened)
+        if self._over:
+            info["episode_metrics"], info["is_success"] = self.ledger.outcome().to_json(), self.ledger.success
+        return obs, reward, outcome.done, truncated, returned_info(info, texts=self._texts)
+
+    def advance(self, action: int) -> tuple[StepOutcome, float, bool]:
+        """Carry out one action and draw the images, as :meth:`step` does, but make no observation of them.
+
+        For many environments, of whose observations most entries stay as they are.
+
+        Args:
+            action: 0 to 6.
+
+        Returns:
+            What the action did, the reward, and whether the episode is truncated.
+
+        Raises:
+            EpisodeError: as of :meth:`step`.
+            ActionError: as of :meth:`step`.
+        """
         ledger, potential = self._begun("step"), self._reward.progress != 0
         if self._over:
             raise EpisodeError(f"episode {self.episode.id} is over after {ledger.steps} steps: call reset() first")
@@ -300,17 +334,22 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         outcome = self.search.step(action)
         self._last_action, self._collision = action, int(outcome.collision)
         truncated = not outcome.done and ledger.steps + 1 >= self.rules.max_steps
-        obs, info = self._look(outcome.opened)
+        self._view = self._draw()
         ledger.note(action, outcome)
-        obs["step"] = np.array([ledger.steps])
-        if outcome.done or truncated:
-            self._over = True
-            info["episode_metrics"], info["is_success"] = ledger.outcome().to_json(), ledger.success
+        self._over = outcome.done or truncated
         closer_m = before_m - ledger.to_goal_m() if potential else 0.0
         reward = self._reward(
             success=outcome.success, done=outcome.done, collision=outcome.collision, closer_m=closer_m
         )
-        return obs, reward, outcome.done, truncated, returned_info(info, texts=self._texts)
+        return outcome, reward, truncated
+
+    def draw_images_into(self, images: Images | None) -> None:
+        """Say where the renderer writes the images of the next observations, which then are these very arrays.
+
+        Args:
+            images: C-contiguous colours and depth; None: new arrays for each observation, as at first.
+        """
+        self._images = images
 
     def action_masks(self) -> NDArray[np.bool_]:
         """Actions that may be chosen, for MaskablePPO: all seven, since a mask must not tell what an action would do.
@@ -372,18 +411,12 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
             self._world = SceneState(house, arrangement)
         self._renderer.load(house, arrangement)
 
-    def _pose(self) -> NDArray[np.float32]:
-        """The pose of observations, (4,): the true one of a node, or what a robot's odometry says."""
-        if isinstance(self.search, RobotSearch):
-            return self.search.odometry
-        return self._frame.pose(self.search.pose)
-
-    def _look(self, opened: tuple[int, ...]) -> tuple[Obs, dict[str, Any]]:
-        """Observation and info of the current pose; one rendering gives image, depth, instances and pixel counts."""
-        pose, camera_m = self._pose(), self.search.camera[2]
+    def _observed(self, opened: tuple[int, ...]) -> tuple[Obs, dict[str, Any]]:
+        """Observation and info of what was drawn; one rendering gives image, depth, instances and pixel counts."""
+        pose, camera_m = self.pose, self.search.camera[2]
         info: dict[str, Any] = {"target": self.episode.target_category, "camera_m": camera_m, "fov_deg": self._fov_deg}
         obs: Obs = {"pose": pose}
-        depth, rgb = self._draw()
+        (depth, rgb), self._view = self._view, (None, None)
         if self._observe == "pixels":
             obs["rgb"], obs["depth"] = rgb, depth
         elif depth is not None:
@@ -408,7 +441,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         obs["target"] = self._target_embedding.copy()
         obs["habits"], obs["habits_mask"] = self._habits.copy(), self._habits_mask.copy()
         obs["last_action"] = encoded_action(self._last_action)
-        obs["collision"], obs["step"] = np.array([self._collision], np.int8), np.zeros(1, np.int64)
+        obs["collision"], obs["step"] = np.array([self._collision], np.int8), np.array([self.ledger.steps])
         return obs, info
 
     def _target_xyz(self) -> NDArray[np.float64]:
@@ -419,8 +452,11 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
     def _draw(self) -> tuple[NDArray[np.float32] | None, NDArray[np.uint8] | None]:
         """Depth (H, W) and colours (H, W, 3), each if it is needed; instances and pixel counts are kept."""
         pixels, detector, shape = self._observe == "pixels", self._detector, self._instance.shape
-        depth = np.empty(shape, np.float32) if pixels or detector is not None else None
-        rgb = np.empty((*shape, 3), np.uint8) if pixels or (detector is not None and detector.needs_rgb) else None
+        rgb, depth = self._images or (None, None)
+        if depth is None and (pixels or detector is not None):
+            depth = np.empty(shape, np.float32)
+        if rgb is None and (pixels or (detector is not None and detector.needs_rgb)):
+            rgb = np.empty((*shape, 3), np.uint8)
         if depth is None:
             return None, None
         instance = self._instance if detector is not None else None

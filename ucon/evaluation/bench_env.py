@@ -21,7 +21,7 @@ _STEPS = 600
 #: Number of stages without an agent.
 STAGES = 5
 #: Probabilities of the actions of a random walk without Done, in the order of :class:`Action`; mostly MoveAhead.
-_WALK = (0.55, 0.15, 0.15, 0.06, 0.06, 0.03)
+WALK = (0.55, 0.15, 0.15, 0.06, 0.06, 0.03)
 
 assert ucon.envs  # the import registers the environments
 
@@ -41,7 +41,7 @@ def bench_environment(
     Returns:
         Figures by name, rounded to one digit; for ``UcONSearch-v0`` a random choice counts as one decision.
     """
-    chosen = list({episode.scene: episode for episode in episodes}.values())[:8]
+    chosen = one_per_home(episodes)
     figures: dict[str, float] = {}
     kinds = {"pixels": {"observe": "pixels"}, "symbolic": {"observe": "symbolic"}, "robot": {"task": "real_robot"}}
     for kind, options in kinds.items():
@@ -58,6 +58,11 @@ def bench_environment(
     return {name: round(value, 1) for name, value in figures.items()}
 
 
+def one_per_home(episodes: Sequence[Episode]) -> list[Episode]:
+    """One episode of each of eight homes."""
+    return list({episode.scene: episode for episode in episodes}.values())[:8]
+
+
 def _make(episodes: Sequence[Episode], **options: Any) -> gym.Env[Any, Any]:
     return gym.make("UcON-v0", episodes=tuple(episodes), disable_env_checker=True, **options)
 
@@ -70,7 +75,7 @@ def walked_per_second(episode: Episode, options: dict[str, Any]) -> float:
         options: of ``UcON-v0``.
     """
     env = _make([episode], **options)
-    actions = stream(0, "bench", episode.id).choice(len(_WALK), size=_STEPS, p=_WALK).tolist()
+    actions = stream(0, "bench", episode.id).choice(len(WALK), size=_STEPS, p=WALK).tolist()
     env.reset(seed=0, options={"episode": 0})
     for action in (Action.ROTATE_LEFT,) * 4:  # warm up
         env.step(action)
